@@ -14,8 +14,8 @@
 #include "client/cli/tables.h"
 #include "client/cpp/client.h"
 #include "kerf/v1/sheets.grpc.pb.h"
-#include "server/host/disk.h"
-#include "server/wire/json.h"
+#include "server/base/disk.h"
+#include "server/service/wire/json.h"
 
 namespace kerf::cli {
 namespace {

@@ -9,8 +9,8 @@
 #include <sstream>
 #include <utility>
 
-#include "server/svg/path_data.h"
-#include "server/wire/geometry_codec.h"
+#include "server/service/svg/path_data.h"
+#include "server/service/wire/geometry_codec.h"
 
 namespace kerf::cli {
 namespace {

@@ -16,8 +16,8 @@
 #include "client/cli/arguments.h"
 #include "client/cli/commands.h"
 #include "client/cpp/client.h"
-#include "server/host/disk.h"
-#include "server/svg/svg.h"
+#include "server/base/disk.h"
+#include "server/service/svg/svg.h"
 
 namespace kerf::cli {
 namespace {

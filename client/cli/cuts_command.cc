@@ -16,8 +16,8 @@
 #include "client/cli/commands.h"
 #include "client/cpp/client.h"
 #include "client/cpp/failure.h"
-#include "server/host/disk.h"
-#include "server/wire/json.h"
+#include "server/base/disk.h"
+#include "server/service/wire/json.h"
 
 namespace kerf::cli {
 namespace {

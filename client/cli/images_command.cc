@@ -22,7 +22,7 @@
 #include "client/cli/progress.h"
 #include "client/cpp/client.h"
 #include "client/cpp/image_watcher.h"
-#include "server/host/disk.h"
+#include "server/base/disk.h"
 
 namespace kerf::cli {
 namespace {

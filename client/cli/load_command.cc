@@ -19,7 +19,7 @@
 #include "client/cli/on_signal.h"
 #include "client/cli/progress.h"
 #include "client/load/run.h"
-#include "server/host/disk.h"
+#include "server/base/disk.h"
 
 namespace kerf::cli {
 namespace {

@@ -16,10 +16,10 @@
 #include "client/cli/scene_options.h"
 #include "client/cli/scene_run.h"
 #include "client/cli/tables.h"
-#include "server/host/disk.h"
-#include "server/sheet/recording.h"
-#include "server/wire/recording_codec.h"
-#include "server/wire/reply_codec.h"
+#include "server/base/disk.h"
+#include "server/core/sheet/recording.h"
+#include "server/service/wire/recording_codec.h"
+#include "server/service/wire/reply_codec.h"
 
 namespace kerf::cli {
 namespace {

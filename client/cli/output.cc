@@ -15,8 +15,8 @@
 #include "client/cli/server_names.h"
 #include "client/cli/suggestions.h"
 #include "client/cpp/failure.h"
-#include "server/wire/error_codec.h"
-#include "server/wire/json.h"
+#include "server/service/wire/error_codec.h"
+#include "server/service/wire/json.h"
 
 namespace kerf::cli {
 namespace {

@@ -11,7 +11,7 @@
 #include "client/cli/app.h"
 #include "client/cli/commands.h"
 #include "client/cpp/transfers.h"
-#include "server/host/disk.h"
+#include "server/base/disk.h"
 
 // Recordings of live sheets: fetched, and played live.
 namespace kerf::cli {

@@ -6,7 +6,7 @@
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 
-#include "server/wire/scene_codec.h"
+#include "server/service/wire/scene_codec.h"
 
 namespace kerf::cli {
 namespace {

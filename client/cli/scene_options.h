@@ -4,9 +4,9 @@
 
 #include <CLI/App.hpp>
 
+#include "server/base/disk.h"
 #include "server/base/result.h"
-#include "server/host/disk.h"
-#include "server/sheet/sheet_config.h"
+#include "server/core/scene/sheet_config.h"
 
 // Scene files, and the options that take the place of what a scene says of its integrator and fidelity.
 namespace kerf::cli {

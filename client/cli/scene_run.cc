@@ -9,13 +9,13 @@
 #include <variant>
 #include <vector>
 
-#include "server/analysis/analysis.h"
 #include "server/base/overloaded.h"
-#include "server/sheet/recording.h"
-#include "server/sheet/sheet.h"
-#include "server/wire/analysis_codec.h"
-#include "server/wire/recording_codec.h"
-#include "server/wire/reply_codec.h"
+#include "server/core/analysis/analysis.h"
+#include "server/core/sheet/recording.h"
+#include "server/core/sheet/sheet.h"
+#include "server/service/wire/analysis_codec.h"
+#include "server/service/wire/recording_codec.h"
+#include "server/service/wire/reply_codec.h"
 
 namespace kerf::cli {
 namespace {

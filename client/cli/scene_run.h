@@ -5,9 +5,9 @@
 #include <string>
 
 #include "kerf/v1/run.pb.h"
-#include "server/analysis/analysis.h"
 #include "server/base/result.h"
-#include "server/sheet/sheet_config.h"
+#include "server/core/analysis/analysis.h"
+#include "server/core/scene/sheet_config.h"
 
 namespace kerf::cli {
 

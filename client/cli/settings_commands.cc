@@ -13,7 +13,7 @@
 #include "client/cli/commands.h"
 #include "client/cli/interact.h"
 #include "client/cpp/client.h"
-#include "server/wire/json.h"
+#include "server/service/wire/json.h"
 
 // What of a live sheet can be set: its material, its speed.
 namespace kerf::cli {

@@ -19,10 +19,10 @@
 #include "client/cli/scene_options.h"
 #include "client/cpp/client.h"
 #include "client/cpp/transfers.h"
-#include "server/host/disk.h"
-#include "server/wire/integrator_codec.h"
-#include "server/wire/mesh_source_codec.h"
-#include "server/wire/scene_codec.h"
+#include "server/base/disk.h"
+#include "server/service/wire/integrator_codec.h"
+#include "server/service/wire/mesh_source_codec.h"
+#include "server/service/wire/scene_codec.h"
 
 namespace kerf::cli {
 namespace {

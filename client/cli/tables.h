@@ -7,8 +7,8 @@
 #include <google/protobuf/repeated_ptr_field.h>
 
 #include "kerf/v1/analysis.pb.h"
+#include "server/base/disk.h"
 #include "server/base/result.h"
-#include "server/host/disk.h"
 
 // Tables of probes and vibrations, for people and for other programs.
 namespace kerf::cli {

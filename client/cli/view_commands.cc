@@ -14,7 +14,7 @@
 #include "client/cli/picture_options.h"
 #include "client/cli/progress.h"
 #include "client/cpp/client.h"
-#include "server/host/disk.h"
+#include "server/base/disk.h"
 
 namespace kerf::cli {
 namespace {

@@ -6,8 +6,8 @@
 #include <string_view>
 #include <utility>
 
-#include "server/codec/position_code.h"
-#include "server/codec/topology_code.h"
+#include "server/service/codec/position_code.h"
+#include "server/service/codec/topology_code.h"
 
 namespace kerf::client {
 namespace {

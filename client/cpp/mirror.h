@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "kerf/v1/stream.pb.h"
-#include "server/codec/vertex_predictors.h"
+#include "server/service/codec/vertex_predictors.h"
 
 namespace kerf::client {
 

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <fstream>
 
-#include "server/sheet/sheet.h"
+#include "server/core/sheet/sheet.h"
 
 namespace {
 

@@ -11,7 +11,7 @@
 #include "render/renderer.h"
 #include "server/app/version.h"
 #include "server/base/memory_limit.h"
-#include "server/sheet/sheet_config.h"
+#include "server/core/scene/sheet_config.h"
 
 namespace kerf::app {
 namespace {

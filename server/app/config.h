@@ -7,10 +7,10 @@
 #include <variant>
 #include <vector>
 
-#include "server/api/api.h"
 #include "server/base/result.h"
-#include "server/ws/access.h"
-#include "server/ws/http_server.h"
+#include "server/service/api/api.h"
+#include "server/service/ws/access.h"
+#include "server/service/ws/http_server.h"
 
 namespace CLI {
 class App;

@@ -3,7 +3,7 @@
 #include <new>
 #include <utility>
 
-#include "server/wire/recording_codec.h"
+#include "server/service/wire/recording_codec.h"
 
 namespace kerf::app {
 

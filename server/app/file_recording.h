@@ -9,10 +9,10 @@
 #include <memory>
 #include <string>
 
-#include "server/host/clock.h"
-#include "server/host/disk.h"
-#include "server/sheet/recording.h"
-#include "server/ws/metrics_page.h"
+#include "server/base/disk.h"
+#include "server/core/sheet/recording.h"
+#include "server/service/host/clock.h"
+#include "server/service/ws/metrics_page.h"
 
 namespace kerf::app {
 

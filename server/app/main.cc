@@ -22,7 +22,7 @@
 
 #include "server/app/config.h"
 #include "server/app/server.h"
-#include "server/wire/protobuf_log.h"
+#include "server/service/wire/protobuf_log.h"
 
 namespace {
 

@@ -4,9 +4,9 @@
 #include <memory>
 #include <utility>
 
-#include "server/host/disk.h"
-#include "server/host/host.h"
-#include "server/wire/scene_codec.h"
+#include "server/base/disk.h"
+#include "server/service/host/host.h"
+#include "server/service/wire/scene_codec.h"
 
 namespace kerf::app {
 namespace {

@@ -12,21 +12,21 @@
 #include <utility>
 
 #include "render/renderer.h"
-#include "server/api/api.h"
 #include "server/app/connection_limits.h"
 #include "server/app/file_recording.h"
 #include "server/app/scene_loading.h"
 #include "server/app/version.h"
 #include "server/base/descriptors.h"
-#include "server/host/clock.h"
-#include "server/host/disk.h"
-#include "server/host/entropy.h"
-#include "server/host/host.h"
-#include "server/rpc/rpc_server.h"
-#include "server/wire/recording_codec.h"
-#include "server/wire/reply_codec.h"
-#include "server/ws/http_server.h"
-#include "server/ws/metrics_page.h"
+#include "server/base/disk.h"
+#include "server/service/api/api.h"
+#include "server/service/host/clock.h"
+#include "server/service/host/entropy.h"
+#include "server/service/host/host.h"
+#include "server/service/rpc/rpc_server.h"
+#include "server/service/wire/recording_codec.h"
+#include "server/service/wire/reply_codec.h"
+#include "server/service/ws/http_server.h"
+#include "server/service/ws/metrics_page.h"
 
 namespace kerf::app {
 namespace {

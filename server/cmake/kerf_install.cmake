@@ -1,5 +1,5 @@
 # What other projects take with find_package(kerf): the simulation library (component core) and the client library (component
-# client), with their headers in include/kerf, so that #include "server/sheet/sheet.h" is found there as it is here. The
+# client), with their headers in include/kerf, so that #include "server/core/sheet/sheet.h" is found there as it is here. The
 # component devel of `cmake --install` is all of that without the programs.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
@@ -22,9 +22,9 @@ function(kerf_install_part part)
   endforeach()
 endfunction()
 
-kerf_install_part(base TARGETS kerf_flags kerf_base kerf_codec HEADERS server/base server/codec)
-kerf_install_part(core TARGETS kerf_mesh kerf_cut kerf_contact kerf_fem kerf_sheet kerf_analysis kerf_core
-  HEADERS server/mesh server/cut server/contact server/fem server/sheet server/analysis)
+kerf_install_part(base TARGETS kerf_flags kerf_base kerf_codec HEADERS server/base server/service/codec)
+kerf_install_part(core TARGETS kerf_linear kerf_mesh kerf_cut kerf_contact kerf_fem kerf_scene kerf_sheet kerf_analysis kerf_core
+  HEADERS server/core)
 set(kerf_parts core)
 if(KERF_TRANSPORTS)
   kerf_install_part(client TARGETS kerf_messages kerf_services kerf_client HEADERS client/cpp)

@@ -1,4 +1,4 @@
-# One library a folder. Include root is the repository: #include "server/mesh/triangle_mesh.h".
+# One library a folder. Include root is the repository: #include "server/core/mesh/triangle_mesh.h".
 
 add_library(kerf_warnings INTERFACE)
 target_compile_options(kerf_warnings INTERFACE

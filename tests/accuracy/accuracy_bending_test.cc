@@ -4,10 +4,10 @@
 #include <map>
 #include <numbers>
 
-#include "server/cut/cut.h"
-#include "server/fem/bending_forces.h"
-#include "server/fem/follower_loads.h"
-#include "server/fem/reactions.h"
+#include "server/core/cut/cut.h"
+#include "server/core/fem/element/bending_forces.h"
+#include "server/core/fem/element/follower_loads.h"
+#include "server/core/fem/statics/reactions.h"
 #include "tests/accuracy/statics.h"
 
 namespace kerf::accuracy {

@@ -3,8 +3,8 @@
 
 #include <Eigen/Geometry>
 
-#include "server/fem/integrator.h"
-#include "server/mesh/grid_mesh.h"
+#include "server/core/fem/step/integrator.h"
+#include "server/core/mesh/build/grid_mesh.h"
 #include "tests/accuracy/reference.h"
 
 namespace kerf::accuracy {

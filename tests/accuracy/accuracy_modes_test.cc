@@ -2,9 +2,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "server/fem/equilibrium.h"
-#include "server/fem/modes.h"
-#include "server/mesh/grid_mesh.h"
+#include "server/core/fem/statics/equilibrium.h"
+#include "server/core/fem/statics/modes.h"
+#include "server/core/mesh/build/grid_mesh.h"
 #include "tests/accuracy/reference.h"
 
 namespace kerf::accuracy {

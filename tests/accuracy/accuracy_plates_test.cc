@@ -7,9 +7,9 @@
 #include <gtest/gtest.h>
 #include <Eigen/SparseCholesky>
 
-#include "server/fem/model.h"
-#include "server/fem/modes.h"
-#include "server/mesh/outline_mesh.h"
+#include "server/core/fem/model/model.h"
+#include "server/core/fem/statics/modes.h"
+#include "server/core/mesh/build/outline_mesh.h"
 #include "tests/support/meshes.h"
 
 namespace kerf::accuracy {

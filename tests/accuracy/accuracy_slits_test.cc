@@ -6,10 +6,10 @@
 #include <numbers>
 #include <utility>
 
-#include "server/cut/cut.h"
-#include "server/fem/equilibrium.h"
-#include "server/mesh/grid_mesh.h"
-#include "server/mesh/mesh_import.h"
+#include "server/core/cut/cut.h"
+#include "server/core/fem/statics/equilibrium.h"
+#include "server/core/mesh/build/grid_mesh.h"
+#include "server/core/mesh/build/mesh_import.h"
 #include "tests/accuracy/reference.h"
 
 namespace kerf::accuracy {

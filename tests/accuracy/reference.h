@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "server/fem/material.h"
+#include "server/core/fem/element/material.h"
 
 namespace kerf::accuracy {
 

@@ -3,7 +3,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "server/wire/scene_codec.h"
+#include "server/service/wire/scene_codec.h"
 
 namespace kerf::accuracy {
 

@@ -5,8 +5,8 @@
 #include <cstdio>
 #include <vector>
 
-#include "server/fem/equilibrium.h"
-#include "server/mesh/mesh_import.h"
+#include "server/core/fem/statics/equilibrium.h"
+#include "server/core/mesh/build/mesh_import.h"
 #include "tests/accuracy/reference.h"
 
 namespace kerf::accuracy {

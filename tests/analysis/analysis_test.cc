@@ -1,5 +1,5 @@
 // Analyses of whole scenes: their tables, their order, how they end.
-#include "server/analysis/analysis.h"
+#include "server/core/analysis/analysis.h"
 
 #include <cmath>
 #include <numbers>

@@ -1,5 +1,5 @@
 // What probes measure, against what is known of simple states.
-#include "server/analysis/probe.h"
+#include "server/core/analysis/probe.h"
 
 #include <cmath>
 #include <map>

@@ -1,7 +1,7 @@
 // Static analyses of sheets that nothing holds, and what such analyses leave out.
 #include <cmath>
 
-#include "server/analysis/analysis.h"
+#include "server/core/analysis/analysis.h"
 #include "tests/sheet/sheet_calls.h"
 
 namespace kerf::analysis {

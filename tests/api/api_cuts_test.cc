@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "server/api/tick_advice.h"
-#include "server/wire/json.h"
+#include "server/service/api/tick_advice.h"
+#include "server/service/wire/json.h"
 #include "tests/api/api_fixture.h"
 #include "tests/api/viewer.h"
 

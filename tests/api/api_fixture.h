@@ -14,7 +14,7 @@
 #include "kerf/v1/render.pb.h"
 #include "kerf/v1/server.pb.h"
 #include "kerf/v1/sheets.pb.h"
-#include "server/api/api.h"
+#include "server/service/api/api.h"
 #include "tests/host/host_fixture.h"
 
 namespace kerf::api {

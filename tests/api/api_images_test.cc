@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "render/video.h"
-#include "server/api/picture_studio.h"
+#include "server/service/picture/picture_studio.h"
 #include "tests/api/images_fixture.h"
 
 namespace kerf::api {

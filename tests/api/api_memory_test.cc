@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server/api/cut_journal.h"
+#include "server/service/api/cut_journal.h"
 #include "tests/api/api_fixture.h"
 
 namespace kerf::api {

@@ -8,9 +8,9 @@
 #include <gtest/gtest.h>
 
 #include "render/renderer.h"
-#include "server/fem/material.h"
-#include "server/wire/error_codec.h"
-#include "server/wire/material_codec.h"
+#include "server/core/fem/element/material.h"
+#include "server/service/wire/error_codec.h"
+#include "server/service/wire/material_codec.h"
 #include "tests/api/api_fixture.h"
 #include "tests/api/bad_calls.h"
 

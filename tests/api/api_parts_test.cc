@@ -17,9 +17,9 @@
 #include <gtest/gtest.h>
 
 #include "render/renderer.h"
-#include "server/api/core.h"
-#include "server/api/ready_signal.h"
-#include "server/api/request_log.h"
+#include "server/service/api/core.h"
+#include "server/service/api/request_log.h"
+#include "server/service/host/ready_signal.h"
 #include "tests/api/api_fixture.h"
 
 namespace kerf::api {

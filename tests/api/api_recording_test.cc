@@ -3,9 +3,9 @@
 #include <memory>
 #include <string>
 
-#include "server/api/upload.h"
-#include "server/sheet/recording.h"
-#include "server/wire/recording_codec.h"
+#include "server/core/sheet/recording.h"
+#include "server/service/api/upload.h"
+#include "server/service/wire/recording_codec.h"
 #include "tests/api/api_fixture.h"
 
 namespace kerf::api {

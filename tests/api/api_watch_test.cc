@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "kerf/v1/stream.pb.h"
-#include "server/wire/protobuf_log.h"
+#include "server/service/wire/protobuf_log.h"
 #include "tests/api/api_fixture.h"
 #include "tests/api/viewer.h"
 #include "tests/wire/frame_mirror.h"

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "server/api/gltf_file.h"
+#include "server/service/api/gltf_file.h"
 #include "tests/sheet/sheet_calls.h"
 
 namespace kerf::api {

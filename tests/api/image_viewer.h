@@ -11,8 +11,8 @@
 #include <gtest/gtest.h>
 
 #include "kerf/v1/render.pb.h"
-#include "server/api/api.h"
-#include "server/api/image_session.h"
+#include "server/service/api/api.h"
+#include "server/service/api/image_session.h"
 
 namespace kerf::api {
 

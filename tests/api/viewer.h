@@ -10,8 +10,8 @@
 #include <gtest/gtest.h>
 
 #include "kerf/v1/stream.pb.h"
-#include "server/api/api.h"
-#include "server/api/watch_session.h"
+#include "server/service/api/api.h"
+#include "server/service/api/watch_session.h"
 #include "tests/wire/frame_mirror.h"
 
 namespace kerf::api {

@@ -4,8 +4,8 @@
 #include <string>
 #include <utility>
 
-#include "server/cut/cut.h"
-#include "server/cut/fit.h"
+#include "server/core/cut/cut.h"
+#include "server/core/cut/fit.h"
 #include "tests/audit/cut_audit.h"
 #include "tests/audit/path_audit.h"
 #include "tests/audit/strip_audit.h"

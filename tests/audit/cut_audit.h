@@ -1,6 +1,6 @@
 #pragma once
 
-#include "server/cut/cut.h"
+#include "server/core/cut/cut.h"
 #include "tests/audit/mesh_audit.h"
 
 namespace kerf::audit {

@@ -5,11 +5,11 @@
 #include <optional>
 #include <string>
 
-#include "server/mesh/triangle_mesh.h"
+#include "server/core/mesh/triangle_mesh.h"
 
-// Checks of meshes and of cuts that share nothing with server/mesh but the records: adjacency, sectors, pieces, loops
-// and areas are found again from corners and coordinates, by other algorithms. Each function returns what is wrong in
-// words, or nothing. The library links nothing of Kerf.
+// Checks of meshes and of cuts that share nothing with server/core/mesh but the records: adjacency, sectors, pieces,
+// loops and areas are found again from corners and coordinates, by other algorithms. Each function returns what is
+// wrong in words, or nothing. The library links nothing of Kerf.
 namespace kerf::audit {
 
 using Finding = std::optional<std::string>;

@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-#include "server/cut/cut.h"
+#include "server/core/cut/cut.h"
 #include "tests/audit/mesh_audit.h"
 
 namespace kerf::audit {

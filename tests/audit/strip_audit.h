@@ -1,6 +1,6 @@
 #pragma once
 
-#include "server/cut/cut.h"
+#include "server/core/cut/cut.h"
 #include "tests/audit/mesh_audit.h"
 
 // Checks of cuts that take a strip away, by sampling: they share no code with the cutter.

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "server/mesh/triangle_mesh.h"
+#include "server/core/mesh/triangle_mesh.h"
 
 namespace kerf::bench {
 

@@ -11,9 +11,9 @@
 #include <utility>
 #include <vector>
 
-#include "server/contact/collider.h"
-#include "server/fem/material.h"
-#include "server/sheet/sheet.h"
+#include "server/core/contact/collider.h"
+#include "server/core/fem/element/material.h"
+#include "server/core/sheet/sheet.h"
 #include "tests/bench/cpu_time.h"
 
 namespace kerf::bench {

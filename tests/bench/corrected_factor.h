@@ -3,11 +3,11 @@
 #include <utility>
 #include <vector>
 
-#include "server/fem/block_matrix.h"
-#include "server/fem/factor_preconditioner.h"
-#include "server/fem/preconditioner.h"
-#include "server/fem/supernodal_cholesky.h"
-#include "server/mesh/vertex_field.h"
+#include "server/core/linear/block_matrix.h"
+#include "server/core/linear/factor_preconditioner.h"
+#include "server/core/linear/preconditioner.h"
+#include "server/core/linear/supernodal_cholesky.h"
+#include "server/core/linear/vertex_field.h"
 
 namespace kerf::bench {
 

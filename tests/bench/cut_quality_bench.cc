@@ -11,9 +11,9 @@
 #include <nlohmann/json.hpp>
 
 #include "server/base/check.h"
-#include "server/cut/cut.h"
-#include "server/cut/cut_quality.h"
-#include "server/mesh/grid_mesh.h"
+#include "server/core/cut/cut.h"
+#include "server/core/cut/cut_quality.h"
+#include "server/core/mesh/build/grid_mesh.h"
 #include "tests/bench/condition_number.h"
 #include "tests/support/cut_patterns.h"
 

@@ -10,8 +10,8 @@
 #include <thread>
 
 #include "server/base/check.h"
-#include "server/host/entropy.h"
-#include "server/host/host.h"
+#include "server/service/host/entropy.h"
+#include "server/service/host/host.h"
 #include "tests/bench/cpu_time.h"
 #include "tests/bench/scenes.h"
 #include "tests/support/scenes.h"

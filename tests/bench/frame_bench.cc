@@ -6,7 +6,7 @@
 #include <benchmark/benchmark.h>
 
 #include "server/base/state_hash.h"
-#include "server/wire/frame_encoder.h"
+#include "server/service/wire/frame_encoder.h"
 #include "tests/bench/expected.h"
 #include "tests/bench/scenes.h"
 

@@ -13,8 +13,8 @@
 
 #include "server/base/check.h"
 #include "server/base/state_hash.h"
-#include "server/fem/leapfrog_sweep.h"
-#include "server/mesh/grid_mesh.h"
+#include "server/core/fem/leapfrog/leapfrog_sweep.h"
+#include "server/core/mesh/build/grid_mesh.h"
 #include "tests/bench/expected.h"
 
 // What two threads inside one sheet could gain at most: substeps of a whole sheet on one thread beside those of two

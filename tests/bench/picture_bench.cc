@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "render/renderer.h"
-#include "server/api/image_request.h"
-#include "server/api/picture.h"
-#include "server/api/video_track.h"
+#include "server/service/api/image_request.h"
+#include "server/service/picture/picture.h"
+#include "server/service/picture/video_track.h"
 #include "tests/bench/cpu_time.h"
 #include "tests/bench/picture_check.h"
 #include "tests/bench/scenes.h"

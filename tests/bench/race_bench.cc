@@ -9,8 +9,8 @@
 #include <string_view>
 #include <vector>
 
-#include "server/fem/integrator.h"
-#include "server/mesh/grid_mesh.h"
+#include "server/core/fem/step/integrator.h"
+#include "server/core/mesh/build/grid_mesh.h"
 #include "tests/bench/cpu_time.h"
 #include "tests/bench/race_one_solve.h"
 #include "tests/bench/race_programs.h"

@@ -1,9 +1,9 @@
 #include "tests/bench/race_one_solve.h"
 
-#include "server/fem/linear_solver.h"
-#include "server/fem/membrane.h"
-#include "server/fem/tangent_matrix.h"
-#include "server/fem/vertex_frames.h"
+#include "server/core/fem/element/membrane.h"
+#include "server/core/fem/element/vertex_frames.h"
+#include "server/core/fem/model/tangent_matrix.h"
+#include "server/core/linear/linear_solver.h"
 
 namespace kerf::bench {
 namespace {

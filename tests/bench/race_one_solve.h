@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "server/fem/integrator.h"
+#include "server/core/fem/step/integrator.h"
 
 namespace kerf::bench {
 

@@ -3,8 +3,8 @@
 #include <utility>
 
 #include "server/base/check.h"
-#include "server/cut/cut.h"
-#include "server/mesh/grid_mesh.h"
+#include "server/core/cut/cut.h"
+#include "server/core/mesh/build/grid_mesh.h"
 #include "tests/support/cut_patterns.h"
 
 namespace kerf::bench {

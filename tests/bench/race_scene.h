@@ -7,8 +7,8 @@
 
 #include <Eigen/Core>
 
-#include "server/fem/integrator.h"
-#include "server/mesh/triangle_mesh.h"
+#include "server/core/fem/step/integrator.h"
+#include "server/core/mesh/triangle_mesh.h"
 
 // The scene of tests/bench/README.md "The race".
 namespace kerf::bench {

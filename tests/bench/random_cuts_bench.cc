@@ -11,8 +11,8 @@
 
 #include "server/base/check.h"
 #include "server/base/state_hash.h"
-#include "server/fem/automatic_integrator.h"
-#include "server/fem/explicit_integrator.h"
+#include "server/core/fem/step/automatic_integrator.h"
+#include "server/core/fem/step/explicit_integrator.h"
 #include "tests/bench/cpu_time.h"
 #include "tests/bench/expected.h"
 #include "tests/bench/random_cuts_scene.h"

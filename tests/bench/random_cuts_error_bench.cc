@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/fem/explicit_integrator.h"
+#include "server/core/fem/step/explicit_integrator.h"
 #include "tests/bench/cpu_time.h"
 #include "tests/bench/random_cuts_scene.h"
 

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "server/base/random.h"
-#include "server/fem/material.h"
-#include "server/sheet/sheet.h"
+#include "server/core/fem/element/material.h"
+#include "server/core/sheet/sheet.h"
 
 // Sheets of 50 x 50 vertices with random cuts: what kerf_bench and random_cuts_error_bench share.
 namespace kerf::bench {

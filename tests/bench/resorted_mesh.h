@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "server/mesh/ids.h"
-#include "server/mesh/triangle_mesh.h"
+#include "server/core/mesh/ids.h"
+#include "server/core/mesh/triangle_mesh.h"
 
 // The same sheet with other numbers, as memory follows them.
 namespace kerf::bench {

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "server/base/check.h"
-#include "server/fem/material.h"
+#include "server/core/fem/element/material.h"
 
 namespace kerf::bench {
 

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "server/sheet/sheet.h"
+#include "server/core/sheet/sheet.h"
 
 // What the benchmarks run. Grids of 225, 2,500, 10,000 and 40,000 vertices, 1 m x 1 m.
 namespace kerf::bench {

@@ -7,8 +7,8 @@
 #include <benchmark/benchmark.h>
 
 #include "server/base/check.h"
-#include "server/host/entropy.h"
-#include "server/host/host.h"
+#include "server/service/host/entropy.h"
+#include "server/service/host/host.h"
 #include "tests/bench/cpu_time.h"
 #include "tests/bench/expected.h"
 #include "tests/bench/scenes.h"

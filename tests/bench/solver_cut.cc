@@ -11,12 +11,12 @@
 #include <vector>
 
 #include "server/base/check.h"
-#include "server/cut/cut.h"
-#include "server/fem/conjugate_gradient.h"
-#include "server/fem/factor_preconditioner.h"
-#include "server/fem/linear_solver.h"
-#include "server/fem/transfer.h"
-#include "server/mesh/grid_mesh.h"
+#include "server/core/cut/cut.h"
+#include "server/core/fem/model/transfer.h"
+#include "server/core/linear/conjugate_gradient.h"
+#include "server/core/linear/factor_preconditioner.h"
+#include "server/core/linear/linear_solver.h"
+#include "server/core/mesh/build/grid_mesh.h"
 #include "tests/bench/corrected_factor.h"
 #include "tests/bench/cpu_time.h"
 #include "tests/bench/solver_system.h"

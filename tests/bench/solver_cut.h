@@ -1,6 +1,6 @@
 #pragma once
 
-#include "server/fem/material.h"
+#include "server/core/fem/element/material.h"
 
 namespace kerf::bench {
 

@@ -11,10 +11,10 @@
 #include <unistd.h>
 
 #include "server/base/check.h"
-#include "server/cut/cut.h"
-#include "server/fem/integrator.h"
-#include "server/fem/linear_solver.h"
-#include "server/mesh/grid_mesh.h"
+#include "server/core/cut/cut.h"
+#include "server/core/fem/step/integrator.h"
+#include "server/core/linear/linear_solver.h"
+#include "server/core/mesh/build/grid_mesh.h"
 #include "tests/bench/cpu_time.h"
 #include "tests/bench/solver_system.h"
 

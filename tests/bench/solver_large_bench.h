@@ -2,7 +2,7 @@
 
 #include <string_view>
 
-#include "server/fem/material.h"
+#include "server/core/fem/element/material.h"
 
 namespace kerf::bench {
 

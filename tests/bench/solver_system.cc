@@ -2,9 +2,9 @@
 
 #include <memory>
 
-#include "server/fem/integrator.h"
-#include "server/fem/membrane.h"
-#include "server/fem/vertex_frames.h"
+#include "server/core/fem/element/membrane.h"
+#include "server/core/fem/element/vertex_frames.h"
+#include "server/core/fem/step/integrator.h"
 
 namespace kerf::bench {
 

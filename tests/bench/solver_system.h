@@ -4,12 +4,12 @@
 
 #include <Eigen/Core>
 
-#include "server/fem/loads.h"
-#include "server/fem/model.h"
-#include "server/fem/state.h"
-#include "server/fem/tangent_matrix.h"
-#include "server/mesh/triangle_mesh.h"
-#include "server/mesh/vertex_field.h"
+#include "server/core/fem/element/loads.h"
+#include "server/core/fem/element/state.h"
+#include "server/core/fem/model/model.h"
+#include "server/core/fem/model/tangent_matrix.h"
+#include "server/core/linear/vertex_field.h"
+#include "server/core/mesh/triangle_mesh.h"
 
 // Linear systems that solvers are compared by.
 namespace kerf::bench {

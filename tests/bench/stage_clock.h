@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/sheet/sheet.h"
+#include "server/core/sheet/sheet.h"
 #include "tests/bench/cpu_time.h"
 
 namespace kerf::bench {

@@ -9,8 +9,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "server/codec/position_code.h"
-#include "server/codec/topology_code.h"
+#include "server/service/codec/position_code.h"
+#include "server/service/codec/topology_code.h"
 
 namespace kerf::client {
 namespace {

@@ -1,4 +1,4 @@
-#include "server/codec/packed_integers.h"
+#include "server/service/codec/packed_integers.h"
 
 #include <cmath>
 #include <cstdint>

@@ -1,4 +1,4 @@
-#include "server/codec/position_code.h"
+#include "server/service/codec/position_code.h"
 
 #include <array>
 #include <cstdint>

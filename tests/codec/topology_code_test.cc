@@ -1,4 +1,4 @@
-#include "server/codec/topology_code.h"
+#include "server/service/codec/topology_code.h"
 
 #include <array>
 #include <bit>

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "server/contact/collider.h"
-#include "server/contact/contact_solver.h"
+#include "server/core/contact/collider.h"
+#include "server/core/contact/contact_solver.h"
 #include "tests/contact/random_vector.h"
 
 namespace kerf::contact {

@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "server/contact/contact_solver.h"
-#include "server/contact/lane_contact.h"
+#include "server/core/contact/contact_solver.h"
+#include "server/core/contact/lane_contact.h"
 #include "tests/contact/random_vector.h"
 
 namespace kerf::contact {

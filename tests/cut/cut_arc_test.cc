@@ -1,6 +1,6 @@
 // Ellipses and elliptical arcs as rational pieces, against sine and cosine in long double.
 
-#include "server/cut/arc.h"
+#include "server/core/cut/arc.h"
 
 #include <cmath>
 #include <limits>
@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "server/base/random.h"
-#include "server/cut/curve.h"
+#include "server/core/cut/curve.h"
 #include "tests/cut/exact_distance.h"
 
 namespace kerf::cut {

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "server/cut/cut.h"
-#include "server/mesh/grid_mesh.h"
+#include "server/core/cut/cut.h"
+#include "server/core/mesh/build/grid_mesh.h"
 #include "tests/audit/audited_cut.h"
 #include "tests/support/trials.h"
 

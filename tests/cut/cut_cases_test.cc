@@ -5,9 +5,9 @@
 #include <gtest/gtest.h>
 
 #include "server/base/random.h"
-#include "server/cut/cut.h"
-#include "server/mesh/grid_mesh.h"
-#include "server/mesh/mesh_import.h"
+#include "server/core/cut/cut.h"
+#include "server/core/mesh/build/grid_mesh.h"
+#include "server/core/mesh/build/mesh_import.h"
 #include "tests/cut/cut_calls.h"
 #include "tests/support/meshes.h"
 

@@ -1,4 +1,4 @@
-#include "server/cut/curve.h"
+#include "server/core/cut/curve.h"
 
 #include <algorithm>
 #include <array>

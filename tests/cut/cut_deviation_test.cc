@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "server/base/random.h"
-#include "server/mesh/mesh_import.h"
+#include "server/core/mesh/build/mesh_import.h"
 #include "tests/cut/cut_calls.h"
 #include "tests/support/cut_patterns.h"
 

@@ -1,4 +1,4 @@
-#include "server/cut/outline.h"
+#include "server/core/cut/outline.h"
 
 #include <algorithm>
 #include <limits>
@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "server/base/random.h"
-#include "server/cut/segment_distance.h"
+#include "server/core/cut/segment_distance.h"
 #include "tests/support/trials.h"
 
 namespace kerf::cut {

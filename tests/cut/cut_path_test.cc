@@ -11,8 +11,8 @@
 #include <gtest/gtest.h>
 
 #include "server/base/random.h"
-#include "server/cut/cut.h"
-#include "server/cut/rational_piece.h"
+#include "server/core/cut/cut.h"
+#include "server/core/cut/rational_piece.h"
 #include "tests/cut/cut_calls.h"
 #include "tests/cut/exact_distance.h"
 

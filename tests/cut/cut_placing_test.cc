@@ -8,8 +8,8 @@
 #include <gtest/gtest.h>
 
 #include "server/base/random.h"
-#include "server/cut/cut.h"
-#include "server/cut/stroke.h"
+#include "server/core/cut/cut.h"
+#include "server/core/cut/stroke.h"
 #include "tests/cut/cut_calls.h"
 
 namespace kerf::cut {

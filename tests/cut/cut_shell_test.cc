@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "server/cut/cut.h"
+#include "server/core/cut/cut.h"
 #include "tests/cut/cut_calls.h"
 #include "tests/support/shells.h"
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "server/base/random.h"
-#include "server/mesh/triangle_shape.h"
+#include "server/core/mesh/triangle_shape.h"
 #include "tests/cut/cut_calls.h"
 #include "tests/support/random_cuts.h"
 

@@ -7,9 +7,9 @@
 #include <gtest/gtest.h>
 
 #include "server/base/random.h"
-#include "server/cut/cut.h"
-#include "server/cut/view.h"
-#include "server/mesh/grid_mesh.h"
+#include "server/core/cut/cut.h"
+#include "server/core/cut/view.h"
+#include "server/core/mesh/build/grid_mesh.h"
 
 // Cuts drawn on a picture of a flat, a folded, a tilted, a far and a hidden sheet.
 namespace kerf::cut {

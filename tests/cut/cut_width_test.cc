@@ -8,8 +8,8 @@
 #include <gtest/gtest.h>
 
 #include "server/base/random.h"
-#include "server/cut/cut.h"
-#include "server/cut/outline.h"
+#include "server/core/cut/cut.h"
+#include "server/core/cut/outline.h"
 #include "tests/audit/path_audit.h"
 #include "tests/audit/strip_audit.h"
 #include "tests/cut/cut_calls.h"

@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-#include "server/cut/curve.h"
+#include "server/core/cut/curve.h"
 
 // What flattened curves are checked with: distances in long double.
 namespace kerf::cut {

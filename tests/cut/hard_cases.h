@@ -6,9 +6,9 @@
 #include <numbers>
 #include <vector>
 
-#include "server/cut/cut.h"
-#include "server/mesh/grid_mesh.h"
-#include "server/mesh/mesh_import.h"
+#include "server/core/cut/cut.h"
+#include "server/core/mesh/build/grid_mesh.h"
+#include "server/core/mesh/build/mesh_import.h"
 #include "tests/support/meshes.h"
 
 // The hard cases of cutting on sheets of 12 x 12 cells, in cells: sheets and curves that are moved together, so that

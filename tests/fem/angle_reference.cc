@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "server/fem/angle_bending.h"
-#include "server/fem/rest_bending.h"
+#include "server/core/fem/element/angle_bending.h"
+#include "server/core/fem/element/rest_bending.h"
 #include "tests/fem/element_reference.h"
 #include "tests/fem/jet.h"
 

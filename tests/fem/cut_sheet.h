@@ -1,7 +1,7 @@
 #pragma once
 
 // Sheets cut so that some of their triangles are tiny, and steps of them with clusters.
-#include "server/fem/explicit_integrator.h"
+#include "server/core/fem/step/explicit_integrator.h"
 #include "tests/fem/fem_fixture.h"
 #include "tests/fem/integrator_cases.h"
 #include "tests/support/random_cuts.h"

@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-#include "server/fem/model.h"
+#include "server/core/fem/model/model.h"
 
 // What the energy of a sheet and its derivatives are by the definitions of membrane.h, bending.h, bending_edge.h and
 // hinge.h, taken from the constants of a model in long double, and how far double precision may be off them.

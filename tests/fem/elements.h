@@ -4,12 +4,12 @@
 
 #include <Eigen/Core>
 
-#include "server/fem/angle_bending.h"
-#include "server/fem/bending_forces.h"
-#include "server/fem/membrane.h"
-#include "server/fem/membrane_tangent.h"
-#include "server/fem/model.h"
-#include "server/fem/tangent_matrix.h"
+#include "server/core/fem/element/angle_bending.h"
+#include "server/core/fem/element/bending_forces.h"
+#include "server/core/fem/element/membrane.h"
+#include "server/core/fem/element/membrane_tangent.h"
+#include "server/core/fem/model/model.h"
+#include "server/core/fem/model/tangent_matrix.h"
 
 // The parts of a sheet's energy behind one face, as the contract of elements asks for them.
 namespace kerf::fem {

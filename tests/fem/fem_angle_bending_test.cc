@@ -6,9 +6,9 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "server/cut/cut.h"
-#include "server/fem/hinge.h"
-#include "server/mesh/regions.h"
+#include "server/core/cut/cut.h"
+#include "server/core/fem/element/hinge.h"
+#include "server/core/mesh/regions.h"
 #include "tests/fem/elements.h"
 #include "tests/fem/fem_fixture.h"
 #include "tests/support/cut_patterns.h"

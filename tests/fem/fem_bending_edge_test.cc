@@ -4,8 +4,8 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "server/cut/cut.h"
-#include "server/fem/bending_forces.h"
+#include "server/core/cut/cut.h"
+#include "server/core/fem/element/bending_forces.h"
 #include "tests/fem/fem_fixture.h"
 #include "tests/support/meshes.h"
 

@@ -7,8 +7,8 @@
 
 #include <Eigen/LU>
 
-#include "server/fem/bending_lanes.h"
-#include "server/fem/place_in_order.h"
+#include "server/core/fem/element/bending_lanes.h"
+#include "server/core/linear/place_in_order.h"
 #include "tests/fem/fem_fixture.h"
 #include "tests/fem/instruction_sets.h"
 

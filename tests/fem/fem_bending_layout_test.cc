@@ -1,5 +1,5 @@
 // The bending matrix as vector code multiplies by it.
-#include "server/fem/bending_layout.h"
+#include "server/core/fem/element/bending_layout.h"
 
 #include <algorithm>
 #include <map>

@@ -1,4 +1,4 @@
-#include "server/fem/cluster_push.h"
+#include "server/core/fem/leapfrog/cluster_push.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "server/base/random.h"
-#include "server/fem/explicit_integrator.h"
-#include "server/fem/lanes16.h"
+#include "server/core/fem/step/explicit_integrator.h"
+#include "server/core/linear/lanes16.h"
 #include "tests/fem/cut_sheet.h"
 #include "tests/support/trials.h"
 

@@ -1,5 +1,5 @@
 // ES-CGM and AS-CGM against the formulas written down in dense arithmetic, and what they leave of the solution.
-#include "server/fem/covariance_root.h"
+#include "server/core/linear/covariance_root.h"
 
 #include <cmath>
 #include <memory>
@@ -7,7 +7,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 
-#include "server/fem/covariance_root_solver.h"
+#include "server/core/linear/covariance_root_solver.h"
 #include "tests/fem/linear_systems.h"
 #include "tests/support/allocation_counter.h"
 

@@ -10,7 +10,7 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "server/cut/cut.h"
+#include "server/core/cut/cut.h"
 #include "tests/fem/element_reference.h"
 #include "tests/fem/elements.h"
 #include "tests/fem/fem_fixture.h"

@@ -8,7 +8,7 @@
 #include <Eigen/LU>
 #include <Eigen/QR>
 
-#include "server/fem/bending_lanes.h"
+#include "server/core/fem/element/bending_lanes.h"
 #include "tests/fem/elements.h"
 #include "tests/fem/fem_fixture.h"
 

@@ -1,7 +1,7 @@
 // What the search for an equilibrium promises. Against references: tests/accuracy.
 #include <cmath>
 
-#include "server/fem/equilibrium.h"
+#include "server/core/fem/statics/equilibrium.h"
 #include "tests/fem/fem_fixture.h"
 
 namespace kerf::fem {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string_view>
 
-#include "server/fem/explicit_integrator.h"
+#include "server/core/fem/step/explicit_integrator.h"
 #include "tests/fem/cut_sheet.h"
 #include "tests/fem/no_contact.h"
 

@@ -2,10 +2,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/cut/cut.h"
-#include "server/fem/equilibrium.h"
-#include "server/fem/reactions.h"
-#include "server/fem/recovered_fields.h"
+#include "server/core/cut/cut.h"
+#include "server/core/fem/statics/equilibrium.h"
+#include "server/core/fem/statics/reactions.h"
+#include "server/core/fem/statics/recovered_fields.h"
 #include "tests/fem/fem_fixture.h"
 
 namespace kerf::fem {

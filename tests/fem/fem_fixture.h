@@ -5,10 +5,10 @@
 #include <Eigen/Geometry>
 
 #include "server/base/random.h"
-#include "server/fem/model.h"
-#include "server/mesh/grid_mesh.h"
-#include "server/mesh/mesh_import.h"
-#include "server/mesh/triangle_mesh.h"
+#include "server/core/fem/model/model.h"
+#include "server/core/mesh/build/grid_mesh.h"
+#include "server/core/mesh/build/mesh_import.h"
+#include "server/core/mesh/triangle_mesh.h"
 
 namespace kerf::fem {
 

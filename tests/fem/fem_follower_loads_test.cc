@@ -2,9 +2,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "server/fem/equilibrium.h"
-#include "server/fem/follower_loads.h"
-#include "server/fem/tangent_matrix.h"
+#include "server/core/fem/element/follower_loads.h"
+#include "server/core/fem/model/tangent_matrix.h"
+#include "server/core/fem/statics/equilibrium.h"
 #include "tests/fem/fem_fixture.h"
 
 namespace kerf::fem {

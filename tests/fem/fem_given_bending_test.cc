@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "server/fem/equilibrium.h"
-#include "server/fem/integrator.h"
-#include "server/fem/modes.h"
+#include "server/core/fem/statics/equilibrium.h"
+#include "server/core/fem/statics/modes.h"
+#include "server/core/fem/step/integrator.h"
 #include "tests/fem/fem_fixture.h"
 
 namespace kerf::fem {

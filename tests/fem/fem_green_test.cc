@@ -6,9 +6,9 @@
 
 #include <Eigen/LU>
 
-#include "server/fem/equilibrium.h"
-#include "server/fem/membrane.h"
-#include "server/fem/recovered_fields.h"
+#include "server/core/fem/element/membrane.h"
+#include "server/core/fem/statics/equilibrium.h"
+#include "server/core/fem/statics/recovered_fields.h"
 #include "tests/fem/integrator_cases.h"
 
 namespace kerf::fem {

@@ -3,7 +3,7 @@
 #include <numbers>
 #include <vector>
 
-#include "server/cut/cut.h"
+#include "server/core/cut/cut.h"
 #include "tests/fem/integrator_cases.h"
 #include "tests/support/trials.h"
 

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/fem/equilibrium.h"
+#include "server/core/fem/statics/equilibrium.h"
 #include "tests/fem/integrator_cases.h"
 #include "tests/support/allocation_counter.h"
 #include "tests/support/trials.h"

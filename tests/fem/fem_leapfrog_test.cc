@@ -7,10 +7,10 @@
 #include <utility>
 #include <vector>
 
-#include "server/fem/contact_constraint.h"
-#include "server/fem/explicit_integrator.h"
-#include "server/fem/membrane_layout.h"
-#include "server/mesh/mesh_import.h"
+#include "server/core/fem/element/contact_constraint.h"
+#include "server/core/fem/leapfrog/membrane_layout.h"
+#include "server/core/fem/step/explicit_integrator.h"
+#include "server/core/mesh/build/mesh_import.h"
 #include "tests/fem/instruction_sets.h"
 #include "tests/fem/leapfrog_cases.h"
 

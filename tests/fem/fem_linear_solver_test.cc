@@ -1,6 +1,6 @@
 // The contract of every linear solver: the solution of a known system, an honest residual, refusal of what is not
 // positive definite.
-#include "server/fem/linear_solver.h"
+#include "server/core/linear/linear_solver.h"
 
 #include <algorithm>
 #include <array>

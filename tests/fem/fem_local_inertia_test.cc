@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "server/base/state_hash.h"
-#include "server/fem/explicit_integrator.h"
+#include "server/core/fem/step/explicit_integrator.h"
 #include "tests/fem/cut_sheet.h"
 #include "tests/support/allocation_counter.h"
 #include "tests/support/trials.h"

@@ -1,5 +1,5 @@
 // The quadratic over the energy of a triangle, the step that is solved with it, and where integrators come to it.
-#include "server/fem/majorized_membrane.h"
+#include "server/core/fem/element/majorized_membrane.h"
 
 #include <algorithm>
 #include <array>
@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "server/fem/membrane.h"
-#include "server/fem/stage_solver.h"
+#include "server/core/fem/element/membrane.h"
+#include "server/core/fem/step/stage_solver.h"
 #include "tests/fem/integrator_cases.h"
 #include "tests/fem/no_contact.h"
 #include "tests/support/meshes.h"

@@ -5,10 +5,10 @@
 #include <gtest/gtest.h>
 
 #include "server/base/random.h"
-#include "server/cut/cut.h"
-#include "server/fem/mass_redistribution.h"
-#include "server/fem/model.h"
-#include "server/mesh/grid_mesh.h"
+#include "server/core/cut/cut.h"
+#include "server/core/fem/model/mass_redistribution.h"
+#include "server/core/fem/model/model.h"
+#include "server/core/mesh/build/grid_mesh.h"
 
 namespace kerf::fem {
 namespace {

@@ -5,13 +5,13 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "server/cut/cut.h"
-#include "server/fem/bending_forces.h"
-#include "server/fem/integrator.h"
-#include "server/fem/membrane.h"
-#include "server/fem/recovered_fields.h"
-#include "server/fem/tangent_matrix.h"
-#include "server/mesh/regions.h"
+#include "server/core/cut/cut.h"
+#include "server/core/fem/element/bending_forces.h"
+#include "server/core/fem/element/membrane.h"
+#include "server/core/fem/model/tangent_matrix.h"
+#include "server/core/fem/statics/recovered_fields.h"
+#include "server/core/fem/step/integrator.h"
+#include "server/core/mesh/regions.h"
 #include "tests/fem/fem_fixture.h"
 
 namespace kerf::fem {

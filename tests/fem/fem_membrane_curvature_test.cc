@@ -3,8 +3,8 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "server/fem/material_table.h"
-#include "server/fem/membrane_curvature.h"
+#include "server/core/fem/element/material_table.h"
+#include "server/core/fem/element/membrane_curvature.h"
 #include "tests/fem/fem_fixture.h"
 
 namespace kerf::fem {

@@ -1,9 +1,9 @@
 // Materials, the model and how it follows edits of the mesh.
 #include <limits>
 
-#include "server/fem/row_store.h"
-#include "server/fem/transfer.h"
-#include "server/mesh/mesh_editor.h"
+#include "server/core/fem/model/transfer.h"
+#include "server/core/linear/row_store.h"
+#include "server/core/mesh/mesh_editor.h"
 #include "tests/fem/fem_fixture.h"
 #include "tests/support/meshes.h"
 #include "tests/support/trials.h"

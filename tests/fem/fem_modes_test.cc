@@ -1,4 +1,4 @@
-#include "server/fem/modes.h"
+#include "server/core/fem/statics/modes.h"
 #include "tests/fem/fem_fixture.h"
 
 namespace kerf::fem {

@@ -1,5 +1,5 @@
 // What multigrid is made of: aggregates, and a preconditioner with which stiff and large sheets take few iterations.
-#include "server/fem/multigrid_preconditioner.h"
+#include "server/core/linear/multigrid_preconditioner.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,11 +7,11 @@
 #include <set>
 #include <utility>
 
-#include "server/cut/cut.h"
-#include "server/fem/conjugate_gradient.h"
-#include "server/fem/linear_solver.h"
-#include "server/fem/tangent_matrix.h"
-#include "server/fem/vertex_frames.h"
+#include "server/core/cut/cut.h"
+#include "server/core/fem/element/vertex_frames.h"
+#include "server/core/fem/model/tangent_matrix.h"
+#include "server/core/linear/conjugate_gradient.h"
+#include "server/core/linear/linear_solver.h"
 #include "tests/fem/fem_fixture.h"
 
 namespace kerf::fem {

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <vector>
 
-#include "server/fem/explicit_integrator.h"
-#include "server/fem/stiff_parts.h"
+#include "server/core/fem/model/stiff_parts.h"
+#include "server/core/fem/step/explicit_integrator.h"
 #include "tests/fem/cut_sheet.h"
 #include "tests/support/shells.h"
 

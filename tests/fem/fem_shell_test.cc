@@ -3,9 +3,9 @@
 #include <numbers>
 #include <vector>
 
-#include "server/cut/cut.h"
-#include "server/fem/bending_forces.h"
-#include "server/fem/integrator.h"
+#include "server/core/cut/cut.h"
+#include "server/core/fem/element/bending_forces.h"
+#include "server/core/fem/step/integrator.h"
 #include "tests/fem/fem_fixture.h"
 #include "tests/support/shells.h"
 

@@ -1,8 +1,8 @@
 // Softening of a membrane so that explicit steps fit their tick.
-#include "server/fem/softening.h"
+#include "server/core/fem/step/softening.h"
 
-#include "server/fem/automatic_integrator.h"
-#include "server/mesh/regions.h"
+#include "server/core/fem/step/automatic_integrator.h"
+#include "server/core/mesh/regions.h"
 #include "tests/fem/fem_fixture.h"
 
 namespace kerf::fem {

@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "server/base/random.h"
-#include "server/cut/cut.h"
-#include "server/fem/stable_step.h"
+#include "server/core/cut/cut.h"
+#include "server/core/fem/model/stable_step.h"
 #include "tests/fem/integrator_cases.h"
 #include "tests/support/cut_patterns.h"
 

@@ -1,6 +1,6 @@
 // Sparse factors: the elimination order and its supernodes, the factor against a dense one, the same bits whatever the
 // processor, and what becomes of matrices that are not positive definite.
-#include "server/fem/supernodal_cholesky.h"
+#include "server/core/linear/supernodal_cholesky.h"
 
 #include <algorithm>
 #include <limits>
@@ -9,7 +9,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "server/fem/supernodes.h"
+#include "server/core/linear/supernodes.h"
 #include "tests/fem/instruction_sets.h"
 #include "tests/fem/linear_systems.h"
 

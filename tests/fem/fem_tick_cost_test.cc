@@ -1,7 +1,7 @@
 // The cost of a tick from counts: parts, what raises them, and what integrators count of a sheet.
-#include "server/fem/tick_cost.h"
+#include "server/core/fem/model/tick_cost.h"
 
-#include "server/fem/automatic_integrator.h"
+#include "server/core/fem/step/automatic_integrator.h"
 #include "tests/fem/cut_sheet.h"
 
 namespace kerf::fem {

@@ -1,4 +1,4 @@
-#include "server/fem/vertex_frames.h"
+#include "server/core/fem/element/vertex_frames.h"
 
 #include "tests/fem/fem_fixture.h"
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "server/fem/integrator.h"
+#include "server/core/fem/step/integrator.h"
 #include "tests/fem/fem_fixture.h"
 
 namespace kerf::fem {

@@ -5,8 +5,8 @@
 #include <array>
 #include <vector>
 
-#include "server/cut/cut.h"
-#include "server/mesh/grid_mesh.h"
+#include "server/core/cut/cut.h"
+#include "server/core/mesh/build/grid_mesh.h"
 #include "tests/fem/integrator_cases.h"
 
 namespace kerf::fem {

@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-#include "server/fem/block_matrix.h"
+#include "server/core/linear/block_matrix.h"
 #include "tests/fem/fem_fixture.h"
 #include "tests/support/meshes.h"
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-#include "server/fem/contact_constraint.h"
+#include "server/core/fem/element/contact_constraint.h"
 
 namespace kerf::fem {
 

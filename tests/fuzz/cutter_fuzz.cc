@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "server/base/check.h"
-#include "server/cut/cut.h"
+#include "server/core/cut/cut.h"
 #include "tests/audit/audited_cut.h"
 #include "tests/support/meshes.h"
 

@@ -16,8 +16,8 @@
 #include <vector>
 
 #include "server/base/check.h"
-#include "server/fem/model.h"
-#include "server/sheet/sheet.h"
+#include "server/core/fem/model/model.h"
+#include "server/core/sheet/sheet.h"
 #include "tests/property/random_cut_trial.h"
 
 namespace kerf::property {

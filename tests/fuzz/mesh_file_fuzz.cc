@@ -4,9 +4,9 @@
 #include <string_view>
 
 #include "server/base/check.h"
-#include "server/mesh/mesh_import.h"
-#include "server/mesh/obj_import.h"
-#include "server/mesh/ply_import.h"
+#include "server/core/mesh/build/mesh_import.h"
+#include "server/core/mesh/build/obj_import.h"
+#include "server/core/mesh/build/ply_import.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace kerf;

@@ -6,8 +6,8 @@
 #include <string_view>
 
 #include "server/base/check.h"
-#include "server/sheet/recording.h"
-#include "server/wire/recording_codec.h"
+#include "server/core/sheet/recording.h"
+#include "server/service/wire/recording_codec.h"
 
 namespace {
 

@@ -8,9 +8,9 @@
 
 #include "kerf/v1/cuts.pb.h"
 #include "server/base/check.h"
-#include "server/sheet/sheet.h"
-#include "server/wire/command_codec.h"
-#include "server/wire/json.h"
+#include "server/core/sheet/sheet.h"
+#include "server/service/wire/command_codec.h"
+#include "server/service/wire/json.h"
 #include "tests/audit/mesh_audit.h"
 #include "tests/support/scenes.h"
 

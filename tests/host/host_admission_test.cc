@@ -1,6 +1,6 @@
 #include <atomic>
 
-#include "server/host/admission.h"
+#include "server/service/host/admission.h"
 #include "tests/host/host_fixture.h"
 
 // New sheets and the load of those that run.

@@ -9,8 +9,8 @@
 
 #include <gtest/gtest.h>
 
-#include "server/host/host.h"
-#include "server/host/manual_clock.h"
+#include "server/service/host/host.h"
+#include "server/service/host/manual_clock.h"
 #include "tests/support/scenes.h"
 
 namespace kerf::host {

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/sheet/recording.h"
+#include "server/core/sheet/recording.h"
 #include "tests/host/host_fixture.h"
 #include "tests/support/failing_integrator.h"
 

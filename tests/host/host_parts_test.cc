@@ -8,12 +8,12 @@
 
 #include <gtest/gtest.h>
 
-#include "server/host/clock.h"
-#include "server/host/disk.h"
-#include "server/host/entropy.h"
-#include "server/host/manual_clock.h"
-#include "server/host/metrics.h"
-#include "server/host/pace.h"
+#include "server/base/disk.h"
+#include "server/service/host/clock.h"
+#include "server/service/host/entropy.h"
+#include "server/service/host/manual_clock.h"
+#include "server/service/host/metrics.h"
+#include "server/service/host/pace.h"
 #include "tests/support/temporary_folder.h"
 
 namespace kerf::host {

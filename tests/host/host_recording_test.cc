@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/host/kept_recording.h"
+#include "server/service/host/kept_recording.h"
 #include "tests/host/host_fixture.h"
 
 namespace kerf::host {

@@ -1,5 +1,5 @@
 // Commands that have a tick of their own.
-#include "server/host/host.h"
+#include "server/service/host/host.h"
 
 #include <algorithm>
 #include <atomic>

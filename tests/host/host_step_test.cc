@@ -3,7 +3,7 @@
 #include <atomic>
 #include <future>
 
-#include "server/host/host.h"
+#include "server/service/host/host.h"
 #include "tests/host/host_fixture.h"
 
 namespace kerf::host {

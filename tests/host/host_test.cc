@@ -1,4 +1,4 @@
-#include "server/host/host.h"
+#include "server/service/host/host.h"
 
 #include <algorithm>
 #include <atomic>

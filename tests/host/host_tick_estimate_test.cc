@@ -1,5 +1,5 @@
 // Tests estimates of a tick: by counts, and scaled by the time that ticks took.
-#include "server/fem/explicit_integrator.h"
+#include "server/core/fem/step/explicit_integrator.h"
 #include "tests/host/host_fixture.h"
 
 namespace kerf::host {

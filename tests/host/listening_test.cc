@@ -1,4 +1,4 @@
-#include "server/host/listening.h"
+#include "server/service/host/listening.h"
 
 #include <gtest/gtest.h>
 #include <boost/asio/error.hpp>

@@ -1,4 +1,4 @@
-#include "server/host/workers.h"
+#include "server/service/host/workers.h"
 
 #include <algorithm>
 #include <atomic>

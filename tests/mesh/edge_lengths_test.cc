@@ -1,11 +1,11 @@
-#include "server/mesh/edge_lengths.h"
+#include "server/core/mesh/edge_lengths.h"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "server/mesh/grid_mesh.h"
-#include "server/mesh/mesh_import.h"
+#include "server/core/mesh/build/grid_mesh.h"
+#include "server/core/mesh/build/mesh_import.h"
 
 namespace kerf::mesh {
 namespace {

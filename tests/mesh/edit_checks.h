@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "server/mesh/mesh_edit.h"
-#include "server/mesh/triangle_mesh.h"
+#include "server/core/mesh/mesh_edit.h"
+#include "server/core/mesh/triangle_mesh.h"
 #include "tests/support/vertex_sources.h"
 
 namespace kerf::test {

@@ -1,5 +1,5 @@
 // Material coordinates made for surfaces in space, and the import of such surfaces.
-#include "server/mesh/flattening.h"
+#include "server/core/mesh/build/flattening.h"
 
 #include <cmath>
 #include <numbers>
@@ -10,7 +10,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
 
-#include "server/mesh/mesh_import.h"
+#include "server/core/mesh/build/mesh_import.h"
 #include "tests/support/shells.h"
 
 namespace kerf::mesh {

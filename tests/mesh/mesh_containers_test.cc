@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "server/base/random.h"
-#include "server/mesh/id_table.h"
-#include "server/mesh/vertex_field.h"
+#include "server/core/linear/vertex_field.h"
+#include "server/core/mesh/id_table.h"
 
 namespace kerf::mesh {
 namespace {

@@ -1,6 +1,6 @@
 // Every operation of MeshEditor on its own: what it does, what survives, what it refuses.
 
-#include "server/mesh/mesh_editor.h"
+#include "server/core/mesh/mesh_editor.h"
 
 #include <algorithm>
 #include <set>

@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "server/base/random.h"
-#include "server/mesh/grid_mesh.h"
-#include "server/mesh/mesh_import.h"
+#include "server/core/mesh/build/grid_mesh.h"
+#include "server/core/mesh/build/mesh_import.h"
 #include "tests/mesh/mesh_measures.h"
 #include "tests/support/meshes.h"
 

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server/mesh/mesh_editor.h"
+#include "server/core/mesh/mesh_editor.h"
 #include "tests/mesh/edit_checks.h"
 #include "tests/mesh/mesh_measures.h"
 #include "tests/support/meshes.h"

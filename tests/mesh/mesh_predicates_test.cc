@@ -1,6 +1,6 @@
 // Exact predicates against schoolbook integers of any length.
 
-#include "server/mesh/predicates.h"
+#include "server/core/mesh/predicates.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "server/base/random.h"
-#include "server/mesh/lattice.h"
+#include "server/core/mesh/lattice.h"
 
 namespace kerf::mesh {
 namespace {

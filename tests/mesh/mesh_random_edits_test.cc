@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "server/base/random.h"
-#include "server/mesh/mesh_editor.h"
+#include "server/core/mesh/mesh_editor.h"
 #include "tests/mesh/edit_checks.h"
 #include "tests/support/meshes.h"
 

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "server/mesh/delaunay.h"
-#include "server/mesh/mesh_editor.h"
+#include "server/core/mesh/mesh_editor.h"
+#include "server/core/mesh/refine/delaunay.h"
 #include "tests/support/meshes.h"
 
 namespace kerf::mesh {

@@ -1,6 +1,6 @@
 // Import from OBJ text, and what is refused.
 
-#include "server/mesh/obj_import.h"
+#include "server/core/mesh/build/obj_import.h"
 
 #include <string>
 

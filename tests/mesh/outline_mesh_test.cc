@@ -1,4 +1,4 @@
-#include "server/mesh/outline_mesh.h"
+#include "server/core/mesh/build/outline_mesh.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "server/base/random.h"
-#include "server/mesh/size_field.h"
+#include "server/core/mesh/refine/size_field.h"
 
 namespace kerf::mesh {
 namespace {

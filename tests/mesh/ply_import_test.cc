@@ -1,6 +1,6 @@
 // Import from PLY files of all three formats, and what is refused.
 
-#include "server/mesh/ply_import.h"
+#include "server/core/mesh/build/ply_import.h"
 
 #include <cmath>
 #include <limits>
@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "server/base/random.h"
-#include "server/mesh/obj_import.h"
+#include "server/core/mesh/build/obj_import.h"
 #include "tests/support/mesh_files.h"
 #include "tests/support/meshes.h"
 

@@ -1,4 +1,4 @@
-#include "server/mesh/size_field.h"
+#include "server/core/mesh/refine/size_field.h"
 
 #include <algorithm>
 #include <vector>
@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "server/base/random.h"
-#include "server/mesh/box_tree.h"
+#include "server/core/mesh/refine/box_tree.h"
 
 namespace kerf::mesh {
 namespace {

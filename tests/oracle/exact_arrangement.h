@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "server/cut/curve.h"
-#include "server/mesh/triangle_mesh.h"
+#include "server/core/cut/curve.h"
+#include "server/core/mesh/triangle_mesh.h"
 
 namespace kerf::oracle {
 

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "server/base/random.h"
-#include "server/cut/cut.h"
+#include "server/core/cut/cut.h"
 #include "tests/audit/mesh_audit.h"
 #include "tests/audit/path_audit.h"
 #include "tests/oracle/exact_arrangement.h"

@@ -12,7 +12,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
-#include "server/cut/cut.h"
+#include "server/core/cut/cut.h"
 #include "tests/audit/audited_cut.h"
 #include "tests/support/meshes.h"
 #include "tests/support/trials.h"

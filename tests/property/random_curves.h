@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "server/base/random.h"
-#include "server/cut/curve.h"
+#include "server/core/cut/curve.h"
 #include "tests/property/random_sheets.h"
 #include "tests/support/meshes.h"
 

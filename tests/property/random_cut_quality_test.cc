@@ -14,7 +14,7 @@
 #include <gtest/gtest.h>
 
 #include "server/base/random.h"
-#include "server/cut/cut.h"
+#include "server/core/cut/cut.h"
 #include "tests/oracle/exact_arrangement.h"
 #include "tests/property/random_curves.h"
 #include "tests/property/random_sheets.h"

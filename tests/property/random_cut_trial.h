@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "server/base/random.h"
-#include "server/cut/cut.h"
+#include "server/core/cut/cut.h"
 #include "tests/audit/audited_cut.h"
 #include "tests/property/random_curves.h"
 #include "tests/property/random_sheets.h"

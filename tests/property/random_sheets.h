@@ -18,10 +18,10 @@
 #include <Eigen/LU>
 
 #include "server/base/random.h"
-#include "server/mesh/delaunay.h"
-#include "server/mesh/grid_mesh.h"
-#include "server/mesh/mesh_import.h"
-#include "server/mesh/triangle_mesh.h"
+#include "server/core/mesh/build/grid_mesh.h"
+#include "server/core/mesh/build/mesh_import.h"
+#include "server/core/mesh/refine/delaunay.h"
+#include "server/core/mesh/triangle_mesh.h"
 
 namespace kerf::property {
 

@@ -11,9 +11,9 @@
 
 #include <gtest/gtest.h>
 
-#include "server/fem/model.h"
-#include "server/sheet/sheet.h"
-#include "server/sheet/topology.h"
+#include "server/core/fem/model/model.h"
+#include "server/core/sheet/sheet.h"
+#include "server/core/sheet/topology.h"
 #include "tests/property/moving_sheets.h"
 #include "tests/property/random_curves.h"
 #include "tests/support/trials.h"

@@ -1,4 +1,4 @@
-#include "server/rpc/connection_gate.h"
+#include "server/service/rpc/connection_gate.h"
 
 #include <fcntl.h>
 #include <unistd.h>

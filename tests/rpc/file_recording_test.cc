@@ -10,11 +10,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "server/host/disk.h"
-#include "server/host/manual_clock.h"
-#include "server/sheet/recording.h"
-#include "server/sheet/sheet.h"
-#include "server/wire/recording_codec.h"
+#include "server/base/disk.h"
+#include "server/core/sheet/recording.h"
+#include "server/core/sheet/sheet.h"
+#include "server/service/host/manual_clock.h"
+#include "server/service/wire/recording_codec.h"
 #include "tests/support/scenes.h"
 #include "tests/support/temporary_folder.h"
 

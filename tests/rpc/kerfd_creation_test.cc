@@ -7,7 +7,7 @@
 #include "client/cpp/client.h"
 #include "kerf/v1/server.pb.h"
 #include "kerf/v1/sheets.pb.h"
-#include "server/wire/json.h"
+#include "server/service/wire/json.h"
 #include "tests/rpc/kerfd_process.h"
 #include "tests/support/sanitizer.h"
 

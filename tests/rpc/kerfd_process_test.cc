@@ -20,8 +20,8 @@
 #include "render/renderer.h"
 #include "server/app/config.h"
 #include "server/base/memory_limit.h"
-#include "server/sheet/sheet_config.h"
-#include "server/wire/json.h"
+#include "server/core/scene/sheet_config.h"
+#include "server/service/wire/json.h"
 #include "tests/rpc/kerfd_process.h"
 
 namespace kerf::rpc_test {

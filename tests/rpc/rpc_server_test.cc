@@ -15,13 +15,13 @@
 
 #include "client/cpp/client.h"
 #include "client/cpp/failure.h"
-#include "server/api/api.h"
-#include "server/host/clock.h"
-#include "server/host/entropy.h"
-#include "server/host/host.h"
-#include "server/rpc/grpc_status.h"
-#include "server/rpc/messages.h"
-#include "server/rpc/rpc_server.h"
+#include "server/service/api/api.h"
+#include "server/service/host/clock.h"
+#include "server/service/host/entropy.h"
+#include "server/service/host/host.h"
+#include "server/service/rpc/grpc_status.h"
+#include "server/service/rpc/messages.h"
+#include "server/service/rpc/rpc_server.h"
 #include "tests/rpc/rpc_fixture.h"
 
 namespace kerf::rpc_test {

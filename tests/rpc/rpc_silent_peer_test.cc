@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "kerf/v1/stream.pb.h"
-#include "server/rpc/rpc_server.h"
+#include "server/service/rpc/rpc_server.h"
 #include "tests/api/api_fixture.h"
 #include "tests/ws/raw_client.h"
 

@@ -7,8 +7,8 @@
 
 #include "client/cpp/failure.h"
 #include "client/cpp/transfers.h"
-#include "server/sheet/recording.h"
-#include "server/wire/recording_codec.h"
+#include "server/core/sheet/recording.h"
+#include "server/service/wire/recording_codec.h"
 #include "tests/rpc/rpc_fixture.h"
 
 namespace kerf::rpc_test {

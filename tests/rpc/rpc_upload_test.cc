@@ -1,6 +1,6 @@
 // Uploads and downloads that stand still, on a clock that the test moves.
 
-#include "server/rpc/patience.h"
+#include "server/service/rpc/patience.h"
 
 #include <chrono>
 #include <memory>
@@ -17,8 +17,8 @@
 #include "client/cpp/failure.h"
 #include "client/cpp/transfers.h"
 #include "kerf/v1/sheets.grpc.pb.h"
-#include "server/rpc/rpc_server.h"
-#include "server/wire/recording_codec.h"
+#include "server/service/rpc/rpc_server.h"
+#include "server/service/wire/recording_codec.h"
 #include "tests/api/api_fixture.h"
 
 namespace kerf::rpc_test {

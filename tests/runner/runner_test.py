@@ -125,9 +125,9 @@ class Failures(unittest.TestCase):
         self.assertEqual(unloaded.alone, "(cd web && npx vitest run test/views.test.ts)")
 
     def test_compiler_and_what_is_not_known(self):
-        log = f"{ROOT}/server/mesh/a.cc:3:7: error: no such thing\n{ROOT}/server/mesh/a.cc:9:1: error: another\n"
+        log = f"{ROOT}/server/core/mesh/a.cc:3:7: error: no such thing\n{ROOT}/server/core/mesh/a.cc:9:1: error: another\n"
         (failure,) = failures.of_compiler("build", log)
-        self.assertEqual((failure.where, failure.alone, failure.excerpt), ("server/mesh/a.cc:3:7", "deploy/test build", "no such thing"))
+        self.assertEqual((failure.where, failure.alone, failure.excerpt), ("server/core/mesh/a.cc:3:7", "deploy/test build", "no such thing"))
         (failure,) = failures.of_compiler("format", "server/a.cc:3:4: error: code should be clang-formatted [-Wclang-format-violations]\n")
         self.assertEqual((failure.name, failure.alone), ("formatting of server/a.cc", "clang-format -i server/a.cc"))
         with tempfile.TemporaryDirectory() as folder:

@@ -1,4 +1,4 @@
-#include "server/sheet/contact_bridge.h"
+#include "server/core/sheet/contact_bridge.h"
 
 #include <array>
 #include <limits>

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server/sheet/sheet.h"
+#include "server/core/sheet/sheet.h"
 #include "tests/support/allocation_counter.h"
 #include "tests/support/scenes.h"
 

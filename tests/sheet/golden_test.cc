@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server/sheet/recording.h"
+#include "server/core/sheet/recording.h"
 #include "tests/sheet/sheet_calls.h"
 #include "tests/support/scenes.h"
 

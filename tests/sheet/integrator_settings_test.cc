@@ -1,5 +1,5 @@
 // Linear solvers as a sheet has them: what dense ones refuse, and that those that solve a different system do no harm.
-#include "server/sheet/integrator_settings.h"
+#include "server/core/scene/integrator_settings.h"
 
 #include "tests/sheet/sheet_calls.h"
 #include "tests/support/scenes.h"

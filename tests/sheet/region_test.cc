@@ -1,5 +1,5 @@
 // Regions along lines, curves and whole borders, and those that name nothing.
-#include "server/sheet/region.h"
+#include "server/core/scene/region.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "server/sheet/rest_watch.h"
+#include "server/core/sheet/rest_watch.h"
 
 #include <algorithm>
 #include <cmath>

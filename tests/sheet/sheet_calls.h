@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "server/mesh/mesh_import.h"
-#include "server/sheet/sheet.h"
+#include "server/core/mesh/build/mesh_import.h"
+#include "server/core/sheet/sheet.h"
 #include "tests/support/scenes.h"
 
 // A test's short ways to make, step and command a sheet.

@@ -1,7 +1,7 @@
 // Another material while the sheet runs.
-#include "server/fem/condition.h"
-#include "server/sheet/recording.h"
-#include "server/sheet/sheet_materials.h"
+#include "server/core/fem/model/condition.h"
+#include "server/core/scene/sheet_materials.h"
+#include "server/core/sheet/recording.h"
 #include "tests/sheet/sheet_calls.h"
 
 namespace kerf::sheet {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server/sheet/sheet.h"
+#include "server/core/sheet/sheet.h"
 #include "tests/sheet/sheet_calls.h"
 #include "tests/support/mesh_files.h"
 #include "tests/support/meshes.h"

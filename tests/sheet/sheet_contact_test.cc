@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server/sheet/sheet.h"
+#include "server/core/sheet/sheet.h"
 #include "tests/support/random_cuts.h"
 #include "tests/support/scenes.h"
 #include "tests/support/trials.h"

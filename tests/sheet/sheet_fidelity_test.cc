@@ -1,7 +1,7 @@
 // Sheets whose membrane is softened to fit their tick.
-#include "server/fem/softening.h"
-#include "server/sheet/recording.h"
-#include "server/sheet/sheet_materials.h"
+#include "server/core/fem/step/softening.h"
+#include "server/core/scene/sheet_materials.h"
+#include "server/core/sheet/recording.h"
 #include "tests/sheet/sheet_calls.h"
 
 namespace kerf::sheet {

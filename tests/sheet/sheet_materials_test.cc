@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <array>
 
-#include "server/sheet/recording.h"
-#include "server/sheet/sheet_materials.h"
+#include "server/core/scene/sheet_materials.h"
+#include "server/core/sheet/recording.h"
 #include "tests/sheet/sheet_calls.h"
 #include "tests/support/shells.h"
 

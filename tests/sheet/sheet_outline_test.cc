@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server/sheet/sheet.h"
+#include "server/core/sheet/sheet.h"
 #include "tests/sheet/sheet_calls.h"
 #include "tests/support/scenes.h"
 

@@ -1,7 +1,7 @@
 // Undo and redo of cuts, and batches of cuts.
 #include <algorithm>
 
-#include "server/sheet/recording.h"
+#include "server/core/sheet/recording.h"
 #include "tests/sheet/sheet_calls.h"
 
 namespace kerf::sheet {

@@ -1,4 +1,4 @@
-#include "server/sheet/vertex_strains.h"
+#include "server/core/sheet/vertex_strains.h"
 
 #include <utility>
 #include <vector>
@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
-#include "server/fem/material.h"
-#include "server/sheet/sheet.h"
+#include "server/core/fem/element/material.h"
+#include "server/core/sheet/sheet.h"
 
 namespace kerf::sheet {
 namespace {

@@ -9,11 +9,11 @@
 #include <variant>
 
 #include "server/base/random.h"
-#include "server/cut/cut.h"
-#include "server/mesh/grid_mesh.h"
-#include "server/mesh/mesh_import.h"
-#include "server/mesh/regions.h"
-#include "server/sheet/integrator_settings.h"
+#include "server/core/cut/cut.h"
+#include "server/core/mesh/build/grid_mesh.h"
+#include "server/core/mesh/build/mesh_import.h"
+#include "server/core/mesh/regions.h"
+#include "server/core/scene/integrator_settings.h"
 #include "tests/support/meshes.h"
 #include "tests/support/random_cuts.h"
 

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "server/fem/condition.h"
-#include "server/fem/integrator.h"
-#include "server/mesh/triangle_mesh.h"
+#include "server/core/fem/model/condition.h"
+#include "server/core/fem/step/integrator.h"
+#include "server/core/mesh/triangle_mesh.h"
 
 // The stability matrix: starts that no sheet should be in, times stiffness, step and aspect ratio, each run for many
 // steps with the integrator that users get by default.

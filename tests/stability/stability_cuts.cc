@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "server/base/random.h"
-#include "server/sheet/sheet.h"
+#include "server/core/sheet/sheet.h"
 #include "tests/support/scenes.h"
 
 namespace {

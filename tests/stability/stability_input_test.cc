@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "server/base/random.h"
-#include "server/fem/integrator.h"
+#include "server/core/fem/step/integrator.h"
 #include "tests/fem/fem_fixture.h"
 #include "tests/stability/bad_values.h"
 

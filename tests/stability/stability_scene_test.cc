@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server/sheet/sheet.h"
+#include "server/core/sheet/sheet.h"
 #include "tests/stability/bad_values.h"
 #include "tests/support/scenes.h"
 

@@ -13,7 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "kerf/v1/stream.pb.h"
-#include "server/stream/channel.h"
+#include "server/service/stream/channel.h"
 #include "tests/wire/changing_sheet.h"
 
 namespace kerf::stream {

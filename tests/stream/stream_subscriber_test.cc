@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "server/base/random.h"
-#include "server/stream/channel.h"
+#include "server/service/stream/channel.h"
 #include "tests/stream/subscribing.h"
 #include "tests/wire/changing_sheet.h"
 #include "tests/wire/frame_mirror.h"

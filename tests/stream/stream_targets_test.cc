@@ -13,9 +13,9 @@
 #include <gtest/gtest.h>
 
 #include "kerf/v1/stream.pb.h"
-#include "server/fem/material.h"
-#include "server/sheet/sheet.h"
-#include "server/stream/channel.h"
+#include "server/core/fem/element/material.h"
+#include "server/core/sheet/sheet.h"
+#include "server/service/stream/channel.h"
 
 namespace kerf::stream {
 namespace {

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "kerf/v1/stream.pb.h"
-#include "server/stream/channel.h"
+#include "server/service/stream/channel.h"
 
 // Subscribers of a channel, and what they are given.
 namespace kerf::stream {

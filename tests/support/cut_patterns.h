@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/cut/curve.h"
+#include "server/core/cut/curve.h"
 
 // Cuts that quality is judged by: smooth and cornered ones, tiny and large loops, many at once, crossing ones. On a
 // unit square whose edges are `h` long.

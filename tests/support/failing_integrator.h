@@ -5,7 +5,7 @@
 #include <new>
 #include <utility>
 
-#include "server/fem/integrator.h"
+#include "server/core/fem/step/integrator.h"
 
 namespace kerf::scenes {
 

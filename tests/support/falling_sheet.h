@@ -5,8 +5,8 @@
 #include <memory>
 #include <vector>
 
-#include "server/fem/integrator.h"
-#include "server/mesh/grid_mesh.h"
+#include "server/core/fem/step/integrator.h"
+#include "server/core/mesh/build/grid_mesh.h"
 
 namespace kerf::test {
 

@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "server/mesh/mesh_import.h"
+#include "server/core/mesh/build/mesh_import.h"
 
 namespace kerf::test {
 

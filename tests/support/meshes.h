@@ -12,9 +12,9 @@
 
 #include <Eigen/Core>
 
-#include "server/mesh/grid_mesh.h"
-#include "server/mesh/mesh_import.h"
-#include "server/mesh/triangle_mesh.h"
+#include "server/core/mesh/build/grid_mesh.h"
+#include "server/core/mesh/build/mesh_import.h"
+#include "server/core/mesh/triangle_mesh.h"
 
 namespace kerf::test {
 

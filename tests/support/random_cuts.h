@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "server/base/random.h"
-#include "server/cut/cut.h"
-#include "server/fem/model.h"
-#include "server/mesh/triangle_mesh.h"
+#include "server/core/cut/cut.h"
+#include "server/core/fem/model/model.h"
+#include "server/core/mesh/triangle_mesh.h"
 
 namespace kerf::test {
 

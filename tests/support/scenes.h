@@ -4,8 +4,8 @@
 #include <utility>
 #include <vector>
 
-#include "server/fem/material.h"
-#include "server/sheet/sheet_config.h"
+#include "server/core/fem/element/material.h"
+#include "server/core/scene/sheet_config.h"
 
 // Scenes that tests, benchmarks and the soak test share.
 namespace kerf::scenes {

@@ -8,8 +8,8 @@
 
 #include <Eigen/Core>
 
-#include "server/mesh/grid_mesh.h"
-#include "server/mesh/mesh_import.h"
+#include "server/core/mesh/build/grid_mesh.h"
+#include "server/core/mesh/build/mesh_import.h"
 #include "tests/support/meshes.h"
 
 namespace kerf::test {

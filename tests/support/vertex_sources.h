@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "server/mesh/mesh_edit.h"
-#include "server/mesh/triangle_mesh.h"
+#include "server/core/mesh/mesh_edit.h"
+#include "server/core/mesh/triangle_mesh.h"
 
 namespace kerf::test {
 

@@ -16,7 +16,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "server/svg/svg.h"
+#include "server/service/svg/svg.h"
 #include "tests/audit/audited_cut.h"
 #include "tests/support/meshes.h"
 #include "tests/support/trials.h"

@@ -1,6 +1,6 @@
 // The `d` of a path element.
 
-#include "server/svg/path_data.h"
+#include "server/service/svg/path_data.h"
 
 #include <numbers>
 #include <string>

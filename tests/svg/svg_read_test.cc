@@ -1,6 +1,6 @@
 // Documents: what of them becomes lines, where these lie, and what is reported or refused.
 
-#include "server/svg/svg.h"
+#include "server/service/svg/svg.h"
 
 #include <algorithm>
 #include <string>
@@ -11,8 +11,8 @@
 #include <gtest/gtest.h>
 
 #include "server/base/random.h"
-#include "server/cut/fit.h"
-#include "server/svg/transform.h"
+#include "server/core/cut/fit.h"
+#include "server/service/svg/transform.h"
 
 namespace kerf::svg {
 namespace {

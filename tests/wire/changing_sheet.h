@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "server/base/random.h"
-#include "server/sheet/snapshot.h"
+#include "server/core/sheet/snapshot.h"
 
 namespace kerf::testing {
 

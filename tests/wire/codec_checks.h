@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "server/wire/scene_codec.h"
+#include "server/service/wire/scene_codec.h"
 
 // What is decoded, and messages compared field by field.
 namespace kerf::wire {

@@ -9,8 +9,8 @@
 
 #include "kerf/v1/cuts.pb.h"
 #include "kerf/v1/run.pb.h"
-#include "server/wire/command_codec.h"
-#include "server/wire/reply_codec.h"
+#include "server/service/wire/command_codec.h"
+#include "server/service/wire/reply_codec.h"
 #include "tests/wire/codec_checks.h"
 #include "tests/wire/scene_samples.h"
 

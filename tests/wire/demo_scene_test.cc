@@ -8,9 +8,9 @@
 #include <gtest/gtest.h>
 
 #include "kerf/v1/scene.pb.h"
-#include "server/sheet/sheet.h"
-#include "server/wire/json.h"
-#include "server/wire/scene_codec.h"
+#include "server/core/sheet/sheet.h"
+#include "server/service/wire/json.h"
+#include "server/service/wire/scene_codec.h"
 
 namespace kerf::wire {
 namespace {

@@ -11,9 +11,9 @@
 #include <gtest/gtest.h>
 
 #include "kerf/v1/scene.pb.h"
-#include "server/fem/material.h"
-#include "server/sheet/sheet.h"
-#include "server/wire/scene_codec.h"
+#include "server/core/fem/element/material.h"
+#include "server/core/sheet/sheet.h"
+#include "server/service/wire/scene_codec.h"
 #include "tests/wire/scene_samples.h"
 
 namespace kerf::wire {

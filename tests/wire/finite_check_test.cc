@@ -1,4 +1,4 @@
-#include "server/wire/finite_check.h"
+#include "server/service/wire/finite_check.h"
 
 #include <gmock/gmock.h>
 #include <google/protobuf/descriptor.h>

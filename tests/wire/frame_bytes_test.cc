@@ -11,9 +11,9 @@
 #include <gtest/gtest.h>
 
 #include "kerf/v1/stream.pb.h"
-#include "server/fem/material.h"
-#include "server/sheet/sheet.h"
-#include "server/wire/frame_encoder.h"
+#include "server/core/fem/element/material.h"
+#include "server/core/sheet/sheet.h"
+#include "server/service/wire/frame_encoder.h"
 
 namespace kerf::wire {
 namespace {

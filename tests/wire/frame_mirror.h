@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "kerf/v1/stream.pb.h"
-#include "server/codec/position_code.h"
-#include "server/codec/topology_code.h"
+#include "server/service/codec/position_code.h"
+#include "server/service/codec/topology_code.h"
 
 namespace kerf::testing {
 

@@ -14,7 +14,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server/wire/frame_encoder.h"
+#include "server/service/wire/frame_encoder.h"
 #include "tests/wire/changing_sheet.h"
 #include "tests/wire/frame_mirror.h"
 

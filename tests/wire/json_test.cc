@@ -11,8 +11,8 @@
 #include "kerf/v1/cuts.pb.h"
 #include "kerf/v1/run.pb.h"
 #include "server/base/random.h"
-#include "server/wire/error_codec.h"
-#include "server/wire/json.h"
+#include "server/service/wire/error_codec.h"
+#include "server/service/wire/json.h"
 #include "tests/wire/codec_checks.h"
 #include "tests/wire/scene_samples.h"
 

@@ -8,9 +8,9 @@
 
 #include "kerf/v1/run.pb.h"
 #include "server/base/random.h"
-#include "server/wire/protobuf_log.h"
-#include "server/wire/recording_codec.h"
-#include "server/wire/recording_frames.h"
+#include "server/service/wire/protobuf_log.h"
+#include "server/service/wire/recording_codec.h"
+#include "server/service/wire/recording_frames.h"
 #include "tests/wire/codec_checks.h"
 #include "tests/wire/scene_samples.h"
 

@@ -4,10 +4,10 @@
 #include <utility>
 #include <vector>
 
-#include "server/sheet/sheet.h"
-#include "server/wire/json.h"
-#include "server/wire/mesh_source_codec.h"
-#include "server/wire/scene_codec.h"
+#include "server/core/sheet/sheet.h"
+#include "server/service/wire/json.h"
+#include "server/service/wire/mesh_source_codec.h"
+#include "server/service/wire/scene_codec.h"
 #include "tests/support/mesh_files.h"
 #include "tests/support/meshes.h"
 #include "tests/wire/codec_checks.h"

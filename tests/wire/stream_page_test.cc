@@ -22,9 +22,9 @@
 #include <gtest/gtest.h>
 
 #include "kerf/v1/stream.pb.h"
-#include "server/codec/position_code.h"
-#include "server/codec/topology_code.h"
-#include "server/wire/frame_encoder.h"
+#include "server/service/codec/position_code.h"
+#include "server/service/codec/topology_code.h"
+#include "server/service/wire/frame_encoder.h"
 
 namespace kerf::wire {
 namespace {

@@ -6,8 +6,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "server/wire/command_codec.h"
-#include "server/wire/scene_codec.h"
+#include "server/service/wire/command_codec.h"
+#include "server/service/wire/scene_codec.h"
 #include "tests/wire/scene_samples.h"
 
 namespace kerf::wire {

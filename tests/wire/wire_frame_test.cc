@@ -8,9 +8,9 @@
 
 #include "kerf/v1/render.pb.h"
 #include "server/base/random.h"
-#include "server/wire/frame_encoder.h"
-#include "server/wire/quantise.h"
-#include "server/wire/stream_codec.h"
+#include "server/service/wire/frame_encoder.h"
+#include "server/service/wire/quantise.h"
+#include "server/service/wire/stream_codec.h"
 #include "tests/wire/changing_sheet.h"
 #include "tests/wire/frame_mirror.h"
 

@@ -8,7 +8,7 @@
 
 #include "kerf/v1/render.pb.h"
 #include "kerf/v1/server.pb.h"
-#include "server/wire/json.h"
+#include "server/service/wire/json.h"
 #include "tests/ws/raw_client.h"
 #include "tests/ws/running_server.h"
 

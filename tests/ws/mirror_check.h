@@ -7,7 +7,7 @@
 
 #include "client/cpp/mirror.h"
 #include "kerf/v1/sheets.pb.h"
-#include "server/wire/quantise.h"
+#include "server/service/wire/quantise.h"
 
 namespace kerf::ws_test {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "kerf/v1/sheets.pb.h"
-#include "server/wire/json.h"
+#include "server/service/wire/json.h"
 #include "tests/ws/http_fixture.h"
 
 namespace kerf::ws_test {

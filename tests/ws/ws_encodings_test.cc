@@ -8,8 +8,8 @@
 #include <string>
 #include <string_view>
 
-#include "server/ws/asset_table.h"
-#include "server/ws/header_list.h"
+#include "server/service/ws/asset_table.h"
+#include "server/service/ws/header_list.h"
 #include "tests/ws/http_fixture.h"
 
 namespace kerf::ws_test {

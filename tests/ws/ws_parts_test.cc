@@ -6,11 +6,11 @@
 #include <fstream>
 #include <string>
 
-#include "server/ws/access.h"
-#include "server/ws/asset_table.h"
-#include "server/ws/metrics_page.h"
-#include "server/ws/router.h"
-#include "server/ws/token_bucket.h"
+#include "server/service/ws/access.h"
+#include "server/service/ws/asset_table.h"
+#include "server/service/ws/metrics_page.h"
+#include "server/service/ws/router.h"
+#include "server/service/ws/token_bucket.h"
 #include "tests/support/temporary_folder.h"
 
 namespace kerf::ws {

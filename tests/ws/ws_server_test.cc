@@ -10,7 +10,7 @@
 #include "kerf/v1/cuts.pb.h"
 #include "kerf/v1/server.pb.h"
 #include "kerf/v1/sheets.pb.h"
-#include "server/wire/json.h"
+#include "server/service/wire/json.h"
 #include "tests/ws/http_fixture.h"
 
 namespace kerf::ws_test {

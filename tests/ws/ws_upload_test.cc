@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "server/ws/http_server.h"
+#include "server/service/ws/http_server.h"
 #include "tests/api/api_fixture.h"
 #include "tests/ws/raw_client.h"
 

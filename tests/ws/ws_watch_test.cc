@@ -11,7 +11,7 @@
 #include "kerf/v1/sheets.pb.h"
 #include "kerf/v1/stream.pb.h"
 #include "server/base/random.h"
-#include "server/wire/json.h"
+#include "server/service/wire/json.h"
 #include "tests/ws/mirror_check.h"
 #include "tests/ws/raw_client.h"
 #include "tests/ws/running_server.h"

@@ -30,8 +30,8 @@
 #include <nlohmann/json.hpp>
 
 #include "server/base/check.h"
-#include "server/sheet/sheet.h"
-#include "server/wire/scene_codec.h"
+#include "server/core/sheet/sheet.h"
+#include "server/service/wire/scene_codec.h"
 #include "tests/bench/cpu_time.h"
 
 namespace kerf::accuracy {

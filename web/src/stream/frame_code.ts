@@ -1,4 +1,4 @@
-// Reads the arrays of compact frames: server/codec/position_code.h and topology_code.h. All throw CodeError.
+// Reads the arrays of compact frames: server/service/codec/position_code.h and topology_code.h. All throw CodeError.
 import { CodeError, unpackIntegers, unzigzag } from './packed_integers';
 import { kNoVertex } from './predictors';
 import type { Predictors } from './predictors';

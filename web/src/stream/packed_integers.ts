@@ -1,4 +1,4 @@
-// Reads server/codec/packed_integers.h: blocks of Rice codes.
+// Reads server/service/codec/packed_integers.h: blocks of Rice codes.
 
 const kBlockRows = 16;
 const kParameterBits = 5;

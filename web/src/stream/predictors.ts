@@ -1,4 +1,4 @@
-// server/codec/vertex_predictors.h: from which earlier vertices a vertex is foretold.
+// server/service/codec/vertex_predictors.h: from which earlier vertices a vertex is foretold.
 
 export const kNoVertex = -1;
 

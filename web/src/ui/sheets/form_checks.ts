@@ -7,7 +7,7 @@ import { isId, nearestId } from './sheet_ids';
 /** Faults of the form by the names of their fields; '' is the form as a whole. */
 export type FormErrors = ReadonlyMap<string, string>;
 
-// server/sheet/sheet_config.cc: vertices a side, metres.
+// server/core/scene/sheet_config.cc: vertices a side, metres.
 const kMostOfASide = 1000;
 const kLongestM = 10_000;
 

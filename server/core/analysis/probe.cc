@@ -1,0 +1,380 @@
+#include "server/core/analysis/probe.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include <Eigen/Geometry>
+
+#include "server/core/fem/statics/reactions.h"
+#include "server/core/fem/statics/recovered_fields.h"
+
+namespace kerf::analysis {
+
+namespace {
+
+using sheet::Probe;
+using sheet::Quantity;
+using sheet::Reduce;
+using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 5, 1>;  // of the components of a quantity
+
+// How far a point that names the side of a cut draws the place that is looked up towards itself.
+constexpr double kNudge = 1.0e-7;  // -, of the larger side of the material bounding box
+// A point this near to a vertex, in barycentric coordinates, is there.
+constexpr double kAtVertex = 1.0e-6;
+
+std::vector<std::string> components_of(Quantity quantity) {
+  switch (quantity) {
+    case Quantity::kStrain:
+    case Quantity::kStress:
+      return {"xx", "yy", "xy"};
+    case Quantity::kEnergy:
+      return {"kinetic", "membrane", "bending", "gravity", "total"};
+    case Quantity::kOpening:
+      return {"normal", "sliding", "lateral"};
+    default:
+      return {"x", "y", "z"};
+  }
+}
+
+// The solid slot with these corners.
+mesh::TriangleId slot_of(const fem::Model& model, const mesh::TriangleMesh& mesh, const sheet::MaterialPoint& point) {
+  for (const mesh::TriangleId slot : model.incident_slots().row(point.vertices[0])) {
+    const auto& corner = mesh.vertices(slot);
+    const auto is_corner = [&](mesh::VertexId v) { return std::find(corner.begin(), corner.end(), v) != corner.end(); };
+    if (is_corner(point.vertices[1]) && is_corner(point.vertices[2])) return slot;
+  }
+  return mesh::kNone;
+}
+
+// m, material.
+Eigen::Vector2d rest_of(const mesh::TriangleMesh& mesh, const sheet::MaterialPoint& point) {
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (point.vertices[k] == mesh::kNone) continue;
+    sum += point.weights[static_cast<Eigen::Index>(k)] * mesh.rest_position(point.vertices[k]);
+  }
+  return sum;
+}
+
+// Length of border around each vertex of the region between two of its vertices, m.
+std::vector<double> border_lengths(const mesh::TriangleMesh& mesh, const std::vector<mesh::VertexId>& region) {
+  std::vector<double> lengths(region.size(), 0.0);
+  for (const sheet::BorderEdge& edge : sheet::edges_in(mesh, region)) {
+    for (const mesh::VertexId v : edge.ends) {
+      lengths[static_cast<std::size_t>(std::lower_bound(region.begin(), region.end(), v) - region.begin())] +=
+          0.5 * edge.length;
+    }
+  }
+  return lengths;
+}
+
+// Area of the triangles that have all corners in the region, m^2, shared out among its vertices.
+std::vector<double> areas_around(const mesh::TriangleMesh& mesh, const std::vector<mesh::VertexId>& region) {
+  std::vector<double> areas(region.size(), 0.0);
+  for (const mesh::TriangleId t : sheet::triangles_in(mesh, region)) {
+    for (const mesh::VertexId v : mesh.vertices(t)) {
+      areas[static_cast<std::size_t>(std::lower_bound(region.begin(), region.end(), v) - region.begin())] +=
+          sheet::rest_area(mesh, t) / 3.0;
+    }
+  }
+  return areas;
+}
+
+bool is_zero(const std::vector<double>& weights) {
+  return std::all_of(weights.begin(), weights.end(), [](double weight) { return weight == 0.0; });
+}
+
+// Of sums, means and extremes of rows of equal length.
+class Reduction {
+ public:
+  Reduction(Reduce how, Eigen::Index size) : how_(how), sum_(Vector::Zero(size)) {
+    if (how == Reduce::kMin) sum_.setConstant(std::numeric_limits<double>::infinity());
+    if (how == Reduce::kMax) sum_.setConstant(-std::numeric_limits<double>::infinity());
+  }
+  void add(const Vector& value, double weight) {
+    if (how_ == Reduce::kMin) {
+      sum_ = sum_.cwiseMin(value);
+    } else if (how_ == Reduce::kMax) {
+      sum_ = sum_.cwiseMax(value);
+    } else {
+      sum_ += how_ == Reduce::kMean ? weight * value : value;
+    }
+    weight_ += weight;
+    ++count_;
+  }
+  [[nodiscard]] Vector result() const {
+    if (count_ == 0) return Vector::Constant(sum_.size(), std::numeric_limits<double>::quiet_NaN());
+    return how_ == Reduce::kMean ? Vector(sum_ / weight_) : sum_;
+  }
+
+ private:
+  Reduce how_;
+  Vector sum_;
+  double weight_ = 0.0;
+  int count_ = 0;
+};
+
+// N, 3 x V: see fem::find_reactions.
+mesh::VertexField reactions(const sheet::Sheet& sheet, const mesh::VertexField& v_before, double dt) {
+  mesh::VertexField reaction(sheet.model().num_vertices());
+  if (dt > 0.0) {
+    const mesh::VertexField acceleration((sheet.state().v - v_before) / dt);
+    fem::find_reactions(sheet.model(), sheet.loads(), sheet.state(), acceleration, reaction);
+  } else {
+    fem::find_reactions(sheet.model(), sheet.loads(), sheet.state().x, reaction);
+  }
+  return reaction;
+}
+
+// Of strain or stress, in a triangle or at a vertex, along material x and y: xx, yy, xy.
+class InPlane {
+ public:
+  explicit InPlane(fem::MembraneField field) : field_(field) {}
+
+  Vector in(const sheet::Sheet& sheet, mesh::TriangleId slot) {
+    if (of_slots_.empty()) {
+      of_slots_ = fem::triangle_field(sheet.model(), sheet.state().x, field_, fem::FieldAxes::kRest);
+    }
+    return tensor(of_slots_[static_cast<std::size_t>(slot)]);
+  }
+  Vector at(const sheet::Sheet& sheet, mesh::VertexId vertex, fem::Recovery recovery) {
+    std::vector<Eigen::Vector3d>& recovered = recovery == fem::Recovery::kPatch ? by_patches_ : of_vertices_;
+    if (recovered.empty()) {
+      in(sheet, 0);
+      recovered = fem::vertex_field(sheet.model(), of_slots_, recovery);
+    }
+    return tensor(recovered[static_cast<std::size_t>(vertex)]);
+  }
+  // Between vertices.
+  Vector by_patches(const sheet::Sheet& sheet, const sheet::MaterialPoint& point) {
+    Vector sum = Vector::Zero(3);
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (point.vertices[k] == mesh::kNone) continue;
+      sum += point.weights[static_cast<Eigen::Index>(k)] * at(sheet, point.vertices[k], fem::Recovery::kPatch);
+    }
+    return sum;
+  }
+
+ private:
+  // The third of a strain is the shear angle, twice the tensor's component.
+  [[nodiscard]] Vector tensor(const Eigen::Vector3d& voigt) const {
+    const double share = field_ == fem::MembraneField::kBiotStrain ? 0.5 : 1.0;
+    return Eigen::Vector3d(voigt[0], voigt[1], share * voigt[2]);
+  }
+
+  fem::MembraneField field_;
+  std::vector<Eigen::Vector3d> of_slots_, of_vertices_, by_patches_;  // empty before they are asked for
+};
+
+Vector of_whole_sheet(const sheet::Sheet& sheet, Quantity quantity) {
+  const fem::Model& model = sheet.model();
+  const fem::State& state = sheet.state();
+  if (quantity == Quantity::kEnergy) {
+    const sheet::Energies e = sheet.energies();
+    Vector energies(5);
+    energies << e.kinetic, e.membrane, e.bending, e.gravity, e.total();
+    return energies;
+  }
+  if (quantity == Quantity::kMomentum) return model.momentum(state).linear;
+  if (quantity == Quantity::kCentreOfMass) return model.centre_of_mass(state.x);
+  if (quantity == Quantity::kAngularMomentum) {
+    const fem::Momentum momentum = model.momentum(state);
+    return Eigen::Vector3d(momentum.angular - model.centre_of_mass(state.x).cross(momentum.linear));
+  }
+  Eigen::AlignedBox3d box;
+  for (Eigen::Index v = 0; v < state.x.cols(); ++v) {
+    if (sheet.mesh().has_material(static_cast<mesh::VertexId>(v))) box.extend(Eigen::Vector3d(state.x.col(v)));
+  }
+  return Eigen::Vector3d(box.sizes());
+}
+
+bool is_global(const Probe& probe) {
+  return probe.points.empty() && !probe.region;
+}
+
+}  // namespace
+
+// What measuring one row needs, once for all probes.
+struct Probes::Context {
+  const sheet::Sheet& sheet;
+  const mesh::VertexField& v_before;
+  double dt;
+  mesh::VertexField reaction{};  // empty before it is asked for
+  InPlane strain{fem::MembraneField::kBiotStrain};
+  InPlane biot_stress{fem::MembraneField::kBiotStress};
+  InPlane cauchy_stress{fem::MembraneField::kCauchyStress};
+
+  [[nodiscard]] InPlane& field_of(const Probe& probe) {
+    if (probe.quantity == Quantity::kStrain) return strain;
+    return probe.measure == sheet::StressMeasure::kCauchy ? cauchy_stress : biot_stress;
+  }
+  [[nodiscard]] Vector value(const Probe& probe, const Place& place) {
+    const fem::State& state = sheet.state();
+    if (probe.quantity == Quantity::kOpening) return opening(*place.lips, state.x);
+    if (probe.quantity == Quantity::kPosition) return place.point.of(state.x);
+    if (probe.quantity == Quantity::kVelocity) return place.point.of(state.v);
+    if (probe.quantity == Quantity::kDisplacement) return Eigen::Vector3d(place.point.of(state.x) - place.start);
+    InPlane& field = field_of(probe);
+    if (probe.recovery == fem::Recovery::kPatch) return field.by_patches(sheet, place.point);
+    return place.vertex != mesh::kNone ? field.at(sheet, place.vertex, probe.recovery) : field.in(sheet, place.slot);
+  }
+  [[nodiscard]] Vector value(const Probe& probe, const Member& member) {
+    const fem::State& state = sheet.state();
+    switch (probe.quantity) {
+      case Quantity::kPosition:
+        return state.x.col(member.id);
+      case Quantity::kVelocity:
+        return state.v.col(member.id);
+      case Quantity::kDisplacement:
+        return state.x.col(member.id) - member.start;
+      case Quantity::kStrain:
+      case Quantity::kStress:
+        return probe.recovery == fem::Recovery::kPatch ? field_of(probe).at(sheet, member.id, probe.recovery)
+                                                       : field_of(probe).in(sheet, member.id);
+      default:
+        if (reaction.cols() == 0) reaction = reactions(sheet, v_before, dt);
+        return reaction.col(member.id);
+    }
+  }
+};
+
+Status Probes::check(const sheet::Sheet& sheet, const Probe& probe, const std::string& path) {
+  for (std::size_t p = 0; p < probe.points.size(); ++p) {
+    if (probe.quantity == Quantity::kOpening || place_at(sheet, probe, probe.points[p]).exists) continue;
+    const std::string field = path + ".points[" + std::to_string(p) + "]";
+    return invalid_argument("POINT_OUTSIDE", field + " is not a point of the sheet", field);
+  }
+  if (!probe.region) return Nothing{};
+  const std::string field = path + ".region";
+  KERF_TRY_ASSIGN(const std::vector<mesh::VertexId> found, find_vertices(sheet.mesh(), *probe.region, field));
+  const bool may_fill = found.empty() && sheet::schedules_cuts(sheet.config());
+  if (may_fill || !members_of(sheet, probe).empty()) return Nothing{};
+  return invalid_argument("REGION_EMPTY", field + " has nothing of the sheet in it", field);
+}
+
+std::vector<std::string> Probes::columns_of(const std::vector<Probe>& requests) {
+  std::vector<std::string> columns;
+  for (const Probe& probe : requests) {
+    const bool is_each = !probe.points.empty() && probe.reduce == Reduce::kEach;
+    for (std::size_t p = 0; p < (is_each ? probe.points.size() : 1); ++p) {
+      const std::string number = is_each && probe.points.size() > 1 ? "[" + std::to_string(p) + "]" : "";
+      for (const std::string& component : components_of(probe.quantity)) {
+        columns.push_back(probe.name + number + "." + component);
+      }
+    }
+  }
+  return columns;
+}
+
+Result<Probes> Probes::create(std::vector<Probe> requests, const sheet::Sheet& sheet) {
+  Probes probes;
+  probes.requests_ = std::move(requests);
+  for (std::size_t i = 0; i < probes.requests_.size(); ++i) {
+    const Probe& probe = probes.requests_[i];
+    KERF_TRY(check(sheet, probe, "probes[" + std::to_string(i) + "]"));
+  }
+  probes.columns_ = columns_of(probes.requests_);
+  probes.locate(sheet);
+  return probes;
+}
+
+Probes::Place Probes::place_at(const sheet::Sheet& sheet, const Probe& probe, const Eigen::Vector2d& at) {
+  const mesh::TriangleMesh& mesh = sheet.mesh();
+  Place place;
+  if (probe.quantity == Quantity::kOpening) {
+    place.lips = find_lips(mesh, at);
+    place.exists = place.lips.has_value();
+    return place;
+  }
+  Eigen::Vector2d lookup = at;
+  if (probe.side && *probe.side != at) {
+    lookup += kNudge * mesh.bounding_box().sizes().maxCoeff() * (*probe.side - at).normalized();
+  }
+  const double reach = 2.0 * kNudge * mesh.bounding_box().sizes().maxCoeff();
+  // A point of the border may lie outside by rounding alone.
+  const std::optional<sheet::MaterialPoint> found = sheet::find_material_point(mesh, lookup);
+  place.point = found ? *found : sheet::nearest_material_point(mesh, lookup);
+  const Eigen::Vector2d there = rest_of(mesh, place.point);
+  if (!found && (there - at).norm() > reach) return place;
+  place.exists = true;
+  place.slot = slot_of(sheet.model(), mesh, place.point);
+  place.start = sheet.start_of(there);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const mesh::VertexId v = place.point.vertices[k];
+    const bool is_there = place.point.weights[static_cast<Eigen::Index>(k)] > 1.0 - kAtVertex ||
+                          (probe.side && v != mesh::kNone && (mesh.rest_position(v) - at).norm() <= reach);
+    if (!is_there) continue;
+    place.vertex = v;
+    place.point.weights = Eigen::Vector3d::Unit(static_cast<Eigen::Index>(k));
+    place.start = sheet.start_of(mesh.rest_position(v));
+    break;
+  }
+  return place;
+}
+
+std::vector<Probes::Member> Probes::members_of(const sheet::Sheet& sheet, const Probe& probe) {
+  const mesh::TriangleMesh& mesh = sheet.mesh();
+  sheet::Region region = *probe.region;
+  if (auto* listed = std::get_if<std::vector<mesh::VertexId>>(&region)) {
+    std::erase_if(*listed, [&](mesh::VertexId v) { return v >= mesh.num_vertices() || !mesh.has_material(v); });
+  }
+  const std::vector<mesh::VertexId> vertices = find_vertices(mesh, region, "").value();
+  std::vector<Member> members;
+  const bool is_field = is_in_plane(probe.quantity);
+  if (is_field && probe.recovery == fem::Recovery::kMean) {
+    for (const mesh::TriangleId t : sheet::triangles_in(mesh, vertices)) {
+      members.push_back({t, sheet::rest_area(mesh, t), Eigen::Vector3d::Zero()});
+    }
+    return members;
+  }
+  std::vector<double> weights(vertices.size(), 0.0);
+  if (is_field) weights = areas_around(mesh, vertices);
+  if (is_zero(weights)) weights = border_lengths(mesh, vertices);
+  if (is_zero(weights)) weights.assign(vertices.size(), 1.0);
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    members.push_back({vertices[i], weights[i], sheet.start_of(mesh.rest_position(vertices[i]))});
+  }
+  return members;
+}
+
+void Probes::locate(const sheet::Sheet& sheet) {
+  located_.assign(requests_.size(), {});
+  for (std::size_t i = 0; i < requests_.size(); ++i) {
+    for (const Eigen::Vector2d& at : requests_[i].points) {
+      located_[i].places.push_back(place_at(sheet, requests_[i], at));
+    }
+    if (requests_[i].region) located_[i].members = members_of(sheet, requests_[i]);
+  }
+  topology_version_ = sheet.topology_version();
+}
+
+void Probes::measure(const sheet::Sheet& sheet, const mesh::VertexField& v_before, double dt,
+                     std::vector<double>& row) {
+  if (sheet.topology_version() != topology_version_) locate(sheet);
+  Context context{sheet, v_before, dt};
+  const auto append = [&row](const Vector& value) { row.insert(row.end(), value.begin(), value.end()); };
+  for (std::size_t i = 0; i < requests_.size(); ++i) {
+    const Probe& probe = requests_[i];
+    if (is_global(probe)) {
+      append(of_whole_sheet(sheet, probe.quantity));
+      continue;
+    }
+    const auto size = static_cast<Eigen::Index>(components_of(probe.quantity).size());
+    Reduction reduction(probe.reduce, size);
+    for (const Place& place : located_[i].places) {
+      if (probe.reduce == Reduce::kEach) {
+        append(place.exists ? context.value(probe, place)
+                            : Vector(Vector::Constant(size, std::numeric_limits<double>::quiet_NaN())));
+      } else if (place.exists) {
+        reduction.add(context.value(probe, place), 1.0);
+      }
+    }
+    for (const Member& member : located_[i].members) reduction.add(context.value(probe, member), member.weight);
+    if (probe.reduce != Reduce::kEach) append(reduction.result());
+  }
+}
+
+}  // namespace kerf::analysis

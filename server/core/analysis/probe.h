@@ -1,0 +1,67 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "server/base/result.h"
+#include "server/core/analysis/lips.h"
+#include "server/core/linear/vertex_field.h"
+#include "server/core/scene/analysis_request.h"
+#include "server/core/scene/material_point.h"
+#include "server/core/sheet/sheet.h"
+
+namespace kerf::analysis {
+
+// What the probes of a scene measure on its sheet; follows its cuts.
+class Probes {
+ public:
+  // `requests`: valid. Errors: kInvalidArgument with the field of kerf.v1.Scene: POINT_OUTSIDE, UNKNOWN_VERTEX,
+  // REGION_EMPTY. A point of an opening may lie on a cut that is still to come, and a region have its vertices from one
+  // that is scheduled.
+  static Result<Probes> create(std::vector<sheet::Probe> requests, const sheet::Sheet& sheet);
+
+  // "name.x", "name[3].xx", ...; as many as measure() appends.
+  static std::vector<std::string> columns_of(const std::vector<sheet::Probe>& requests);
+  [[nodiscard]] const std::vector<std::string>& columns() const { return columns_; }
+
+  // Appends the numbers of the sheet as it is. v_before: 3 x V, m/s, of dt (s) before, for the forces that accelerate
+  // what is held; or dt 0. NaN where a place has no material any more, or an opening no lips.
+  void measure(const sheet::Sheet& sheet, const mesh::VertexField& v_before, double dt, std::vector<double>& row);
+
+ private:
+  // Where one point lies on the mesh of a topology version.
+  struct Place {
+    sheet::MaterialPoint point;
+    mesh::TriangleId slot = mesh::kNone;              // of strain and stress; or
+    mesh::VertexId vertex = mesh::kNone;              // where the point is one
+    Eigen::Vector3d start = Eigen::Vector3d::Zero();  // m, world
+    std::optional<LipPair> lips;
+    bool exists = false;
+  };
+  // A vertex of a region, or a triangle, of fields that are taken of triangles.
+  struct Member {
+    std::int32_t id = 0;
+    double weight = 0.0;                              // -, share in the mean
+    Eigen::Vector3d start = Eigen::Vector3d::Zero();  // m, world
+  };
+  struct Located {
+    std::vector<Place> places;
+    std::vector<Member> members;
+  };
+  struct Context;
+
+  static Status check(const sheet::Sheet& sheet, const sheet::Probe& probe, const std::string& path);
+  void locate(const sheet::Sheet& sheet);
+  [[nodiscard]] static Place place_at(const sheet::Sheet& sheet, const sheet::Probe& probe, const Eigen::Vector2d& at);
+  [[nodiscard]] static std::vector<Member> members_of(const sheet::Sheet& sheet, const sheet::Probe& probe);
+
+  std::vector<sheet::Probe> requests_;
+  std::vector<std::string> columns_;
+  std::vector<Located> located_;
+  std::int32_t topology_version_ = 0;
+};
+
+}  // namespace kerf::analysis

@@ -1,0 +1,365 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "server/base/check.h"
+#include "server/core/cut/bisection.h"
+#include "server/core/cut/crossed_triangles.h"
+#include "server/core/cut/cut.h"
+#include "server/core/cut/cut_quality.h"
+#include "server/core/cut/path_insertion.h"
+#include "server/core/cut/path_scale.h"
+#include "server/core/cut/strip.h"
+#include "server/core/mesh/id_table.h"
+#include "server/core/mesh/refine/refinement.h"
+#include "server/core/mesh/refine/relaxation.h"
+
+namespace kerf::cut {
+
+using mesh::kNone;
+using mesh::LatticePoint;
+using mesh::PointId;
+using mesh::TriangleId;
+using mesh::TriangleMesh;
+
+namespace {
+
+constexpr double kSpacing = 0.8;  // -; longest stretch of path without a point, as a fraction of the edge length
+constexpr double kNoSpacing =
+    std::numeric_limits<double>::infinity();  // edges of elements space the path by themselves
+
+// Quality (mesh::TriangleShape::quality) from which a triangle is not worth moving an old vertex for, which costs time:
+// that of a right triangle with equal legs is 0.87, with one half as long 0.69. Larger angles take more room.
+constexpr double kWellShaped = 0.6;
+constexpr double kWellShapedFine = 0.8;
+
+// Refinement steps a cut may take, beyond which the quality is given up, not the cut: per point of the path, and a rest
+// for the tips, corners and loops of small cuts. About ten times what was seen.
+constexpr std::int64_t kInsertionsPerPathPoint = 60;
+constexpr std::int64_t kInsertionsBeside = 2'000;
+
+constexpr double kLengthFloor = 0.25;  // -; as a fraction of the snap distance, see RefinementConfig
+// Around tips: insertions for a gradient of 1 and edges as long as wanted, and up to where, in edge lengths of the
+// sheet, the grading is looked for.
+constexpr double kInsertionsPerTip = 400.0;
+constexpr double kGradedReach = 3.0;
+
+constexpr int kCloserAttempts = 2;    // see calls_for_less_snapping
+constexpr double kCloserSnap = 0.01;  // -; by which each multiplies the snap distance
+
+// Ids in the order they are added in, each once.
+class UniqueIds {
+ public:
+  void add(std::int32_t id) {
+    if (seen_.add(id, 0)) ids_.push_back(id);
+  }
+  [[nodiscard]] const std::vector<std::int32_t>& ids() const { return ids_; }
+
+ private:
+  mesh::IdTable seen_;
+  std::vector<std::int32_t> ids_;
+};
+
+class Cutter {
+ public:
+  Cutter(TriangleMesh& mesh, const CutPlan& plan, PhaseObserver* observer)
+      : mesh_(mesh),
+        plan_(plan),
+        observer_(observer),
+        spacing_(mesh.lattice().spacing),
+        scale_(mesh, plan.options),
+        editor_(mesh, slot_limit(mesh, plan)),
+        insertion_(editor_, scale_, is_by_element() ? kNoSpacing : kSpacing, plan.options.width_m ? &laid_ : nullptr) {}
+
+  Result<CutOutcome> run() {
+    CutOutcome outcome;
+    outcome.report.triangles_behind = plan_.triangles_behind;
+    enter_phase(observer_, "insert path");
+    const std::vector<TriangleId> crossed = crossed_triangles(mesh_, plan_.strokes);
+    outcome.report.crossed_triangles = static_cast<std::int32_t>(crossed.size());
+    if (is_by_element()) lock_elements(editor_, crossed);
+    for (const Stroke& stroke : plan_.strokes) {
+      KERF_TRY(insertion_.insert(stroke));
+    }
+    KERF_TRY(insertion_.split_lone_edges());
+    if (has_width()) {
+      KERF_TRY_ASSIGN(strip_, strip_triangles(mesh_, laid_, plan_.outline, max_strip_area()));
+    }
+    if (has_width() ? strip_.empty() : insertion_.counts().new_lip_edges == 0) {
+      editor_.rollback();
+      outcome.report.pieces = mesh_.num_pieces();
+      report_snapping(outcome.report);
+      return outcome;
+    }
+    if (deviation_of_tolerance() > 1.0 || deviation_of_width() > 1.0) return tolerance_not_kept();
+    if (has_width()) remove_strip(outcome.report);
+    path_ = insertion_.path_points();
+    corridor_ = insertion_.corridor_points();
+    KERF_TRY_ASSIGN(const mesh::RefinementCounts refined, is_by_element() ? bisect() : relax_and_refine());
+    outcome.report.refinement_stopped = refined.stopped;
+    enter_phase(observer_, "open lips");
+    editor_.open();
+    if (mesh_.num_vertices() > plan_.options.max_vertices) return too_many_vertices();
+    enter_phase(observer_, "commit");
+    mesh::CommittedEdit committed = editor_.commit();
+    outcome.status = CutStatus::kApplied;
+    outcome.edit = std::move(committed.edit);
+    outcome.undo = std::move(committed.undo);
+    enter_phase(observer_, "measure");
+    fill_report(outcome);
+    return outcome;
+  }
+
+ private:
+  static std::int32_t slot_limit(const TriangleMesh& mesh, const CutPlan& plan) {
+    const std::int64_t wanted = mesh.num_triangle_slots() + plan.options.max_new_triangles;
+    return static_cast<std::int32_t>(std::min<std::int64_t>(wanted, mesh::MeshEditor::kDefaultMaxSlots));
+  }
+
+  [[nodiscard]] bool has_width() const { return plan_.options.width_m.has_value(); }
+
+  // A strip whose outline is everywhere as far out as the tolerance lets it be.
+  [[nodiscard]] double max_strip_area() const {
+    double length = 0.0;
+    for (const Stroke& stroke : plan_.outline) {
+      for (std::size_t i = 0; i + 1 < stroke.points.size(); ++i) {
+        length += (stroke.points[i + 1] - stroke.points[i]).norm();
+      }
+    }
+    return plan_.strip_area_m2 + 2.0 * length * kToleranceOfWidth * *plan_.options.width_m;
+  }
+
+  // Before anything is refined: the strip may be far narrower than the triangles beside it.
+  void remove_strip(CutReport& report) {
+    report.removed_triangles = static_cast<std::int32_t>(strip_.size());
+    for (const TriangleId t : strip_) report.removed_area_m2 += mesh_.area(t);
+    editor_.remove_triangles(strip_);
+  }
+
+  // Of what snapping may do to the distance between the two sides of a strip.
+  [[nodiscard]] double deviation_of_width() const {
+    return has_width() ? insertion_.counts().deviation * spacing_ / (0.5 * kToleranceOfWidth * *plan_.options.width_m)
+                       : 0.0;
+  }
+
+  [[nodiscard]] double deviation_of_tolerance() const {
+    return plan_.curve_deviation_of_tolerance + insertion_.counts().deviation_of_tolerance +
+           kRoundingUnits * spacing_ / scale_.least_tolerance();
+  }
+
+  [[nodiscard]] Error tolerance_not_kept() const {
+    return failed_precondition("TOLERANCE_NOT_KEPT",
+                               "older lips near the path would lead it away by " +
+                                   std::to_string(std::max(deviation_of_tolerance(), deviation_of_width())) +
+                                   " times the tolerance; shift the curve slightly, or ask for a larger tolerance",
+                               "cut.curve");
+  }
+
+  [[nodiscard]] Error too_many_vertices() const {
+    return resource_exhausted("TOO_MANY_VERTICES",
+                              "the cut would leave the sheet with " + std::to_string(mesh_.num_vertices()) +
+                                  " vertices; its limit is " + std::to_string(plan_.options.max_vertices) +
+                                  "; shorten the cut, or start from a coarser mesh",
+                              "cut");
+  }
+
+  [[nodiscard]] bool on_path(PointId p) const { return std::binary_search(path_.begin(), path_.end(), p); }
+  [[nodiscard]] bool in_corridor(PointId p) const {
+    return on_path(p) || std::binary_search(corridor_.begin(), corridor_.end(), p);
+  }
+
+  // Adds the solid triangles that inserting the path has rewritten: those with a corner on it, and those made in a
+  // corridor that was cleared for it.
+  void add_touched(UniqueIds& touched) const {
+    std::vector<TriangleId> fan;
+    for (const PointId p : path_) {
+      mesh_.fan_around(p, fan);
+      for (const TriangleId t : fan) {
+        if (mesh_.is_solid(t)) touched.add(t);
+      }
+    }
+    for (const PointId p : corridor_) {
+      mesh_.fan_around(p, fan);
+      for (const TriangleId t : fan) {
+        const auto& points = mesh_.points(t);
+        if (mesh_.is_solid(t) && in_corridor(points[0]) && in_corridor(points[1]) && in_corridor(points[2])) {
+          touched.add(t);
+        }
+      }
+    }
+  }
+
+  void relax_ring() {
+    UniqueIds touched;
+    add_touched(touched);
+    UniqueIds candidates;
+    for (const TriangleId t : touched.ids()) {
+      for (const PointId p : mesh_.points(t)) {
+        if (!editor_.is_new(p) && !on_path(p)) candidates.add(p);
+      }
+    }
+    const bool is_fine = plan_.options.min_angle_deg > CutOptions{}.min_angle_deg;
+    moved_ = relax(editor_, candidates.ids(), plan_.fixed_vertices, is_fine ? kWellShapedFine : kWellShaped);
+  }
+
+  [[nodiscard]] bool is_by_element() const { return plan_.options.method == Method::kElement; }
+
+  [[nodiscard]] std::int64_t max_insertions() const {
+    return kInsertionsBeside + kInsertionsPerPathPoint * static_cast<std::int64_t>(path_.size());
+  }
+
+  Result<mesh::RefinementCounts> bisect() {
+    enter_phase(observer_, "refine");
+    UniqueIds seeds;
+    add_touched(seeds);
+    return bisect_ill_shaped(editor_, seeds.ids(), scale_, {kLengthFloor * plan_.snap_m / spacing_, max_insertions()});
+  }
+
+  Result<mesh::RefinementCounts> relax_and_refine() {
+    enter_phase(observer_, "relax");
+    if (plan_.options.relax) relax_ring();
+    enter_phase(observer_, "refine");
+    if (plan_.options.min_angle_deg == 0.0 && !plan_.options.tip_edge_length_m) return mesh::RefinementCounts{};
+    UniqueIds seeds;
+    add_touched(seeds);
+    std::vector<TriangleId> fan;
+    for (const PointId p : moved_) {
+      mesh_.fan_around(p, fan);
+      for (const TriangleId t : fan) seeds.add(t);
+    }
+    mesh::RefinementConfig config;
+    if (plan_.options.tip_edge_length_m) config.grading = grading();
+    add_graded(config.grading, seeds);
+    config.min_angle_deg = plan_.options.min_angle_deg;
+    config.length_floor = kLengthFloor * plan_.snap_m / spacing_;
+    config.lengths = &mesh_.edge_lengths();
+    config.strands = strand_widths(mesh_, plan_.options);
+    config.strand_angle_deg = kStrandAngle * plan_.options.min_angle_deg;
+    config.max_insertions = max_insertions() + insertions_around(config.grading);
+    const mesh::RefinementCounts counts = refine(editor_, seeds.ids(), config);
+    if (editor_.budget_exhausted()) {
+      return resource_exhausted(
+          "CUT_ELEMENT_BUDGET",
+          "refining the cut needs more new triangles than allowed; shorten it, or raise max_new_triangles",
+          "cut.max_new_triangles");
+    }
+    return counts;
+  }
+
+  [[nodiscard]] mesh::TipGrading grading() const {
+    mesh::TipGrading grading;
+    for (const PointId p : insertion_.tips()) grading.tips.push_back(mesh_.at(p));
+    grading.length = *plan_.options.tip_edge_length_m / spacing_;
+    grading.gradient = plan_.options.tip_grading - 1.0;
+    return grading;
+  }
+
+  // About ten times what the area around the tips takes in triangles of the lengths there.
+  [[nodiscard]] std::int64_t insertions_around(const mesh::TipGrading& grading) const {
+    const double growth = std::log(std::max(plan_.edge_length_m / spacing_ / grading.length, 1.0));
+    const double per_tip = kInsertionsPerTip * (1.0 + growth) / (grading.gradient * grading.gradient);
+    return grading.tips.empty() ? 0 : std::llround(static_cast<double>(grading.tips.size()) * per_tip);
+  }
+
+  // Adds the solid triangles around tips to where edges as long as those of the sheet there are short enough.
+  void add_graded(const mesh::TipGrading& grading, UniqueIds& seeds) const {
+    std::vector<TriangleId> found;
+    mesh::IdTable seen;
+    for (const LatticePoint& tip : grading.tips) {
+      // Of the triangles at a point, not the one that the search happened on.
+      const mesh::Location location = mesh_.locate(tip);
+      found.push_back(location.point != kNone ? mesh_.triangle_at_point(location.point) : location.triangle);
+    }
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      seeds.add(found[i]);
+      for (int k = 0; k < 3; ++k) {
+        const TriangleId t = mesh_.welded_neighbour(found[i], k);
+        if (t == kNone || !mesh_.is_solid(t)) continue;
+        const LatticePoint& at = mesh_.at(mesh_.points(t)[0]);
+        const double length = scale_.edge_length(mesh_.lattice().position(at)) / spacing_;
+        if (grading.length_at(at) > kGradedReach * length || !seen.add(t, 0)) continue;
+        found.push_back(t);
+      }
+    }
+  }
+
+  void report_snapping(CutReport& report) const {
+    const InsertionCounts& counts = insertion_.counts();
+    report.snapped_points = counts.snapped_points;
+    report.closed_gaps = counts.closed_gaps;
+    report.widest_gap_m = counts.widest_gap * spacing_;
+    report.merged_segments = counts.merged_segments;
+  }
+
+  void fill_report(CutOutcome& outcome) const {
+    CutReport& report = outcome.report;
+    report.pieces = mesh_.num_pieces();
+    report.new_vertices = static_cast<std::int32_t>(outcome.edit.added_vertices.size());
+    report.moved_vertices = static_cast<std::int32_t>(outcome.edit.moved_vertices.size());
+    for (TriangleId t = outcome.undo.num_triangle_slots; t < mesh_.num_triangle_slots(); ++t) {
+      report.new_triangles += mesh_.is_solid(t) ? 1 : 0;
+    }
+    report.removed_vertices = static_cast<std::int32_t>(outcome.edit.removed_vertices.size());
+    report.removed_pieces = static_cast<std::int32_t>(outcome.edit.vanished_pieces.size());
+    report.rewritten_triangles = static_cast<std::int32_t>(outcome.edit.rewritten_triangles.size());
+    const InsertionCounts& counts = insertion_.counts();
+    report.new_lip_edges = counts.new_lip_edges;
+    report_snapping(report);
+    report.layers = plan_.layers;
+    report.view_deviation_m = plan_.view_deviation_m;
+    report.deviation_of_tolerance = deviation_of_tolerance();
+    report.deviation_m =
+        plan_.view_deviation_m + plan_.curve_deviation_m + (counts.deviation + kRoundingUnits) * spacing_;
+    report.quality =
+        measure_quality(mesh_, new_triangles(mesh_, outcome.undo, outcome.edit.rewritten_triangles, moved_),
+                        plan_.options.min_angle_deg, strand_widths(mesh_, plan_.options));
+    if (!is_by_element() && plan_.options.min_angle_deg > 0.0 && report.quality.triangles_below_contract > 0) {
+      report.refinement_stopped = true;
+    }
+  }
+
+  TriangleMesh& mesh_;
+  const CutPlan& plan_;
+  PhaseObserver* observer_;
+  double spacing_;  // m a lattice unit
+  PathScale scale_;
+  mesh::MeshEditor editor_;
+  LaidOutline laid_;  // of a cut with a width
+  PathInsertion insertion_;
+  std::vector<TriangleId> strip_;                 // of a cut with a width
+  std::vector<PointId> path_, corridor_, moved_;  // sorted, unique
+};
+
+// Where older lips lie dense, a path can be laid on one and from there on the next, ever farther from where it should
+// be, or into a corner where nothing can be rounded to: then it is tried again with less snapping.
+bool calls_for_less_snapping(const Result<CutOutcome>& outcome) {
+  return !outcome.ok() && outcome.error().code == ErrorCode::kFailedPrecondition &&
+         outcome.error().reason != "STRIP_COVERS_SHEET";
+}
+
+}  // namespace
+
+Result<CutOutcome> apply(TriangleMesh& mesh, const CutPlan& plan, PhaseObserver* observer) {
+  if (plan.strokes.empty() && plan.outline.empty()) {
+    CutOutcome outcome;
+    outcome.report.pieces = mesh.num_pieces();
+    outcome.report.triangles_behind = plan.triangles_behind;
+    return outcome;
+  }
+  Result<CutOutcome> outcome = Cutter(mesh, plan, observer).run();
+  CutPlan closer = plan;
+  for (int attempt = 0; attempt < kCloserAttempts && calls_for_less_snapping(outcome); ++attempt) {
+    closer.options.snap *= kCloserSnap;
+    closer.snap_m = PathScale(mesh, closer.options).mean_snap();
+    outcome = Cutter(mesh, closer, observer).run();
+  }
+#ifdef KERF_VALIDATE
+  if (const std::optional<std::string> violation = mesh.find_violation()) {
+    KERF_CHECK(false, violation->c_str());
+  }
+#endif
+  return outcome;
+}
+
+}  // namespace kerf::cut

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "server/core/cut/curve.h"
+#include "server/core/mesh/triangle_mesh.h"
+
+namespace kerf::cut {
+
+// The solid triangles of the mesh as it is that the strokes run through or have a point in, sorted, unique: the
+// yardstick that the number of new triangles is measured by. A stroke that passes exactly through a point or along an
+// edge counts the triangles of one side.
+std::vector<mesh::TriangleId> crossed_triangles(const mesh::TriangleMesh& mesh, std::span<const Stroke> strokes);
+
+}  // namespace kerf::cut

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "server/base/result.h"
+#include "server/core/cut/curve.h"
+
+namespace kerf::cut {
+
+// Pairs of chords so close that the strips around them may overlap; work and memory for the outline grow with them.
+inline constexpr std::int64_t kMaxStripPairs = 300'000;
+// Points that the outlines of both chords of such a pair have, before they are united; all pairs together. One costs
+// 0.1 to 0.2 us.
+inline constexpr std::int64_t kMaxStripPoints = 5'000'000;
+
+// The border of a strip: closed strokes with the strip on their left, so those around holes run clockwise, that neither
+// cross themselves nor each other, but for rounding.
+struct Outline {
+  FlatCurve curve;  // its bound: no point of the strip is farther than half the width plus that from the curve, and
+                    // all closer than half the width minus that are in it
+  double area_m2 = 0.0;  // m^2, of the strip
+};
+
+// The outline of the strip of `width` (m) around a flattened curve. `tolerance`: m, > 0; what it may add to the bound,
+// rounding aside. Offsetting and union by the library Clipper (Vatti 1992, "A generic solution to polygon clipping"),
+// on a grid of its own.
+// Error: kResourceExhausted WIDTH_WORK_BUDGET, before anything is made of it: more than kMaxStripPairs, or
+// kMaxStripPoints.
+Result<Outline> outline(const FlatCurve& curve, double width, double tolerance);
+
+// Whether `at` (m) is inside the outline, by its winding number. O(points of the outline).
+bool contains(const std::vector<Stroke>& outline, const Eigen::Vector2d& at);
+
+}  // namespace kerf::cut

@@ -1,0 +1,76 @@
+// The part of PathInsertion that lays the path along lips that are there already, instead of cutting beside them.
+#include <algorithm>
+
+#include "server/core/cut/path_insertion.h"
+#include "server/core/mesh/lattice_geometry.h"
+
+namespace kerf::cut {
+
+using mesh::kNone;
+using mesh::LatticePoint;
+using mesh::Location;
+using mesh::PointId;
+
+// Goes along lips that are there to the point nearest to `at` that they lead to, unless there is one at it exactly that
+// they do not.
+bool PathInsertion::retrace(PathPosition& position, const LatticePoint& at) {
+  if (position.point == kNone) return false;
+  const Location location = mesh_.locate(at, hint_);
+  const LipTrace::Leg leg = leg_to(position.at, at);
+  const bool found = location.kind == Location::Kind::kPoint ? trace_.find(position.point, location.point, leg)
+                                                             : trace_.find(position.point, leg);
+  if (!found) return false;
+  run_along_chain(position.point);
+  if (!trace_.chain().empty()) position = {mesh_.at(trace_.chain().back()), trace_.chain().back(), kNone};
+  // What is left of the segment, or all of it, is dust.
+  const LatticePoint reached = mesh::rounded_projection(segment_start_, segment_end_, position.at);
+  if (trace_.chain().empty() || reached != at) note_dust();
+  if (position.at != at) ++counts_.snapped_points;
+  note_deviation(position.point, difference(at, position.at).norm());
+  return true;
+}
+
+// Takes a leg, or as much of it as lies in the sheet, along lips that are there. Where it comes from the void, that is
+// known from its end.
+bool PathInsertion::follow_lips(PathPosition& from, std::vector<PathPosition>& targets) {
+  const PathPosition target = targets.back();
+  if (from.point == kNone) {
+    if (target.point == kNone || !trace_.find_border(target.point, leg_to(target.at, from.at))) return false;
+    const PointId entry = trace_.chain().back();
+    note_met(entry);
+    targets.push_back({mesh_.at(entry), entry, kNone});
+    return false;
+  }
+  const LipTrace::Leg leg = leg_to(from.at, target.at);
+  if (!(target.point == kNone ? trace_.find_border(from.point, leg) : trace_.find(from.point, target.point, leg))) {
+    return false;
+  }
+  run_along_chain(from.point);
+  if (target.point != kNone) {
+    from = target;
+    targets.pop_back();
+  } else {
+    from = {mesh_.at(trace_.chain().back()), trace_.chain().back(), kNone};
+  }
+  return true;
+}
+
+// The stretch of the present segment between the feet of two places: places that have been moved onto lips must not
+// lead on to lips farther away.
+LipTrace::Leg PathInsertion::leg_to(const LatticePoint& from, const LatticePoint& to) const {
+  return {mesh::rounded_projection(segment_start_, segment_end_, from),
+          mesh::rounded_projection(segment_start_, segment_end_, to)};
+}
+
+void PathInsertion::run_along_chain(PointId from) {
+  double widest = 0.0;
+  for (const PointId next : trace_.chain()) {
+    if (laid_ != nullptr) laid_->run(from, next);
+    note_point(next);
+    widest = std::max(widest, distance_to_path(next));
+    from = next;
+  }
+  note_gap(widest);
+}
+
+}  // namespace kerf::cut

@@ -1,0 +1,65 @@
+#include "server/core/cut/path_scale.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kerf::cut {
+namespace {
+
+// Two clearances of the lattice keep a point that did not snap to a lip insertable beside it.  lattice units
+constexpr double kLeastSnapUnits = 2.0 * static_cast<double>(mesh::MeshEditor::kLockClearance);
+
+constexpr double kSnapShare = 0.1;  // -; most of the tolerance that snapping may use
+constexpr int kMaxSamples = 4096;   // of the edge length along one segment
+
+}  // namespace
+
+PathScale::PathScale(const mesh::TriangleMesh& mesh, const CutOptions& options)
+    : lengths_(mesh.edge_lengths()), options_(options), lattice_(mesh.lattice()) {}
+
+double PathScale::tolerance_for(double edge_length) const {
+  return options_.tolerance_m.value_or(options_.tolerance * edge_length);
+}
+
+double PathScale::snap_for(double edge_length) const {
+  double wanted = std::min(options_.snap * edge_length, kSnapShare * tolerance_for(edge_length));
+  if (options_.width_m) wanted = std::min(wanted, kSnapShare * kToleranceOfWidth * *options_.width_m);
+  return std::max(wanted, kLeastSnapUnits * lattice_.spacing);
+}
+
+double PathScale::representable_tolerance() const {
+  return 4.0 * (kLeastSnapUnits + kRoundingUnits) * lattice_.spacing;
+}
+
+double PathScale::flattening_for(double edge_length) const {
+  const double tolerance = tolerance_for(edge_length);
+  // With one tolerance for all lengths, longer edges snap from farther: then the most that snapping may use.
+  const double snap = options_.tolerance_m && !is_uniform() ? kSnapShare * tolerance : snap_for(edge_length);
+  return std::max(tolerance - snap, kSnapShare * tolerance);
+}
+
+std::vector<double> PathScale::divisions(const Eigen::Vector2d& a, const Eigen::Vector2d& along,
+                                         double fraction) const {
+  const double length = along.norm();
+  // Edge lengths that go into the segment up to each of its samples; one where the edge length does not change.
+  const int samples =
+      static_cast<int>(std::clamp(std::ceil(2.0 * length / lengths_.resolution()), 1.0, double{kMaxSamples}));
+  std::vector<double> counted{0.0};
+  for (int i = 0; i < samples; ++i) {
+    const double here = lengths_.at(a + ((i + 0.5) / samples) * along);
+    counted.push_back(counted.back() + length / samples / (fraction * here));
+  }
+  const double parts = std::ceil(counted.back());
+  std::vector<double> ends;
+  std::size_t sample = 0;
+  for (double i = 1.0; i < parts; ++i) {
+    const double share = i / parts;
+    const double wanted = share * counted.back();
+    while (sample + 2 < counted.size() && counted[sample + 1] < wanted) ++sample;
+    const double within = (wanted - counted[sample]) / (counted[sample + 1] - counted[sample]);
+    ends.push_back(samples == 1 ? share : (static_cast<double>(sample) + within) / samples);
+  }
+  return ends;
+}
+
+}  // namespace kerf::cut

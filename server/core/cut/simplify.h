@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "server/core/cut/curve.h"
+#include "server/core/cut/path_scale.h"
+
+namespace kerf::cut {
+
+// A flattened curve with a bound on its distance from the curve, once in metres and once of what is allowed there.
+struct ScaledCurve {
+  FlatCurve curve;
+  double deviation_of_tolerance = 0.0;  // -; the largest, place by place
+};
+
+// Leaves out points of one polyline by the algorithm of Douglas and Peucker (1973), with the room that each of its
+// segments has. The bound holds both ways: distance to a chord is convex along a segment, and the nearest point of the
+// chord runs over all of it as one follows the path.
+class Simplification {
+ public:
+  // `points`: at least 2; must outlive this. `flattened`: bound on their distance from the curve, m.
+  Simplification(const std::vector<Eigen::Vector2d>& points, double flattened, const PathScale& scale);
+  // With the same tolerance (m) everywhere, all of it for flattening.
+  Simplification(const std::vector<Eigen::Vector2d>& points, double flattened, double tolerance);
+
+  // Keeps points `first` and `last`, and of those in between what the tolerance needs.
+  void simplify_stretch(std::size_t first, std::size_t last);
+  // Does so between each two corners: points where the path turns by more than 20 degrees.
+  void simplify_between_corners();
+
+  [[nodiscard]] std::vector<Eigen::Vector2d> kept_points() const;
+  // Largest distance of a point left out from its chord, m.
+  [[nodiscard]] double moved() const { return moved_; }
+  // The largest of (flattened + that) / tolerance, segment by segment.
+  [[nodiscard]] double of_tolerance() const { return of_tolerance_; }
+
+ private:
+  const std::vector<Eigen::Vector2d>& points_;
+  double flattened_;
+  std::vector<bool> kept_;
+  std::vector<double> room_;       // of each segment, m
+  std::vector<double> tolerance_;  // of each segment, m
+  double moved_ = 0.0;             // m
+  double of_tolerance_ = 0.0;
+};
+
+// Leaves out points of a curve that was flattened to the least tolerance anywhere, where the tolerance is larger. A
+// curve of straight pieces (deviation 0), and any curve where one length holds everywhere, is returned as it is.
+ScaledCurve simplify(const FlatCurve& curve, const PathScale& scale);
+
+}  // namespace kerf::cut

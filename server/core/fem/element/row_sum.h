@@ -1,0 +1,72 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "server/core/fem/element/bending.h"
+#include "server/core/linear/place_in_order.h"
+#include "server/core/linear/row_store.h"
+#include "server/core/mesh/ids.h"
+
+namespace kerf::fem {
+
+// One row of a matrix while it is summed, entries of a column in the order in which they are added.
+class RowSum {
+ public:
+  // For columns below n; never shrinks.
+  void resize(std::size_t n) {
+    if (place_.size() > n) return;
+    place_.resize(n + 1, kNew);
+    place_[0] = kNowhere;
+  }
+
+  // Columns may repeat; an entry of column kNone is left out.
+  template <std::size_t N>
+  void add(const std::array<mesh::VertexId, N>& columns, const std::array<double, N>& entries) {
+    if (values_.size() < size_ + N) values_.resize(2 * (size_ + N)), columns_.resize(2 * (size_ + N));
+    // Hardly any branch could be predicted, hence none is made; and what is written is no member, so that the compiler
+    // need not read it again.
+    std::int32_t* const place_of = place_.data() + 1;
+    double* const values = values_.data();
+    mesh::VertexId* const met = columns_.data();
+    auto size = static_cast<std::int32_t>(size_);
+    for (std::size_t i = 0; i < N; ++i) {
+      const mesh::VertexId column = columns[i];
+      const std::int32_t known = place_of[column];
+      const bool is_new = known < 0;
+      const std::int32_t place = is_new ? size : known;
+      size += is_new ? 1 : 0;
+      place_of[column] = place;
+      met[place] = column;
+      values[place] = (is_new ? -0.0 : values[place]) + entries[i];  // -0.0 + x is x, of any sign
+    }
+    size_ = static_cast<std::size_t>(size);
+  }
+
+  // Into `rows`, by ascending column. Empty again.
+  void move_to(RowStore<BendingEntry>& rows, int row) {
+    const std::span<const mesh::VertexId> columns(columns_.data() + 1, size_ - 1);
+    place_in_order(columns, order_);
+    const std::span<BendingEntry> made = rows.resize_row(row, columns.size());
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      made[static_cast<std::size_t>(order_[i])] = {values_[1 + i], columns[i]};
+      place_[static_cast<std::size_t>(columns[i] + 1)] = kNew;
+    }
+    size_ = 1;
+  }
+
+ private:
+  static constexpr std::int32_t kNew = -1;
+  static constexpr std::int32_t kNowhere = 0;  // the place of what column kNone has
+
+  std::size_t size_ = 1;                 // places taken
+  std::vector<std::int32_t> place_;      // by column + 1
+  std::vector<mesh::VertexId> columns_;  // by place
+  std::vector<double> values_;           // by place
+  std::vector<std::int32_t> order_;
+};
+
+}  // namespace kerf::fem

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <span>
+
+#include <Eigen/Core>
+
+#include "server/core/fem/element/element_block.h"
+#include "server/core/fem/element/loads.h"
+#include "server/core/fem/element/material_table.h"
+#include "server/core/fem/element/state.h"
+#include "server/core/linear/vertex_field.h"
+
+namespace kerf::fem {
+
+// Whether the air does anything.
+[[nodiscard]] bool has_wind_drag(const Wind& wind);
+
+// f (3 x V, N) += air drag at x (3 x V, m) and v (3 x V, m/s); see Wind. `materials` have the mass per area at rest.
+// The force acts over a kick of `duration` (s). Where the drag rate r of a triangle is so high that the kick would
+// carry it past the velocity of the air, it is divided by sqrt(1 + (r duration)^2). Slots in order.
+void add_wind_drag(std::span<const ElementBlock> blocks, const MaterialTable& materials, const Wind& wind,
+                   double duration, const State& state, mesh::VertexField& f);
+
+}  // namespace kerf::fem

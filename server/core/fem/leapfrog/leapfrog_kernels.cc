@@ -1,0 +1,464 @@
+#include "server/core/fem/leapfrog/leapfrog_kernels.h"
+
+#include <cstring>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "server/core/fem/leapfrog/leapfrog_kernels.cc"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "server/core/fem/leapfrog/leapfrog_gather-inl.h"
+#include "server/core/fem/leapfrog/leapfrog_triangles-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace kerf::fem {
+namespace HWY_NAMESPACE {
+namespace {
+
+template <class DP>
+HWY_INLINE Vec3<hn::Vec<DP>> load3(DP d, const std::array<hn::TFromD<DP>*, 3>& from, std::ptrdiff_t at) {
+  return {hn::LoadU(d, from[0] + at), hn::LoadU(d, from[1] + at), hn::LoadU(d, from[2] + at)};
+}
+template <class D>
+HWY_INLINE void store3(D d, const Vec3<hn::Vec<D>>& value, const std::array<hn::TFromD<D>*, 3>& to, std::ptrdiff_t at) {
+  hn::Store(value.x, d, to[0] + at);
+  hn::Store(value.y, d, to[1] + at);
+  hn::Store(value.z, d, to[2] + at);
+}
+
+template <typename T>
+HWY_INLINE std::ptrdiff_t in_ring(const LeapfrogArrays<T>& arrays, std::ptrdiff_t at) {
+  return at & (arrays.quad_ring - 1);
+}
+template <class D>
+HWY_INLINE void store_quad_force(D d, const LeapfrogArrays<hn::TFromD<D>>& arrays, std::size_t k,
+                                 const Vec3<hn::Vec<D>>& force, std::ptrdiff_t place) {
+  store3(d, force, arrays.quad_force[k], place);
+  if (place < static_cast<std::ptrdiff_t>(kBlockLanes)) {
+    store3(d, force, arrays.quad_force[k], place + arrays.quad_ring);
+  }
+}
+
+template <typename T>
+void clear_quad_forces(const LeapfrogArrays<T>& arrays, std::ptrdiff_t block) {
+  const LanesOf<T> d;
+  const Vec3<hn::Vec<LanesOf<T>>> none{hn::Zero(d), hn::Zero(d), hn::Zero(d)};
+  const std::ptrdiff_t place = in_ring(arrays, block * static_cast<std::ptrdiff_t>(kBlockLanes));
+  for (std::size_t l = 0; l < kBlockLanes; l += hn::Lanes(d)) {
+    for (std::size_t k = 0; k < 4; ++k) store_quad_force(d, arrays, k, none, place + static_cast<std::ptrdiff_t>(l));
+  }
+}
+
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE std::array<Vec3<V>, 3> quad_edges(D d, const LeapfrogArrays<hn::TFromD<D>>& arrays, std::ptrdiff_t at) {
+  const hn::Rebind<PositionOf<hn::TFromD<D>>, D> dp;
+  const auto x0 = load3(dp, arrays.x, at);
+  return {edge(d, load3(dp, arrays.x, at + arrays.offsets[0]), x0),
+          edge(d, load3(dp, arrays.x, at + arrays.offsets[1]), x0),
+          edge(d, load3(dp, arrays.x, at + arrays.offsets[2]), x0)};
+}
+
+// Of the two triangles of each quad.
+template <typename T>
+HWY_NOINLINE void set_quad_gradients(const LeapfrogArrays<T>& arrays, std::size_t block, StretchLanes<T>* to) {
+  const LanesOf<T> d;
+  const TriangleLanes<T>* const lanes = arrays.quads + 2 * block;
+  for (std::size_t l = 0; l < kBlockLanes; l += hn::Lanes(d)) {
+    const auto edges = quad_edges(d, arrays, static_cast<std::ptrdiff_t>(block * kBlockLanes + l));
+    set_gradients(d, lanes[0], l, edges[0], edges[1], to[0]);
+    set_gradients(d, lanes[1], l, edges[1], edges[2], to[1]);
+  }
+}
+
+template <typename T>
+HWY_NOINLINE void set_quad_gradients_from_start(const LeapfrogArrays<T>& arrays, std::size_t block,
+                                                StretchLanes<T>* to) {
+  const LanesOf<T> d;
+  const TriangleLanes<T>* const lanes = arrays.quads + 2 * block;
+  const StartLanes<T>* const start = arrays.quad_start + 2 * block;
+  for (std::size_t l = 0; l < kBlockLanes; l += hn::Lanes(d)) {
+    const auto edges = quad_edges(d, arrays, static_cast<std::ptrdiff_t>(block * kBlockLanes + l));
+    set_gradients(d, lanes[0], start[0], l, edges[0], edges[1], to[0]);
+    set_gradients(d, lanes[1], start[1], l, edges[1], edges[2], to[1]);
+  }
+}
+
+template <MembraneLaw kLaw, typename T>
+HWY_NOINLINE void set_quad_forces(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, std::size_t block,
+                                  StretchLanes<T>* stretches) {
+  const LanesOf<T> d;
+  const auto common = common_law(d, step);
+  const LawLanes<T>* const laws = arrays.quad_laws == nullptr ? nullptr : arrays.quad_laws + 2 * block;
+  StrainLanes<T>* const before = arrays.quads_before + 2 * block;
+  using V = hn::Vec<LanesOf<T>>;
+  for (std::size_t l = 0; l < kBlockLanes; l += hn::Lanes(d)) {
+    const auto at = static_cast<std::ptrdiff_t>(block * kBlockLanes + l);
+    std::array<CornerForces<V>, 2> forces;
+    if constexpr (kLaw == MembraneLaw::kGreen) {
+      const EdgeLanes<T>* const lanes = arrays.quad_edges + 2 * block;
+      const auto edges = quad_edges(d, arrays, at);
+      for (std::size_t k = 0; k < 2; ++k) {
+        const V damping = laws == nullptr ? common.damping : damping_of(d, laws[k], l);
+        forces[k] = edge_forces(d, damping, lanes[k], l, edges[k], edges[k + 1], before[k]);
+      }
+    } else {
+      const TriangleLanes<T>* const lanes = arrays.quads + 2 * block;
+      for (std::size_t k = 0; k < 2; ++k) {
+        forces[k] =
+            corner_forces(d, laws == nullptr ? common : law_of(d, laws[k], l), lanes[k], l, stretches[k], before[k]);
+      }
+    }
+    const Vec3<V> middle = plus(forces[0].force2, forces[1].force1);
+    const Vec3<V> others = plus(plus(forces[0].force1, forces[1].force2), middle);
+    const std::ptrdiff_t place = in_ring(arrays, at);
+    store_quad_force(d, arrays, 0, others, place);
+    store_quad_force(d, arrays, 1, forces[0].force1, place);
+    store_quad_force(d, arrays, 2, middle, place);
+    store_quad_force(d, arrays, 3, forces[1].force2, place);
+  }
+}
+
+// Of blocks first to last, kQuadBlocksAhead at most.
+template <MembraneLaw kLaw, typename T>
+void quad_forces(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, std::size_t first, std::size_t last) {
+  StretchLanes<T> stretches[2 * kQuadBlocksAhead];
+  if constexpr (kLaw == MembraneLaw::kCorotational) {
+    const bool from_start = arrays.quad_start != nullptr;
+    std::size_t num_stretches = 0;
+    for (std::size_t b = first; b < last; ++b) {
+      if (arrays.num_quads[b] == 0) continue;
+      from_start ? set_quad_gradients_from_start(arrays, b, stretches + num_stretches)
+                 : set_quad_gradients(arrays, b, stretches + num_stretches);
+      num_stretches += 2;
+    }
+    from_start ? set_strains_from_start(stretches, num_stretches) : set_strains(stretches, num_stretches);
+  }
+  StretchLanes<T>* next = stretches;
+  for (std::size_t b = first; b < last; ++b) {
+    if (arrays.num_quads[b] == 0) {
+      clear_quad_forces(arrays, static_cast<std::ptrdiff_t>(b));
+    } else {
+      set_quad_forces<kLaw>(arrays, step, b, next);
+      next += 2;
+    }
+  }
+}
+
+// Gathers bending forces of the vertices of a block, not yet scaled, by the diagonals of their rows.
+template <typename T>
+HWY_NOINLINE void sum_bending_diagonals(const LeapfrogArrays<T>& arrays, std::size_t block) {
+  const LanesOf<T> d;
+  const LanesOf<PositionOf<T>> dp;
+  const std::span<const std::int32_t> offsets = arrays.bending->offsets(block);
+  const std::span<const Lanes16<T>> diagonals = arrays.bending->diagonals(block);
+  for (std::size_t l = 0; l < kBlockLanes; l += hn::Lanes(d)) {
+    const auto at = static_cast<std::ptrdiff_t>(block * kBlockLanes + l);
+    const auto xi = load3(dp, arrays.bending_x, at);
+    Vec3<hn::Vec<LanesOf<T>>> sum{hn::Zero(d), hn::Zero(d), hn::Zero(d)};
+    for (std::size_t k = 0; k < offsets.size(); ++k) {
+      const auto value = hn::Load(d, &diagonals[k].lane[l]);
+      const auto xj = load3(dp, arrays.bending_x, at + offsets[k]);
+      sum.x = hn::Add(sum.x, hn::Mul(value, converted(d, hn::Sub(xi.x, xj.x))));
+      sum.y = hn::Add(sum.y, hn::Mul(value, converted(d, hn::Sub(xi.y, xj.y))));
+      sum.z = hn::Add(sum.z, hn::Mul(value, converted(d, hn::Sub(xi.z, xj.z))));
+    }
+    hn::StoreInterleaved4(sum.x, sum.y, sum.z, hn::Zero(d), d, arrays.gathered + 4 * at);
+  }
+}
+
+// Bending forces of the vertices of the block, forces of irregular corners around them and others.
+template <typename T>
+HWY_INLINE void gather(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, std::size_t block) {
+  const bool bends = arrays.bending != nullptr;
+  if (bends) {
+    const bool has_diagonals = !arrays.bending->offsets(block).empty();
+    if (has_diagonals) sum_bending_diagonals(arrays, block);
+    bending_by_rows(arrays, step, block, has_diagonals);
+    if (arrays.num_corners[block] == 0 && arrays.extra_force == nullptr) return;
+  }
+  add_corners(arrays, block, bends);
+}
+
+template <class D>
+HWY_INLINE hn::Vec<D> drifted(D /*d*/, hn::Vec<D> x, hn::Vec<D> change, double* /*remainder*/) {
+  return hn::Add(x, change);
+}
+template <class D, class DP = hn::Rebind<std::int32_t, D>>
+HWY_INLINE hn::Vec<DP> drifted(D d, hn::Vec<DP> x, hn::Vec<D> change, float* remainder) {
+  const auto all = hn::Add(change, hn::Load(d, remainder));
+  const auto whole = hn::NearestInt(all);
+  hn::Store(hn::Sub(all, hn::ConvertTo(d, whole)), d, remainder);
+  return hn::Add(x, whole);
+}
+
+template <class D>
+HWY_INLINE hn::Vec<D> kicked(D /*d*/, hn::Vec<D> v, hn::Vec<D> change, double* /*remainder*/) {
+  return hn::Add(v, change);
+}
+// Compensated: what rounding takes off the sum is added to the next change.
+template <class D>
+HWY_INLINE hn::Vec<D> kicked(D d, hn::Vec<D> v, hn::Vec<D> change, float* remainder) {
+  const auto all = hn::Add(change, hn::Load(d, remainder));
+  const auto after = hn::Add(v, all);
+  hn::Store(hn::Sub(all, hn::Sub(after, v)), d, remainder);
+  return after;
+}
+
+// x + beta v.
+template <typename T>
+HWY_NOINLINE void set_bending_positions(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step) {
+  const LanesOf<T> d;
+  const LanesOf<PositionOf<T>> dp;
+  const auto beta = hn::Set(d, step.bending_damping);
+  const bool has_rest = arrays.bending->has_rest();
+  for (std::size_t i = 0; i < kBlockLanes * arrays.num_blocks; i += hn::Lanes(d)) {
+    const auto at = static_cast<std::ptrdiff_t>(i);
+    auto x = load3(dp, arrays.x, at);
+    if (step.bending_damping > 0) {
+      alignas(64) T none[kBlockLanes] = {};
+      x.x = drifted(d, x.x, hn::Mul(beta, hn::Load(d, arrays.v[0] + at)), none);
+      std::memset(none, 0, sizeof none);
+      x.y = drifted(d, x.y, hn::Mul(beta, hn::Load(d, arrays.v[1] + at)), none);
+      std::memset(none, 0, sizeof none);
+      x.z = drifted(d, x.z, hn::Mul(beta, hn::Load(d, arrays.v[2] + at)), none);
+    }
+    store3(dp, x, arrays.bending_x, at);
+    if (has_rest) hn::StoreInterleaved4(x.x, x.y, x.z, hn::Zero(dp), dp, arrays.bending_fours + 4 * i);
+  }
+}
+
+// Forces of the vertices from i on, with what is gathered where `has_gathered`.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE std::array<V, 3> forces_at(D d, const LeapfrogArrays<hn::TFromD<D>>& arrays, bool has_gathered,
+                                      std::size_t i) {
+  std::array<V, 4> sum{hn::Zero(d), hn::Zero(d), hn::Zero(d), hn::Zero(d)};
+  if (has_gathered) hn::LoadInterleaved4(d, arrays.gathered + 4 * i, sum[0], sum[1], sum[2], sum[3]);
+  if (arrays.quads_before == nullptr) return {sum[0], sum[1], sum[2]};
+  const auto at = static_cast<std::ptrdiff_t>(i);
+  const std::array<std::ptrdiff_t, 4> from{in_ring(arrays, at), in_ring(arrays, at - arrays.offsets[0]),
+                                           in_ring(arrays, at - arrays.offsets[1]),
+                                           in_ring(arrays, at - arrays.offsets[2])};
+  for (std::size_t c = 0; c < 3; ++c) {
+    const V near =
+        hn::Sub(hn::LoadU(d, arrays.quad_force[1][c] + from[1]), hn::Load(d, arrays.quad_force[0][c] + from[0]));
+    const V far =
+        hn::Add(hn::LoadU(d, arrays.quad_force[2][c] + from[2]), hn::LoadU(d, arrays.quad_force[3][c] + from[3]));
+    sum[c] = hn::Add(sum[c], hn::Add(near, far));
+  }
+  return {sum[0], sum[1], sum[2]};
+}
+
+// Kick and drift of the vertices from i on.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE void move_at(D d, const LeapfrogArrays<hn::TFromD<D>>& arrays, const LeapfrogStep<hn::TFromD<D>>& step,
+                        std::size_t i, const std::array<V, 3>& forces, hn::TFromD<D>* speed) {
+  using T = hn::TFromD<D>;
+  const hn::Rebind<PositionOf<T>, D> dp;
+  V lost = hn::Set(d, step.lost);
+  V scale = hn::Set(d, step.scale);
+  if (arrays.mass_damping != nullptr) {
+    const V one = hn::Set(d, T{1});
+    const V half = hn::Mul(hn::Set(d, step.scale * T{0.5}), hn::Load(d, arrays.mass_damping + i));
+    lost = hn::Div(hn::Add(half, half), hn::Add(one, half));
+    scale = hn::Div(hn::Set(d, step.scale), hn::Add(one, half));
+  }
+  T* const fastest_of = speed + i % kBlockLanes;
+  V fastest = hn::Load(d, fastest_of);
+  std::array<hn::Vec<decltype(dp)>, 3> x;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const V mobility = hn::Load(d, arrays.mobility[c] + i);
+    const V before = hn::Load(d, arrays.v[c] + i);
+    const V change =
+        hn::Sub(hn::Add(hn::Mul(hn::Mul(scale, mobility), forces[c]), hn::Mul(scale, hn::Set(d, step.gravity[c]))),
+                hn::Mul(lost, before));
+    const V v = kicked(d, before, hn::IfThenElse(hn::Eq(mobility, hn::Zero(d)), hn::Zero(d), change),
+                       std::is_same_v<T, float> ? arrays.v_remainder[c] + i : nullptr);
+    fastest = hn::Max(fastest, hn::Abs(v));
+    hn::Store(v, d, arrays.v[c] + i);
+    x[c] = drifted(d, hn::Load(dp, arrays.x[c] + i), hn::Mul(hn::Set(d, step.drift), v),
+                   std::is_same_v<T, float> ? arrays.remainder[c] + i : nullptr);
+    hn::Store(x[c], dp, arrays.x[c] + i);
+  }
+  hn::Store(fastest, d, fastest_of);
+  if (arrays.num_corners[i / kBlockLanes] == 0) return;
+  hn::StoreInterleaved4(x[0], x[1], x[2], hn::Zero(dp), dp, arrays.corner_x + 4 * i);
+}
+
+template <typename T>
+HWY_INLINE bool has_cluster(const LeapfrogArrays<T>& arrays, std::size_t block) {
+  return arrays.has_cluster != nullptr && arrays.has_cluster[block] != 0;
+}
+
+// Blocks with clusters only leave their forces.
+template <typename T>
+HWY_NOINLINE void move(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, bool gathered, std::size_t first,
+                       std::size_t last, T* speed) {
+  const LanesOf<T> d;
+  for (std::size_t i = first * kBlockLanes; i < last * kBlockLanes; i += hn::Lanes(d)) {
+    const std::size_t block = i / kBlockLanes;
+    const auto forces = forces_at(d, arrays, gathered || arrays.num_corners[block] > 0, i);
+    if (has_cluster(arrays, block)) {
+      hn::StoreInterleaved4(forces[0], forces[1], forces[2], hn::Zero(d), d, arrays.gathered + 4 * i);
+    } else {
+      move_at(d, arrays, step, i, forces, speed);
+    }
+  }
+}
+
+template <typename T>
+HWY_INLINE void move_blocks_with_clusters(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, T* speed) {
+  const LanesOf<T> d;
+  for (std::size_t i = 0; i < arrays.num_blocks * kBlockLanes; i += hn::Lanes(d)) {
+    if (!has_cluster(arrays, i / kBlockLanes)) continue;
+    std::array<hn::Vec<LanesOf<T>>, 4> forces;
+    hn::LoadInterleaved4(d, arrays.gathered + 4 * i, forces[0], forces[1], forces[2], forces[3]);
+    move_at(d, arrays, step, i, {forces[0], forces[1], forces[2]}, speed);
+  }
+}
+
+// A triangle belongs to its lowest vertex: once the forces of a block of quads are made, no later one asks where its
+// vertices are, and they can be moved.
+template <MembraneLaw kLaw, typename T>
+void substep(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, T* speed) {
+  irregular_forces<kLaw>(arrays, step);
+  for (std::size_t i = 0; i < arrays.fine_places.size(); ++i) {
+    std::memcpy(arrays.corner_force + arrays.fine_places[i], arrays.fine_force + 4 * i, 4 * sizeof(T));
+  }
+  if (arrays.bending != nullptr) set_bending_positions(arrays, step);
+  const bool gather_all = arrays.bending != nullptr || arrays.extra_force != nullptr;
+  for (std::size_t b = 0; b < arrays.num_blocks; ++b) {
+    if (gather_all || arrays.num_corners[b] > 0) gather(arrays, step, b);
+  }
+  const bool has_quads = arrays.quads_before != nullptr;
+  for (std::ptrdiff_t b = -arrays.quad_reach; b < 0; ++b) clear_quad_forces(arrays, b);
+  for (std::size_t first = 0; first < arrays.num_blocks + kQuadBlocksAhead; first += kQuadBlocksAhead) {
+    const std::size_t last = HWY_MIN(first + kQuadBlocksAhead, arrays.num_blocks);
+    if (has_quads && first < last) quad_forces<kLaw>(arrays, step, first, last);
+    if (first > 0) move(arrays, step, gather_all, first - kQuadBlocksAhead, HWY_MIN(first, arrays.num_blocks), speed);
+  }
+}
+
+// Lanes without material have strains of -1.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE V larger_strain(D d, const StrainLanes<hn::TFromD<D>>& strains, V largest) {
+  const V half = hn::Set(d, hn::TFromD<D>{0.5});
+  for (std::size_t l = 0; l < kBlockLanes; l += hn::Lanes(d)) {
+    const V e1 = hn::Load(d, &strains[0].lane[l]);
+    const V e2 = hn::Load(d, &strains[1].lane[l]);
+    const V shear = hn::Mul(half, hn::Load(d, &strains[2].lane[l]));
+    const V difference = hn::Mul(half, hn::Sub(e1, e2));
+    const V radius = hn::Sqrt(combine(difference, difference, shear, shear));
+    largest = hn::Max(largest, hn::Add(hn::Mul(half, hn::Add(e1, e2)), radius));
+  }
+  return largest;
+}
+
+template <MembraneLaw kLaw, class D, class V = hn::Vec<D>>
+V irregular_start(D d, const LeapfrogArrays<hn::TFromD<D>>& arrays, const LeapfrogStep<hn::TFromD<D>>& step,
+                  V largest) {
+  irregular_forces<kLaw>(arrays, step);
+  for (const IrregularBlock<hn::TFromD<D>>& block : arrays.irregular) {
+    if (kLaw == MembraneLaw::kCorotational) largest = larger_strain(d, block.before, largest);
+  }
+  return largest;
+}
+
+template <MembraneLaw kLaw, typename T>
+T start(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step) {
+  constexpr bool kHasStrains = kLaw == MembraneLaw::kCorotational;
+  const LanesOf<T> d;
+  auto largest = hn::Zero(d);
+  largest = irregular_start<kLaw>(d, arrays, step, largest);
+  for (std::size_t b = 0; b < arrays.num_blocks; ++b) {
+    if (arrays.num_quads[b] == 0) continue;
+    quad_forces<kLaw>(arrays, step, b, b + 1);
+    for (std::size_t k = 0; kHasStrains && k < 2; ++k) {
+      largest = larger_strain(d, arrays.quads_before[2 * b + k], largest);
+    }
+  }
+  return hn::GetLane(hn::MaxOfLanes(d, largest));
+}
+
+template <typename T>
+void substep_any(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, T* speed) {
+  step.membrane_law == MembraneLaw::kGreen ? substep<MembraneLaw::kGreen>(arrays, step, speed)
+                                           : substep<MembraneLaw::kCorotational>(arrays, step, speed);
+}
+template <typename T>
+T start_any(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step) {
+  return step.membrane_law == MembraneLaw::kGreen ? start<MembraneLaw::kGreen>(arrays, step)
+                                                  : start<MembraneLaw::kCorotational>(arrays, step);
+}
+
+void substep_float(const LeapfrogArrays<float>& arrays, const LeapfrogStep<float>& step, float* speed) {
+  substep_any(arrays, step, speed);
+}
+void substep_double(const LeapfrogArrays<double>& arrays, const LeapfrogStep<double>& step, double* speed) {
+  substep_any(arrays, step, speed);
+}
+void clusters_float(const LeapfrogArrays<float>& arrays, const LeapfrogStep<float>& step, float* speed) {
+  move_blocks_with_clusters(arrays, step, speed);
+}
+void clusters_double(const LeapfrogArrays<double>& arrays, const LeapfrogStep<double>& step, double* speed) {
+  move_blocks_with_clusters(arrays, step, speed);
+}
+double irregular_double(const LeapfrogArrays<double>& arrays, const LeapfrogStep<double>& step) {
+  const LanesOf<double> d;
+  const auto largest = step.membrane_law == MembraneLaw::kGreen
+                           ? irregular_start<MembraneLaw::kGreen>(d, arrays, step, hn::Zero(d))
+                           : irregular_start<MembraneLaw::kCorotational>(d, arrays, step, hn::Zero(d));
+  return hn::GetLane(hn::MaxOfLanes(d, largest));
+}
+float start_float(const LeapfrogArrays<float>& arrays, const LeapfrogStep<float>& step) {
+  return start_any(arrays, step);
+}
+double start_double(const LeapfrogArrays<double>& arrays, const LeapfrogStep<double>& step) {
+  return start_any(arrays, step);
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace kerf::fem
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace kerf::fem {
+namespace {
+HWY_EXPORT(substep_float);
+HWY_EXPORT(substep_double);
+HWY_EXPORT(clusters_float);
+HWY_EXPORT(clusters_double);
+HWY_EXPORT(irregular_double);
+HWY_EXPORT(start_float);
+HWY_EXPORT(start_double);
+}  // namespace
+
+template <>
+void leapfrog_substep(const LeapfrogArrays<float>& arrays, const LeapfrogStep<float>& step, float* speed) {
+  HWY_DYNAMIC_DISPATCH(substep_float)(arrays, step, speed);
+}
+template <>
+void leapfrog_substep(const LeapfrogArrays<double>& arrays, const LeapfrogStep<double>& step, double* speed) {
+  HWY_DYNAMIC_DISPATCH(substep_double)(arrays, step, speed);
+}
+template <>
+void leapfrog_move_clusters(const LeapfrogArrays<float>& arrays, const LeapfrogStep<float>& step, float* speed) {
+  HWY_DYNAMIC_DISPATCH(clusters_float)(arrays, step, speed);
+}
+template <>
+void leapfrog_move_clusters(const LeapfrogArrays<double>& arrays, const LeapfrogStep<double>& step, double* speed) {
+  HWY_DYNAMIC_DISPATCH(clusters_double)(arrays, step, speed);
+}
+double leapfrog_irregular(const LeapfrogArrays<double>& arrays, const LeapfrogStep<double>& step) {
+  return HWY_DYNAMIC_DISPATCH(irregular_double)(arrays, step);
+}
+template <>
+float leapfrog_start(const LeapfrogArrays<float>& arrays, const LeapfrogStep<float>& step) {
+  return HWY_DYNAMIC_DISPATCH(start_float)(arrays, step);
+}
+template <>
+double leapfrog_start(const LeapfrogArrays<double>& arrays, const LeapfrogStep<double>& step) {
+  return HWY_DYNAMIC_DISPATCH(start_double)(arrays, step);
+}
+}  // namespace kerf::fem
+#endif  // HWY_ONCE

@@ -1,0 +1,115 @@
+#include "server/core/fem/step/automatic_integrator.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <string_view>
+
+#include "server/core/fem/step/implicit_integrator.h"
+
+namespace kerf::fem {
+namespace {
+
+// Explicit steps are by far the more accurate at equal cost. After cuts stiff sheets should not become slower by them.
+constexpr double kPreferenceForExplicit = 4.0;
+constexpr double kPreferenceWithClusters = 1.5;
+constexpr double kSecondOrderCondition = 1e9;  // 1 + dt^2 lambda_max
+constexpr int kLeastForFactorCg = 2000;        // vertices: below, a factor in double takes no longer
+
+IntegratorOptions with_kind(IntegratorOptions options, IntegratorKind kind) {
+  options.kind = kind;
+  return options;
+}
+
+LinearSolverKind implicit_solver(const Model& model) {
+  return model.num_vertices() >= kLeastForFactorCg ? LinearSolverKind::kFactorCg : LinearSolverKind::kDirect;
+}
+
+IntegratorOptions with_tr_bdf2(const Model& model, const IntegratorOptions& options) {
+  IntegratorOptions of_stages = with_kind(options, IntegratorKind::kTrBdf2);
+  of_stages.linear_solver = implicit_solver(model);
+  return of_stages;
+}
+
+// Estimates with explicit steps already planned, as kAutomatic takes them.
+TickEstimate estimate_planned(const Model& model, const ExplicitIntegrator& planned, const IntegratorOptions& options) {
+  TickEstimate estimate;
+  estimate.substeps = planned.planned_substeps(options.tick);
+  estimate.explicit_ns = planned.expected_cost(model, options.tick, {}).total();
+  estimate.implicit_ns = implicit_cost(model, with_tr_bdf2(model, options), {}).total();
+  const double preference = planned.inertia().empty() ? kPreferenceForExplicit : kPreferenceWithClusters;
+  estimate.is_explicit =
+      estimate.substeps <= options.max_substeps && estimate.explicit_ns <= preference * estimate.implicit_ns;
+  return estimate;
+}
+
+}  // namespace
+
+TickEstimate estimate_tick(const Model& model, const IntegratorOptions& options) {
+  ExplicitIntegrator planned(with_kind(options, IntegratorKind::kExplicit));
+  planned.plan(model, false);
+  TickEstimate estimate = estimate_planned(model, planned, options);
+  if (options.kind != IntegratorKind::kAutomatic) estimate.is_explicit = options.kind == IntegratorKind::kExplicit;
+  return estimate;
+}
+
+AutomaticIntegrator::AutomaticIntegrator(const IntegratorOptions& options)
+    : options_(options), explicit_(with_kind(options, IntegratorKind::kExplicit)) {}
+
+IntegratorKind AutomaticIntegrator::kind() const {
+  return implicit_ ? implicit_->kind() : explicit_.kind();
+}
+
+StepStats AutomaticIntegrator::step(const Model& model, const Loads& loads, double dt, ContactConstraint* contact,
+                                    State& state) {
+  chosen().heed(heed_.get());
+  return chosen().step(model, loads, dt, contact, state);
+}
+
+void AutomaticIntegrator::rebuild(const Model& model) {
+  choose(model, false);
+  implicit_ ? implicit_->rebuild(model) : explicit_.set_up(model, false);
+}
+
+void AutomaticIntegrator::follow(const Model& model) {
+  const bool is_other = choose(model, true);
+  if (!implicit_) return explicit_.set_up(model, !is_other);
+  is_other ? implicit_->rebuild(model) : implicit_->follow(model);
+}
+
+bool AutomaticIntegrator::choose(const Model& model, bool follows) {
+  explicit_.plan(model, follows);
+  const TickEstimate estimate = estimate_planned(model, explicit_, options_);
+  const double condition = 1.0 + options_.tick * options_.tick * model.stiffness_bound();
+  const IntegratorKind before = kind();
+  std::string_view scheme = "explicit";
+  std::string_view solver;
+  bool is_other = before != IntegratorKind::kExplicit;
+  if (estimate.is_explicit) {
+    implicit_.reset();
+  } else {
+    const bool is_second_order = condition <= kSecondOrderCondition;
+    IntegratorOptions options =
+        with_kind(options_, is_second_order ? IntegratorKind::kTrBdf2 : IntegratorKind::kImplicitEuler);
+    options.linear_solver = is_second_order ? implicit_solver(model) : LinearSolverKind::kDirect;
+    scheme = is_second_order ? "TR-BDF2, " : "implicit Euler, ";
+    solver = name_of(options.linear_solver).description;
+    is_other = options.kind != before || options.linear_solver != solver_;
+    solver_ = options.linear_solver;
+    if (is_other) implicit_ = std::make_unique<ImplicitIntegrator>(options);
+  }
+  const bool is_mixed = options_.precision == Precision::kMixed && LeapfrogSweep<float>::may_hold(model);
+  const char* precision = is_mixed ? "mixed" : "double";
+  std::array<char, 256> text{};
+  std::snprintf(text.data(), text.size(),
+                "; estimated per tick of %.4g s: %.0f explicit substeps in %s precision %.1f ms, TR-BDF2, %s %.1f ms%s",
+                options_.tick, estimate.substeps, precision, estimate.explicit_ns * 1e-6,
+                name_of(implicit_solver(model)).description.data(), estimate.implicit_ns * 1e-6,
+                condition <= kSecondOrderCondition ? "" : " (not solved well at a condition above 1e9)");
+  explanation_ = "automatic: ";
+  explanation_.append(scheme).append(solver).append(text.data());
+  return is_other;
+}
+
+}  // namespace kerf::fem

@@ -1,0 +1,334 @@
+#include "server/core/fem/step/implicit_integrator.h"
+
+#include <algorithm>
+
+#include "server/base/check.h"
+#include "server/core/fem/element/follower_loads.h"
+#include "server/core/fem/element/grab_point.h"
+#include "server/core/fem/element/membrane.h"
+#include "server/core/fem/element/wind_drag.h"
+#include "server/core/fem/model/energy_guard.h"
+
+namespace kerf::fem {
+namespace {
+
+// See EnergyGuard::enforce: what the tolerance of solves may leave in a step, little enough that a thousand steps with
+// as much still keep within 1e-4; and how far the one scheme that damps nothing swings.
+double allowed_gain(IntegratorKind kind) {
+  return kind == IntegratorKind::kTrapezoidal ? 1e-2 : 1e-7;
+}
+
+std::string_view describe_scheme(IntegratorKind kind) {
+  switch (kind) {
+    case IntegratorKind::kTrBdf2:
+      return "implicit: TR-BDF2, one step a tick";
+    case IntegratorKind::kTrapezoidal:
+      return "implicit: trapezoidal rule, one step a tick";
+    case IntegratorKind::kBdf2:
+      return "implicit: BDF2, four steps a tick, the first of the trapezoidal rule";
+    default:
+      return "implicit: Euler, one step a tick";
+  }
+}
+
+int num_solves(IntegratorKind kind) {
+  switch (kind) {
+    case IntegratorKind::kTrBdf2:
+      return 2;
+    case IntegratorKind::kBdf2:
+      return kBdf2Substeps;
+    default:
+      return 1;
+  }
+}
+
+SystemSolver kind_of(LinearSolverKind solver) {
+  switch (solver) {
+    case LinearSolverKind::kDirect:
+      return SystemSolver::kDirect;
+    case LinearSolverKind::kFactorCg:
+      return SystemSolver::kKeptFactor;
+    default:
+      return SystemSolver::kIterative;
+  }
+}
+
+}  // namespace
+
+TickCost implicit_cost(const Model& model, const IntegratorOptions& options, const TickCounts& last) {
+  return cost_of(ImplicitCounts{.most_newton_iterations = 1.0 * num_solves(options.kind) * options.newton_iterations,
+                                .vertices = static_cast<double>(model.num_vertices()),
+                                .slots = static_cast<double>(model.num_slots()),
+                                .solver = kind_of(options.linear_solver)},
+                 last);
+}
+
+ImplicitIntegrator::ImplicitIntegrator(const IntegratorOptions& options)
+    : options_(options),
+      explanation_(std::string(describe_scheme(options.kind)) + "; " +
+                   std::string(name_of(options.linear_solver).description)),
+      solver_(options) {
+  KERF_CHECK(options.kind != IntegratorKind::kAutomatic && options.kind != IntegratorKind::kExplicit,
+             "an implicit kind");
+}
+
+void ImplicitIntegrator::rebuild(const Model& model) {
+  solver_.rebuild(model);
+  resize(model);
+}
+
+void ImplicitIntegrator::follow(const Model& model) {
+  solver_.follow(model);
+  resize(model);
+}
+
+void ImplicitIntegrator::resize(const Model& model) {
+  for (mesh::VertexField* field :
+       {&scratch_.start.x, &scratch_.start.v, &scratch_.substep_start.x, &scratch_.substep_start.v, &scratch_.before.x,
+        &scratch_.before.v, &scratch_.force, &scratch_.constant, &scratch_.damped, &scratch_.stage.base.x,
+        &scratch_.stage.base.v, &scratch_.stage.ballistic}) {
+    field->resize(model.num_vertices());
+  }
+}
+
+StepStats ImplicitIntegrator::step(const Model& model, const Loads& loads, double dt, ContactConstraint* contact,
+                                   State& state) {
+  KERF_CHECK(state.x.cols() == scratch_.force.cols() && model.num_vertices() == scratch_.force.cols(),
+             "rebuild() was called for this model");
+  StepStats stats;
+  scratch_.start.x = state.x;
+  scratch_.start.v = state.v;
+  scratch_.stage.contact = contact;
+  solver_.heed(heed_.get());
+  bool done = false;
+  const int last = num_attempts() + (contact == nullptr && StageSolver::can_majorize(model, loads) ? 1 : -1);
+  for (int i = 0; i <= last && !done; ++i) {
+    const Attempt attempt = attempt_after(i);
+    stats.flags &= ~(kSubstepped | kMajorized);
+    if (attempt.is_majorized) stats.flags |= kMajorized;
+    if (attempt.kind != options_.kind) stats.flags |= kDamped;
+    if (attempt.substeps > num_substeps()) stats.flags |= kSubstepped;
+    done = try_step(model, loads, attempt, dt, contact, state, stats);
+    if (heed_.ends()) {
+      state.x = scratch_.start.x;
+      state.v = scratch_.start.v;
+      stats = {};
+      stats.interrupted = true;
+      return stats;
+    }
+    const bool is_taken = i == last || attempt.is_majorized;  // whatever it has gained
+    if (done && contact == nullptr) done = keep_energy(model, loads, attempt.kind, state, stats) || is_taken;
+    if (done) break;
+    stats.flags &= ~(kEnergyLimited | kNotConverged);  // of the attempt that is thrown away
+    state.x = scratch_.start.x;
+    state.v = scratch_.start.v;
+  }
+  if (!done) {
+    stats.flags |= kFrozen;
+    stats.substeps = 0;
+    return stats;
+  }
+  stats.simulated = dt;
+  const StrainExtent strain = measure_strain(model.element_blocks(), model.materials(), state.x);
+  stats.max_strain = strain.largest;
+  stats.strained_share = strain.beyond_limit;
+  if (contact != nullptr && contact->num_inside() > 0) stats.flags |= kInsideBody;
+  return stats;
+}
+
+ImplicitIntegrator::Attempt ImplicitIntegrator::attempt_after(int failures) const {
+  if (failures == num_attempts()) return {IntegratorKind::kImplicitEuler, 1, true};
+  failures = std::min(failures, num_attempts() - 1);
+  if (failures == 0 || options_.kind == IntegratorKind::kImplicitEuler) {
+    return {options_.kind, num_substeps() << failures};
+  }
+  return {IntegratorKind::kImplicitEuler, num_substeps() << (failures - 1)};
+}
+
+bool ImplicitIntegrator::try_step(const Model& model, const Loads& loads, const Attempt& attempt, double dt,
+                                  ContactConstraint* contact, State& state, StepStats& stats) {
+  solver_.forget();
+  const double h = dt / attempt.substeps;
+  stats.residual = 0.0;
+  stats.linear_residual = 0.0;
+  stats.substeps = attempt.substeps;
+  scratch_.stage.may_repair = attempt.kind == IntegratorKind::kImplicitEuler;
+  if (contact != nullptr) contact->begin(state.x);
+  for (int i = 1; i <= attempt.substeps; ++i) {
+    const double time_left = i == attempt.substeps ? 0.0 : dt - h * i;
+    const Substep substep{attempt.kind, i - 1, h, time_left, attempt.is_majorized};
+    if (!advance(model, loads, substep, state, stats)) return false;
+    if (contact != nullptr) contact->enforce(h, state);
+    if (!is_finite(state)) return false;
+  }
+  return true;
+}
+
+// False: another attempt may do better.
+bool ImplicitIntegrator::keep_energy(const Model& model, const Loads& loads, IntegratorKind kind, State& state,
+                                     StepStats& stats) const {
+  const EnergyGuard::Verdict verdict =
+      EnergyGuard::enforce(model, loads, nullptr, allowed_gain(kind), scratch_.start, state);
+  if (verdict != EnergyGuard::Verdict::kKept) stats.flags |= kEnergyLimited;
+  return verdict != EnergyGuard::Verdict::kExceeded;
+}
+
+bool ImplicitIntegrator::advance(const Model& model, const Loads& loads, const Substep& substep, State& state,
+                                 StepStats& stats) {
+  evaluate_constant_force(model, loads, substep.h, state, stats);
+  switch (substep.kind) {
+    case IntegratorKind::kTrBdf2:
+      return advance_tr_bdf2(model, loads, substep, state, stats);
+    case IntegratorKind::kTrapezoidal:
+      return advance_trapezoidal(model, loads, substep, state, stats);
+    case IntegratorKind::kBdf2:
+      return advance_bdf2(model, loads, substep, state, stats);
+    default:
+      return advance_euler(model, loads, substep, state, stats);
+  }
+}
+
+// From `start` on for t (s), gravity making t2 (s^2) times itself of way.
+void ImplicitIntegrator::set_ballistic(const State& start, double t, double t2, const Eigen::Vector3d& gravity) {
+  scratch_.stage.ballistic = (start.x + t * start.v).colwise() + t2 * gravity;
+}
+
+// The stage of the trapezoidal rule that begins at `start`, scratch_.stage.d being half of its length.
+void ImplicitIntegrator::begin_trapezoidal(const Model& model, const Loads& loads, double time_left,
+                                           const State& start) {
+  Stage& stage = scratch_.stage;
+  evaluate_acceleration(model, loads, time_left, start);
+  stage.base.x = start.x + stage.d * start.v;
+  stage.base.v = start.v + stage.d * scratch_.force;
+  stage.momentum = model.momentum(start).linear;
+  stage.momentum += stage.d * follower_resultant(model.element_blocks(), loads, start.x);
+  for (Eigen::Index i = 0; i < start.v.cols(); ++i) {
+    const Eigen::Vector3d a = loads.gravity - model.mass_damping(static_cast<int>(i)) * start.v.col(i);
+    stage.momentum += stage.d * (model.mass()[static_cast<std::size_t>(i)] * a + scratch_.constant.col(i));
+  }
+  set_ballistic(start, 2.0 * stage.d, 2.0 * stage.d * stage.d, loads.gravity);
+}
+
+bool ImplicitIntegrator::advance_euler(const Model& model, const Loads& loads, const Substep& substep, State& state,
+                                       StepStats& stats) {
+  const double h = substep.h;
+  Stage& stage = scratch_.stage;
+  stage.base.x = state.x;
+  stage.base.v = state.v;
+  stage.momentum = model.momentum(stage.base).linear;
+  stage.start = &stage.base.x;
+  stage.d = h;
+  stage.continues = false;
+  set_ballistic(state, h, h * h, loads.gravity);
+  stage.time_left = substep.time_left;
+  if (substep.is_majorized) return solver_.solve_majorized(model, loads, scratch_.constant, stage, state, stats);
+  return solver_.solve(model, loads, scratch_.constant, stage, state, stats);
+}
+
+bool ImplicitIntegrator::advance_tr_bdf2(const Model& model, const Loads& loads, const Substep& substep, State& state,
+                                         StepStats& stats) {
+  const double h = substep.h;
+  constexpr double kGamma = 0.58578643762690495;  // 2 - sqrt 2
+  constexpr double kNew = 1.0 / (kGamma * (2.0 - kGamma));
+  constexpr double kOld = (1.0 - kGamma) * (1.0 - kGamma) / (kGamma * (2.0 - kGamma));
+  Stage& stage = scratch_.stage;
+  State& start = scratch_.substep_start;
+  start.x = state.x;
+  start.v = state.v;
+  stage.start = &start.x;
+  stage.d = 0.5 * kGamma * h;
+  stage.continues = false;
+
+  begin_trapezoidal(model, loads, substep.time_left + h, state);
+  stage.time_left = substep.time_left + (1.0 - kGamma) * h;
+  if (!solver_.solve(model, loads, scratch_.constant, stage, state, stats)) return false;
+
+  stage.base.x = kNew * state.x - kOld * start.x;
+  stage.base.v = kNew * state.v - kOld * start.v;
+  stage.momentum = model.momentum(stage.base).linear;
+  set_ballistic(stage.base, stage.d, stage.d * stage.d, loads.gravity);
+  stage.continues = true;
+  stage.time_left = substep.time_left;
+  return solver_.solve(model, loads, scratch_.constant, stage, state, stats);
+}
+
+bool ImplicitIntegrator::advance_trapezoidal(const Model& model, const Loads& loads, const Substep& substep,
+                                             State& state, StepStats& stats) {
+  const double h = substep.h;
+  Stage& stage = scratch_.stage;
+  State& start = scratch_.substep_start;
+  start.x = state.x;
+  start.v = state.v;
+  stage.start = &start.x;
+  stage.d = 0.5 * h;
+  stage.continues = false;
+  begin_trapezoidal(model, loads, substep.time_left + h, state);
+  stage.time_left = substep.time_left;
+  return solver_.solve(model, loads, scratch_.constant, stage, state, stats);
+}
+
+bool ImplicitIntegrator::advance_bdf2(const Model& model, const Loads& loads, const Substep& substep, State& state,
+                                      StepStats& stats) {
+  const double h = substep.h;
+  Stage& stage = scratch_.stage;
+  State& start = scratch_.substep_start;
+  State& before = scratch_.before;
+  if (substep.index == 0) {
+    if (!advance_trapezoidal(model, loads, substep, state, stats)) return false;
+  } else {
+    start.x = state.x;
+    start.v = state.v;
+    stage.start = &start.x;
+    stage.d = 2.0 * h / 3.0;
+    stage.continues = true;
+    stage.base.x = (4.0 * start.x - before.x) / 3.0;
+    stage.base.v = (4.0 * start.v - before.v) / 3.0;
+    stage.momentum = model.momentum(stage.base).linear;
+    set_ballistic(stage.base, stage.d, stage.d * stage.d, loads.gravity);
+    stage.time_left = substep.time_left;
+    evaluate_constant_force(model, loads, stage.d, stage.base, stats);  // drag is limited by what it acts on
+    if (!solver_.solve(model, loads, scratch_.constant, stage, state, stats)) return false;
+  }
+  before.x = start.x;
+  before.v = start.v;
+  return true;
+}
+
+void ImplicitIntegrator::evaluate_constant_force(const Model& model, const Loads& loads, double h, const State& state,
+                                                 StepStats& stats) {
+  if (loads.external_forces.cols() > 0) {
+    scratch_.constant = loads.external_forces;
+  } else {
+    scratch_.constant.setZero();
+  }
+  if (!has_wind_drag(loads.wind)) return;
+  add_wind_drag(model.element_blocks(), model.materials(), loads.wind, h, state, scratch_.constant);
+  ++stats.load_phases;
+}
+
+void ImplicitIntegrator::evaluate_acceleration(const Model& model, const Loads& loads, double time_left,
+                                               const State& state) {
+  const std::span<const double> beta = model.materials().stiffness_damping();
+  mesh::VertexField& f = scratch_.force;
+  f = scratch_.constant;
+  add_membrane_forces(model.element_blocks(), model.materials(), beta, state.x, state.v, f);
+  model.add_bending_forces(state.x, state.v, beta, scratch_.damped, f);
+  add_follower_forces(model.element_blocks(), loads, state.x, f);
+  for (const Grab& grab : loads.grabs) {
+    const Eigen::Vector3d target = grab.target - time_left * grab.velocity;
+    const Eigen::Vector3d pull = grab.stiffness * (target - grab_point(grab, state.x)) +
+                                 grab.damping * (grab.velocity - grab_point(grab, state.v));
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (grab.vertices[k] == mesh::kNone) continue;
+      f.col(grab.vertices[k]) += grab.weights[static_cast<Eigen::Index>(k)] * pull;
+    }
+  }
+  for (Eigen::Index i = 0; i < f.cols(); ++i) {
+    const double w = model.inverse_mass()[static_cast<std::size_t>(i)];
+    const Eigen::Vector3d a = w * f.col(i) + loads.gravity - model.mass_damping(static_cast<int>(i)) * state.v.col(i);
+    f.col(i).setZero();
+    if (w > 0.0) f.col(i) = a;
+  }
+}
+
+}  // namespace kerf::fem

@@ -1,0 +1,166 @@
+#include "server/core/fem/step/stage_contact.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+namespace kerf::fem {
+namespace {
+
+Eigen::Vector3d tangential(const SurfaceGap& surface, const Eigen::Vector3d& u) {
+  return u - u.dot(surface.normal) * surface.normal;
+}
+
+}  // namespace
+
+void StageContact::resize(int num_vertices) {
+  entries_.clear();
+  const std::size_t room = ContactConstraint::kMaxGaps * static_cast<std::size_t>(num_vertices);
+  if (room <= entries_.capacity()) return;
+  entries_.reserve(room + room / 2);  // a large block that nothing was written to takes no memory
+  before_.reserve(entries_.capacity());
+}
+
+void StageContact::begin(const ContactConstraint* contact, const Model& model, double d,
+                         const mesh::VertexField& start) {
+  contact_ = contact;
+  model_ = &model;
+  start_ = &start;
+  inertia_ = 1.0 / (d * d);
+  membrane_ = model.materials().largest_membrane_trace();
+  entries_.clear();
+}
+
+double StageContact::stiffness(int vertex) const {
+  return kStiffening * (inertia_ * model_->mass()[static_cast<std::size_t>(vertex)] + membrane_);
+}
+
+void StageContact::predict(const mesh::VertexField& x, const mesh::VertexField& impulse, mesh::VertexField& step) {
+  entries_.clear();
+  if (contact_ == nullptr) return;
+  std::array<SurfaceGap, ContactConstraint::kMaxGaps> gaps;
+  for (int i = 0; i < x.cols(); ++i) {
+    const std::size_t found = contact_->find_gaps(i, x.col(i), step.col(i).norm(), gaps);
+    for (std::size_t k = 0; k < found; ++k) {
+      const double depth = -gaps[k].gap - step.col(i).dot(gaps[k].normal);
+      if (depth <= 0.0) continue;
+      Entry entry;
+      entry.vertex = i;
+      entry.surface = gaps[k];
+      entry.stiffness = stiffness(i);
+      step.col(i) += depth * gaps[k].normal;
+      const Eigen::Vector3d slid = tangential(gaps[k], x.col(i) + step.col(i) - start_->col(i));
+      const Eigen::Vector3d drive = inertia_ * tangential(gaps[k], impulse.col(i));
+      entry.limit = gaps[k].friction * inertia_ * std::max(0.0, -impulse.col(i).dot(gaps[k].normal));
+      entry.sticks = entry.limit > 0.0 && drive.norm() <= entry.limit;
+      if (entry.sticks) {
+        step.col(i) -= slid;
+      } else if (entry.limit > 0.0) {
+        entry.slid = slid;
+        entry.friction = -entry.limit * drive.normalized();
+        entry.force = entry.friction;
+      }
+      entries_.push_back(entry);
+    }
+  }
+}
+
+void StageContact::detect(const mesh::VertexField& x, Update update) {
+  std::swap(entries_, before_);
+  entries_.clear();
+  if (contact_ == nullptr) return;
+  std::array<SurfaceGap, ContactConstraint::kMaxGaps> gaps;
+  auto known = before_.cbegin();
+  const auto skip_to = [&](int vertex, int surface) {
+    const auto is_before = [&](const Entry& entry) {
+      return std::pair(entry.vertex, entry.surface.surface) < std::pair(vertex, surface);
+    };
+    while (known != before_.cend() && is_before(*known)) ++known;
+  };
+  for (int i = 0; i < x.cols(); ++i) {
+    skip_to(i, 0);
+    const bool any_known = known != before_.cend() && known->vertex == i;
+    const double reach = any_known && update == Update::kAdd ? std::numeric_limits<double>::infinity() : 0.0;
+    const std::size_t found = contact_->find_gaps(i, x.col(i), reach, gaps);
+    for (std::size_t k = 0; k < found; ++k) {
+      skip_to(i, gaps[k].surface);
+      const bool is_known = known != before_.cend() && known->vertex == i && known->surface.surface == gaps[k].surface;
+      if (gaps[k].gap >= 0.0 && !(is_known && update == Update::kAdd)) continue;
+      Entry entry = is_known ? *known : Entry{};
+      entry.vertex = i;
+      entry.surface = gaps[k];
+      entry.stiffness = stiffness(i);
+      // The first penetration is that of a step which knew nothing of the surface: no measure for friction.
+      const double limit =
+          is_known || update == Update::kAll ? gaps[k].friction * entry.stiffness * std::max(0.0, -gaps[k].gap) : 0.0;
+      update_friction(tangential(gaps[k], x.col(i) - start_->col(i)), limit, entry);
+      entry.force -= entry.stiffness * gaps[k].gap * gaps[k].normal;
+      entries_.push_back(entry);
+    }
+  }
+}
+
+void StageContact::update_friction(const Eigen::Vector3d& slid, double limit, Entry& entry) {
+  constexpr double kFollow = 0.5;  // of a change of the limit: to follow all of it swings on a curved surface
+  const double limit_before = entry.limit;
+  Eigen::Vector3d predicted(0.0, 0.0, 0.0);
+  if (limit_before > 0.0) {
+    const double yield = std::max(entry.slid.norm(), limit_before / entry.stiffness);
+    predicted = -limit_before / yield * slid;
+    if (!entry.sticks) predicted -= entry.slid.dot(slid - entry.slid) / (yield * yield) * entry.friction;
+    predicted /= std::max(limit_before, predicted.norm());
+    limit = limit_before + kFollow * (limit - limit_before);
+  }
+  entry.limit = limit;
+  entry.slid = slid;
+  const double length = slid.norm();
+  entry.sticks = limit > 0.0 && entry.stiffness * length <= limit;
+  entry.force.setZero();
+  if (entry.sticks) {
+    entry.force = -entry.stiffness * slid;
+  } else if (limit > 0.0) {
+    entry.force = -limit / length * slid;
+  }
+  entry.friction = limit_before > 0.0 ? Eigen::Vector3d(limit * predicted) : entry.force;
+}
+
+void StageContact::add_forces(double scale, mesh::VertexField& forces) const {
+  for (const Entry& entry : entries_) forces.col(entry.vertex) += scale * entry.force;
+}
+
+void StageContact::add_stiffness(double scale, BlockMatrix& matrix) const {
+  for (const Entry& entry : entries_) {
+    Eigen::Matrix3d& block = matrix.block(matrix.diagonal(entry.vertex));
+    const Eigen::Vector3d& n = entry.surface.normal;
+    const double k = scale * entry.stiffness;
+    if (entry.sticks) {
+      block.diagonal().array() += k;
+      continue;
+    }
+    block += k * n * n.transpose();
+    if (entry.limit == 0.0) continue;
+    const Eigen::Vector3d t = entry.slid.normalized();
+    const Eigen::Vector3d p = entry.friction / entry.limit;
+    const double yield = std::max(entry.slid.norm(), entry.limit / entry.stiffness);
+    block += scale * entry.limit / yield *
+             (Eigen::Matrix3d::Identity() - n * n.transpose() + 0.5 * (p * t.transpose() + t * p.transpose()));
+  }
+}
+
+double StageContact::potential(const mesh::VertexField& x) const {
+  if (contact_ == nullptr) return 0.0;
+  double potential = 0.0;
+  std::array<SurfaceGap, ContactConstraint::kMaxGaps> gaps;
+  for (int i = 0; i < x.cols(); ++i) {
+    const std::size_t found = contact_->find_gaps(i, x.col(i), 0.0, gaps);
+    for (std::size_t k = 0; k < found; ++k) potential += 0.5 * stiffness(i) * gaps[k].gap * gaps[k].gap;
+  }
+  for (const Entry& entry : entries_) {
+    const double slid = tangential(entry.surface, x.col(entry.vertex) - start_->col(entry.vertex)).norm();
+    const double reach = entry.limit / entry.stiffness;  // m, how far a vertex that sticks gives way
+    potential += slid <= reach ? 0.5 * entry.stiffness * slid * slid : entry.limit * (slid - 0.5 * reach);
+  }
+  return potential;
+}
+
+}  // namespace kerf::fem

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "server/core/linear/vertex_field.h"
+
+namespace kerf::fem {
+
+// Square sparse matrix of 3x3 blocks in rows: columns ascending within a row, diagonal always present. Symmetric by
+// use: both triangles are stored, so that a product reads memory in order. The pattern of a row can be replaced without
+// touching the others: one that outgrows its place moves to the end, and all are packed again once more than half is
+// holes.
+class BlockMatrix {
+ public:
+  // New rows are empty until they are set; rows beyond are dropped.
+  void resize(int num_rows);
+  // So that this many blocks fit without a copy. What is not used takes no memory.
+  void reserve(std::size_t num_blocks);
+  // `columns`: ascending, i among them. Blocks of all rows hold anything until set_zero(), and positions of row i, or
+  // of every row, become others.
+  void set_row(int i, std::span<const int> columns);
+
+  [[nodiscard]] int num_rows() const { return static_cast<int>(rows_.size()); }
+  [[nodiscard]] int num_blocks() const { return num_blocks_; }
+
+  // Blocks of row i are those at positions [row_begin(i), row_end(i)).
+  [[nodiscard]] int row_begin(int i) const { return rows_[static_cast<std::size_t>(i)].begin; }
+  [[nodiscard]] int row_end(int i) const {
+    const Row& row = rows_[static_cast<std::size_t>(i)];
+    return row.begin + row.size;
+  }
+  [[nodiscard]] int column(int position) const { return column_[static_cast<std::size_t>(position)]; }
+  [[nodiscard]] int diagonal(int i) const {
+    const Row& row = rows_[static_cast<std::size_t>(i)];
+    return row.begin + row.diagonal;
+  }
+  // Position of block (i, j), or -1 where the pattern has none. Binary search.
+  [[nodiscard]] int find(int i, int j) const;
+
+  [[nodiscard]] Eigen::Matrix3d& block(int position) { return block_[static_cast<std::size_t>(position)]; }
+  [[nodiscard]] const Eigen::Matrix3d& block(int position) const { return block_[static_cast<std::size_t>(position)]; }
+
+  void set_zero();
+  // y = A x; x, y: 3 x N, y must not alias x.
+  void multiply(const mesh::VertexField& x, mesh::VertexField& y) const;
+
+ private:
+  struct Row {
+    int begin = 0;
+    int size = 0;
+    int capacity = 0;
+    int diagonal = 0;  // from `begin`
+  };
+  static constexpr int kSlack = 1024;  // blocks; packing smaller arrays gains nothing
+
+  void pack();
+
+  std::vector<Row> rows_;
+  std::vector<int> column_;
+  std::vector<Eigen::Matrix3d> block_;
+  int num_blocks_ = 0;
+};
+
+}  // namespace kerf::fem

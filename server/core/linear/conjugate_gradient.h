@@ -1,0 +1,54 @@
+#pragma once
+
+#include <memory>
+#include <utility>
+
+#include <Eigen/Core>
+
+#include "server/core/linear/linear_solver.h"
+#include "server/core/linear/preconditioner.h"
+#include "server/core/linear/vertex_field.h"
+
+namespace kerf::fem {
+
+// Conjugate gradients (Hestenes, Stiefel 1952), preconditioned or not.
+class ConjugateGradient final : public LinearSolver {
+ public:
+  ConjugateGradient(std::unique_ptr<Preconditioner> preconditioner, int max_iterations)
+      : preconditioner_(std::move(preconditioner)), max_iterations_(max_iterations) {}
+
+  void analyse(const BlockMatrix& A) override;
+  LinearStats solve(const BlockMatrix& A, const mesh::VertexField& b, double tolerance, mesh::VertexField& x) override;
+  // The same of a dense A, 3N x 3N, N that of analyse(), with a preconditioner that does not depend on A.
+  LinearStats solve(const Eigen::MatrixXd& A, const mesh::VertexField& b, double tolerance, mesh::VertexField& x);
+
+  void forget() override { preconditioner_->forget(); }
+  void heed(const GoesOn* goes_on) override {
+    heed_.set(goes_on);
+    preconditioner_->heed(goes_on);
+  }
+  std::vector<Eigen::Matrix3d>* frames() override { return preconditioner_->frames(); }
+  mesh::VertexField* positions() override { return preconditioner_->positions(); }
+
+ private:
+  // multiply(x, y): y = A x; renew(): see Preconditioner.
+  template <typename Multiply, typename Renew>
+  LinearStats iterate(const Multiply& multiply, const Renew& renew, const mesh::VertexField& b, double tolerance,
+                      mesh::VertexField& x);
+  // |b - A x| / |b|, 0 where b = 0.
+  template <typename Multiply>
+  double true_residual(const Multiply& multiply, const mesh::VertexField& b, const mesh::VertexField& x);
+  // Residual, direction and r.z at x, with the preconditioner as it is.
+  template <typename Multiply>
+  double restart(const Multiply& multiply, const mesh::VertexField& b, const mesh::VertexField& x);
+  // Whether the preconditioner is not worth its age: by so many iterations the norm of the residual fell to `reached`
+  // of what it was, and is to fall to `wanted`.
+  [[nodiscard]] bool is_too_slow(int iterations, double reached, double wanted) const;
+
+  std::unique_ptr<Preconditioner> preconditioner_;
+  int max_iterations_;
+  Heed heed_;
+  mesh::VertexField r_, z_, p_, Ap_;  // 3 x N
+};
+
+}  // namespace kerf::fem

@@ -1,0 +1,30 @@
+#pragma once
+
+#include "server/core/linear/conjugate_gradient.h"
+#include "server/core/linear/covariance_root.h"
+#include "server/core/linear/linear_solver.h"
+
+namespace kerf::fem {
+
+// ES-CGM and AS-CGM: plain conjugate gradients on A' x = b, A' of CovarianceRoot. *Solves a different system*: what it
+// returns is no solution of A x = b, and its statistics say so, being of that system but for the iterations. Where A'
+// is not finite, x stays the initial guess.
+class CovarianceRootSolver final : public LinearSolver {
+ public:
+  // kind: kEsCgm or kAsCgm.
+  CovarianceRootSolver(LinearSolverKind kind, const CovarianceRootOptions& options, int max_iterations)
+      : kind_(kind), root_(options), solver_(make_diagonal_preconditioner(Diagonal::kOnes), max_iterations) {}
+
+  // A: at most kMaxCovarianceVertices rows.
+  void analyse(const BlockMatrix& A) override;
+  LinearStats solve(const BlockMatrix& A, const mesh::VertexField& b, double tolerance, mesh::VertexField& x) override;
+  void heed(const GoesOn* goes_on) override { solver_.heed(goes_on); }
+
+ private:
+  LinearSolverKind kind_;
+  CovarianceRoot root_;
+  ConjugateGradient solver_;
+  mesh::VertexField residual_;  // 3 x N
+};
+
+}  // namespace kerf::fem

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <memory>
+
+#include "server/core/linear/linear_solver.h"
+#include "server/core/linear/supernodal_cholesky.h"
+#include "server/core/linear/vertex_field.h"
+
+namespace kerf::fem {
+
+// A Cholesky factor in double precision, made anew in each solve.
+class DirectSolver final : public LinearSolver {
+ public:
+  void analyse(const BlockMatrix& A) override;
+  // With what another factor has found of the same pattern.
+  void analyse(const BlockMatrix& A, std::shared_ptr<const Supernodes> supernodes);
+  LinearStats solve(const BlockMatrix& A, const mesh::VertexField& b, double tolerance, mesh::VertexField& x) override;
+  void heed(const GoesOn* goes_on) override { factor_.heed(goes_on); }
+  // With the matrix of the last solve(), which must have found it positive definite.
+  void solve_again(const mesh::VertexField& b, mesh::VertexField& x) { factor_.solve(b, x); }
+
+ private:
+  SupernodalCholesky<double> factor_;
+  mesh::VertexField residual_;  // 3 x N
+};
+
+}  // namespace kerf::fem

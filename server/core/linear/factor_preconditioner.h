@@ -1,0 +1,43 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "server/core/linear/preconditioner.h"
+#include "server/core/linear/supernodal_cholesky.h"
+
+namespace kerf::fem {
+
+// A Cholesky factor in single precision of an earlier matrix, if there was one, in frames that turn with the sheet:
+// z = Q L^-T L^-1 Q^T r, L L^T = R^T A R, A an earlier matrix, R its frames and Q those of now: as the sheet turns, its
+// stiffness turns with it. In frames, floats also tell the weak bending of a stiff sheet from its stretching, whichever
+// way it faces.
+class FactorPreconditioner final : public Preconditioner {
+ public:
+  static constexpr int kMostPatience = 30;  // iterations
+
+  void analyse(const BlockMatrix& A) override;
+  bool prepare(const BlockMatrix& A) override;
+  void apply(const mesh::VertexField& r, mesh::VertexField& z) override;
+  [[nodiscard]] int patience() const override { return is_old_ ? patience_ : 0; }
+  bool renew(const BlockMatrix& A) override;
+  void forget() override { has_factor_ = false; }
+  void heed(const GoesOn* goes_on) override { factor_.heed(goes_on); }
+  std::vector<Eigen::Matrix3d>* frames() override { return &frames_; }
+  [[nodiscard]] const std::shared_ptr<const Supernodes>& supernodes() const { return factor_.supernodes(); }
+
+ private:
+  bool factorise(const BlockMatrix& A);
+
+  SupernodalCholesky<float> factor_;
+  std::vector<Eigen::Matrix3d> frames_;
+  mesh::VertexField turned_;  // 3 x N
+  int patience_ = 0;
+  bool has_factor_ = false;
+  bool was_renewed_ = false;
+  bool is_old_ = false;  // of an earlier matrix than that of prepare()
+};
+
+}  // namespace kerf::fem

@@ -1,0 +1,82 @@
+#include "server/core/linear/linear_solver.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "server/core/linear/conjugate_gradient.h"
+#include "server/core/linear/covariance_root_solver.h"
+#include "server/core/linear/direct_solver.h"
+#include "server/core/linear/factor_preconditioner.h"
+#include "server/core/linear/multigrid_preconditioner.h"
+#include "server/core/linear/preconditioner.h"
+
+namespace kerf::fem {
+namespace {
+
+// With an old factor and then a new one: one that needs more has lost the matrix to rounding.
+constexpr int kMostFactorIterations = 2 * FactorPreconditioner::kMostPatience;
+
+// Conjugate gradients with the float factor, and where they do not converge, a factor in double.
+class FactorCgSolver final : public LinearSolver {
+ public:
+  explicit FactorCgSolver(int max_iterations)
+      : FactorCgSolver(std::make_unique<FactorPreconditioner>(), max_iterations) {}
+
+  void analyse(const BlockMatrix& A) override {
+    gradients_.analyse(A);
+    direct_.analyse(A, factor_.supernodes());
+  }
+  LinearStats solve(const BlockMatrix& A, const mesh::VertexField& b, double tolerance, mesh::VertexField& x) override {
+    const LinearStats by_gradients = gradients_.solve(A, b, tolerance, x);
+    if (by_gradients.converged) return by_gradients;
+    LinearStats by_factor = direct_.solve(A, b, tolerance, x);
+    by_factor.iterations += by_gradients.iterations;
+    return by_factor;
+  }
+  void forget() override { gradients_.forget(); }
+  void heed(const GoesOn* goes_on) override {
+    gradients_.heed(goes_on);
+    direct_.heed(goes_on);
+  }
+  std::vector<Eigen::Matrix3d>* frames() override { return gradients_.frames(); }
+
+ private:
+  FactorCgSolver(std::unique_ptr<FactorPreconditioner> factor, int max_iterations)
+      : factor_(*factor), gradients_(std::move(factor), max_iterations) {}
+
+  const FactorPreconditioner& factor_;  // of gradients_
+  ConjugateGradient gradients_;
+  DirectSolver direct_;
+};
+
+std::unique_ptr<Preconditioner> make_diagonal(LinearSolverKind kind) {
+  switch (kind) {
+    case LinearSolverKind::kPlainCg:
+      return make_diagonal_preconditioner(Diagonal::kOnes);
+    case LinearSolverKind::kJacobiCg:
+      return make_diagonal_preconditioner(Diagonal::kEntries);
+    default:
+      return make_diagonal_preconditioner(Diagonal::kBlocks);
+  }
+}
+
+}  // namespace
+
+std::unique_ptr<LinearSolver> make_linear_solver(LinearSolverKind kind, int max_iterations,
+                                                 const CovarianceRootOptions& root) {
+  switch (kind) {
+    case LinearSolverKind::kDirect:
+      return std::make_unique<DirectSolver>();
+    case LinearSolverKind::kEsCgm:
+    case LinearSolverKind::kAsCgm:
+      return std::make_unique<CovarianceRootSolver>(kind, root, max_iterations);
+    case LinearSolverKind::kFactorCg:
+      return std::make_unique<FactorCgSolver>(std::min(max_iterations, kMostFactorIterations));
+    case LinearSolverKind::kMultigridCg:
+      return std::make_unique<ConjugateGradient>(std::make_unique<MultigridPreconditioner>(), max_iterations);
+    default:
+      return std::make_unique<ConjugateGradient>(make_diagonal(kind), max_iterations);
+  }
+}
+
+}  // namespace kerf::fem

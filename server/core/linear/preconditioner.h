@@ -1,0 +1,45 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "server/core/linear/block_matrix.h"
+#include "server/core/linear/goes_on.h"
+#include "server/core/linear/vertex_field.h"
+
+namespace kerf::fem {
+
+// P, symmetric positive definite, for conjugate gradients on a matrix of 3x3 blocks. Only analyse() allocates.
+class Preconditioner {
+ public:
+  virtual ~Preconditioner() = default;
+
+  // Takes the sparsity pattern.
+  virtual void analyse(const BlockMatrix& A) = 0;
+  // Solves with A follow. False: there is no P for it.
+  virtual bool prepare(const BlockMatrix& A) = 0;
+  // z = P^-1 r; 3 x N.
+  virtual void apply(const mesh::VertexField& r, mesh::VertexField& z) = 0;
+
+  // What it has of an earlier matrix serves where a solve takes no more iterations than this; else renew() makes it
+  // anew, of A. 0: it is of A already, or nothing better is to be had.
+  [[nodiscard]] virtual int patience() const { return 0; }
+  virtual bool renew(const BlockMatrix& /*A*/) { return false; }
+  // Matrices that follow have nothing to do with those before.
+  virtual void forget() {}
+  // See LinearSolver; a factorisation that `goes_on` ends leaves no P.
+  virtual void heed(const GoesOn* /*goes_on*/) {}
+  virtual std::vector<Eigen::Matrix3d>* frames() { return nullptr; }
+  virtual mesh::VertexField* positions() { return nullptr; }
+};
+
+enum class Diagonal {
+  kOnes,     // no preconditioner
+  kEntries,  // Jacobi: the inverse diagonal
+  kBlocks,   // block-Jacobi: the inverses of the 3x3 diagonal blocks
+};
+std::unique_ptr<Preconditioner> make_diagonal_preconditioner(Diagonal diagonal);
+
+}  // namespace kerf::fem

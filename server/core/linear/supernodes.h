@@ -1,0 +1,59 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "server/core/linear/block_matrix.h"
+
+namespace kerf::fem {
+
+// Symbolic Cholesky factorisation: an order of the vertices of a symmetric matrix of blocks that leaves the factor
+// sparse (approximate minimum degree: Amestoy, Davis, Duff 1996), and supernodes: runs of columns, in that order, that
+// have, or are given, the same rows below them. Children come before parents (a postorder).
+class Supernodes {
+ public:
+  void analyse(const BlockMatrix& A);
+
+  [[nodiscard]] int size() const { return static_cast<int>(first_.size()) - 1; }
+  [[nodiscard]] int num_vertices() const { return static_cast<int>(old_from_new_.size()); }
+  // Vertices [first(s), first(s) + width(s)), in the new order, are the columns of supernode s.
+  [[nodiscard]] int first(int s) const { return first_[static_cast<std::size_t>(s)]; }
+  [[nodiscard]] int width(int s) const { return first(s + 1) - first(s); }
+  // Its rows, ascending: its columns, then those below.
+  [[nodiscard]] std::span<const int> rows(int s) const {
+    const auto i = static_cast<std::size_t>(s);
+    return {rows_.data() + rows_begin_[i], rows_.data() + rows_begin_[i + 1]};
+  }
+  // Of the supernode; -1 for a root.
+  [[nodiscard]] int parent(int s) const { return parent_[static_cast<std::size_t>(s)]; }
+  [[nodiscard]] std::span<const int> children(int s) const {
+    const auto i = static_cast<std::size_t>(s);
+    return {children_.data() + children_begin_[i], children_.data() + children_begin_[i + 1]};
+  }
+  // For each row of s that is not one of its columns: its place among the rows of the parent.
+  [[nodiscard]] std::span<const int> rows_in_parent(int s) const {
+    const auto i = static_cast<std::size_t>(s);
+    return {rows_in_parent_.data() + rows_begin_[i] + width(s), rows_in_parent_.data() + rows_begin_[i + 1]};
+  }
+  [[nodiscard]] int new_from_old(int v) const { return new_from_old_[static_cast<std::size_t>(v)]; }
+  [[nodiscard]] int old_from_new(int v) const { return old_from_new_[static_cast<std::size_t>(v)]; }
+
+ private:
+  void order(const BlockMatrix& A);
+  // Parents of columns in the elimination tree; -1 for roots.
+  void find_tree(const BlockMatrix& A);
+  void postorder();
+  // Entries of each column of the factor, the diagonal included.
+  void count_entries(const BlockMatrix& A);
+  void find_supernodes();
+  void find_rows(const BlockMatrix& A);
+
+  std::vector<int> new_from_old_, old_from_new_;
+  std::vector<int> tree_;   // by column
+  std::vector<int> count_;  // by column
+  std::vector<int> first_;
+  std::vector<int> rows_begin_, rows_, rows_in_parent_;
+  std::vector<int> parent_, children_begin_, children_;
+};
+
+}  // namespace kerf::fem

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "server/core/mesh/lattice.h"
+#include "server/core/mesh/predicates.h"
+
+namespace kerf::mesh {
+
+// Barycentric coordinates of p in (a, b, c), from exact areas, clamped to >= 0 and scaled to sum 1.
+inline Eigen::Vector3d barycentric(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c,
+                                   const LatticePoint& p) {
+  const auto share = [](Int128 area) { return area > 0 ? to_double(area) : 0.0; };
+  const Eigen::Vector3d areas(share(doubled_area(b, c, p)), share(doubled_area(c, a, p)), share(doubled_area(a, b, p)));
+  return areas / (areas.x() + areas.y() + areas.z());
+}
+
+}  // namespace kerf::mesh

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "server/base/result.h"
+#include "server/core/mesh/triangle_mesh.h"
+
+namespace kerf::mesh {
+
+inline constexpr double kMinOutlineEdge = 1e-9;   // -; shortest edge length that may be asked for, as a fraction of the
+                                                  // larger side of the outline
+inline constexpr double kMaxOutlineAngle = 28.0;  // degrees
+
+// A closed curve of an outline as a fine polygon.
+struct OutlineContour {
+  std::vector<Eigen::Vector2d> points;  // m, |coordinate| <= kMaxRestCoordinate; the last joins the first
+  std::vector<std::size_t> corners;     // indices of those that become vertices, sorted
+  std::string field;                    // what errors name
+};
+
+// An edge length wanted at a point, or along the segments between several: `length` there, and away from it
+// length + growth * distance.
+struct OutlineSize {
+  std::vector<Eigen::Vector2d> points;  // m, at least 1
+  double length = 0.0;                  // m, >= kMinOutlineEdge of the outline's size
+  double growth = 0.25;                 // -, >= 0
+  std::string field;                    // what errors name
+};
+
+struct OutlineConfig {
+  std::vector<OutlineContour> contours;  // the sheet's border, then its holes; however oriented
+  double edge_length = 0.0;              // m; the longest wanted. 0: 1/32 of the larger side of the border
+  std::vector<OutlineSize> sizes;
+  double min_angle_deg = 25.0;               // degrees, in (0, kMaxOutlineAngle]
+  std::int32_t max_vertices = kMaxVertices;  // at least 3
+};
+
+// Meshes what lies inside the border and outside the holes. Vertices on the contours lie on the given polygons, spaced
+// as the sizes ask, at least 16 on what turns once around, closer where contours come near each other; triangles are as
+// large as asked for, graded away from shorter edges by 0.25 of the distance, and near equilateral. No angle is below
+// min_angle_deg but where the outline forces one: at its own corners, and where it is narrower than floating point lets
+// be resolved. The same every time.
+//
+// Steps: the contours are divided; what is between them is triangulated (constrained Delaunay) and refined, see
+// refinement.h, which tells how much closer their vertices must be for the angle; triangulated anew, the inside is
+// filled from the contours inwards (front_fill.h); points inside are moved to where the worst triangle around them is
+// best (relaxation.h); what is still below the angle is refined.
+//
+// Errors: kInvalidArgument OUTLINE_DEGENERATE (fewer than three different points, or smaller than 1e-9 m),
+// OUTLINE_CROSSES (a contour crosses or touches itself or another), OUTLINE_NESTING (a hole outside the border, or in
+// another hole), OUTLINE_EDGE_LENGTH (an edge length below kMinOutlineEdge); kResourceExhausted OUTLINE_TOO_FINE: more
+// than max_vertices, by an estimate before anything that large is made, or as it turns
+// out. Fields: those of the contours and sizes, `edge_length`.
+Result<TriangleMesh> mesh_outline(const OutlineConfig& config);
+
+}  // namespace kerf::mesh

@@ -1,0 +1,244 @@
+#include "server/core/mesh/build/ply_header.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "server/core/mesh/build/mesh_import.h"
+#include "server/core/mesh/build/ply_import.h"
+#include "server/core/mesh/build/words.h"
+
+namespace kerf::mesh {
+namespace {
+
+struct TypeName {
+  std::string_view name;
+  PlyType type;
+};
+constexpr std::array<TypeName, 16> kTypeNames{{{"char", PlyType::kInt8},
+                                               {"int8", PlyType::kInt8},
+                                               {"uchar", PlyType::kUint8},
+                                               {"uint8", PlyType::kUint8},
+                                               {"short", PlyType::kInt16},
+                                               {"int16", PlyType::kInt16},
+                                               {"ushort", PlyType::kUint16},
+                                               {"uint16", PlyType::kUint16},
+                                               {"int", PlyType::kInt32},
+                                               {"int32", PlyType::kInt32},
+                                               {"uint", PlyType::kUint32},
+                                               {"uint32", PlyType::kUint32},
+                                               {"float", PlyType::kFloat32},
+                                               {"float32", PlyType::kFloat32},
+                                               {"double", PlyType::kFloat64},
+                                               {"float64", PlyType::kFloat64}}};
+
+std::optional<PlyType> type_named(std::string_view name) {
+  const auto* const found = std::find_if(kTypeNames.begin(), kTypeNames.end(),
+                                         [&](const TypeName& candidate) { return candidate.name == name; });
+  return found == kTypeNames.end() ? std::nullopt : std::optional(found->type);
+}
+
+bool is_integer(PlyType type) {
+  return type != PlyType::kFloat32 && type != PlyType::kFloat64;
+}
+
+template <typename Named>
+Named* find_named(std::vector<Named>& all, std::string_view name) {
+  const auto found = std::find_if(all.begin(), all.end(), [&](const Named& each) { return each.name == name; });
+  return found == all.end() ? nullptr : &*found;
+}
+
+class HeaderReader {
+ public:
+  explicit HeaderReader(std::string_view& file) : file_(file) {}
+
+  Result<PlyHeader> run() {
+    if (!file_.starts_with("ply\n") && !file_.starts_with("ply\r")) {
+      return refuse("HEADER", "this is no PLY file: it does not begin with a line \"ply\"");
+    }
+    header_.line_end = file_[3] == '\r' && !file_.starts_with("ply\r\n") ? '\r' : '\n';
+    next_line(file_, header_.line_end);
+    line_ = 1;
+    for (bool at_end = false; !at_end;) {
+      ++line_;
+      if (file_.empty()) return refuse("HEADER", "the file ends before end_header");
+      const std::string_view line = next_line(file_, header_.line_end);
+      if (static_cast<std::size_t>(line_) > kMaxPlyHeaderLines || line.size() > kMaxPlyHeaderLineBytes) {
+        return refuse("HEADER", "the header's limits are " + std::to_string(kMaxPlyHeaderLines) + " lines of " +
+                                    std::to_string(kMaxPlyHeaderLineBytes) + " bytes");
+      }
+      KERF_TRY_ASSIGN(at_end, read_line(line));
+    }
+    header_.num_lines = line_;
+    KERF_TRY(assign_roles());
+    return std::move(header_);
+  }
+
+ private:
+  [[nodiscard]] Error refuse(const std::string& reason, const std::string& what) const {
+    const std::string line = std::to_string(std::max<std::int64_t>(line_, 1));
+    return invalid_argument("PLY_" + reason, "line " + line + ": " + what, "ply:" + line);
+  }
+  // Whether this was the last line.
+  Result<bool> read_line(std::string_view line) {
+    const std::string_view keyword = next_word(line);
+    if (keyword == "comment" || keyword == "obj_info") return false;
+    Status read = Nothing{};
+    if (keyword == "format") {
+      read = read_format(line);
+    } else if (keyword == "element") {
+      read = read_element(line);
+    } else if (keyword == "property") {
+      read = read_property(line);
+    } else if (keyword != "end_header") {
+      return refuse("HEADER", quoted(keyword) + " is none of format, element, property, comment, end_header");
+    }
+    KERF_TRY(read);
+    if (const std::string_view extra = next_word(line); !extra.empty()) {
+      return refuse("HEADER", quoted(extra) + " is too much in this line");
+    }
+    if (keyword == "end_header" && !has_format_) return refuse("HEADER", "a line with the format is missing");
+    return keyword == "end_header";
+  }
+
+  Status read_format(std::string_view& line) {
+    const std::string_view name = next_word(line);
+    if (has_format_) return refuse("HEADER", "the format is given twice");
+    if (name == "ascii") {
+      header_.format = PlyFormat::kAscii;
+    } else if (name == "binary_little_endian") {
+      header_.format = PlyFormat::kLittleEndian;
+    } else if (name == "binary_big_endian") {
+      header_.format = PlyFormat::kBigEndian;
+    } else {
+      return refuse("HEADER", "format " + quoted(name) + " is none of ascii, binary_little_endian, binary_big_endian");
+    }
+    if (next_word(line) != "1.0") return refuse("HEADER", "the format's version must be 1.0");
+    has_format_ = true;
+    return Nothing{};
+  }
+
+  Status read_element(std::string_view& line) {
+    PlyElement element;
+    element.name = next_word(line);
+    if (!parse_number(next_word(line), element.count) || element.count < 0) {
+      return refuse("HEADER", "an element has a name and a number of them, 0 or more");
+    }
+    if (find_named(header_.elements, element.name) != nullptr) {
+      return refuse("HEADER", "element " + quoted(element.name) + " is given twice");
+    }
+    if (element.name == "vertex") {
+      if (element.count > kMaxVertices) {
+        return refuse("TOO_LARGE",
+                      std::to_string(element.count) + " vertices; the limit is " + std::to_string(kMaxVertices));
+      }
+      header_.num_vertices = element.count;
+    }
+    header_.elements.push_back(std::move(element));
+    return Nothing{};
+  }
+
+  Status read_type(std::string_view word, PlyType& type) {
+    const std::optional<PlyType> found = type_named(word);
+    if (!found) {
+      return refuse("HEADER", quoted(word) +
+                                  " is no type: char, uchar, short, ushort, int, uint, float, double or int8..float64");
+    }
+    type = *found;
+    return Nothing{};
+  }
+
+  Status read_property(std::string_view& line) {
+    if (header_.elements.empty()) return refuse("HEADER", "a property comes after the element it belongs to");
+    PlyProperty property;
+    std::string_view word = next_word(line);
+    if (word == "list") {
+      KERF_TRY(read_type(next_word(line), property.count_type.emplace()));
+      if (!is_integer(*property.count_type)) return refuse("HEADER", "the length of a list must be of an integer type");
+      word = next_word(line);
+    }
+    KERF_TRY(read_type(word, property.type));
+    property.name = next_word(line);
+    if (property.name.empty()) return refuse("HEADER", "a property has a name");
+    std::vector<PlyProperty>& properties = header_.elements.back().properties;
+    if (find_named(properties, property.name) != nullptr) {
+      return refuse("HEADER", "property " + quoted(property.name) + " is given twice");
+    }
+    properties.push_back(std::move(property));
+    return Nothing{};
+  }
+
+  // The places below are told as those of the header's last line.
+  Status assign_roles() {
+    PlyElement* const vertex = find_named(header_.elements, "vertex");
+    PlyElement* const face = find_named(header_.elements, "face");
+    if (vertex == nullptr || face == nullptr) {
+      return refuse("HEADER", std::string("the file has no element ") + (vertex == nullptr ? "vertex" : "face"));
+    }
+    using Axis = std::pair<std::string_view, PlyRole>;
+    for (const auto& [name, role] : {Axis{"x", PlyRole::kX}, Axis{"y", PlyRole::kY}, Axis{"z", PlyRole::kZ}}) {
+      PlyProperty* const property = find_named(vertex->properties, name);
+      if (property == nullptr || property->count_type) {
+        return refuse("HEADER", "element vertex must have x, y and z, a number each");
+      }
+      property->role = role;
+    }
+    using Pair = std::pair<std::string_view, std::string_view>;
+    for (const auto& [x, y] : {Pair{"s", "t"}, Pair{"u", "v"}, Pair{"texture_u", "texture_v"}}) {
+      PlyProperty* const first = find_named(vertex->properties, x);
+      PlyProperty* const second = find_named(vertex->properties, y);
+      if (first == nullptr || second == nullptr || first->count_type || second->count_type) continue;
+      if (header_.has_texture) {
+        return refuse("HEADER",
+                      "element vertex has texture coordinates twice; keep one pair of s t, u v, texture_u texture_v");
+      }
+      header_.has_texture = true;
+      first->role = PlyRole::kTextureX;
+      second->role = PlyRole::kTextureY;
+    }
+    return assign_corners(*face);
+  }
+
+  Status assign_corners(PlyElement& face) {
+    PlyProperty* const plural = find_named(face.properties, "vertex_indices");
+    PlyProperty* const singular = find_named(face.properties, "vertex_index");
+    PlyProperty* const corners = plural != nullptr ? plural : singular;
+    if (corners == nullptr || (plural != nullptr && singular != nullptr) || !corners->count_type ||
+        !is_integer(corners->type)) {
+      return refuse("HEADER", "element face must have one list of integers vertex_indices or vertex_index");
+    }
+    corners->role = PlyRole::kCorners;
+    return Nothing{};
+  }
+
+  std::string_view& file_;  // what is left of it
+  std::int64_t line_ = 0;
+  bool has_format_ = false;
+  PlyHeader header_;
+};
+
+}  // namespace
+
+std::size_t size_of(PlyType type) {
+  switch (type) {
+    case PlyType::kInt8:
+    case PlyType::kUint8:
+      return 1;
+    case PlyType::kInt16:
+    case PlyType::kUint16:
+      return 2;
+    case PlyType::kInt32:
+    case PlyType::kUint32:
+    case PlyType::kFloat32:
+      return 4;
+    case PlyType::kFloat64:
+      return 8;
+  }
+  return 8;
+}
+
+Result<PlyHeader> read_ply_header(std::string_view& file) {
+  return HeaderReader(file).run();
+}
+
+}  // namespace kerf::mesh

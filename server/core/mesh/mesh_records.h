@@ -1,0 +1,72 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "server/core/mesh/edge_lengths.h"
+#include "server/core/mesh/ids.h"
+#include "server/core/mesh/lattice.h"
+#include "server/core/mesh/predicates.h"
+#include "server/core/mesh/rest_surface.h"
+
+namespace kerf::mesh {
+
+// Why an edge may not be flipped away. Kept per (triangle, edge), equal on both sides; the halves of a split edge
+// inherit them.
+using LockBits = std::uint8_t;
+inline constexpr LockBits kLockBorder = 1;    // solid on one side, void on the other
+inline constexpr LockBits kLockCut = 2;       // a lip pair: the opened mesh is not connected across it
+inline constexpr LockBits kLockOriginal = 4;  // an element edge kept for element-wise remeshing; lives within one edit
+inline constexpr LockBits kLockRequest = 8;   // on the path of the present edit, fresh or not; lives within one edit
+inline constexpr LockBits kLockFresh = 16;    // cut by the present edit (set by lock_edge); lives within one edit
+inline constexpr LockBits kLocksThatOpen = kLockBorder | kLockCut;
+inline constexpr LockBits kLocksOfOneEdit = kLockOriginal | kLockRequest | kLockFresh;
+
+struct PointRecord {
+  LatticePoint at;
+  TriangleId triangle = kNone;  // one slot with a corner here
+  friend bool operator==(const PointRecord&, const PointRecord&) = default;
+};
+
+struct VertexRecord {
+  PointId point = kNone;
+  TriangleId triangle = kNone;  // one solid slot with a corner at this vertex; kNone once its material is removed
+  friend bool operator==(const VertexRecord&, const VertexRecord&) = default;
+};
+
+// Edge k of a triangle is the one opposite corner k: from corner k+1 to corner k+2 (mod 3).
+struct TriangleRecord {
+  std::array<PointId, 3> points{kNone, kNone, kNone};         // counter-clockwise in rest space
+  std::array<TriangleId, 3> neighbours{kNone, kNone, kNone};  // welded, across edge k; kNone at the domain's rim only
+  std::array<VertexId, 3> vertices{kNone, kNone, kNone};      // opened; kNone in the void
+  std::array<LockBits, 3> locks{0, 0, 0};                     // of edge k
+  // A part of the sheet that flips do not leave: the label given at import, >= 0, or, where the rest shape is curved,
+  // the number of the facet. kNone = void.
+  std::int32_t region = kNone;
+  std::int32_t piece = kNone;  // in [0, num_pieces); kNone in the void
+  friend bool operator==(const TriangleRecord&, const TriangleRecord&) = default;
+};
+
+// All that a TriangleMesh holds.
+struct MeshRecords {
+  Lattice lattice;
+  Eigen::AlignedBox2d bounds;                  // of the sheet as built, m
+  EdgeLengths lengths;                         // of the sheet as built
+  std::shared_ptr<const RestSurface> surface;  // null: the rest shape is flat, the material plane itself
+  std::vector<PointRecord> points;             // by PointId
+  std::vector<VertexRecord> vertices;          // by VertexId
+  std::vector<TriangleRecord> triangles;       // by TriangleId
+  std::int32_t num_solid_triangles = 0;
+  std::int32_t num_pieces = 0;
+};
+
+inline constexpr int next_corner(int k) {
+  return k == 2 ? 0 : k + 1;
+}
+inline constexpr int previous_corner(int k) {
+  return k == 0 ? 2 : k - 1;
+}
+
+}  // namespace kerf::mesh

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "server/core/mesh/mesh_edit.h"
+#include "server/core/mesh/mesh_editor.h"
+#include "server/core/mesh/triangle_mesh.h"
+
+namespace kerf::mesh {
+
+// What taking back one edit did, the counterpart of MeshEdit. Ids from num_vertices and num_slots on are gone.
+struct RevertedEdit {
+  std::int32_t num_vertices = 0;  // after
+  std::int32_t num_slots = 0;     // after
+  // Vertices that are gone, ids consecutive from num_vertices, and what they were made of when they were made: what
+  // they carry goes back to those sources, which all remain, in those shares.
+  std::vector<VertexSource> removed_vertices;
+  // Vertices whose old rest position is back: fields as sources say, with every field read as it was before the revert.
+  std::vector<VertexSource> moved_vertices;
+  // Vertices whose removed material is back, fields as sources say, read likewise: the shape of the material that they
+  // were next to, continued, so weights may be below 0. Where nothing of their piece was left, themselves.
+  std::vector<VertexSource> revived_vertices;
+  std::vector<TriangleId> rewritten_triangles;  // as in MeshEdit, of the slots that remain; sorted, unique
+};
+
+// Whether the vertex was a copy of one other, as a lip's is, and not a point of its own.
+[[nodiscard]] inline bool is_copy(const VertexSource& source) {
+  return source.sources[0] == source.sources[1] && source.sources[0] == source.sources[2];
+}
+
+// Takes the last edit that `mesh` has not yet taken back from it, bit for bit. O(touched).
+RevertedEdit revert(TriangleMesh& mesh, const CommittedEdit& edit);
+
+}  // namespace kerf::mesh

@@ -1,0 +1,219 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "server/base/state_hash.h"
+#include "server/core/mesh/ids.h"
+#include "server/core/mesh/mesh_records.h"
+
+namespace kerf::mesh {
+
+// Vertices (of the opened mesh) that a sheet may have: importers refuse more, and so does a cut that would lead there.
+inline constexpr std::int32_t kMaxVertices = 500'000;
+
+// Where a lattice point lies in the welded mesh. Independent of how it was searched for.
+struct Location {
+  enum class Kind { kOutside, kFace, kEdge, kPoint };
+  Kind kind = Kind::kOutside;
+  TriangleId triangle = kNone;  // kEdge: the lower of the two slots; kPoint: any with a corner there
+  int corner = 0;               // kEdge: the edge opposite this corner; kPoint: the corner; kFace: no meaning
+  PointId point = kNone;        // kPoint only
+};
+
+// What a straight segment that starts at a mesh point meets first.
+struct SegmentWalk {
+  enum class Kind {
+    kEdgeExists,  // the segment is an edge of the mesh: edge `corner` of `triangle`
+    kPoint,       // passes through `point`, strictly between its ends
+    kFixedEdge,   // crosses edge `corner` of `triangle`, which flips may not remove (see TriangleMesh::is_fixed)
+    kClear,       // reaches its end across flippable edges only
+  };
+  Kind kind = Kind::kClear;
+  TriangleId triangle = kNone;  // kFixedEdge: the slot on the near side
+  int corner = 0;
+  PointId point = kNone;
+  std::vector<std::array<PointId, 2>> crossed;  // flippable edges crossed before that, in order: {right end, left end}
+};
+
+// A triangle mesh in two-dimensional rest (material) space that stays welded there however often it is cut. Lips are
+// locked edges; the opened mesh, which is simulated and shown, is the map from triangle corners to vertices. So cutting
+// along, across or into an older cut is no special case, and two lips always match. Void triangles surround the sheet
+// and fill its holes up to a square domain, so that the fan of every point of the sheet is closed.
+//
+// Slots, points and vertices are never deleted and ids never reused, but that an undo takes back the last ones: where
+// material is removed, slots become void and vertices stay behind without a triangle. A mesh as built has its solid
+// triangles in slots 0..T-1 and its vertices 0..V-1, both in input order, the void slots after them.
+//
+// A plain value: a copy is an exact snapshot. All changes go through MeshEditor.
+//
+// Invariants (find_violation names the first that is broken):
+//   I1  every index is in range; corners of a slot are three different points; counters agree
+//   I2  adjacency is symmetric: neighbours share the two end points of the edge, in opposite order
+//   I3  orient2d > 0, exactly, for every slot, void ones included
+//   I4  locks are equal on both sides of an edge, and no lock that belongs to one edit is left
+//   I5  an edge is border-locked if and only if one side is solid and the other void; cut-locked edges are solid on
+//       both sides; an edge without neighbour is on the rim of the domain and void
+//   I6  solid corners have vertices that lie at the corner's point; void corners have none
+//   I7  vertices are equal across every edge that is solid on both sides and not cut
+//   I8  each vertex has exactly one sector (one fan of solid triangles between two locked edges, or a closed one): no
+//       vertex joins two sectors (no bow-tie in the opened mesh), and one in no triangle names none
+//   I9  points name a triangle that has them, and so do vertices, but those whose material was removed: they name none
+//   I10 no two points coincide, and the exact integer area of all slots is that of the domain: the tiling has neither
+//       gap nor overlap
+//   I11 pieces are the connected components of the opened mesh, numbered 0..num_pieces-1: flood fill and union-find
+//       agree with the stored labels
+//   I12 Euler: vertices - edges + triangles of the opened mesh = 2 pieces - boundary loops (each piece has genus 0);
+//       vertices whose material was removed do not count
+class TriangleMesh {
+ public:
+  TriangleMesh() = default;
+  // Takes records as they are; for records of unknown origin, call find_violation() afterwards.
+  explicit TriangleMesh(MeshRecords records);
+
+  // --- Sizes. Loop over slots t in [0, num_triangle_slots()) and skip those that are not solid.
+  [[nodiscard]] std::int32_t num_vertices() const { return static_cast<std::int32_t>(records_.vertices.size()); }
+  [[nodiscard]] std::int32_t num_points() const { return static_cast<std::int32_t>(records_.points.size()); }
+  [[nodiscard]] std::int32_t num_triangle_slots() const { return static_cast<std::int32_t>(records_.triangles.size()); }
+  [[nodiscard]] std::int32_t num_solid_triangles() const { return records_.num_solid_triangles; }
+  [[nodiscard]] std::int32_t num_pieces() const { return records_.num_pieces; }
+
+  // --- The opened mesh.
+  [[nodiscard]] bool is_solid(TriangleId t) const { return record(t).region != kNone; }
+  // Counter-clockwise in rest space; kNone in the void.
+  [[nodiscard]] const std::array<VertexId, 3>& vertices(TriangleId t) const { return record(t).vertices; }
+  // Across edge k (opposite corner k); kNone on the border, on a lip and in the void.
+  [[nodiscard]] TriangleId neighbour(TriangleId t, int k) const {
+    const TriangleRecord& r = record(t);
+    return r.region == kNone || (r.locks[k] & kLocksThatOpen) != 0 ? kNone : r.neighbours[k];
+  }
+  // Label given at import, >= 0; kNone in the void.
+  [[nodiscard]] std::int32_t region(TriangleId t) const {
+    const Facet* const on = facet(t);
+    return on != nullptr ? on->region : record(t).region;
+  }
+  // In [0, num_pieces()); kNone in the void. A piece that is cut in two keeps its number on one side.
+  [[nodiscard]] std::int32_t piece(TriangleId t) const { return record(t).piece; }
+  // Material coordinates, m.
+  [[nodiscard]] Eigen::Vector2d rest_position(VertexId v) const {
+    return records_.lattice.position(records_.points[records_.vertices[v].point].at);
+  }
+  // Whether any triangle has a corner at v: false for good, but for an undo, once the material around it was removed.
+  [[nodiscard]] bool has_material(VertexId v) const { return triangle_at(v) != kNone; }
+  // One solid triangle with a corner at v; kNone where it has no material.
+  [[nodiscard]] TriangleId triangle_at(VertexId v) const { return records_.vertices[v].triangle; }
+  // The triangles around v in counter-clockwise order, replacing the contents of `ring`; on the boundary from the
+  // clockwise end, inside starting at triangle_at(v); empty without material. O(degree).
+  void triangles_around(VertexId v, std::vector<TriangleId>& ring) const;
+
+  // --- Sizes in rest space.
+  // Of the sheet as built, m.
+  [[nodiscard]] const Eigen::AlignedBox2d& bounding_box() const { return records_.bounds; }
+  // m^2, > 0; where the rest shape is curved, of solid triangles on the surface.
+  [[nodiscard]] double area(TriangleId t) const;
+  // m^2, > 0; in the material plane, void slots too.
+  [[nodiscard]] double material_area(TriangleId t) const;
+  // Mean over the solid triangles of the mesh as built of sqrt(2 area), the leg of the isosceles right triangle of the
+  // same area, m. Cuts do not change it.
+  [[nodiscard]] double base_edge_length() const { return records_.lengths.mean; }
+  // The same place by place. Cuts do not change it either.
+  [[nodiscard]] const EdgeLengths& edge_lengths() const { return records_.lengths; }
+
+  // --- The rest shape, where it is curved: material coordinates are then a chart of it, and lengths of a cut, as in
+  // edge_lengths(), are lengths there.
+  [[nodiscard]] bool is_curved() const { return records_.surface != nullptr; }
+  // Whether both are flat, or of equal surfaces.
+  [[nodiscard]] bool has_surface_of(const TriangleMesh& other) const;
+  // What a solid triangle is a part of; null where the rest shape is flat, and in the void.
+  [[nodiscard]] const Facet* facet(TriangleId t) const {
+    return is_curved() && is_solid(t) ? &records_.surface->facets[static_cast<std::size_t>(record(t).region)] : nullptr;
+  }
+  // Columns: from corner 0 of a solid triangle to corners 1 and 2, m, in its plane, whose first axis is along material
+  // x. Differences of the lattice are exact, those of positions are not where the sheet lies far from the origin.
+  [[nodiscard]] Eigen::Matrix2d rest_edges(TriangleId t) const;
+  // A vector of the material plane (any unit), in the plane of slot t as above; as it is where that is flat or void.
+  [[nodiscard]] Eigen::Vector2d at_rest(TriangleId t, const Eigen::Vector2d& vector) const {
+    const Facet* const on = facet(t);
+    return on != nullptr ? Eigen::Vector2d(on->stretch() * vector) : vector;
+  }
+  // Whether p lies strictly inside the circle of t in the rest shape, its plane continued: exactly where it is flat,
+  // else by more than rounding, so that flips end.
+  [[nodiscard]] bool is_in_circle(TriangleId t, const LatticePoint& p) const;
+
+  // --- The welded mesh (for cutting and checking).
+  [[nodiscard]] const Lattice& lattice() const { return records_.lattice; }
+  [[nodiscard]] const TriangleRecord& record(TriangleId t) const { return records_.triangles[t]; }
+  [[nodiscard]] const MeshRecords& records() const { return records_; }
+  [[nodiscard]] const std::array<PointId, 3>& points(TriangleId t) const { return record(t).points; }
+  [[nodiscard]] const LatticePoint& at(PointId p) const { return records_.points[p].at; }
+  [[nodiscard]] Eigen::Vector2d point_position(PointId p) const { return records_.lattice.position(at(p)); }  // m
+  // One slot with a corner at p.
+  [[nodiscard]] TriangleId triangle_at_point(PointId p) const { return records_.points[p].triangle; }
+  [[nodiscard]] PointId point(VertexId v) const { return records_.vertices[v].point; }
+  // Across edge k whatever its locks; kNone at the rim of the domain only.
+  [[nodiscard]] TriangleId welded_neighbour(TriangleId t, int k) const { return record(t).neighbours[k]; }
+  [[nodiscard]] LockBits locks(TriangleId t, int k) const { return record(t).locks[k]; }
+  // Whether flips may not remove edge k: locked, on the rim of the domain, or between two regions.
+  [[nodiscard]] bool is_fixed(TriangleId t, int k) const {
+    const TriangleRecord& r = record(t);
+    return r.locks[k] != 0 || r.neighbours[k] == kNone || record(r.neighbours[k]).region != r.region;
+  }
+  // The corner of t at point p, or kNone.
+  [[nodiscard]] int corner_of(TriangleId t, PointId p) const {
+    const std::array<PointId, 3>& corners = points(t);  // added up, since branches on which one it is are not predicted
+    return kNone + (corners[0] == p ? 1 : 0) + (corners[1] == p ? 2 : 0) + (corners[2] == p ? 3 : 0);
+  }
+  // The corner of welded_neighbour(t, k) that lies across edge k.
+  [[nodiscard]] int mirror_corner(TriangleId t, int k) const {
+    return previous_corner(corner_of(welded_neighbour(t, k), points(t)[previous_corner(k)]));
+  }
+  // All welded triangles around p in counter-clockwise order, replacing the contents of `fan`; closed for every point
+  // but the four corners of the domain. O(degree).
+  void fan_around(PointId p, std::vector<TriangleId>& fan) const;
+  // The union of the locks of the edges at p. O(degree).
+  [[nodiscard]] LockBits locks_at_point(PointId p) const;
+  // Whether any of them is fixed. O(degree).
+  [[nodiscard]] bool has_fixed_edge(PointId p) const;
+  // Finds edge {p, q}: its slot and the corner opposite; the slot is the one that has p before q counter-clockwise
+  // (kNone if there is no such edge). O(degree of p).
+  [[nodiscard]] TriangleId find_edge(PointId p, PointId q, int& corner) const;
+
+  // Locates by walking (Devillers, Pion, Teillaud 2001, "Walking in a triangulation", remembering stochastic walk with
+  // the first edge chosen by a hash of slot and step); `hint` is any slot near, or kNone to start from a coarse grid.
+  [[nodiscard]] Location locate(const LatticePoint& p, TriangleId hint = kNone) const;
+
+  // Follows the segment from point p to point q != p up to what it meets first.
+  [[nodiscard]] SegmentWalk walk_segment(PointId p, PointId q) const;
+
+  // --- Whole-mesh checks.
+  // Closed chains of edges without neighbour in the opened mesh: borders and lips. O(n).
+  [[nodiscard]] std::int32_t num_boundary_loops() const;
+  // Adds everything two meshes must agree on to behave alike from here on.
+  void add_to(StateHash& hash) const;
+  [[nodiscard]] std::uint64_t state_hash() const;
+  // The first broken invariant in words, or nothing. O(n log n); tests, fuzzers and KERF_VALIDATE builds.
+  [[nodiscard]] std::optional<std::string> find_violation() const;
+  friend bool operator==(const TriangleMesh& a, const TriangleMesh& b);
+
+ private:
+  friend class MeshEditor;
+  friend struct UndoLog;
+
+  [[nodiscard]] TriangleId hint_near(const LatticePoint& p) const;
+  void build_hints();
+
+  MeshRecords records_;
+  // Coarse grid of slots to start walks from: cell -> a slot that was there when the mesh was built. Only a hint, so
+  // not part of the state.
+  std::vector<TriangleId> hints_;
+  std::int32_t hint_columns_ = 0;
+  std::int32_t hint_rows_ = 0;
+};
+
+}  // namespace kerf::mesh

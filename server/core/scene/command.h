@@ -1,0 +1,168 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "server/base/result.h"
+#include "server/core/cut/cut.h"
+#include "server/core/fem/element/material.h"
+#include "server/core/mesh/ids.h"
+#include "server/core/scene/lineage.h"
+#include "server/core/scene/region.h"
+
+// What can be asked of a running sheet, and the answers: kerf.v1.Command without Protocol Buffers. Each takes effect
+// whole at a tick boundary, or is refused and changes nothing.
+namespace kerf::sheet {
+
+inline constexpr std::size_t kMaxGrabs = 64;
+inline constexpr std::size_t kMaxBatchCuts = 4096;  // of one CutBatch
+inline constexpr std::size_t kMaxGrabIdBytes = 63;
+inline constexpr double kMaxGravity = 1.0e4;         // m/s^2, length
+inline constexpr double kMaxWindSpeed = 1.0e3;       // m/s, length
+inline constexpr double kMaxAirDensity = 100.0;      // kg/m^3
+inline constexpr double kMaxDragCoefficient = 10.0;  // -
+inline constexpr double kMaxGrabStiffness = 1.0e6;   // N/m
+
+// Moving air. Force on a triangle: see core/fem/element/loads.h.
+struct Wind {
+  Eigen::Vector3d velocity{0.0, 0.0, 0.0};  // m/s, |.| <= kMaxWindSpeed
+  double air_density = 0.0;                 // kg/m^3, 0..kMaxAirDensity; 0: no air at all
+  double drag_coefficient = 1.0;            // -, 0..kMaxDragCoefficient
+};
+
+// A cut along a curve, whole or not at all.
+struct Cut {
+  cut::Curve curve;         // m, material coordinates
+  double tolerance = 0.02;  // -, cut::kMinTolerance..kMaxTolerance; largest distance curve to lips / edge length there
+  double min_angle_deg = 20.0;               // degrees, 5..cut::kMaxMinAngle; asked of new triangles
+  std::int32_t max_new_triangles = 200'000;  // 1..cut::kMaxNewTriangles
+  std::optional<cut::Fit> fit;               // where the curve is placed; absent: where it is
+  cut::DashPattern dash;                     // perforation; without lengths all of the curve is cut
+  std::vector<std::string> remarks;          // on what the curve was made from; the first warnings of the reply
+  std::optional<cut::View> view;             // present: the curve is in pixels of this picture
+  std::optional<double> tolerance_m;         // m, cut::kMinLength..kMaxLength; replaces `tolerance`
+  cut::Method method = cut::Method::kNeighbourhood;
+  std::optional<double> tip_edge_length;  // m, cut::kMinLength..kMaxLength; edge length wanted at the tips inside
+  double tip_grading = 1.5;               // -, cut::kMinTipGrading..kMaxTipGrading; growth of edges away from them
+  bool relax = true;                      // whether free old vertices may move away from the path, in rest space
+  std::optional<double> width;            // m, cut::kMinWidth..kMaxWidth; present: the strip around the curve goes
+};
+
+// Cuts done one after another as one: all of them, with one topology version and one step to undo, or, where one is
+// refused, none. A cut that meets no sheet (kNoIntersection) is no refusal.
+struct CutBatch {
+  std::vector<Cut> cuts;  // 1..kMaxBatchCuts
+};
+
+// Takes back the last Cut, CutBatch or Reset that is not undone.
+// A cut: mesh and rest state bit for bit; what moves keeps moving (see fem::revert_state). Pins that the cut's vertices
+// inherited go with them; a vertex that a pinned one joins is pinned; pins that went with material come back with it,
+// where no others were set since; a grab of a vertex that goes holds the same material point from then on.
+// A Reset: the sheet is as it was before it, bit for bit, without grabs; the tick counts on.
+// Refused with kFailedPrecondition NOTHING_TO_UNDO, or UNDO_FORGOTTEN beyond what is kept (see UndoHistory).
+struct UndoCut {};
+
+// Repeats what was undone last: of a cut the mesh is what it was before the undo, bit for bit; a Reset is done again.
+// An applied cut and a Reset leave nothing to redo: kFailedPrecondition NOTHING_TO_REDO.
+struct RedoCut {};
+
+// Ties a point of the sheet to a moving target by a stiff spring. The point stays the same material point through later
+// cuts.
+struct Grab {
+  std::string grab_id;                                  // 1..kMaxGrabIdBytes bytes, unique among the sheet's grabs
+  std::variant<mesh::VertexId, Eigen::Vector2d> point;  // an existing vertex, or a material point of the sheet (m)
+  std::optional<Eigen::Vector3d> target;                // m, world; absent: where the point is now
+  double stiffness = 0.0;                               // N/m, 0..kMaxGrabStiffness; 0: as stiff as stays stable
+};
+
+struct Drag {
+  std::string grab_id;
+  Eigen::Vector3d target{0.0, 0.0, 0.0};  // m, world
+};
+
+struct Release {
+  std::string grab_id;
+};
+
+// Replaces all pins; pinned vertices stay where they are at that moment.
+struct SetPins {
+  std::vector<Region> pins;  // at most kMaxRegions; empty releases the sheet
+};
+
+struct SetGravity {
+  Eigen::Vector3d gravity{0.0, 0.0, -9.81};  // m/s^2, |.| <= kMaxGravity
+};
+
+struct SetWind {
+  Wind wind;
+};
+
+// Replaces the material of all of the sheet, or of one part. What moves goes on moving: positions, velocities, pins,
+// grabs, cuts and what can be undone stay; masses, elements, bending and the choice of the integrator are those of the
+// new material, and springs of grabs that nobody gave a stiffness. The resistance to bending of a planar sheet stays
+// off. Refused with kInvalidArgument SHEET_TOO_STIFF, as the sheet would be when it is made, and see with_material().
+struct SetMaterial {
+  static constexpr std::int32_t kOwn = -1;
+
+  fem::Material material;
+  std::optional<std::int32_t> part;  // an index into SheetConfig::materials, or kOwn: what those leave; absent: all
+};
+
+// Brings the scene back whole: mesh, positions, pins, loads, materials, no grabs; its clock, histories and scheduled
+// commands begin again. The tick and the topology version keep counting. UndoCut takes it back.
+struct Reset {
+  bool repeats = false;  // the scene plays again by itself (SheetConfig::repeat_after): nothing is kept for an undo
+};
+
+// The error of a Cut as that of number `index` of a CutBatch.
+Error in_batch(Error error, std::size_t index);
+
+Status validate(const Wind& wind, const std::string& field);
+
+using Command = std::variant<Cut, Grab, Drag, Release, SetPins, SetGravity, SetWind, Reset, CutBatch, UndoCut, RedoCut,
+                             SetMaterial>;
+
+// Everything that can be said of a command without a sheet. Errors are kInvalidArgument with the field named as in
+// kerf.v1.Command ("cut.curve.bezier.points[1].x", "cut_batch.cuts[3].curve.circle.radius_m", "grab.stiffness_npm"); a
+// Sheet checks the rest.
+Status validate(const Command& command);
+
+// Part of a CommandReply.
+struct CutReply {
+  cut::CutStatus status = cut::CutStatus::kNoIntersection;
+  cut::CutReport report;                 // all zero on kNoIntersection, but for `pieces`
+  std::vector<std::string> warnings;     // what is worse than the cut's tolerance, or left out: for people
+  std::int64_t number = 0;               // 1, 2, ... for the sheet's applied cuts, never given twice; 0 unless applied
+  std::vector<SplitPiece> split_pieces;  // that the cut made fall apart or took away, by id
+  std::optional<double> removed_mass;    // kg; of an applied cut with a width
+};
+
+// Part of a CommandReply: of an UndoCut or RedoCut.
+struct UndoReply {
+  std::vector<std::int64_t> cuts;  // numbers of those undone or made again, ascending; none of a Reset
+  bool reset = false;              // a Reset was taken back, or done again
+  std::int32_t pieces = 0;         // of the whole sheet
+  std::int32_t undo_steps = 0;     // that can be undone after it
+  std::int32_t redo_steps = 0;     // that can be made again after it
+};
+
+// What a command that was done answers. `tick` and `state_hash` name one state: the sheet as it was when the step (or
+// apply) in which the command took effect had ended.
+struct CommandReply {
+  std::int64_t tick = 0;
+  std::int32_t topology_version = 0;  // right after the command
+  std::uint64_t state_hash = 0;       // Sheet::state_hash() at the end of that tick
+  std::optional<CutReply> cut;        // of a Cut
+  std::vector<CutReply> batch;        // of a CutBatch, one a cut; `pieces` of each are those of the sheet after it
+  std::optional<UndoReply> undone;    // of an UndoCut or RedoCut
+  // Which beginning of the scene the sheet is at then: 0 at first, a new number after each Reset, and the number before
+  // it once that is undone.
+  std::int64_t beginning = 0;
+};
+
+}  // namespace kerf::sheet

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include <Eigen/Core>
+
+#include "server/base/result.h"
+#include "server/core/cut/curve.h"
+#include "server/core/mesh/ids.h"
+
+// Checks of single request fields. All errors are kInvalidArgument, reason NOT_FINITE, OUT_OF_RANGE or as named, with
+// the field, the number and the limit in the message.
+namespace kerf::sheet {
+
+// field[index], what errors call an element.
+std::string indexed(const std::string& field, std::size_t index);
+
+Status check_number(double value, double low, double high, const std::string& field);
+Status check_integer(std::int64_t value, std::int64_t low, std::int64_t high, const std::string& field);
+// Of things listed, text or bytes; `unit` for the message: "bytes", "pin regions".
+Status check_count(std::size_t count, std::size_t limit, const std::string& unit, const std::string& field);
+// Each component finite and at most `limit` either way.
+Status check_vector(const Eigen::Vector3d& value, double limit, const std::string& field);
+Status check_vector(const Eigen::Vector2d& value, double limit, const std::string& field);
+// The same with a limit on the length, too.
+Status check_length(const Eigen::Vector3d& value, double limit, const std::string& field);
+// Those of cut::validate(), whose errors it has.
+Status check_curve(const cut::Curve& curve, const std::string& field);
+// Of a vertex: not negative; whether it exists is the sheet's to say. kInvalidArgument UNKNOWN_VERTEX.
+Status check_vertex_id(mesh::VertexId vertex, const std::string& field);
+
+}  // namespace kerf::sheet

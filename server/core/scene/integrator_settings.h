@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+
+#include "server/base/result.h"
+#include "server/core/fem/step/integrator.h"
+#include "server/core/linear/linear_solver_kind.h"
+
+namespace kerf::sheet {
+
+enum class IntegratorKind {
+  kAutomatic,         // see fem::AutomaticIntegrator
+  kExplicitLeapfrog,  // stable substeps
+  kImplicitEuler,     // Newton iterations; first order, strongly damped
+  kTrapezoidal,       // likewise; second order, damps nothing
+  kBdf2,              // likewise; second order, damps what it does not resolve
+  kTrBdf2,            // likewise
+};
+using fem::EigenvalueNorm;
+using fem::LinearSolverKind;
+enum class Precision { kDouble, kMixed };  // explicit: see fem::Precision
+
+struct IntegratorSettings {
+  IntegratorKind kind = IntegratorKind::kAutomatic;
+  std::int32_t max_substeps = 20000;   // explicit: a tick, 1..100000
+  std::int32_t newton_iterations = 2;  // implicit: a solve, 1..100
+  double solver_tolerance = 1.0e-4;    // implicit: relative residual of the linear solver, 1e-14..0.1; below 1e-4 of
+                                       // Newton's method as well
+  LinearSolverKind solver = LinearSolverKind::kBlockJacobiCg;  // implicit; kAutomatic chooses for itself
+  std::int32_t max_linear_iterations = 1000;                   // implicit: of a solve by conjugate gradients, 1..100000
+  fem::CovarianceRootOptions covariance_root{};                // power 0.01..2, newton_schulz_iterations 1..50
+  double highest_mode_damping = 0.05;                          // explicit: -, 0..0.5, see fem::IntegratorOptions
+  Precision precision = Precision::kMixed;
+};
+
+// Ranges; fields are named as in kerf.v1.Scene ("integrator.max_substeps").
+Status validate(const IntegratorSettings& settings);
+
+// Most vertices that a sheet can have with these, cuts included, and the error that says so.
+std::int32_t vertex_limit(const IntegratorSettings& settings);
+Status check_vertex_limit(const IntegratorSettings& settings, std::int32_t num_vertices);
+
+// What `fem` needs to know of them. tick: s, > 0.
+fem::IntegratorOptions integrator_options(const IntegratorSettings& settings, double tick);
+
+}  // namespace kerf::sheet

@@ -1,0 +1,85 @@
+#pragma once
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "server/core/fem/element/material.h"
+#include "server/core/linear/vertex_field.h"
+#include "server/core/mesh/triangle_mesh.h"
+
+// The family tree of a sheet's pieces. The mesh numbers its pieces 0..n-1 and a piece that falls apart keeps its number
+// in one of its parts; here each piece has an id of its own. A piece that falls apart ends, and each of its parts is a
+// new piece with it as parent. Ids count from 1 and are never given to another piece; those of pieces that an undo took
+// away come back only with the redo of that same cut.
+namespace kerf::sheet {
+
+struct PieceBirth {
+  std::int64_t id = 0;
+  std::int64_t parent = 0;  // 0: there when the sheet was made
+  std::int64_t cut = 0;     // number of the cut that made it; 0 likewise
+};
+
+// A piece as it is.
+struct Piece {
+  PieceBirth birth;
+  std::int32_t label = 0;  // its number in the mesh, and in frames, now
+  std::int32_t num_triangles = 0;
+  double area = 0.0;                              // m^2, at rest
+  double mass = 0.0;                              // kg
+  Eigen::Vector2d centroid{0.0, 0.0};             // m, material coordinates
+  Eigen::Vector3d world_centroid{0.0, 0.0, 0.0};  // m, mean over the material of where it is
+};
+
+// A piece that fell apart.
+struct SplitPiece {
+  std::int64_t id = 0;          // ended with this
+  std::vector<Piece> children;  // two or more, by id, or none where all of it was removed; as they are when the whole
+                                // command is done. Where a later cut of a batch divided one again: the sum of its
+                                // parts, label -1; where one removed it: nothing, label -1
+};
+
+// What one edit did to the tree. Pieces with their number in the mesh.
+struct LineageChange {
+  std::int32_t num_pieces_before = 0;
+  std::int32_t num_pieces_after = 0;                          // those given up still counted
+  std::vector<std::pair<std::int32_t, PieceBirth>> ended;     // fell apart
+  std::vector<std::pair<std::int32_t, PieceBirth>> born;      // ids consecutive; numbers before any was given up
+  std::vector<std::pair<std::int32_t, PieceBirth>> given_up;  // one by one, the highest number taking each over
+};
+
+class Lineage {
+ public:
+  explicit Lineage(std::int32_t num_pieces);
+
+  // By the mesh's piece number.
+  [[nodiscard]] const std::vector<PieceBirth>& pieces() const { return pieces_; }
+
+  // After an edit, by cut number `cut`: see MeshEdit::split_from and vanished_pieces.
+  LineageChange split(const std::vector<std::int32_t>& split_from, const std::vector<std::int32_t>& vanished,
+                      std::int64_t cut);
+  // Takes back the last change that is not taken back yet.
+  void undo(const LineageChange& change);
+  // The same again, after its undo.
+  void redo(const LineageChange& change);
+  // Back to `num_pieces` pieces that were there when the sheet was made, with the ids that they had then.
+  void reset(std::int32_t num_pieces);
+  // Back to pieces that there were before; ids given since are not given again.
+  void restore(std::vector<PieceBirth> pieces) { pieces_ = std::move(pieces); }
+
+ private:
+  std::vector<PieceBirth> pieces_;
+  std::int64_t next_id_ = 1;
+};
+
+// Every piece of the mesh, by label. `x`: 3 x V, m. `materials`: by region of the mesh, or one. O(slots).
+std::vector<Piece> measure_pieces(const mesh::TriangleMesh& mesh, const std::vector<PieceBirth>& births,
+                                  const mesh::VertexField& x, const std::vector<fem::Material>& materials);
+
+// Of each of the changes, which were made one after another and led to the pieces of `now`, what fell apart.
+std::vector<std::vector<SplitPiece>> describe_splits(const std::vector<LineageChange>& changes,
+                                                     const std::vector<Piece>& now);
+
+}  // namespace kerf::sheet

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+
+#include <Eigen/Core>
+
+#include "server/base/result.h"
+#include "server/core/mesh/triangle_mesh.h"
+#include "server/core/scene/material_point.h"
+#include "server/core/scene/sheet_config.h"
+
+namespace kerf::sheet {
+
+// An undeformed mesh and where its vertices start in the world.
+struct BuiltMesh {
+  mesh::TriangleMesh mesh;
+  Eigen::Matrix3Xd positions;  // 3 x V, m
+
+  // Where a material point (m) lies on the mesh, or what of it comes nearest.
+  [[nodiscard]] MaterialPoint at(const Eigen::Vector2d& material) const;
+  // -, of where the sheet starts by material coordinates, in the triangle that the point is in.
+  [[nodiscard]] Eigen::Matrix<double, 3, 2> gradient_at(const MaterialPoint& point) const;
+};
+
+// Builds what a valid source describes. Errors: those of the mesh importers and of outline_source.h, the field named as
+// in kerf.v1.Scene. An outline is not meshed beyond `max_vertices`; of other sources that many were given, and the
+// caller counts them.
+Result<BuiltMesh> build_mesh(const MeshSource& source, const Placement& placement, std::int32_t max_vertices);
+
+}  // namespace kerf::sheet

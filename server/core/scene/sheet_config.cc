@@ -1,0 +1,168 @@
+#include "server/core/scene/sheet_config.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/core/scene/field_checks.h"
+#include "server/core/scene/outline_source.h"
+
+namespace kerf::sheet {
+
+namespace {
+
+constexpr std::int32_t kMaxGridSide = 1000;  // vertices
+constexpr double kMinExtent = 1.0e-6;        // m
+constexpr double kAxisTolerance = 1.0e-6;    // -, on length and angle of the placement's axes
+constexpr std::size_t kMaxDescriptionBytes = 1000;
+constexpr std::int64_t kMaxTicks = 10'000'000;
+
+Status validate_source(const GridSource& grid) {
+  KERF_TRY(check_integer(grid.columns, 2, kMaxGridSide, "grid.columns"));
+  KERF_TRY(check_integer(grid.rows, 2, kMaxGridSide, "grid.rows"));
+  const std::int64_t num_vertices = std::int64_t{grid.columns} * grid.rows;
+  if (num_vertices > kMaxVertices) {
+    return invalid_argument(
+        "TOO_MANY",
+        "grid has " + std::to_string(num_vertices) + " vertices; the limit is " + std::to_string(kMaxVertices),
+        "grid.rows");
+  }
+  KERF_TRY(check_number(grid.width, kMinExtent, kMaxMaterialCoordinate, "grid.width_m"));
+  return check_number(grid.height, kMinExtent, kMaxMaterialCoordinate, "grid.height_m");
+}
+
+Status validate_source(const ObjSource& obj) {
+  if (obj.text.empty()) return invalid_argument("EMPTY", "obj.text must not be empty", "obj.text");
+  return check_count(obj.text.size(), kMaxMeshFileBytes, "bytes", "obj.text");
+}
+
+Status validate_source(const PlySource& ply) {
+  if (ply.data.empty()) return invalid_argument("EMPTY", "ply.data must not be empty", "ply.data");
+  return check_count(ply.data.size(), kMaxMeshFileBytes, "bytes", "ply.data");
+}
+
+Status validate_source(const ArraySource& arrays) {
+  const Eigen::Index num_vertices = arrays.num_vertices();
+  const bool is_curved = arrays.rest_positions.cols() > 0;
+  const std::string field = is_curved ? "inline.rest_positions" : "inline.material_positions";
+  KERF_TRY(check_integer(num_vertices, 3, kMaxVertices, field));
+  if (const Eigen::Index given = arrays.material_positions.cols(); given != num_vertices && given != 0) {
+    return invalid_argument("LENGTH_MISMATCH",
+                            "inline.material_positions has " + std::to_string(given) + " points; must have none or " +
+                                std::to_string(num_vertices) + ", as many as rest_positions",
+                            "inline.material_positions");
+  }
+  if (arrays.triangles.cols() == 0) {
+    return invalid_argument("EMPTY", "inline.triangles must not be empty", "inline.triangles");
+  }
+  KERF_TRY(check_integer(arrays.triangles.cols(), 1, 2 * std::int64_t{kMaxVertices}, "inline.triangles"));
+  const Eigen::Index num_positions = arrays.positions.cols();
+  if (num_positions != 0 && num_positions != num_vertices) {
+    return invalid_argument("LENGTH_MISMATCH",
+                            "inline.positions has " + std::to_string(num_positions) + " points; must have none or " +
+                                std::to_string(num_vertices) + ", as many as the sheet has vertices",
+                            "inline.positions");
+  }
+  for (Eigen::Index i = 0; i < num_positions; ++i) {
+    for (Eigen::Index k = 0; k < 3; ++k) {
+      const double value = arrays.positions(k, i);
+      if (std::abs(value) <= kMaxWorldCoordinate) continue;  // false for NaN
+      return check_number(value, -kMaxWorldCoordinate, kMaxWorldCoordinate,
+                          indexed("inline.positions", static_cast<std::size_t>(3 * i + k)));
+    }
+  }
+  return Nothing{};
+}
+
+Status validate_source(const OutlineSource& outline) {
+  return validate(outline);
+}
+
+Status check_unit(const Eigen::Vector3d& axis, const std::string& field) {
+  KERF_TRY(check_vector(axis, kMaxWorldCoordinate, field));
+  if (std::abs(axis.norm() - 1.0) <= kAxisTolerance) return Nothing{};
+  return invalid_argument(
+      "NOT_UNIT", field + " has length " + std::to_string(axis.norm()) + "; must have length 1 (to 1e-6)", field);
+}
+
+Status validate_placement(const Placement& placement) {
+  KERF_TRY(check_vector(placement.origin, kMaxWorldCoordinate, "placement.origin"));
+  KERF_TRY(check_unit(placement.x_axis, "placement.x_axis"));
+  KERF_TRY(check_unit(placement.y_axis, "placement.y_axis"));
+  if (std::abs(placement.x_axis.dot(placement.y_axis)) <= kAxisTolerance) return Nothing{};
+  return invalid_argument("NOT_PERPENDICULAR", "placement.y_axis must be perpendicular to x_axis (to 1e-6)",
+                          "placement.y_axis");
+}
+
+Status validate_schedule(const std::vector<ScheduledCommand>& commands) {
+  KERF_TRY(check_count(commands.size(), kMaxScheduledCommands, "commands", "commands"));
+  for (std::size_t i = 0; i < commands.size(); ++i) {
+    const std::string field = indexed("commands", i);
+    if (commands[i].tick < 1) {
+      return invalid_argument("OUT_OF_RANGE",
+                              field + ".tick is " + std::to_string(commands[i].tick) + "; the first tick is 1",
+                              field + ".tick");
+    }
+    if (const auto* reset = std::get_if<Reset>(&commands[i].command); reset != nullptr && reset->repeats) {
+      return invalid_argument("OUT_OF_RANGE",
+                              field + ".command.reset.repeats is for recordings; give the scene repeat_after_ticks",
+                              field + ".command.reset.repeats");
+    }
+    if (Status s = validate(commands[i].command); !s.ok()) {
+      Error error = s.error();
+      error.field = field + ".command." + error.field;
+      return error;
+    }
+  }
+  return Nothing{};
+}
+
+}  // namespace
+
+bool schedules_cuts(const SheetConfig& config) {
+  return std::any_of(config.commands.begin(), config.commands.end(), [](const ScheduledCommand& scheduled) {
+    return std::holds_alternative<Cut>(scheduled.command) || std::holds_alternative<CutBatch>(scheduled.command);
+  });
+}
+
+bool is_valid_sheet_id(std::string_view id) {
+  if (id.empty() || id.size() > kMaxSheetIdBytes || id[0] < 'a' || id[0] > 'z') return false;
+  for (const char c : id) {
+    const bool allowed = (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-';
+    if (!allowed) return false;
+  }
+  return true;
+}
+
+Status validate(const SheetConfig& config) {
+  if (!config.sheet_id.empty() && !is_valid_sheet_id(config.sheet_id)) {
+    return invalid_argument("SHEET_ID", "sheet_id must match [a-z][a-z0-9-]{0,62}", "sheet_id");
+  }
+  KERF_TRY(std::visit([](const auto& source) { return validate_source(source); }, config.mesh));
+  KERF_TRY(fem::validate(config.material));
+  KERF_TRY(validate(config.materials, config.material));
+  KERF_TRY(validate_placement(config.placement));
+  KERF_TRY(validate(config.pins, "pins"));
+  KERF_TRY(check_length(config.gravity, kMaxGravity, "gravity_mps2"));
+  KERF_TRY(validate(config.wind, "wind"));
+  KERF_TRY(check_count(config.colliders.size(), kMaxColliders, "colliders", "colliders"));
+  for (std::size_t i = 0; i < config.colliders.size(); ++i) {
+    KERF_TRY(contact::validate(config.colliders[i], indexed("colliders", i)));
+  }
+  KERF_TRY(validate(config.constraints));
+  KERF_TRY(validate(config.loads));
+  KERF_TRY(validate(config.gravity_history, "gravity_history"));
+  if (config.initial_velocity) {
+    KERF_TRY(validate(*config.initial_velocity));
+  }
+  KERF_TRY(validate(config.analysis));
+  KERF_TRY(validate(config.probes));
+  KERF_TRY(check_number(config.tick_rate_hz, 1.0, 1000.0, "tick_rate_hz"));
+  KERF_TRY(validate(config.integrator));
+  KERF_TRY(check_integer(config.max_vertices, 3, kMaxVertices, "max_vertices"));
+  KERF_TRY(validate_schedule(config.commands));
+  KERF_TRY(check_integer(config.ticks, 0, kMaxTicks, "ticks"));
+  KERF_TRY(check_integer(config.repeat_after, 0, kMaxTicks, "repeat_after_ticks"));
+  return check_count(config.description.size(), kMaxDescriptionBytes, "bytes", "description");
+}
+
+}  // namespace kerf::sheet

@@ -1,0 +1,150 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "server/base/result.h"
+#include "server/core/contact/collider.h"
+#include "server/core/fem/element/material.h"
+#include "server/core/mesh/build/face_list.h"
+#include "server/core/mesh/ids.h"
+#include "server/core/mesh/triangle_mesh.h"
+#include "server/core/scene/analysis_request.h"
+#include "server/core/scene/command.h"
+#include "server/core/scene/conditions.h"
+#include "server/core/scene/integrator_settings.h"
+#include "server/core/scene/sheet_materials.h"
+
+// Everything that is needed to start one sheet and to run it again, bit for bit: kerf.v1.Scene without Protocol
+// Buffers. SI units throughout; right-handed world, +z up. Nothing changes a SheetConfig after Sheet::create.
+namespace kerf::sheet {
+
+// Limits on what a scene may hold (reliability table of the README).
+using mesh::kMaxMeshFileBytes;
+using mesh::kMaxVertices;
+using mesh::RestShape;
+inline constexpr std::size_t kMaxOutlineHoles = 1024;  // curves
+inline constexpr std::size_t kMaxOutlineSizes = 1024;
+inline constexpr std::size_t kMaxOutlineChords = 1'000'000;  // of all curves of an outline, flattened
+inline constexpr std::size_t kMaxSheetIdBytes = 63;
+inline constexpr std::size_t kMaxColliders = 64;
+inline constexpr std::size_t kMaxScheduledCommands = 10'000;
+
+// Accuracy of a sheet that is too stiff for its tick: kRealTime softens the membrane, see fem::choose_softening.
+enum class Fidelity { kExact, kRealTime };
+
+enum class GridPattern { kUniformDiagonals, kJitteredDelaunay };
+
+// A rectangle from (0, 0) to (width, height) in material coordinates. Vertex ids are row-major: id = j * columns + i.
+struct GridSource {
+  std::int32_t columns = 50;  // vertices along x, 2..1000
+  std::int32_t rows = 50;     // vertices along y, 2..1000; columns * rows <= kMaxVertices
+  double width = 1.0;         // m, > 0, <= 1e4
+  double height = 1.0;        // m, > 0, <= 1e4
+  GridPattern pattern = GridPattern::kUniformDiagonals;
+  std::uint32_t seed = 0;  // of the jitter
+};
+
+// Wavefront OBJ; see core/mesh/build/obj_import.h. The positions in the text place the sheet; Placement is ignored.
+struct ObjSource {
+  std::string text;  // at most kMaxMeshFileBytes
+  RestShape rest_shape = RestShape::kAutomatic;
+};
+
+// PLY, text or binary; see core/mesh/build/ply_import.h. The positions in the file place the sheet; Placement is
+// ignored.
+struct PlySource {
+  std::string data;  // at most kMaxMeshFileBytes
+  RestShape rest_shape = RestShape::kAutomatic;
+};
+
+// A mesh given by its arrays.
+struct ArraySource {
+  Eigen::Matrix2Xd material_positions;  // 2 x V, m; or 2 x 0 where there are rest_positions: they are made
+  Eigen::Matrix3Xi triangles;           // 3 x T, vertex ids in 0..V-1
+  Eigen::Matrix3Xd positions;           // 3 x V, m, world; or 3 x 0: rest_positions, or without those Placement
+  Eigen::Matrix3Xd rest_positions;      // 3 x V, m, the rest shape in space; or 3 x 0: it is flat
+
+  [[nodiscard]] Eigen::Index num_vertices() const {
+    return rest_positions.cols() > 0 ? rest_positions.cols() : material_positions.cols();
+  }
+};
+
+// An edge length wanted at a place: edge_length there, and edge_length + growth * distance around it.
+struct OutlineSizing {
+  std::variant<Eigen::Vector2d, cut::Curve> place = Eigen::Vector2d(0.0, 0.0);  // m; a point, or all along a curve
+  double edge_length = 0.0;                                                     // m, 1e-9..1e4
+  double growth = 0.25;                                                         // -, 0.01..10
+};
+
+// A flat sheet of any outline; see core/mesh/build/outline_mesh.h.
+struct OutlineSource {
+  cut::Curve boundary;               // one closed line
+  std::vector<cut::Curve> holes;     // of closed lines; at most kMaxOutlineHoles
+  double edge_length = 0.0;          // m, 1e-9..1e4; 0: 1/32 of the larger side
+  std::vector<OutlineSizing> sizes;  // at most kMaxOutlineSizes
+  double min_angle_deg = 25.0;       // degrees, 5..28
+};
+
+using MeshSource = std::variant<GridSource, ObjSource, PlySource, ArraySource, OutlineSource>;
+
+// World position of material point (x, y): origin + x * x_axis + y * y_axis.
+struct Placement {
+  Eigen::Vector3d origin{0.0, 0.0, 0.0};  // m
+  Eigen::Vector3d x_axis{1.0, 0.0, 0.0};  // -, unit (1e-6)
+  Eigen::Vector3d y_axis{0.0, 0.0, 1.0};  // -, unit (1e-6), perpendicular to x_axis (1e-6)
+};
+
+// Takes effect at the start of `tick`: in the step that leads from tick - 1 to tick, before commands from outside.
+struct ScheduledCommand {
+  std::int64_t tick = 1;  // >= 1
+  Command command;
+};
+
+struct SheetConfig {
+  std::string sheet_id;  // for the owner: [a-z][a-z0-9-]{0,62} or empty; no effect on the simulation
+  MeshSource mesh;
+  fem::Material material;
+  std::vector<RegionMaterial> materials;  // at most kMaxRegions; over `material`, a later one over those before
+  fem::MembraneLaw membrane_law = fem::MembraneLaw::kCorotational;  // of all of them
+  Fidelity fidelity = Fidelity::kExact;                             // of a dynamic analysis; others are always exact
+  Placement placement;
+  std::vector<Region> pins;                  // at most kMaxRegions
+  Eigen::Vector3d gravity{0.0, 0.0, -9.81};  // m/s^2, |.| <= 1e4
+  Wind wind;                                 // default: no air at all
+  std::vector<contact::Collider> colliders;  // at most kMaxColliders
+  double tick_rate_hz = 60.0;                // 1..1000; a tick is 1 / tick_rate_hz seconds
+  IntegratorSettings integrator;
+  std::int32_t max_vertices = kMaxVertices;  // 3..kMaxVertices; a cut that would lead beyond it is refused
+  std::vector<Constraint> constraints;       // at most kMaxConstraints; over the pins
+  std::vector<Load> loads;                   // at most kMaxLoads
+  History gravity_history;                   // factor on gravity; default 1
+  bool planar = false;                       // keeps to the plane it starts in, perpendicular to x, y or z, and does
+                                             // not bend: see fem::without_bending
+  std::optional<InitialVelocity> initial_velocity;  // default: at rest
+  std::vector<ScheduledCommand> commands;  // at most kMaxScheduledCommands; equal ticks are done in the given order
+  std::int64_t ticks = 0;                  // for `kerf run`: 0..1e7, 0 means 600; no effect on the simulation
+  bool rest_damping = true;                // a calm sheet is damped until it rests, see RestWatch
+  std::int64_t repeat_after = 0;  // ticks, 0..1e7, 0: never; for the owner: see kerf.v1.Scene.repeat_after_ticks
+  Analysis analysis;              // what `kerf run` does; no effect on the simulation
+  std::vector<Probe> probes;      // what it measures; at most kMaxProbes
+  std::string description;        // for people; at most 1000 bytes; no effect on the simulation
+};
+
+// Whether cuts are scheduled, which may bring vertices and lips to a region that has none yet.
+bool schedules_cuts(const SheetConfig& config);
+
+// Whether `id` matches [a-z][a-z0-9-]{0,62}.
+bool is_valid_sheet_id(std::string_view id);
+
+// Everything that can be said without building the mesh; Sheet::create calls it and then checks the rest. Fields are
+// named as in kerf.v1.Scene ("grid.columns", "colliders[2].sphere.radius_m", "commands[0].command.grab.target.x").
+Status validate(const SheetConfig& config);
+
+}  // namespace kerf::sheet

@@ -1,0 +1,50 @@
+#include "server/core/sheet/contact_bridge.h"
+
+#include <algorithm>
+
+namespace kerf::sheet {
+
+void ContactBridge::set_vertices(std::int32_t num_vertices, const std::vector<mesh::VertexId>& pinned,
+                                 const std::vector<mesh::VertexId>& removed) {
+  for (const mesh::VertexId v : left_alone_) is_left_alone_[static_cast<std::size_t>(v)] = 0;
+  left_alone_ = pinned;
+  left_alone_.insert(left_alone_.end(), removed.begin(), removed.end());
+  is_left_alone_.resize(static_cast<std::size_t>(num_vertices), 0);
+  for (const mesh::VertexId v : left_alone_) is_left_alone_[static_cast<std::size_t>(v)] = 1;
+  x_before_.resize(num_vertices);
+  solver_.reserve(num_vertices);
+}
+
+void ContactBridge::begin(const mesh::VertexField& x) {
+  x_before_ = x;
+  solver_.begin(half_thickness_, is_left_alone_, x);
+}
+
+void ContactBridge::enforce(double dt, fem::State& state) {
+  solver_.resolve(dt, x_before_, state.x, state.v);
+  x_before_ = state.x;
+}
+
+std::size_t ContactBridge::find_gaps(int vertex, const Eigen::Vector3d& x, double reach,
+                                     std::array<fem::SurfaceGap, kMaxGaps>& gaps) const {
+  // Minus infinity of what is left alone: no gap is below any reach.
+  const double thickness = solver_.thickness(static_cast<std::size_t>(vertex));
+  std::size_t found = 0;
+  const std::span<const contact::PreparedCollider> colliders = solver_.colliders();
+  for (std::size_t i = 0; i < colliders.size(); ++i) {
+    const contact::Proximity near = colliders[i].query(x);
+    const double gap = near.distance - thickness;
+    if (!(gap < reach)) continue;
+    if (found == kMaxGaps) {
+      const auto farthest = std::max_element(
+          gaps.begin(), gaps.end(), [](const fem::SurfaceGap& a, const fem::SurfaceGap& b) { return a.gap < b.gap; });
+      if (gap >= farthest->gap) continue;
+      std::move(farthest + 1, gaps.end(), farthest);
+      --found;
+    }
+    gaps[found++] = {static_cast<int>(i), gap, near.normal, colliders[i].friction()};
+  }
+  return found;
+}
+
+}  // namespace kerf::sheet

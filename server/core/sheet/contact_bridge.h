@@ -1,0 +1,56 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "server/core/contact/contact_solver.h"
+#include "server/core/fem/step/integrator.h"
+#include "server/core/linear/vertex_field.h"
+#include "server/core/mesh/ids.h"
+
+namespace kerf::sheet {
+
+// Contact as the integrators call it: fem and contact do not know each other. Copyable.
+class ContactBridge : public fem::ContactConstraint {
+ public:
+  void set_colliders(std::span<const contact::Collider> colliders) { solver_.set_colliders(colliders); }
+  // m, >= 0, the distance that the sheet's middle surface keeps from a collider.
+  void set_half_thickness(double half_thickness) { half_thickness_ = half_thickness; }
+  void set_calm(bool is_calm) { is_calm_ = is_calm; }
+  // After every change of pins or topology; `pinned`, and `removed` without material, are left alone. O(both and new
+  // vertices). Allocates.
+  void set_vertices(std::int32_t num_vertices, const std::vector<mesh::VertexId>& pinned,
+                    const std::vector<mesh::VertexId>& removed);
+
+  void begin(const mesh::VertexField& x) override;
+  [[nodiscard]] int num_inside() const override { return solver_.num_inside(); }
+  [[nodiscard]] bool is_calm() const override { return is_calm_; }
+  void enforce(double dt, fem::State& state) override;
+  std::span<const std::int32_t> find_due_blocks(double dt, double travel) override {
+    return solver_.find_due_blocks(dt, travel);
+  }
+  std::uint32_t enforce_block(std::int32_t block, mesh::VertexLanes& vertices) override {
+    return solver_.resolve(block, vertices);
+  }
+  std::size_t find_gaps(int vertex, const Eigen::Vector3d& x, double reach,
+                        std::array<fem::SurfaceGap, kMaxGaps>& gaps) const override;
+
+  [[nodiscard]] bool empty() const { return solver_.empty(); }
+  [[nodiscard]] std::int64_t phases() const { return solver_.counters().phases; }
+  [[nodiscard]] std::int64_t blocks() const { return solver_.counters().blocks; }
+
+ private:
+  contact::ContactSolver solver_;
+  double half_thickness_ = 0.0;
+  bool is_calm_ = false;
+  std::vector<mesh::VertexId> left_alone_;
+  std::vector<std::uint8_t> is_left_alone_;  // length V
+  mesh::VertexField x_before_;               // m, when the present substep began
+};
+
+}  // namespace kerf::sheet

@@ -1,0 +1,109 @@
+#include "server/core/sheet/rest_watch.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace kerf::sheet {
+
+void MotionWindow::make_room(Eigen::Index num_vertices) {
+  if (num_vertices <= start_.cols()) return;
+  const Eigen::Index room = num_vertices + num_vertices / 4;  // so that cuts seldom allocate what grows with the sheet
+  for (Eigen::Matrix3Xd* field : {&start_, &last_, &low_, &high_}) field->resize(3, room);
+  for (Eigen::Matrix3Xd& sum : sums_) sum.resize(3, room);
+}
+
+void MotionWindow::begin(const Eigen::Matrix3Xd& x) {
+  time_ = 0.0;
+  num_ticks_.fill(0);
+  num_vertices_ = x.cols();
+  start_.leftCols(num_vertices_) = x;
+  for (Eigen::Matrix3Xd& sum : sums_) sum.setZero();
+  for (Eigen::Matrix3Xd* field : {&last_, &low_, &high_}) field->setZero();
+}
+
+bool MotionWindow::add(const Eigen::Matrix3Xd& x, double dt) {
+  time_ += dt;
+  // Long ticks leave no third out.
+  const auto begun = static_cast<std::size_t>(std::ranges::find(num_ticks_, 0) - num_ticks_.begin());
+  const auto third =
+      std::min(static_cast<std::size_t>(std::clamp(3.0 * (time_ - 0.5 * dt) / length_, 0.0, 2.0)), begun);
+  ++num_ticks_[third];
+  Eigen::Matrix3Xd& sum = sums_[third];
+  for (Eigen::Index v = 0; v < num_vertices_; ++v) {
+    const Eigen::Vector3d moved = x.col(v) - start_.col(v);
+    sum.col(v) += moved;
+    last_.col(v) = moved;
+    low_.col(v) = low_.col(v).cwiseMin(moved);
+    high_.col(v) = high_.col(v).cwiseMax(moved);
+  }
+  return time_ >= length_ * (1.0 - 1.0e-9) && num_ticks_.back() > 0;
+}
+
+double MotionWindow::expected_motion(double foresight, bool slows) const {
+  constexpr double kSlowing = 0.95;  // -, what keeps more of its pace from third to third is not slowing down
+  constexpr double kSafety = 1.5;    // -, of what is to come
+  const double steps = foresight / (length_ / 3.0);
+  double expected = 0.0;
+  for (Eigen::Index v = 0; v < num_vertices_; ++v) {
+    std::array<Eigen::Vector3d, 3> means;
+    for (std::size_t k = 0; k < 3; ++k) means[k] = sums_[k].col(v) / num_ticks_[k];
+    const double before = (means[1] - means[0]).norm();
+    const double drift = (means[2] - means[1]).norm();
+    const bool is_slowing = slows && drift < kSlowing * before;
+    const double to_come = is_slowing ? std::min(kSafety / (1.0 - drift / before), steps) : steps;
+    const Eigen::Vector3d been = (high_.col(v) - last_.col(v)).cwiseMax(last_.col(v) - low_.col(v));
+    expected = std::max(expected, been.norm() + drift * to_come);
+  }
+  return expected;
+}
+
+void RestWatch::make_room(Eigen::Index num_vertices) {
+  for (MotionWindow& window : windows_) window.make_room(num_vertices);
+}
+
+void RestWatch::disturb() {
+  calm_time_ = 0.0;
+  is_calm_ = is_measuring_ = is_at_rest_ = false;
+  settles_.fill(false);
+}
+
+void RestWatch::after_tick(const fem::Model& model, const Tick& tick, fem::State& state) {
+  constexpr double kMeanOver = 1.0;  // s
+  double kinetic = 0.0;
+  for (Eigen::Index i = 0; i < state.v.cols(); ++i) {
+    kinetic += 0.5 * model.mass()[static_cast<std::size_t>(i)] * state.v.col(i).squaredNorm();
+  }
+  energy_ = calm_time_ == 0.0 ? kinetic : energy_ + std::min(tick.dt / kMeanOver, 1.0) * (kinetic - energy_);
+  calm_time_ += tick.dt;
+  const double calm_energy = kCalmHeight * size_ * model.total_mass() * tick.gravity;
+  // Without weight nothing says how fast is slow.
+  const bool is_slow = tick.gravity == 0.0 || energy_ < calm_energy;
+  if (!is_slow) {
+    is_calm_ = is_measuring_ = is_at_rest_ = false;
+    settles_.fill(false);
+    return;
+  }
+  is_calm_ = tick.damps && tick.gravity > 0.0 && calm_time_ >= kCalmAfter;
+  if (is_calm_) {
+    const double rate = kDampingRate * std::sqrt(tick.gravity / size_) * (1.0 - energy_ / calm_energy);
+    state.v *= std::exp(-rate * tick.dt);
+  }
+  if (!is_measuring_) {
+    is_measuring_ = true;
+    for (MotionWindow& window : windows_) window.begin(state.x);
+    return;
+  }
+  for (std::size_t k = 0; k < windows_.size(); ++k) {
+    MotionWindow& window = windows_[k];
+    if (!window.add(state.x, tick.dt)) continue;
+    // Noise may look like slowing down in one window.
+    const bool settled =
+        std::exchange(settles_[k], is_calm_ && window.length() * std::sqrt(tick.gravity / size_) >= kSwing &&
+                                       window.expected_motion(kForesight, true) <= kTolerance);
+    is_at_rest_ = is_at_rest_ || (settled && settles_[k]) || window.expected_motion(kForesight, false) <= kTolerance;
+    window.begin(state.x);
+  }
+}
+
+}  // namespace kerf::sheet

@@ -1,0 +1,92 @@
+#pragma once
+
+#include <array>
+
+#include <Eigen/Core>
+
+#include "server/core/fem/element/state.h"
+#include "server/core/fem/model/model.h"
+
+namespace kerf::sheet {
+
+// Measures how far every vertex goes in a stretch of time, and how far its mean place moves from each third of it to
+// the next. What trembles in place hardly moves its mean.
+class MotionWindow {
+ public:
+  // `length`: s, > 0
+  explicit MotionWindow(double length) : length_(length) {}
+
+  void make_room(Eigen::Index num_vertices);
+  void begin(const Eigen::Matrix3Xd& x);
+  // Takes positions (3 x V, m) `dt` (s) after those before. True: the window is complete; begin() another.
+  bool add(const Eigen::Matrix3Xd& x, double dt);
+  // Estimates, in m, how far a vertex may be from its last place within `foresight` (s): as far as it has been from
+  // there, and what it goes further if it keeps its pace. One that slowed down from the first two thirds to the last
+  // two slows down further at that rate if `slows` is true.
+  [[nodiscard]] double expected_motion(double foresight, bool slows) const;
+  [[nodiscard]] double length() const { return length_; }
+
+ private:
+  double length_;
+  double time_ = 0.0;                     // s
+  Eigen::Index num_vertices_ = 0;         // arrays have room for more
+  Eigen::Matrix3Xd start_;                // m
+  std::array<int, 3> num_ticks_{};        // of each third
+  std::array<Eigen::Matrix3Xd, 3> sums_;  // m, of places less start_ in each third
+  Eigen::Matrix3Xd last_, low_, high_;    // m, less start_: the last places, and the bounds of all
+};
+
+// Brings a sheet that nothing disturbs any more to rest, and says when it is.
+//
+// Cloth in air swings itself still within seconds, by losses that a material's Rayleigh damping hardly has at low
+// frequencies. So a calm sheet is damped a little: kCalmAfter seconds after whatever disturbed it last, and while its
+// kinetic energy, over about a second, is below what lifts it by kCalmHeight of its size, velocities decay at up to
+// kDampingRate times the rate of a pendulum of its size. Before that, and while it moves more, nothing is changed.
+//
+// At rest is a sheet no vertex of which would go further than kTolerance in the minute to come, going by one of two
+// windows: a short one, which a sheet that grows still passes soon, and a long one for what trembles. A damped sheet
+// that slows down in two windows, both longer than a swing, is taken to slow down further. Speeds say less: a vertex
+// that a body holds has some within each substep, and stays where it is.
+class RestWatch {
+ public:
+  static constexpr double kCalmAfter = 5.0;      // s
+  static constexpr double kCalmHeight = 4.0e-5;  // -, of the size
+  static constexpr double kDampingRate = 0.8;    // -, of sqrt(g / size)
+  static constexpr double kShortWindow = 2.0;    // s
+  static constexpr double kLongWindow = 8.0;     // s
+  static constexpr double kForesight = 60.0;     // s
+  static constexpr double kSwing = 6.0;          // -, windows over sqrt(size / g) that tell slowing down from swinging
+  static constexpr double kTolerance = 9.0e-5;   // m
+
+  struct Tick {
+    double gravity = 0.0;  // m/s^2, >= 0
+    double dt = 0.0;       // s
+    bool damps = true;     // it may be damped
+  };
+
+  // `size`: m, the larger side of the sheet as built.
+  explicit RestWatch(double size) : size_(size) {}
+
+  // Allocates what after_tick() needs.
+  void make_room(Eigen::Index num_vertices);
+  // Something other than the sheet's own motion changed it, or may.
+  void disturb();
+  // To be called after each tick that made the state. Damps it.
+  void after_tick(const fem::Model& model, const Tick& tick, fem::State& state);
+
+  // Nothing has disturbed it for kCalmAfter, it is slow for its weight, and it is damped.
+  [[nodiscard]] bool is_calm() const { return is_calm_; }
+  [[nodiscard]] bool is_at_rest() const { return is_at_rest_; }
+
+ private:
+  double size_;
+  double calm_time_ = 0.0;  // s, since it was disturbed
+  double energy_ = 0.0;     // J, kinetic, over about a second
+  bool is_calm_ = false;
+  bool is_measuring_ = false;
+  bool is_at_rest_ = false;
+  std::array<MotionWindow, 2> windows_{MotionWindow(kShortWindow), MotionWindow(kLongWindow)};
+  std::array<bool, 2> settles_{};  // the last window of each length expected rest, of what slows down
+};
+
+}  // namespace kerf::sheet

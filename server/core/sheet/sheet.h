@@ -1,0 +1,201 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "server/base/phase_observer.h"
+#include "server/base/result.h"
+#include "server/core/fem/element/loads.h"
+#include "server/core/fem/element/state.h"
+#include "server/core/fem/model/model.h"
+#include "server/core/fem/statics/equilibrium.h"
+#include "server/core/fem/step/integrator.h"
+#include "server/core/fem/step/softening.h"
+#include "server/core/mesh/mesh_edit.h"
+#include "server/core/mesh/triangle_mesh.h"
+#include "server/core/scene/command.h"
+#include "server/core/scene/sheet_config.h"
+#include "server/core/sheet/snapshot.h"
+#include "server/core/sheet/undo_history.h"
+#include "server/core/sheet/unheld.h"
+
+namespace kerf::sheet {
+
+// The parts of a tick, in the order in which they run.
+enum class Stage {
+  kCut,          // plan, apply, local remesh of one cut
+  kModelUpdate,  // model, state, pins and grabs of the slots a cut touched
+  kLoads,        // gravity, wind, pins and grabs handed to the integrator
+  kIntegrate,    // the integrator's substeps, contact among them
+};
+
+// Told when stages begin and end, so that the owner can time them: the sheet itself reads no clock.
+class StageObserver : public PhaseObserver {
+ public:
+  // `command`: which of the commands of this step() or apply(), in the order in which they are done: scheduled ones
+  // first, then those given, then what falls due as one of these was a Reset; -1 where the stage serves none of them
+  // (loads, integration).
+  virtual void begin(Stage stage, std::int32_t command) = 0;
+  virtual void end(Stage stage, std::int32_t command) = 0;
+  // The parts of kCut and kModelUpdate, as they begin.
+  void enter(const char* /*phase*/) override {}
+};
+
+// The answer to a command of SheetConfig::commands.
+struct ScheduledReply {
+  std::size_t index = 0;  // into SheetConfig::commands
+  Result<CommandReply> reply;
+};
+
+// What one step() or apply() did. Degradation is a value here: nothing is thrown or logged.
+struct TickReport {
+  std::int64_t tick = 0;                      // after it
+  std::vector<Result<CommandReply>> replies;  // one for each given command, in order
+  std::vector<ScheduledReply> scheduled;      // those that fell due, in order
+  std::size_t num_scheduled_first = 0;        // of them, done before the given commands
+  fem::StepStats stats;      // of the integrator; default where time did not advance, but for `interrupted`
+  bool advanced = false;     // ++tick happened
+  bool gave_up = false;      // too little memory, or no leave to go on: frozen, nothing else holds
+  bool step_failed = false;  // the integrator gave up: positions and velocities are those before the tick
+  bool frozen = false;       // see Sheet::frozen()
+  bool at_rest = false;      // see Sheet::at_rest()
+  bool topology_changed = false;
+};
+
+// Energies of the whole sheet.
+struct Energies {
+  double kinetic = 0.0;   // J
+  double membrane = 0.0;  // J
+  double bending = 0.0;   // J, with what moments store at the border; see fem::edge_moment_energy
+  double gravity = 0.0;   // J, zero at z = 0 for gravity along -z: -sum m g . x
+  [[nodiscard]] double total() const { return kinetic + membrane + bending + gravity; }
+};
+
+// A point held by a Grab.
+struct GrabState {
+  std::string grab_id;
+  std::array<mesh::VertexId, 3> vertices{mesh::kNone, mesh::kNone, mesh::kNone};
+  Eigen::Vector3d weights{1.0, 0.0, 0.0};          // -, >= 0, sum 1
+  std::optional<Eigen::Vector2d> material;         // m, the point that is held; empty: vertices[0], wherever it goes
+  Eigen::Vector3d target{0.0, 0.0, 0.0};           // m, world
+  Eigen::Vector3d previous_target{0.0, 0.0, 0.0};  // m, when the last tick ended; the target moves in between
+  double stiffness = 0.0;                          // N/m, in force
+  bool is_default = false;                         // nobody gave the stiffness: it follows the material
+};
+
+// Makes what advances a sheet; copies of a sheet each make their own. The integrator must keep fem::Integrator's
+// promises, above all that a step depends on its arguments alone.
+using IntegratorFactory = std::function<std::unique_ptr<fem::Integrator>(const fem::IntegratorOptions&)>;
+
+// One simulated sheet: mesh, material, state, pins, grabs, colliders. The unit of simulation, ownership and isolation.
+//
+// step() is a pure function of the sheet and the commands: single-threaded, clock-free, no I/O, no logging, no
+// randomness. The same binary given the same config and commands produces the same bits, and so does a copy: copies
+// continue with equal hashes. Not thread-safe; the owner serialises.
+class Sheet {
+ public:
+  // After this many failed steps in a row a sheet is frozen.
+  static constexpr std::int32_t kMaxFailedSteps = 3;
+
+  // Checks the whole config and builds the sheet at tick 0.
+  // Errors: kInvalidArgument with the field of kerf.v1.Scene ("pins[1].vertices.vertices[0]"); kResourceExhausted
+  // TOO_MANY_VERTICES, of the config's own limit.
+  static Result<Sheet> create(SheetConfig config, IntegratorFactory make_integrator = fem::make_integrator);
+
+  Sheet(const Sheet& other);
+  Sheet& operator=(const Sheet& other);
+  Sheet(Sheet&&) noexcept;
+  Sheet& operator=(Sheet&&) noexcept;
+  ~Sheet();
+
+  // Advances by one tick of dt() seconds. Drains the scheduled commands that are due, then `commands`, each with its
+  // cut and model update; then loads, integration with contact, ++tick. A command that fails has its error in the
+  // report and changes nothing. Allocates nothing where there is no command. A frozen sheet does its commands and does
+  // not advance.
+  // `goes_on`, where given, ends the integration early (see fem::Integrator::heed), but not in a tick with scheduled
+  // commands: then the report says so, and all is as after apply(commands). So does `may_go_on`, at any place of it,
+  // and so does memory that runs out; but these freeze the sheet, which is as it was before the tick.
+  TickReport step(std::span<const Command> commands, StageObserver* observer = nullptr,
+                  const fem::GoesOn* goes_on = nullptr, const fem::GoesOn* may_go_on = nullptr);
+
+  // Puts the sheet into equilibrium, at rest, under `load` (-, 0..1): what has no history follows the load, histories
+  // are read at it. From where it is now; where none is found the state is left as it is. Time does not advance; wind,
+  // contact and grabs are left out. `watch`: see fem::EquilibriumSolver. Bends by angles, see bend_by_angles().
+  fem::EquilibriumStats settle(double load, const fem::EquilibriumOptions& options,
+                               const fem::EquilibriumSolver::Watch& watch);
+  // Until the next step, or until the mesh or what is clamped changes, the model bends by angles (see
+  // fem::AngleBending): what equilibria and vibrations are found with, as steps in time are not.
+  void bend_by_angles();
+  // What of the sheet has no equilibrium under that load, as nothing holds it: settle() would search in vain.
+  std::optional<UnheldPiece> find_unheld(double load);
+  // ++tick with the scheduled commands that are due, and nothing else: a step of a static analysis.
+  TickReport begin_load_step();
+
+  // Does commands without advancing time: a paused sheet is cut at once. Scheduled commands stay where they are.
+  TickReport apply(std::span<const Command> commands, StageObserver* observer = nullptr);
+
+  [[nodiscard]] const SheetConfig& config() const;  // as given
+  [[nodiscard]] std::shared_ptr<const SheetConfig> shared_config() const;
+  [[nodiscard]] std::int64_t tick() const;              // ticks done
+  [[nodiscard]] std::int64_t scene_tick() const;        // of them, since the scene began or was reset
+  [[nodiscard]] double dt() const;                      // s
+  [[nodiscard]] std::int32_t topology_version() const;  // 1 at first; + 1 with each applied cut or batch, undo, redo
+                                                        // and reset
+  [[nodiscard]] std::int32_t settings_version() const;  // + 1 with each change of pins, gravity, wind or material
+  [[nodiscard]] const mesh::TriangleMesh& mesh() const;
+  [[nodiscard]] const fem::Model& model() const;  // of mesh() and materials(), with softening()
+  [[nodiscard]] const fem::State& state() const;  // x: 3 x V, m; v: 3 x V, m/s
+  [[nodiscard]] const fem::Loads& loads() const;  // of the last step, or settle()
+  // Where the material point started (m, world; material in m): of a point of the sheet as it was made, else of the
+  // nearest one.
+  [[nodiscard]] Eigen::Vector3d start_of(const Eigen::Vector2d& material) const;
+  [[nodiscard]] const Eigen::Vector3d& gravity() const;                      // m/s^2, in force
+  [[nodiscard]] const std::optional<fem::Softening>& softening() const;      // in force, of Fidelity::kRealTime
+  [[nodiscard]] const Wind& wind() const;                                    // in force
+  [[nodiscard]] const SheetMaterials& materials() const;                     // in force
+  [[nodiscard]] const std::vector<mesh::VertexId>& pinned_vertices() const;  // sorted, unique
+  [[nodiscard]] const std::vector<GrabState>& grabs() const;                 // in the order they were made
+  [[nodiscard]] std::int64_t contact_phases() const;  // substeps in which colliders were looked at
+  [[nodiscard]] std::int64_t num_cuts() const;        // cuts applied since creation, those made again included
+  [[nodiscard]] const UndoHistory& history() const;   // what can be undone and redone
+  [[nodiscard]] std::vector<Piece> pieces() const;    // as they are, by label. O(slots)
+  [[nodiscard]] const std::string& integrator_description() const;  // which one runs and why
+  // Clusters that cuts made, and substeps of a tick; nothing where there are none.
+  [[nodiscard]] std::optional<fem::LocalInertiaStats> local_inertia() const;
+  // Counts what a tick of the sheet as it is takes; see fem::TickCost. 0 ns of integrators that do not say.
+  [[nodiscard]] fem::TickCost expected_cost() const;
+  [[nodiscard]] Energies energies() const;
+
+  // Nothing changes what acts on the sheet (no grab, no change of loads, no command to come), and no vertex is expected
+  // to move by 0.1 mm within a minute: see RestWatch. Sleeping is the owner's act.
+  [[nodiscard]] bool at_rest() const;
+
+  // kMaxFailedSteps steps failed in a row: the state is that of the last good tick; the sheet can be looked at, cut and
+  // reset. Only a Reset lets it advance again.
+  [[nodiscard]] bool frozen() const;
+
+  // Of mesh, positions, velocities, pins, grabs, loads, materials that are not the config's, and tick, bit for bit.
+  [[nodiscard]] std::uint64_t state_hash() const;
+
+  // The same without the tick and the versions: equal after a Reset to what it was at first.
+  [[nodiscard]] std::uint64_t shape_hash() const;
+
+  // The state as viewers get it. The Topology in it is built anew only after it changed.
+  [[nodiscard]] std::shared_ptr<const Snapshot> snapshot(const RunStats& stats = {}, bool with_strains = false) const;
+
+ private:
+  struct Impl;
+  explicit Sheet(std::unique_ptr<Impl> impl);
+
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace kerf::sheet

@@ -1,0 +1,96 @@
+#include "server/core/sheet/undo_history.h"
+
+#include <utility>
+
+namespace kerf::sheet {
+
+namespace {
+
+template <typename T>
+std::size_t bytes_of(const std::vector<T>& values) {
+  return values.size() * sizeof(T);
+}
+
+std::size_t bytes_of(const mesh::UndoLog& log) {
+  return bytes_of(log.points) + bytes_of(log.vertices) + bytes_of(log.triangles);
+}
+
+std::size_t bytes_of(const DoneCut& cut) {
+  const mesh::MeshEdit& edit = cut.edit.edit;
+  return sizeof(cut) + bytes_of(edit.added_vertices) + bytes_of(edit.moved_vertices) +
+         bytes_of(edit.rewritten_triangles) + bytes_of(edit.split_from) + bytes_of(cut.edit.undo) +
+         bytes_of(cut.again) + bytes_of(edit.removed_vertices) + bytes_of(edit.vanished_pieces) +
+         bytes_of(cut.lineage.ended) + bytes_of(cut.lineage.born) + bytes_of(cut.lineage.given_up) +
+         bytes_of(cut.lost_pins);
+}
+
+Error nothing(const char* reason, const char* message) {
+  return failed_precondition(reason, message);
+}
+
+}  // namespace
+
+void UndoHistory::add(std::vector<DoneCut> cuts) {
+  for (const auto& step : undone_) bytes_ -= step->bytes;
+  undone_.clear();
+  UndoStep step;
+  step.cuts = std::move(cuts);
+  for (const DoneCut& cut : step.cuts) step.bytes += bytes_of(cut);
+  keep(std::move(step));
+}
+
+void UndoHistory::add_reset(std::shared_ptr<const Checkpoint> before, std::int64_t beginning) {
+  for (const auto& step : undone_) bytes_ -= step->bytes;
+  undone_.clear();
+  UndoStep step;
+  step.bytes = bytes_of(*before);
+  step.before_reset = std::move(before);
+  step.beginning = beginning;
+  keep(std::move(step));
+}
+
+void UndoHistory::redo_reset(std::shared_ptr<const Checkpoint> before) {
+  UndoStep step = *done_.back();
+  bytes_ -= step.bytes;
+  done_.pop_back();
+  step.bytes = bytes_of(*before);
+  step.before_reset = std::move(before);
+  keep(std::move(step));
+}
+
+void UndoHistory::keep(UndoStep step) {
+  bytes_ += step.bytes;
+  done_.push_back(std::make_shared<const UndoStep>(std::move(step)));
+  while (!done_.empty() && (done_.size() > kMaxSteps || bytes_ > kMaxBytes)) {
+    bytes_ -= done_.front()->bytes;
+    done_.erase(done_.begin());
+    forgotten_ = true;
+  }
+}
+
+void UndoHistory::clear() {
+  *this = UndoHistory();
+}
+
+Result<std::shared_ptr<const UndoStep>> UndoHistory::take_done() {
+  if (done_.empty() && forgotten_) {
+    return nothing("UNDO_FORGOTTEN",
+                   "what came before is too much to be kept for an undo: at most 1000 steps and 32 MiB; reset the "
+                   "sheet to go back to its beginning");
+  }
+  if (done_.empty()) return nothing("NOTHING_TO_UNDO", "the sheet has no cut and no reset to undo");
+  undone_.push_back(std::move(done_.back()));
+  done_.pop_back();
+  return undone_.back();
+}
+
+Result<std::shared_ptr<const UndoStep>> UndoHistory::take_undone() {
+  if (undone_.empty()) {
+    return nothing("NOTHING_TO_REDO", "nothing was undone since the last cut or reset, so there is nothing to redo");
+  }
+  done_.push_back(std::move(undone_.back()));
+  undone_.pop_back();
+  return done_.back();
+}
+
+}  // namespace kerf::sheet

@@ -1,0 +1,164 @@
+#include "server/service/api/api.h"
+
+#include <algorithm>
+
+#include "google/protobuf/empty.pb.h"
+#include "kerf/v1/cuts.pb.h"
+#include "kerf/v1/interaction.pb.h"
+#include "kerf/v1/render.pb.h"
+#include "kerf/v1/server.pb.h"
+#include "kerf/v1/sheets.pb.h"
+#include "render/video.h"
+#include "server/base/caught.h"
+#include "server/service/api/core.h"
+#include "server/service/api/session.h"
+#include "server/service/wire/finite_check.h"
+#include "server/service/wire/json.h"
+#include "server/service/wire/material_codec.h"
+
+namespace kerf::api {
+namespace {
+
+// `stop...`: nothing, or the stop token of a method that takes one.
+template <typename Request, typename Response, typename... Stop>
+Method json_method(std::string path, Api& api, void (Api::*method)(const Request&, Reply<Response>, Stop...)) {
+  return {std::move(path),
+          [&api, method](std::string_view json, Reply<std::string> reply, const std::stop_token& stop) {
+            Request request;
+            Status status = wire::from_json(json, request);
+            if (status.ok()) status = wire::check_finite(request);
+            if (!status.ok()) return reply(status.error());
+            (api.*method)(
+                request,
+                [reply = std::move(reply)](Result<Response> response) {
+                  if (!response.ok()) return reply(response.error());
+                  reply(caught([&] { return Result<std::string>(wire::to_json(*response)); }));
+                },
+                Stop(stop)...);
+          }};
+}
+
+std::vector<Method> json_methods(Api& api) {
+  std::vector<Method> methods = {
+      json_method("/kerf.v1.SheetService/CreateSheet", api, &Api::create_sheet),
+      json_method("/kerf.v1.SheetService/GetSheet", api, &Api::get_sheet),
+      json_method("/kerf.v1.SheetService/ListSheets", api, &Api::list_sheets),
+      json_method("/kerf.v1.SheetService/DeleteSheet", api, &Api::delete_sheet),
+      json_method("/kerf.v1.SheetService/PauseSheet", api, &Api::pause_sheet),
+      json_method("/kerf.v1.SheetService/ResumeSheet", api, &Api::resume_sheet),
+      json_method("/kerf.v1.SheetService/StepSheet", api, &Api::step_sheet),
+      json_method("/kerf.v1.SheetService/ResetSheet", api, &Api::reset_sheet),
+      json_method("/kerf.v1.SheetService/SetSheetSpeed", api, &Api::set_sheet_speed),
+      json_method("/kerf.v1.SheetService/ExportSheet", api, &Api::export_sheet),
+      json_method("/kerf.v1.SheetService/GetSheetState", api, &Api::get_sheet_state),
+      json_method("/kerf.v1.SheetService/AnalyzeSheet", api, &Api::analyze_sheet),
+      json_method("/kerf.v1.CutService/CreateCut", api, &Api::create_cut),
+      json_method("/kerf.v1.CutService/CreateCuts", api, &Api::create_cuts),
+      json_method("/kerf.v1.CutService/ListCuts", api, &Api::list_cuts),
+      json_method("/kerf.v1.CutService/CancelScheduledCuts", api, &Api::cancel_scheduled_cuts),
+      json_method("/kerf.v1.CutService/UndoCut", api, &Api::undo_cut),
+      json_method("/kerf.v1.CutService/RedoCut", api, &Api::redo_cut),
+      json_method("/kerf.v1.CutService/ListPieces", api, &Api::list_pieces),
+      json_method("/kerf.v1.InteractionService/GrabPoint", api, &Api::grab_point),
+      json_method("/kerf.v1.InteractionService/DragPoint", api, &Api::drag_point),
+      json_method("/kerf.v1.InteractionService/ReleasePoint", api, &Api::release_point),
+      json_method("/kerf.v1.InteractionService/SetSheetPins", api, &Api::set_sheet_pins),
+      json_method("/kerf.v1.InteractionService/SetSheetGravity", api, &Api::set_sheet_gravity),
+      json_method("/kerf.v1.InteractionService/SetSheetWind", api, &Api::set_sheet_wind),
+      json_method("/kerf.v1.InteractionService/SetSheetMaterial", api, &Api::set_sheet_material),
+      json_method("/kerf.v1.RenderService/RenderImage", api, &Api::render_image),
+      json_method("/kerf.v1.ServerService/GetServerInfo", api, &Api::get_server_info),
+  };
+  std::sort(methods.begin(), methods.end(), [](const Method& a, const Method& b) { return a.path < b.path; });
+  return methods;
+}
+
+}  // namespace
+
+Api::Api(host::Host& host, render::Renderer* renderer, ApiOptions options, host::Clock& clock)
+    : core_(std::make_shared<ApiCore>(host, renderer, std::move(options), clock)), methods_(json_methods(*this)) {
+  host.set_command_listener([core = std::weak_ptr(core_)](const std::string& id, const sheet::Command& command,
+                                                          const Result<host::CommandResult>& result,
+                                                          const host::Appointment& appointment) {
+    if (const auto alive = core.lock()) keep_in_journal(*alive, id, command, result, appointment);
+  });
+}
+
+Api::~Api() {
+  stop();
+  core_->studio.stop();
+  core_->drawer.stop();
+  core_->filer.stop();
+  core_->analyst.stop();
+}
+
+void Api::get_server_info(const v1::GetServerInfoRequest& /*request*/, Reply<v1::ServerInfo> reply) {
+  if (core_->stopping) return reply(server_stopping());
+  const host::HostOptions& host_options = core_->host.options();
+  v1::ServerInfo info;
+  info.set_version(core_->options.version);
+  info.set_instance_id(core_->options.instance_id);
+  info.set_renderer(core_->renderer != nullptr ? core_->renderer->description() : "none: none was started");
+  info.set_workers(host_options.workers);
+  info.set_num_sheets(static_cast<std::int32_t>(core_->host.list().size()));
+  info.set_uptime_s(std::chrono::duration<double>(core_->clock.now() - core_->started_at).count());
+  info.set_load(core_->host.load());
+  for (const std::string_view name : fem::preset_names()) {
+    info.add_material_presets(std::string(name));
+    v1::Material& material = *info.add_materials();
+    material = wire::encode_material(fem::find_preset(name).value());
+    material.set_preset(std::string(name));
+  }
+  v1::Limits& limits = *info.mutable_limits();
+  limits.set_max_sheets(host_options.max_sheets);
+  limits.set_max_vertices_per_sheet(host_options.max_vertices_per_sheet);
+  limits.set_max_queued_commands_per_sheet(host_options.max_queued_commands);
+  limits.set_max_request_bytes(core_->options.limits.max_request_bytes);
+  limits.set_max_subscribers_per_sheet(core_->options.limits.max_subscribers_per_sheet);
+  limits.set_max_unsent_bytes_per_subscriber(core_->options.limits.max_unsent_bytes_per_subscriber);
+  limits.set_max_image_streams(core_->options.limits.max_image_streams);
+  info.set_video(check_renderer(*core_).ok() && render::video_available());
+  limits.set_max_load(host_options.max_load);
+  limits.set_max_total_vertices(host_options.max_total_vertices);
+  limits.set_max_mesh_upload_bytes(core_->options.limits.max_mesh_upload_bytes);
+  limits.set_max_recording_upload_bytes(core_->options.limits.max_recording_upload_bytes);
+  reply(std::move(info));
+}
+
+std::shared_ptr<WatchSession> Api::watch() {
+  return make_watch_session(core_);
+}
+
+std::shared_ptr<WatchSession> Api::subscribe(const v1::SubscribeRequest& request) {
+  return make_subscription(core_, request);
+}
+
+const std::vector<Method>& Api::methods() const {
+  return methods_;
+}
+
+std::int32_t Api::num_watchers() const {
+  return core_->num_watchers;
+}
+
+FrameCounts Api::frame_counts() const {
+  const stream::FrameCounters& counters = core_->hub.counters();
+  return {counters.encoded, counters.sent};
+}
+
+const Limits& Api::limits() const {
+  return core_->options.limits;
+}
+
+void Api::stop() {
+  core_->stopping = true;
+  core_->hub.stop();
+  core_->studio.close();
+  core_->analyst.close();  // the analysis under way sees `stopping`
+  // The transports wait for every answer: pictures and files in a row would take longer than a stop may.
+  core_->drawer.close();
+  core_->filer.close();
+  core_->streams.tell_stop();
+}
+
+}  // namespace kerf::api

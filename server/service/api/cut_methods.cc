@@ -1,0 +1,366 @@
+#include <algorithm>
+#include <charconv>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include "kerf/v1/cuts.pb.h"
+#include "server/service/api/core.h"
+#include "server/service/api/paging.h"
+#include "server/service/api/tick_advice.h"
+#include "server/service/host/playback.h"
+#include "server/service/wire/command_codec.h"
+#include "server/service/wire/reply_codec.h"
+
+// CutService.
+namespace kerf::api {
+namespace {
+
+// Of a Cut one, of a CutBatch one a cut: equal shares of the times.
+std::vector<v1::CutResult> encode_results(const std::string& sheet_id, const host::CommandResult& result) {
+  const sheet::CommandReply& reply = result.reply;
+  std::vector<v1::CutResult> messages = wire::encode_cut_results(reply);
+  const auto count = static_cast<double>(messages.size());
+  for (std::size_t i = 0; i < messages.size(); ++i) {
+    v1::CutResult& message = messages[i];
+    const std::int64_t number = reply.cut ? reply.cut->number : reply.batch[i].number;
+    if (message.status() == v1::CutResult::APPLIED) message.set_name(cut_name(sheet_id, number));
+    message.set_queued_us(result.timings.queued_us);
+    message.set_cut_us(result.timings.cut_us / count);
+    message.set_update_us(result.timings.update_us / count);
+    message.set_tick_before_us(result.timings.tick_before_us);
+    message.set_tick_after_us(result.timings.tick_after_us);
+    message.set_tick_budget_us(result.timings.budget_us);
+  }
+  const std::string warning = warning_of_slower_ticks(result.timings);
+  const auto last = std::find_if(messages.rbegin(), messages.rend(), [](const v1::CutResult& message) {
+    return message.status() == v1::CutResult::APPLIED;
+  });
+  if (!warning.empty() && last != messages.rend()) last->add_warnings(warning);
+  return messages;
+}
+
+v1::CreateCutsResponse encode_batch(const std::string& sheet_id, const host::CommandResult& result) {
+  v1::CreateCutsResponse response;
+  response.set_tick(result.reply.tick);
+  response.set_topology_version(result.reply.topology_version);
+  response.set_state_hash(wire::encode_hash(result.reply.state_hash));
+  response.set_queued_us(result.timings.queued_us);
+  response.set_cut_us(result.timings.cut_us);
+  response.set_update_us(result.timings.update_us);
+  response.set_tick_before_us(result.timings.tick_before_us);
+  response.set_tick_after_us(result.timings.tick_after_us);
+  response.set_tick_budget_us(result.timings.budget_us);
+  for (v1::CutResult& message : encode_results(sheet_id, result)) {
+    if (message.status() == v1::CutResult::APPLIED) response.set_applied(response.applied() + 1);
+    response.set_pieces(message.pieces());
+    response.set_new_vertices(response.new_vertices() + message.new_vertices());
+    response.set_new_triangles(response.new_triangles() + message.new_triangles());
+    *response.add_results() = std::move(message);
+  }
+  response.set_status(response.applied() > 0 ? v1::CutResult::APPLIED : v1::CutResult::NO_INTERSECTION);
+  return response;
+}
+
+v1::UndoResult encode_undo(const std::string& sheet_id, const host::CommandResult& result) {
+  const sheet::UndoReply& undone = *result.reply.undone;
+  v1::UndoResult message;
+  for (const std::int64_t number : undone.cuts) message.add_cuts(cut_name(sheet_id, number));
+  message.set_reset(undone.reset);
+  message.set_tick(result.reply.tick);
+  message.set_topology_version(result.reply.topology_version);
+  message.set_pieces(undone.pieces);
+  message.set_state_hash(wire::encode_hash(result.reply.state_hash));
+  message.set_undo_steps(undone.undo_steps);
+  message.set_redo_steps(undone.redo_steps);
+  message.set_queued_us(result.timings.queued_us);
+  message.set_cut_us(result.timings.cut_us);
+  message.set_update_us(result.timings.update_us);
+  message.set_tick_before_us(result.timings.tick_before_us);
+  message.set_tick_after_us(result.timings.tick_after_us);
+  message.set_tick_budget_us(result.timings.budget_us);
+  return message;
+}
+
+// The cuts of a Cut or CutBatch; of other commands none.
+std::vector<v1::Cut> cuts_of(const sheet::Command& command) {
+  std::vector<v1::Cut> cuts;
+  if (const auto* cut = std::get_if<sheet::Cut>(&command)) cuts.push_back(wire::encode_cut(*cut));
+  if (const auto* batch = std::get_if<sheet::CutBatch>(&command)) {
+    for (const sheet::Cut& cut : batch->cuts) cuts.push_back(wire::encode_cut(cut));
+  }
+  return cuts;
+}
+
+v1::ScheduledCuts encode_scheduled(const std::string& sheet_id, const sheet::Command& command,
+                                   const host::Appointment& appointment) {
+  v1::ScheduledCuts message;
+  message.set_state(v1::ScheduledCuts::WAITING);
+  message.set_tick(appointment.at_tick);
+  if (appointment.number > 0) message.set_name(scheduled_name(sheet_id, appointment.number));
+  for (v1::Cut& cut : cuts_of(command)) *message.add_cuts() = std::move(cut);
+  return message;
+}
+
+// A request holds the cuts of a batch in a field of its own.
+Error in_request(Error error) {
+  constexpr std::string_view kBatch = "cut_batch.";
+  if (error.field.starts_with(kBatch)) error.field.erase(0, kBatch.size());
+  return at_field(std::move(error), "parent");
+}
+
+Status check_tick(std::int64_t at_tick) {
+  if (at_tick >= 0) return Nothing{};
+  return invalid_argument("OUT_OF_RANGE", "at_tick is " + std::to_string(at_tick) + "; ticks count from 1", "at_tick");
+}
+
+// Submits the command or, with a tick, schedules it: then `scheduled` is the answer.
+template <typename Response>
+void submit_cut(ApiCore& core, const std::string& id, sheet::Command command, std::int64_t at_tick, Response scheduled,
+                Reply<Response> answer, Response (*encode)(const std::string&, const host::CommandResult&)) {
+  if (at_tick > 0) {
+    scheduled.set_status(v1::CutResult::SCHEDULED);
+    scheduled.set_tick(at_tick);
+    core.host.schedule(id, std::move(command), at_tick, [id, answer, scheduled](const Result<std::int64_t>& number) {
+      if (!number.ok()) return answer(in_request(number.error()));
+      Response named = scheduled;
+      named.set_scheduled_name(scheduled_name(id, *number));
+      answer(std::move(named));
+    });
+    return;
+  }
+  core.host.submit(id, std::move(command), [id, answer, encode](Result<host::CommandResult> result) {
+    if (!result.ok()) return answer(in_request(result.error()));
+    answer(encode(id, *result));
+  });
+}
+
+// Cuts a copy of the sheet. `estimate` is that of the sheet itself.
+Result<host::CommandResult> result_on(sheet::Sheet& copy, const sheet::Command& command,
+                                      const host::TickEstimate& estimate) {
+  const double before = copy.expected_cost().total();
+  const sheet::TickReport report = copy.apply({&command, 1});
+  const Result<sheet::CommandReply>& reply = report.replies.front();
+  KERF_TRY(reply);
+  host::CommandResult result{*reply, {}};
+  result.timings.tick_before_us = estimate.total_us();
+  result.timings.tick_after_us =
+      before > 0.0 ? estimate.total_us() * copy.expected_cost().total() / before : estimate.total_us();
+  result.timings.budget_us = estimate.budget;
+  return result;
+}
+
+Status check_validate_only(std::int64_t at_tick) {
+  if (at_tick == 0) return Nothing{};
+  return invalid_argument("EXCLUSIVE", "validate_only says what a cut would be now; leave at_tick out", "at_tick");
+}
+
+v1::CutResult without_name(v1::CutResult result) {
+  result.clear_name();
+  return result;
+}
+v1::CreateCutsResponse without_name(v1::CreateCutsResponse response) {
+  for (v1::CutResult& result : *response.mutable_results()) result.clear_name();
+  return response;
+}
+
+// Answers what submit_cut() would, from a copy of the sheet.
+template <typename Response>
+void try_cut(const std::shared_ptr<ApiCore>& core, const std::string& id, sheet::Command command, Reply<Response> reply,
+             Response (*encode)(const std::string&, const host::CommandResult&)) {
+  core->host.status(id, [core, id, reply = std::move(reply), encode,
+                         command = std::move(command)](const Result<host::SheetStatus>& status) {
+    if (!status.ok()) return reply(in_request(status.error()));
+    if (status->replay && status->replay->state == host::ReplayState::kPlaying) {
+      return reply(in_request(host::replaying()));
+    }
+    copy_sheet(core, id, "parent",
+               [core, id, reply, encode, command,
+                estimate = status->tick_estimate](const Result<std::shared_ptr<sheet::Sheet>>& copy) {
+                 if (!copy.ok()) return reply(copy.error());
+                 const auto work = [core, id, encode, command, estimate, sheet = *copy]() -> Result<Response> {
+                   if (core->stopping) return server_stopping();
+                   const Result<host::CommandResult> result = result_on(*sheet, command, estimate);
+                   if (!result.ok()) return in_request(result.error());
+                   return without_name(encode(id, *result));
+                 };
+                 in_background<Response>(core->analyst, reply, work, too_many_analyses(*core));
+               });
+  });
+}
+
+template <typename Request>
+void submit_undo(const std::shared_ptr<ApiCore>& core, const char* method, const Request& request,
+                 sheet::Command command, Reply<v1::UndoResult> reply) {
+  const Result<std::string> id = addressed_sheet(*core, request.parent(), "parent");
+  if (!id.ok()) return reply(id.error());
+  once<v1::UndoResult>(core, method, request, std::move(reply), [&](Reply<v1::UndoResult> answer) {
+    core->host.submit(*id, std::move(command),
+                      [id = *id, answer = std::move(answer)](Result<host::CommandResult> result) {
+                        if (!result.ok()) return answer(at_field(result.error(), "parent"));
+                        answer(encode_undo(id, *result));
+                      });
+  });
+}
+
+// A token is the number of the last entry on the page before.
+std::optional<std::int64_t> parse_token(const std::string& token) {
+  std::int64_t number = 0;
+  const char* end = token.data() + token.size();
+  const auto [stop, fault] = std::from_chars(token.data(), end, number);
+  if (token.empty()) return 0;
+  if (fault != std::errc() || stop != end || number < 1) return std::nullopt;
+  return number;
+}
+
+}  // namespace
+
+void keep_in_journal(ApiCore& core, const std::string& sheet_id, const sheet::Command& command,
+                     const Result<host::CommandResult>& result, const host::Appointment& appointment) {
+  CutJournal& journal = core.journal;
+  if (!result.ok()) {
+    v1::ScheduledCuts refused = encode_scheduled(sheet_id, command, appointment);
+    if (refused.cuts().empty()) return;
+    refused.set_state(v1::ScheduledCuts::REFUSED);
+    refused.set_reason(result.error().reason);
+    refused.set_message(result.error().message);
+    refused.set_field(result.error().field);
+    return journal.refuse(sheet_id, std::move(refused));
+  }
+  const sheet::CommandReply& reply = result->reply;
+  if (const auto* reset = std::get_if<sheet::Reset>(&command)) {
+    if (reset->repeats) journal.forget(sheet_id);
+    return journal.reset(sheet_id, reply.beginning);
+  }
+  if (reply.undone && reply.undone->reset) return journal.go_to(sheet_id, reply.beginning);
+  if (reply.undone && std::holds_alternative<sheet::UndoCut>(command)) {
+    return journal.undo(sheet_id, reply.undone->cuts);
+  }
+  if (reply.undone) return journal.redo(sheet_id, reply.undone->cuts, encode_undo(sheet_id, *result));
+  std::vector<v1::CutResult> results = encode_results(sheet_id, *result);
+  std::vector<v1::Cut> cuts = cuts_of(command);
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    if (results[i].status() != v1::CutResult::APPLIED) continue;
+    const std::int64_t number = reply.cut ? reply.cut->number : reply.batch[i].number;
+    if (appointment.number > 0) results[i].set_scheduled_name(scheduled_name(sheet_id, appointment.number));
+    journal.add(sheet_id, reply.beginning, number, std::move(cuts[i]), std::move(results[i]));
+  }
+}
+
+void Api::create_cut(const v1::CreateCutRequest& request, Reply<v1::CutResult> reply) {
+  const Result<std::string> id = addressed_sheet(*core_, request.parent(), "parent");
+  if (!id.ok()) return reply(id.error());
+  if (!request.has_cut())
+    return reply(invalid_argument("FIELD_MISSING", "cut must be given: its curve at least", "cut"));
+  if (const Status status = check_tick(request.at_tick()); !status.ok()) return reply(status.error());
+  Result<sheet::Command> command = wire::decode_cut(request.cut());
+  if (!command.ok()) return reply(command.error());
+  const auto encode = [](const std::string& sheet_id, const host::CommandResult& result) {
+    return encode_results(sheet_id, result).front();
+  };
+  if (request.validate_only()) {
+    if (const Status status = check_validate_only(request.at_tick()); !status.ok()) return reply(status.error());
+    if (const Status status = check_request_id(request.request_id()); !status.ok()) return reply(status.error());
+    return try_cut<v1::CutResult>(core_, *id, std::move(*command), std::move(reply), encode);
+  }
+  once<v1::CutResult>(core_, "CreateCut", request, std::move(reply), [&](Reply<v1::CutResult> answer) {
+    submit_cut<v1::CutResult>(*core_, *id, std::move(*command), request.at_tick(), {}, std::move(answer), encode);
+  });
+}
+
+void Api::create_cuts(const v1::CreateCutsRequest& request, Reply<v1::CreateCutsResponse> reply) {
+  const Result<std::string> id = addressed_sheet(*core_, request.parent(), "parent");
+  if (!id.ok()) return reply(id.error());
+  if (const Status status = check_tick(request.at_tick()); !status.ok()) return reply(status.error());
+  Result<sheet::Command> command = wire::decode_cuts(request.cuts());
+  if (!command.ok()) return reply(in_request(command.error()));
+  if (request.validate_only()) {
+    if (const Status status = check_validate_only(request.at_tick()); !status.ok()) return reply(status.error());
+    if (const Status status = check_request_id(request.request_id()); !status.ok()) return reply(status.error());
+    return try_cut<v1::CreateCutsResponse>(core_, *id, std::move(*command), std::move(reply), encode_batch);
+  }
+  once<v1::CreateCutsResponse>(core_, "CreateCuts", request, std::move(reply),
+                               [&](Reply<v1::CreateCutsResponse> answer) {
+                                 submit_cut<v1::CreateCutsResponse>(*core_, *id, std::move(*command), request.at_tick(),
+                                                                    {}, std::move(answer), encode_batch);
+                               });
+}
+
+void Api::cancel_scheduled_cuts(const v1::CancelScheduledCutsRequest& request, Reply<v1::ScheduledCuts> reply) {
+  if (core_->stopping) return reply(server_stopping());
+  const Result<ScheduledName> name = parse_scheduled_name(request.name());
+  if (!name.ok()) return reply(name.error());
+  const Result<std::string> id = addressed_sheet(*core_, sheet_name(name->sheet_id), "name");
+  if (!id.ok()) return reply(id.error());
+  once<v1::ScheduledCuts>(
+      core_, "CancelScheduledCuts", request, std::move(reply), [&](Reply<v1::ScheduledCuts> answer) {
+        core_->host.cancel(
+            *id, name->number, [id = *id, answer = std::move(answer)](const Result<host::WaitingCommand>& cancelled) {
+              if (!cancelled.ok()) return answer(at_field(cancelled.error(), "name"));
+              v1::ScheduledCuts message = encode_scheduled(id, cancelled->command, cancelled->appointment);
+              message.set_state(v1::ScheduledCuts::CANCELLED);
+              answer(std::move(message));
+            });
+      });
+}
+
+void Api::undo_cut(const v1::UndoCutRequest& request, Reply<v1::UndoResult> reply) {
+  submit_undo(core_, "UndoCut", request, sheet::UndoCut{}, std::move(reply));
+}
+
+void Api::redo_cut(const v1::RedoCutRequest& request, Reply<v1::UndoResult> reply) {
+  submit_undo(core_, "RedoCut", request, sheet::RedoCut{}, std::move(reply));
+}
+
+void Api::list_cuts(const v1::ListCutsRequest& request, Reply<v1::ListCutsResponse> reply) {
+  const Result<std::string> id = addressed_sheet(*core_, request.parent(), "parent");
+  if (!id.ok()) return reply(id.error());
+  const Result<std::size_t> size = page_size(request.page_size());
+  if (!size.ok()) return reply(size.error());
+  const std::optional<std::int64_t> after = parse_token(request.page_token());
+  if (!after) return reply(bad_page_token());
+  // By way of the sheet: an unknown one is refused, and all cuts done before this call are in the journal.
+  core_->host.scheduled(*id, [core = core_, id = *id, size = *size, after = *after,
+                              reply = std::move(reply)](const Result<std::vector<host::WaitingCommand>>& waiting) {
+    if (!waiting.ok()) return reply(at_field(waiting.error(), "parent"));
+    v1::ListCutsResponse response;
+    if (after == 0) {
+      for (v1::ScheduledCuts& refused : core->journal.refused(id)) *response.add_scheduled() = std::move(refused);
+      for (const host::WaitingCommand& each : *waiting) {
+        *response.add_scheduled() = encode_scheduled(id, each.command, each.appointment);
+      }
+    }
+    CutJournal::Page page = core->journal.page(id, after, size);
+    for (v1::ListCutsResponse::Entry& entry : page.entries) *response.add_cuts() = std::move(entry);
+    if (page.more) response.set_next_page_token(std::to_string(page.last));
+    reply(std::move(response));
+  });
+}
+
+void Api::list_pieces(const v1::ListPiecesRequest& request, Reply<v1::ListPiecesResponse> reply) {
+  const Result<std::string> id = addressed_sheet(*core_, request.parent(), "parent");
+  if (!id.ok()) return reply(id.error());
+  const Result<std::size_t> size = page_size(request.page_size());
+  if (!size.ok()) return reply(size.error());
+  const std::optional<std::int64_t> after = parse_token(request.page_token());
+  if (!after) return reply(bad_page_token());
+  look_at<v1::ListPiecesResponse>(
+      core_, *id,
+      [size = *size, after = *after](const sheet::Sheet& sheet) {
+        v1::ListPiecesResponse response;
+        response.set_tick(sheet.tick());
+        response.set_topology_version(sheet.topology_version());
+        std::vector<sheet::Piece> pieces = sheet.pieces();
+        std::erase_if(pieces, [after](const sheet::Piece& piece) { return piece.birth.id <= after; });
+        std::sort(pieces.begin(), pieces.end(), [](const auto& a, const auto& b) { return a.birth.id < b.birth.id; });
+        if (pieces.size() > size) {
+          pieces.resize(size);
+          response.set_next_page_token(std::to_string(pieces.back().birth.id));
+        }
+        for (const sheet::Piece& piece : pieces) *response.add_pieces() = wire::encode_piece(piece);
+        return response;
+      },
+      "parent", std::move(reply));
+}
+
+}  // namespace kerf::api

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "kerf/v1/render.pb.h"
+#include "server/service/api/api.h"
+#include "server/service/picture/picture_view.h"
+#include "server/service/picture/video_track.h"
+#include "server/service/stream/flow_control.h"
+
+namespace kerf::api {
+
+// An ImageView, with its defaults filled in.
+struct ImageLook {
+  PictureView view;
+  StillFormat still;           // where the codec is no video
+  render::VideoOptions video;  // where it is
+};
+
+// A WatchImagesStart.
+struct ImageRequest {
+  stream::FlowOptions flow;
+  v1::ImageCodec codec = v1::IMAGE_JPEG;  // never unspecified
+  ImageLook look;
+};
+
+// kInvalidArgument with the field; kUnavailable NO_VIDEO_CODEC.
+Result<ImageRequest> decode_image_request(const v1::WatchImagesStart& start, const Limits& limits);
+
+// kInvalidArgument with the field after `prefix`: "start.view.", or "view.".
+Result<ImageLook> decode_look(const v1::ImageView& message, v1::ImageCodec codec, const std::string& prefix);
+
+}  // namespace kerf::api

@@ -1,0 +1,111 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "kerf/v1/render.pb.h"
+#include "server/service/api/core.h"
+#include "server/service/api/image_request.h"
+#include "server/service/api/image_session.h"
+#include "server/service/host/ready_signal.h"
+#include "server/service/host/wake_timer.h"
+
+namespace kerf::v1 {
+class WatchAck;
+class WatchPace;
+}  // namespace kerf::v1
+
+namespace kerf::api {
+
+// A picture is ordered from its feed when the flow allows one to be sent and there is something new to see; it is sent
+// when it is finished. So nothing is drawn that is not sent, and there is one order at a time.
+class PictureStream final : public ImageSession,
+                            public OpenStream,
+                            public stream::Reader,
+                            public std::enable_shared_from_this<PictureStream> {
+ public:
+  explicit PictureStream(std::shared_ptr<ApiCore> core) : core_(std::move(core)), timer_(core_->clock) {}
+  ~PictureStream() override { close(); }
+
+  void on_bytes(std::string_view bytes) override;
+  std::optional<stream::Message> next() override;
+  std::optional<stream::Bytes> next_picture() override;
+  void set_ready(std::function<void()> ready) override;
+  [[nodiscard]] bool ended() const override;
+  [[nodiscard]] std::optional<Error> failure() const override;
+  void close() override;
+  void server_stops() override;
+
+  void wake() override;
+  void end(wire::EndReason reason) override;
+  void leave() override;
+
+  // `acknowledges`: the client will.
+  void start(const v1::WatchImagesStart& request, bool acknowledges);
+
+ private:
+  void join();
+  void joined(const Status& status);
+  void shown(const Result<Backdrop>& backdrop);
+  void acknowledge(const v1::WatchAck& ack);
+  void look(const v1::ImageView& view);
+  void set_pace(const v1::WatchPace& pace);
+  void fail(Error error);
+  [[nodiscard]] bool started() const;
+
+  struct Outgoing {
+    std::optional<wire::EndReason> end;  // to be told; nothing follows
+    v1::Image image;                     // without data
+    stream::Bytes data;                  // null: no picture now
+  };
+  // What is to be sent now. Orders a picture, or sets a timer, where there is nothing.
+  Outgoing advance();
+  // With mutex_ held:
+  void order(const stream::FlowControl::Permit& permit);
+  v1::Image send(const FinishedPicture& picture, host::Nanoseconds now);
+  void take_look(const ImageLook& look);
+  void wake_at(const std::optional<host::Nanoseconds>& deadline);
+  [[nodiscard]] bool wants_strains() const { return look_.view.color_by == v1::STRAINS; }
+  [[nodiscard]] bool over() const { return closed_ || failure_ || ended_; }
+
+  void finished(Result<FinishedPicture> picture);
+  // Leaves the sheet and frees what the stream held; once.
+  void let_go();
+
+  const std::shared_ptr<ApiCore> core_;
+  ReadySignal ready_;
+  WakeTimer timer_;
+  std::string sheet_id_;  // written by start(), and codec_ too, before anything reads them
+  v1::ImageCodec codec_ = v1::IMAGE_JPEG;
+  std::atomic<bool> wants_picture_{true};  // advance() found nothing newer, and would have ordered it
+
+  mutable std::mutex mutex_;  // of what follows; not held over calls to the host or the hub
+  bool started_ = false;
+  bool joined_ = false;   // hub.leave() is owed
+  bool counted_ = false;  // among the streams served
+  ImageLook look_;
+  std::optional<stream::FlowControl> flow_;  // once started
+  bool paused_ = false;
+  std::int64_t stale_through_ = 0;  // publications that are older than the end of a pause
+  std::shared_ptr<stream::Channel> channel_;
+  std::optional<Backdrop> backdrop_;
+  std::shared_ptr<PictureFeed> feed_;  // once there is a backdrop
+  std::shared_ptr<VideoTrack> video_;  // of VP8
+  bool key_wanted_ = false;            // the next video frame must be decodable by itself
+  bool look_changed_ = false;          // a picture is due though the sheet has not moved
+  bool ordered_ = false;
+  std::optional<FinishedPicture> picture_;  // to be sent
+  std::int64_t last_publication_ = 0;       // sent
+  std::int64_t last_tick_ = -1;             // sent
+  std::optional<wire::EndReason> end_;      // to be told
+  bool ended_ = false;                      // it was told
+  std::optional<Error> failure_;
+  bool closed_ = false;
+};
+
+}  // namespace kerf::api

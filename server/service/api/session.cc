@@ -1,0 +1,390 @@
+#include "server/service/api/session.h"
+
+#include <deque>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "kerf/v1/stream.pb.h"
+#include "server/service/api/flow_request.h"
+#include "server/service/api/open_streams.h"
+#include "server/service/host/ready_signal.h"
+#include "server/service/host/wake_timer.h"
+#include "server/service/wire/command_codec.h"
+#include "server/service/wire/frame_encoder.h"
+
+namespace kerf::api {
+namespace {
+
+// More than a client that reads can make: it answers nothing and only costs memory.
+constexpr std::size_t kMaxUnreadRejections = 256;
+constexpr double kSubscriptionRateHz = 1.0;
+constexpr double kMaxSubscriptionRateHz = 10.0;
+constexpr std::size_t kMaxEpochBytes = 64;
+
+Result<wire::Encoding> decode_encoding(const v1::WatchStart& start) {
+  switch (start.encoding()) {
+    case v1::ENCODING_UNSPECIFIED:
+    case v1::COMPACT:
+      return wire::Encoding::kCompact;
+    case v1::RAW:
+      return wire::Encoding::kRaw;
+    default:
+      return invalid_argument("OUT_OF_RANGE",
+                              "start.encoding is " + std::to_string(start.encoding()) +
+                                  "; must be COMPACT (1) or RAW (2), or 0 for COMPACT",
+                              "start.encoding");
+  }
+}
+
+Result<stream::SubscriberOptions> decode_options(const v1::WatchStart& start, const Limits& limits) {
+  KERF_TRY_ASSIGN(const stream::FlowOptions flow, decode_flow(start.window(), start.max_rate_hz(), limits));
+  stream::SubscriberOptions options;
+  options.flow = flow;
+  KERF_TRY_ASSIGN(options.encoding, decode_encoding(start));
+  if (start.epoch().size() > kMaxEpochBytes) {
+    return invalid_argument("OUT_OF_RANGE",
+                            "start.epoch has " + std::to_string(start.epoch().size()) +
+                                " bytes; it is that of an earlier stream's first frame, or empty",
+                            "start.epoch");
+  }
+  options.epoch = start.epoch();
+  options.topology_version = start.topology_version();
+  options.strains = start.strains();
+  return options;
+}
+
+Result<stream::SubscriberOptions> decode_options(const v1::SubscribeRequest& request, const Limits& limits) {
+  stream::SubscriberOptions options;
+  options.flow = flow_within(limits);
+  KERF_TRY_ASSIGN(const double rate,
+                  decode_rate(request.max_rate_hz(), kMaxSubscriptionRateHz, "one a second", "max_rate_hz"));
+  options.flow.max_rate_hz = rate == 0.0 ? kSubscriptionRateHz : rate;
+  options.encoding = wire::Encoding::kRaw;
+  options.flow.acknowledges = false;
+  if (request.max_frames() < 0) {
+    return invalid_argument("OUT_OF_RANGE",
+                            "max_frames is " + std::to_string(request.max_frames()) + "; must be 0 (no end) or more",
+                            "max_frames");
+  }
+  return options;
+}
+
+class Session final : public WatchSession, public OpenStream, public std::enable_shared_from_this<Session> {
+ public:
+  explicit Session(std::shared_ptr<ApiCore> core) : core_(std::move(core)), timer_(core_->clock) {
+    ++core_->num_watchers;
+  }
+  ~Session() override { close(); }
+
+  void on_request(const v1::WatchRequest& request) override;
+  void on_bytes(std::string_view bytes) override;
+  std::optional<stream::Message> next() override;
+  void set_ready(std::function<void()> ready) override;
+  [[nodiscard]] bool ended() const override;
+  [[nodiscard]] std::optional<Error> failure() const override;
+  void close() override;
+  void server_stops() override;
+
+  // Begins a stream that takes no requests.
+  void subscribe(const v1::SubscribeRequest& request);
+  // The stream is refused with `error`, unless it has ended already.
+  void fail(Error error);
+  [[nodiscard]] bool started() const;
+
+ private:
+  struct Pace {
+    double max_rate_hz;
+    bool paused;
+  };
+
+  void start(const v1::WatchStart& request);
+  void join(const std::string& sheet_id, const stream::SubscriberOptions& options);
+  void set_pace(const v1::WatchPace& pace);
+  std::shared_ptr<stream::Subscriber> joined_subscriber();
+  void joined(const Result<std::shared_ptr<stream::Reader>>& reader);
+  void acknowledge(const v1::WatchAck& ack);
+  void submit(const std::string& grab_id, Result<sheet::Command> command);
+  void answered(const std::string& grab_id, const sheet::Command& command, const Status& status);
+  void reject(const std::string& grab_id, const Error& error);
+  void count_frame();
+  void wake_at(host::Nanoseconds deadline);
+  [[nodiscard]] bool over() const { return closed_ || failure_; }  // mutex_ held
+
+  const std::shared_ptr<ApiCore> core_;
+  ReadySignal ready_;
+  WakeTimer timer_;
+  const char* name_field_ = "start.name";  // of the request that began the stream
+
+  mutable std::mutex mutex_;  // of what follows; not held over calls to the host, the hub or the subscriber
+  std::string sheet_id_;      // empty until started
+  std::shared_ptr<stream::Subscriber> subscriber_;
+  std::optional<Pace> early_pace_;  // came before the host let the stream join; for subscriber_
+  std::deque<stream::Message> rejections_;
+  std::set<std::string> held_grabs_;
+  std::optional<Error> failure_;
+  std::optional<std::int32_t> frames_left_;  // until the stream is done
+  bool done_ = false;
+  bool closed_ = false;
+};
+
+void Session::on_bytes(std::string_view bytes) {
+  v1::WatchRequest request;
+  if (!request.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) {
+    return fail(invalid_argument("MALFORMED_MESSAGE", "this is no serialised kerf.v1.WatchRequest"));
+  }
+  on_request(request);
+}
+
+void Session::on_request(const v1::WatchRequest& request) {
+  const Status turn = check_turn(request.kind_case() != v1::WatchRequest::KIND_NOT_SET, request.has_start(), started(),
+                                 "start, ack, grab, drag, release or pace");
+  if (!turn.ok()) return fail(turn.error());
+  switch (request.kind_case()) {
+    case v1::WatchRequest::kStart:
+      return start(request.start());
+    case v1::WatchRequest::kAck:
+      return acknowledge(request.ack());
+    case v1::WatchRequest::kPace:
+      return set_pace(request.pace());
+    case v1::WatchRequest::kGrab:
+      return submit(request.grab().grab_id(), wire::decode_grab(request.grab()));
+    case v1::WatchRequest::kDrag:
+      return submit(request.drag().grab_id(), wire::decode_drag(request.drag()));
+    case v1::WatchRequest::kRelease:
+      return submit(request.release().grab_id(), wire::decode_release(request.release()));
+    case v1::WatchRequest::KIND_NOT_SET:
+      break;
+  }
+}
+
+void Session::start(const v1::WatchStart& request) {
+  const Result<std::string> id = addressed_sheet(*core_, request.name(), "start.name");
+  if (!id.ok()) return fail(id.error());
+  const Result<stream::SubscriberOptions> options = decode_options(request, core_->options.limits);
+  if (!options.ok()) return fail(options.error());
+  join(*id, *options);
+}
+
+void Session::subscribe(const v1::SubscribeRequest& request) {
+  name_field_ = "name";
+  const Result<std::string> id = addressed_sheet(*core_, request.name(), name_field_);
+  if (!id.ok()) return fail(id.error());
+  const Result<stream::SubscriberOptions> options = decode_options(request, core_->options.limits);
+  if (!options.ok()) return fail(options.error());
+  if (request.max_frames() > 0) frames_left_ = request.max_frames();
+  join(*id, *options);
+}
+
+void Session::join(const std::string& sheet_id, const stream::SubscriberOptions& options) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (over()) return;
+    sheet_id_ = sheet_id;
+  }
+  const auto self = shared_from_this();
+  const std::weak_ptr<Session> weak = self;
+  const auto ready = [weak] {
+    if (const auto session = weak.lock()) session->ready_.raise();
+  };
+  core_->hub.join(
+      sheet_id,
+      [options, ready](const std::shared_ptr<stream::Channel>& channel) -> Result<std::shared_ptr<stream::Reader>> {
+        KERF_TRY_ASSIGN(std::shared_ptr<stream::Subscriber> subscriber, channel->subscribe(options, ready));
+        return std::shared_ptr<stream::Reader>(std::move(subscriber));
+      },
+      [self](const Result<std::shared_ptr<stream::Reader>>& reader) { self->joined(reader); });
+}
+
+void Session::joined(const Result<std::shared_ptr<stream::Reader>>& reader) {
+  if (!reader.ok()) return fail(at_field(reader.error(), name_field_));
+  const auto subscriber = std::static_pointer_cast<stream::Subscriber>(*reader);  // join() made it
+  for (;;) {
+    std::optional<Pace> pace;
+    {
+      const std::lock_guard lock(mutex_);
+      if (over()) break;
+      pace = std::exchange(early_pace_, {});
+      if (!pace) subscriber_ = subscriber;
+    }
+    if (!pace) return ready_.raise();
+    if (subscriber->set_pace(pace->max_rate_hz, pace->paused, core_->clock.now())) {
+      core_->hub.refresh(sheet_id_, subscriber->channel());
+    }
+  }
+  core_->hub.leave(sheet_id_, *subscriber);
+}
+
+std::shared_ptr<stream::Subscriber> Session::joined_subscriber() {
+  const std::lock_guard lock(mutex_);
+  return over() ? nullptr : subscriber_;
+}
+
+void Session::acknowledge(const v1::WatchAck& ack) {
+  const std::shared_ptr<stream::Subscriber> subscriber = joined_subscriber();
+  if (!subscriber) {
+    return fail(invalid_argument("ACK_OUT_OF_RANGE", "a frame is acknowledged before one was sent", "ack.sequence"));
+  }
+  const Status status = subscriber->acknowledge(ack.sequence(), core_->clock.now(), held_of(ack));
+  if (!status.ok()) fail(status.error());
+}
+
+void Session::set_pace(const v1::WatchPace& pace) {
+  const Result<double> rate = decode_rate(pace.max_rate_hz(), kMaxRateHz, "every tick", "pace.max_rate_hz");
+  if (!rate.ok()) return fail(rate.error());
+  std::shared_ptr<stream::Subscriber> subscriber;
+  {
+    const std::lock_guard lock(mutex_);
+    if (over()) return;
+    subscriber = subscriber_;
+    if (!subscriber) early_pace_ = Pace{*rate, pace.paused()};
+  }
+  if (subscriber && subscriber->set_pace(*rate, pace.paused(), core_->clock.now())) {
+    core_->hub.refresh(sheet_id_, subscriber->channel());
+  }
+}
+
+void Session::submit(const std::string& grab_id, Result<sheet::Command> command) {
+  if (!command.ok()) return reject(grab_id, command.error());
+  core_->host.submit(sheet_id_, *command,
+                     [self = shared_from_this(), grab_id, command = *command](Result<host::CommandResult> result) {
+                       self->answered(grab_id, command, result.ok() ? Status(Nothing{}) : Status(result.error()));
+                     });
+}
+
+void Session::answered(const std::string& grab_id, const sheet::Command& command, const Status& status) {
+  if (!status.ok()) return reject(grab_id, status.error());
+  bool too_late = false;
+  {
+    const std::lock_guard lock(mutex_);
+    if (std::holds_alternative<sheet::Release>(command)) held_grabs_.erase(grab_id);
+    if (std::holds_alternative<sheet::Grab>(command)) {
+      too_late = over();
+      if (!too_late) held_grabs_.insert(grab_id);
+    }
+  }
+  if (too_late) core_->host.release_grab(sheet_id_, grab_id);
+}
+
+void Session::reject(const std::string& grab_id, const Error& error) {
+  bool flooded = false;
+  {
+    const std::lock_guard lock(mutex_);
+    if (over()) return;
+    flooded = rejections_.size() == kMaxUnreadRejections;
+    if (!flooded) {
+      stream::Message message;
+      message.parts.push_back(std::make_shared<const std::string>(wire::encode_rejection(grab_id, error)));
+      rejections_.push_back(std::move(message));
+    }
+  }
+  if (flooded) {
+    return fail(resource_exhausted(
+        "TOO_MANY_REJECTIONS", std::to_string(kMaxUnreadRejections) + " rejections wait to be read; read the stream"));
+  }
+  ready_.raise();
+}
+
+std::optional<stream::Message> Session::next() {
+  std::shared_ptr<stream::Subscriber> subscriber;
+  {
+    const std::lock_guard lock(mutex_);
+    if (over() || done_) return std::nullopt;
+    if (!rejections_.empty()) {
+      stream::Message message = std::move(rejections_.front());
+      rejections_.pop_front();
+      return message;
+    }
+    subscriber = subscriber_;
+  }
+  if (!subscriber) return std::nullopt;
+  stream::Subscriber::Next next = subscriber->next(core_->clock.now());
+  if (next.wake_at) wake_at(*next.wake_at);
+  if (next.message) count_frame();
+  return std::move(next.message);
+}
+
+void Session::count_frame() {
+  const std::lock_guard lock(mutex_);
+  if (frames_left_ && --*frames_left_ == 0) done_ = true;
+}
+
+void Session::wake_at(host::Nanoseconds deadline) {
+  timer_.wake_at(deadline, [weak = weak_from_this()] {
+    const auto session = weak.lock();
+    if (!session) return;
+    session->timer_.fired();
+    session->ready_.raise();
+  });
+}
+
+void Session::set_ready(std::function<void()> ready) {
+  const bool listens = static_cast<bool>(ready);
+  ready_.set(std::move(ready));
+  if (listens) ready_.raise();
+}
+
+bool Session::ended() const {
+  const std::lock_guard lock(mutex_);
+  return over() || done_ || (subscriber_ && subscriber_->ended());
+}
+
+std::optional<Error> Session::failure() const {
+  const std::lock_guard lock(mutex_);
+  return failure_;
+}
+
+bool Session::started() const {
+  const std::lock_guard lock(mutex_);
+  return !sheet_id_.empty();
+}
+
+void Session::fail(Error error) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (over() || (subscriber_ && subscriber_->ended())) return;
+    failure_ = std::move(error);
+  }
+  ready_.raise();
+}
+
+void Session::server_stops() {
+  if (!started()) fail(server_stopping());
+}
+
+void Session::close() {
+  std::shared_ptr<stream::Subscriber> subscriber;
+  std::set<std::string> grabs;
+  {
+    const std::lock_guard lock(mutex_);
+    if (closed_) return;
+    closed_ = true;
+    subscriber = std::move(subscriber_);
+    grabs.swap(held_grabs_);
+  }
+  timer_.stop();
+  core_->streams.remove(*this);
+  --core_->num_watchers;
+  if (subscriber) core_->hub.leave(sheet_id_, *subscriber);
+  for (const std::string& grab_id : grabs) core_->host.release_grab(sheet_id_, grab_id);
+}
+
+}  // namespace
+
+std::shared_ptr<WatchSession> make_watch_session(const std::shared_ptr<ApiCore>& core) {
+  auto session = std::make_shared<Session>(core);
+  core->streams.add(session);
+  if (core->stopping) session->server_stops();
+  return session;
+}
+
+std::shared_ptr<WatchSession> make_subscription(const std::shared_ptr<ApiCore>& core,
+                                                const v1::SubscribeRequest& request) {
+  auto session = std::static_pointer_cast<Session>(make_watch_session(core));
+  session->subscribe(request);
+  return session;
+}
+
+}  // namespace kerf::api

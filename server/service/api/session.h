@@ -1,0 +1,20 @@
+#pragma once
+
+#include <memory>
+
+#include "server/service/api/core.h"
+#include "server/service/api/watch_session.h"
+
+namespace kerf::v1 {
+class SubscribeRequest;
+}  // namespace kerf::v1
+
+namespace kerf::api {
+
+std::shared_ptr<WatchSession> make_watch_session(const std::shared_ptr<ApiCore>& core);
+
+// StreamService.Subscribe: one that has been started, and takes no requests.
+std::shared_ptr<WatchSession> make_subscription(const std::shared_ptr<ApiCore>& core,
+                                                const v1::SubscribeRequest& request);
+
+}  // namespace kerf::api

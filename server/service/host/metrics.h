@@ -1,0 +1,69 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "server/core/sheet/sheet.h"
+
+namespace kerf::host {
+
+// Values in fixed classes; counts[i] holds those <= kBounds[i] and above the bound before, the last one the rest.
+template <const auto& kLimits>
+struct Histogram {
+  static constexpr const auto& kBounds = kLimits;
+  std::array<std::uint64_t, kLimits.size() + 1> counts{};
+  double sum = 0.0;
+  std::uint64_t total = 0;
+
+  void add(double value) {
+    std::size_t bin = 0;
+    while (bin < kBounds.size() && value > kBounds[bin]) ++bin;
+    ++counts[bin];
+    sum += value;
+    ++total;
+  }
+};
+
+inline constexpr std::array<double, 12> kDurationBounds{1.0e-5, 1.0e-4, 2.5e-4, 5.0e-4, 1.0e-3, 2.5e-3,
+                                                        5.0e-3, 1.0e-2, 1.7e-2, 3.3e-2, 1.0e-1, 1.0};  // s
+using DurationHistogram = Histogram<kDurationBounds>;
+inline constexpr std::array<double, 8> kResidualBounds{1.0e-12, 1.0e-8, 1.0e-6, 1.0e-4, 1.0e-3, 1.0e-2, 0.1, 1.0};  // -
+using ResidualHistogram = Histogram<kResidualBounds>;
+
+// What a host has done and holds now. Counters never fall; they include sheets deleted since.
+struct HostMetrics {
+  // Counters.
+  std::int64_t ticks = 0;              // stepped
+  std::int64_t failed_ticks = 0;       // of these: the integrator found no finite step
+  std::int64_t snapshots = 0;          // built
+  std::int64_t contact_phases = 0;     // substeps in which colliders were looked at
+  std::int64_t cuts = 0;               // applied
+  std::int64_t commands = 0;           // done, cuts and scheduled ones among them
+  std::int64_t commands_refused = 0;   // by a full queue, by validation or by the sheet
+  std::int64_t overruns = 0;           // ticks that ended after their deadline
+  std::int64_t sleeps = 0;             // times a sheet fell asleep
+  std::int64_t overload_refusals = 0;  // sheets that were not made because of the load
+  std::int64_t lost_sheets = 0;        // for want of memory
+  std::int64_t short_ticks = 0;        // that found too little memory, and froze their sheet
+  fem::FlagCounts flagged_ticks{};
+  double slipped_s = 0.0;   // s, simulated time given up
+  double tick_cpu_s = 0.0;  // s, thread CPU time of all ticks
+  // s, the same by part, in the shares that are counted: see fem::TickCost; of ticks without commands.
+  std::array<double, fem::kTickPartNames.size()> tick_part_cpu_s{};
+  std::int64_t linear_iterations = 0;  // of implicit integrators
+  ResidualHistogram linear_residual;   // largest of a tick, see fem::StepStats; of ticks of implicit integrators
+  DurationHistogram tick_duration;     // wall time of a tick, publishing included
+  DurationHistogram cut_duration;      // wall time of a cut: plan, apply, remesh, model update
+  // Now.
+  std::int32_t sheets = 0;
+  std::int32_t running_sheets = 0;
+  std::int32_t paused_sheets = 0;
+  std::int32_t sleeping_sheets = 0;
+  std::int32_t failed_sheets = 0;
+  std::int32_t queued_commands = 0;
+  std::int32_t sinks = 0;
+  std::int64_t worker_need = 0;  // of running sheets and those being built to run, see WorkerNeed
+};
+
+}  // namespace kerf::host

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <mutex>
+
+#include "server/service/host/metrics.h"
+
+namespace kerf::host {
+
+// The counters of one host, written by all its strands.
+class MetricsBoard {
+ public:
+  template <typename Change>
+  void update(Change change) {
+    const std::lock_guard lock(mutex_);
+    change(metrics_);
+  }
+  // All of it is a kilobyte; this much is asked for with each new sheet.
+  [[nodiscard]] std::int64_t worker_need() const {
+    const std::lock_guard lock(mutex_);
+    return metrics_.worker_need;
+  }
+  [[nodiscard]] HostMetrics read() const {
+    const std::lock_guard lock(mutex_);
+    return metrics_;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  HostMetrics metrics_;
+};
+
+// What a sheet that is being built is expected to need, on the board as long as this lives.
+class ExpectedNeed {
+ public:
+  ExpectedNeed(MetricsBoard& board, std::int64_t need) : board_(board), need_(need) { add(need_); }
+  ~ExpectedNeed() { add(-need_); }
+  ExpectedNeed(const ExpectedNeed&) = delete;
+  ExpectedNeed& operator=(const ExpectedNeed&) = delete;
+
+ private:
+  void add(std::int64_t need) {
+    board_.update([need](HostMetrics& m) { m.worker_need += need; });
+  }
+
+  MetricsBoard& board_;
+  const std::int64_t need_;
+};
+
+}  // namespace kerf::host

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <vector>
+
+#include "server/core/sheet/sheet.h"
+#include "server/service/host/clock.h"
+
+namespace kerf::host {
+
+// Times the stages of one step() or apply(), by command.
+class StageTimer : public sheet::StageObserver {
+ public:
+  struct CutTime {
+    Nanoseconds cut{0};     // plan, apply, remesh
+    Nanoseconds update{0};  // model and state
+  };
+
+  explicit StageTimer(const Clock& clock) : clock_(clock) {}
+
+  void begin(sheet::Stage /*stage*/, std::int32_t /*command*/) override { begun_ = clock_.now(); }
+  void end(sheet::Stage stage, std::int32_t command) override {
+    if (command < 0) return;
+    const Nanoseconds took = clock_.now() - begun_;
+    const auto index = static_cast<std::size_t>(command);
+    if (index >= times_.size()) times_.resize(index + 1);
+    CutTime& time = times_[index];
+    if (stage == sheet::Stage::kCut) time.cut += took;
+    if (stage == sheet::Stage::kModelUpdate) time.update += took;
+  }
+
+  // Zero for a command that had no such stage.
+  [[nodiscard]] CutTime time(std::size_t command) const {
+    return command < times_.size() ? times_[command] : CutTime{};
+  }
+
+ private:
+  const Clock& clock_;
+  std::vector<CutTime> times_;
+  Nanoseconds begun_{0};
+};
+
+}  // namespace kerf::host

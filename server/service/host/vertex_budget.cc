@@ -1,0 +1,42 @@
+#include "server/service/host/vertex_budget.h"
+
+#include <algorithm>
+#include <string>
+
+namespace kerf::host {
+
+Status VertexBudget::take(std::int64_t more) {
+  const std::lock_guard lock(mutex_);
+  if (limit_ != 0 && in_use_ + more > limit_) {
+    return resource_exhausted("TOO_MANY_VERTICES_IN_ALL",
+                              "all sheets of this server together may have " + std::to_string(limit_) +
+                                  " vertices and have " + std::to_string(in_use_) + ": this one has more than the " +
+                                  std::to_string(std::max<std::int64_t>(limit_ - in_use_, 0)) +
+                                  " that are left; delete a sheet, make this one coarser, or give kerfd a larger "
+                                  "--max-total-vertices");
+  }
+  in_use_ += more;
+  return Nothing{};
+}
+
+void VertexBudget::change(std::int64_t by) {
+  const std::lock_guard lock(mutex_);
+  in_use_ += by;
+}
+
+Status VertexShare::settle(std::int64_t count) {
+  if (count > count_) {
+    KERF_TRY(budget_.take(count - count_));
+    count_ = count;
+  }
+  set(count);
+  return Nothing{};
+}
+
+void VertexShare::set(std::int64_t count) {
+  if (count == count_) return;
+  budget_.change(count - count_);
+  count_ = count;
+}
+
+}  // namespace kerf::host

@@ -1,0 +1,263 @@
+#include "server/service/host/workers.h"
+
+#include <algorithm>
+#include <condition_variable>
+#include <deque>
+#include <list>
+#include <mutex>
+#include <optional>
+#include <system_error>
+#include <thread>
+#include <utility>
+
+#include "server/base/check.h"
+#include "server/base/thread_priority.h"
+
+namespace kerf::host {
+
+// Lists, as most strands wait for nothing and an empty list has nothing on the heap.
+using Pieces = std::list<std::function<void()>>;
+
+// Guarded by Pool::mutex.
+struct Workers::Order {
+  Pieces waiting;
+  bool has_turn = false;  // is among those that are ready, or a thread is at it
+};
+
+struct Workers::Pool {
+  using SteadyClock = std::chrono::steady_clock;
+  using Lock = std::unique_lock<std::mutex>;
+
+  struct Thread {
+    std::thread thread;
+    std::optional<SteadyClock::time_point> busy_since;  // with one piece of work
+    bool replaced = false;                              // ends after that piece
+  };
+  using Threads = std::list<Thread>;
+
+  explicit Pool(const Options& wanted) : options(wanted) {}
+
+  bool post(const std::shared_ptr<Order>& order, std::function<void()> work);
+  void add_thread();
+  void join();
+
+  // On the threads.
+  void run(Threads::iterator self);
+  void take_turn(const std::shared_ptr<Order>& order, Thread& self, Lock& lock);
+  // On the supervisor.
+  void supervise();
+  void join_retired(Lock& lock);
+  bool take_on(Thread& late);
+
+  // An idle thread counts until it has taken what it was woken for.
+  [[nodiscard]] bool lacks_threads() const { return ready.size() > num_idle && num_replaced < options.max_taken_on; }
+  struct Wakes {
+    bool thread = false;
+    bool supervisor = false;
+  };
+  // Whom a strand that has become ready needs, as no thread takes it that runs already.
+  Wakes wakes_for_ready();
+  void wake(Wakes wakes);
+
+  const Options options;
+  // Guards everything below, but for `supervisor`.
+  mutable std::mutex mutex;
+  std::condition_variable idle;              // nothing is outstanding
+  std::condition_variable work_waits;        // for the threads
+  std::condition_variable attention;         // for the supervisor: threads may be lacking, or one has retired
+  std::deque<std::shared_ptr<Order>> ready;  // wait for their turn
+  std::int64_t outstanding = 0;              // pieces posted and not finished
+  std::size_t num_idle = 0;                  // threads
+  std::size_t num_replaced = 0;              // of `threads`
+  bool supervisor_sleeps = false;            // until it is notified; else it looks again in time
+  bool closed = false;                       // never while anything is outstanding
+  Threads threads;
+  Threads retired;  // have left run(), or are about to; to be joined
+  std::thread supervisor;
+};
+
+bool Workers::Pool::post(const std::shared_ptr<Order>& order, std::function<void()> work) {
+  Pieces piece;  // made, and where it is refused destroyed, without the mutex
+  piece.push_back(std::move(work));
+  Lock lock(mutex);
+  if (closed) return false;
+  ++outstanding;
+  order->waiting.splice(order->waiting.end(), piece);
+  if (order->has_turn) return true;
+  order->has_turn = true;
+  ready.push_back(order);
+  const Wakes wakes = wakes_for_ready();
+  lock.unlock();  // who is woken would only wait for it
+  wake(wakes);
+  return true;
+}
+
+Workers::Pool::Wakes Workers::Pool::wakes_for_ready() {
+  const bool alert = supervisor_sleeps && lacks_threads();
+  if (alert) supervisor_sleeps = false;  // once is enough
+  return {num_idle > 0, alert};
+}
+
+void Workers::Pool::wake(Wakes wakes) {
+  if (wakes.thread) work_waits.notify_one();
+  if (wakes.supervisor) attention.notify_one();
+}
+
+// With the mutex held, so that the thread is counted before it asks for work. Throws where the system has no thread.
+void Workers::Pool::add_thread() {
+  Threads made(1);
+  made.front().thread = std::thread([this, self = made.begin()] { run(self); });
+  threads.splice(threads.end(), made);
+  ++num_idle;
+}
+
+void Workers::Pool::run(Threads::iterator self) {
+  if (options.is_background) lower_thread_priority();
+  Lock lock(mutex);
+  while (true) {
+    work_waits.wait(lock, [&] { return closed || !ready.empty(); });
+    if (ready.empty()) return;
+    --num_idle;
+    const std::shared_ptr<Order> order = std::move(ready.front());
+    ready.pop_front();
+    take_turn(order, *self, lock);
+    if (self->replaced) break;
+    ++num_idle;
+  }
+  // In the critical section in which its last piece was finished: join() sees it on one of the lists, for good.
+  --num_replaced;
+  retired.splice(retired.end(), threads, self);
+  attention.notify_one();
+}
+
+// What is posted during the turn waits for the next one, behind the other strands.
+void Workers::Pool::take_turn(const std::shared_ptr<Order>& order, Thread& self, Lock& lock) {
+  for (std::size_t left = order->waiting.size(); left > 0 && !self.replaced; --left) {
+    Pieces piece;
+    piece.splice(piece.end(), order->waiting, order->waiting.begin());
+    self.busy_since = SteadyClock::now();
+    lock.unlock();
+    piece.front()();
+    piece.clear();  // what it holds goes before the pool may be taken for idle
+    lock.lock();
+    if (--outstanding == 0) idle.notify_all();
+  }
+  self.busy_since.reset();
+  order->has_turn = !order->waiting.empty();
+  if (!order->has_turn) return;
+  ready.push_back(order);
+  if (self.replaced) wake(wakes_for_ready());  // else this thread is the one that takes what is ready next
+}
+
+// Sleeps unless threads are lacking, and then until the first of those there are has been at its piece for too long:
+// where all are busy with short ones, that is once a patience.
+void Workers::Pool::supervise() {
+  constexpr Nanoseconds kLongestSleep = std::chrono::hours(1);  // so that no deadline overflows
+  const Nanoseconds patience = options.patience;
+  Lock lock(mutex);
+  while (!closed) {
+    if (!retired.empty()) {
+      join_retired(lock);
+      continue;
+    }
+    if (!lacks_threads()) {
+      supervisor_sleeps = true;
+      attention.wait(lock);
+      supervisor_sleeps = false;
+      continue;
+    }
+    const SteadyClock::time_point now = SteadyClock::now();
+    Thread* longest = nullptr;
+    for (Thread& thread : threads) {
+      if (thread.replaced || !thread.busy_since) continue;
+      if (longest == nullptr || thread.busy_since < longest->busy_since) longest = &thread;
+    }
+    const Nanoseconds at_it = longest == nullptr ? Nanoseconds(0) : Nanoseconds(now - *longest->busy_since);
+    if (at_it < patience) {
+      attention.wait_for(lock, std::min(patience - at_it, kLongestSleep));
+    } else if (!take_on(*longest)) {
+      attention.wait_for(lock, std::min(patience, kLongestSleep));  // the system may have a thread by then
+    }
+  }
+}
+
+void Workers::Pool::join_retired(Lock& lock) {
+  Threads ended;
+  ended.swap(retired);
+  lock.unlock();
+  for (Thread& thread : ended) thread.thread.join();
+  lock.lock();
+}
+
+bool Workers::Pool::take_on(Thread& late) {
+  try {
+    add_thread();
+  } catch (const std::system_error&) {
+    return false;
+  }
+  late.replaced = true;
+  ++num_replaced;
+  return true;
+}
+
+void Workers::Pool::join() {
+  {
+    Lock lock(mutex);
+    idle.wait(lock, [&] { return outstanding == 0; });
+    closed = true;
+    work_waits.notify_all();
+    attention.notify_all();
+  }
+  if (supervisor.joinable()) supervisor.join();  // from here on the lists stay as they are
+  for (Threads* list : {&threads, &retired}) {
+    for (Thread& thread : *list) thread.thread.join();
+  }
+  const std::lock_guard lock(mutex);
+  threads.clear();
+  retired.clear();
+}
+
+Workers::Strand::Strand(std::shared_ptr<Pool> pool, std::shared_ptr<Order> order)
+    : pool_(std::move(pool)), order_(std::move(order)) {}
+
+bool Workers::Strand::post(std::function<void()> work) const {
+  return pool_->post(order_, std::move(work));
+}
+
+Workers::Workers(std::shared_ptr<Pool> pool) : pool_(std::move(pool)) {}
+
+// After the constructor above an exception ends, by the destructor, the threads that there are.
+Workers::Workers(const Options& options) : Workers(std::make_shared<Pool>(options)) {
+  KERF_CHECK(options.num_threads >= 1, "a pool without threads never finishes anything");
+  KERF_CHECK(options.patience >= Nanoseconds(0), "nothing takes less than no time");
+  {
+    const std::lock_guard lock(pool_->mutex);
+    for (std::int32_t i = 0; i < options.num_threads; ++i) pool_->add_thread();
+  }
+  // The pool outlives its threads: a raw pointer is enough, and a shared one could make the last owner a worker.
+  if (options.patience > Nanoseconds(0)) pool_->supervisor = std::thread([pool = pool_.get()] { pool->supervise(); });
+}
+
+Workers::~Workers() {
+  join();
+}
+
+Workers::Strand Workers::make_strand() {
+  return {pool_, std::make_shared<Order>()};
+}
+
+std::size_t Workers::num_threads() const {
+  const std::lock_guard lock(pool_->mutex);
+  return pool_->threads.size();
+}
+
+void Workers::wait_idle() {
+  std::unique_lock lock(pool_->mutex);
+  pool_->idle.wait(lock, [&] { return pool_->outstanding == 0; });
+}
+
+void Workers::join() {
+  pool_->join();
+}
+
+}  // namespace kerf::host

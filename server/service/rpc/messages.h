@@ -1,0 +1,43 @@
+#pragma once
+
+#include <grpcpp/impl/codegen/proto_utils.h>
+#include <grpcpp/support/byte_buffer.h>
+#include <grpcpp/support/proto_buffer_reader.h>
+#include <grpcpp/support/proto_buffer_writer.h>
+
+#include <string>
+
+#include "server/base/result.h"
+#include "server/service/wire/finite_check.h"
+
+// Messages as the bytes that gRPC moves.
+namespace kerf::rpc {
+
+// kInvalidArgument MALFORMED_MESSAGE; MESSAGE_INCOMPLETE where the call has no whole message; NOT_FINITE where a number
+// in it is not. gRPC has refused what is longer than it takes.
+template <typename Message>
+Result<Message> parse_message(const grpc::ByteBuffer& bytes) {
+  const std::string name(Message::descriptor()->full_name());
+  if (!bytes.Valid()) {
+    return invalid_argument("MESSAGE_INCOMPLETE", "no whole " + name +
+                                                      " came: its bytes end before the length that they tell, or that "
+                                                      "is more than this server takes");
+  }
+  Message message;
+  grpc::ByteBuffer copy = bytes;  // shares the bytes; parsing takes them
+  if (!grpc::SerializationTraits<Message>::Deserialize(&copy, &message).ok()) {
+    return invalid_argument("MALFORMED_MESSAGE", "this is no serialised " + name);
+  }
+  KERF_TRY(wire::check_finite(message));
+  return message;
+}
+
+// In place of whatever `bytes` hold.
+template <typename Message>
+grpc::Status serialise(const Message& message, grpc::ByteBuffer* bytes) {
+  bytes->Clear();  // gRPC ends the process if there are any, as after a write
+  bool own_buffer = false;
+  return grpc::SerializationTraits<Message>::Serialize(message, bytes, &own_buffer);
+}
+
+}  // namespace kerf::rpc

@@ -1,0 +1,228 @@
+#include "server/service/rpc/services.h"
+
+#include <grpcpp/support/byte_buffer.h>
+#include <grpcpp/support/server_callback.h>
+
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <utility>
+
+#include "kerf/v1/cuts.grpc.pb.h"
+#include "kerf/v1/interaction.grpc.pb.h"
+#include "kerf/v1/render.grpc.pb.h"
+#include "kerf/v1/server.grpc.pb.h"
+#include "kerf/v1/sheets.grpc.pb.h"
+#include "kerf/v1/stream.grpc.pb.h"
+#include "server/service/api/api.h"
+#include "server/service/api/image_session.h"
+#include "server/service/rpc/grpc_status.h"
+#include "server/service/rpc/messages.h"
+#include "server/service/rpc/session_reactor.h"
+
+namespace kerf::rpc {
+namespace {
+
+using Context = grpc::CallbackServerContext;
+using Reactor = grpc::ServerUnaryReactor;
+using grpc::ByteBuffer;
+
+// A generated service whose methods get and give bytes. Those that are no message are refused here: gRPC would answer
+// them with UNIMPLEMENTED.
+template <typename Service, template <typename> class... WithRawMethod>
+struct RawService {
+  using type = Service;
+};
+template <typename Service, template <typename> class First, template <typename> class... Rest>
+struct RawService<Service, First, Rest...> {
+  using type = First<typename RawService<Service, Rest...>::type>;
+};
+
+// Finishes `reactor` with the reply.
+template <typename Response>
+api::Reply<Response> finisher(Reactor* reactor, ByteBuffer* response) {
+  return [reactor, response](Result<Response> reply) {
+    if (!reply.ok()) {
+      reactor->Finish(to_status(reply.error()));
+      return;
+    }
+    reactor->Finish(serialise(*reply, response));
+  };
+}
+
+// Nothing, and the reactor finished, where `bytes` are no Request.
+template <typename Request>
+std::optional<Request> parse(const ByteBuffer* bytes, Reactor* reactor) {
+  Result<Request> request = parse_message<Request>(*bytes);
+  if (request.ok()) return std::move(request).value();
+  reactor->Finish(to_status(request.error()));
+  return std::nullopt;
+}
+
+// Hands the request to the Api's method of the same name. gRPC keeps the response until the reactor finishes.
+template <typename Request, typename Response>
+Reactor* answer(api::Api& api, void (api::Api::*method)(const Request&, api::Reply<Response>), Context* context,
+                const ByteBuffer* bytes, ByteBuffer* response) {
+  Reactor* reactor = context->DefaultReactor();
+  if (const std::optional<Request> request = parse<Request>(bytes, reactor)) {
+    (api.*method)(*request, finisher<Response>(reactor, response));
+  }
+  return reactor;
+}
+
+// Knows when its call is cancelled, by the client or by its deadline.
+class CancellableReactor final : public Reactor {
+ public:
+  [[nodiscard]] std::stop_token token() const { return source_.get_token(); }
+  void OnCancel() override { source_.request_stop(); }
+  void OnDone() override { delete this; }
+
+ private:
+  std::stop_source source_;
+};
+
+// As answer(), for a method that goes on for long and may be told to stop.
+template <typename Request, typename Response>
+Reactor* answer(api::Api& api, void (api::Api::*method)(const Request&, api::Reply<Response>, std::stop_token),
+                Context* /*context*/, const ByteBuffer* bytes, ByteBuffer* response) {
+  auto* reactor = new CancellableReactor;  // deletes itself in OnDone
+  if (const std::optional<Request> request = parse<Request>(bytes, reactor)) {
+    (api.*method)(*request, finisher<Response>(reactor, response), reactor->token());
+  }
+  return reactor;
+}
+
+// One override of a generated service: it does nothing but name the Api's method.
+// NOLINTBEGIN(bugprone-macro-parentheses)
+#define KERF_UNARY(Rpc, method)                                                                               \
+  grpc::ServerUnaryReactor* Rpc(Context* context, const ByteBuffer* request, ByteBuffer* response) override { \
+    return answer(api_, &api::Api::method, context, request, response);                                       \
+  }
+// NOLINTEND(bugprone-macro-parentheses)
+
+using RawSheets = RawService<
+    v1::SheetService::Service, v1::SheetService::WithRawCallbackMethod_CreateSheet,
+    v1::SheetService::WithRawCallbackMethod_GetSheet, v1::SheetService::WithRawCallbackMethod_ListSheets,
+    v1::SheetService::WithRawCallbackMethod_DeleteSheet, v1::SheetService::WithRawCallbackMethod_PauseSheet,
+    v1::SheetService::WithRawCallbackMethod_ResumeSheet, v1::SheetService::WithRawCallbackMethod_StepSheet,
+    v1::SheetService::WithRawCallbackMethod_ResetSheet, v1::SheetService::WithRawCallbackMethod_SetSheetSpeed,
+    v1::SheetService::WithRawCallbackMethod_ExportSheet, v1::SheetService::WithRawCallbackMethod_GetSheetState,
+    v1::SheetService::WithRawCallbackMethod_AnalyzeSheet, v1::SheetService::WithRawCallbackMethod_UploadSheet,
+    v1::SheetService::WithRawCallbackMethod_GetSheetRecording,
+    v1::SheetService::WithRawCallbackMethod_ReplayRecording>::type;
+class Sheets final : public RawSheets {
+ public:
+  Sheets(api::Api& api, TransferPatience patience) : api_(api), patience_(patience) {}
+  KERF_UNARY(CreateSheet, create_sheet)
+  KERF_UNARY(GetSheet, get_sheet)
+  KERF_UNARY(ListSheets, list_sheets)
+  KERF_UNARY(DeleteSheet, delete_sheet)
+  KERF_UNARY(PauseSheet, pause_sheet)
+  KERF_UNARY(ResumeSheet, resume_sheet)
+  KERF_UNARY(StepSheet, step_sheet)
+  KERF_UNARY(ResetSheet, reset_sheet)
+  KERF_UNARY(SetSheetSpeed, set_sheet_speed)
+  KERF_UNARY(ExportSheet, export_sheet)
+  KERF_UNARY(GetSheetState, get_sheet_state)
+  KERF_UNARY(AnalyzeSheet, analyze_sheet)
+
+  grpc::ServerReadReactor<ByteBuffer>* UploadSheet(Context* /*context*/, ByteBuffer* response) override {
+    return receive_sheet(api_, patience_, response);
+  }
+  grpc::ServerReadReactor<ByteBuffer>* ReplayRecording(Context* /*context*/, ByteBuffer* response) override {
+    return receive_recording(api_, patience_, response);
+  }
+  grpc::ServerWriteReactor<ByteBuffer>* GetSheetRecording(Context* context, const ByteBuffer* request) override {
+    return send_recording(api_, patience_, *context, request);
+  }
+
+ private:
+  api::Api& api_;
+  const TransferPatience patience_;
+};
+
+using RawCuts =
+    RawService<v1::CutService::Service, v1::CutService::WithRawCallbackMethod_CreateCut,
+               v1::CutService::WithRawCallbackMethod_CreateCuts, v1::CutService::WithRawCallbackMethod_ListCuts,
+               v1::CutService::WithRawCallbackMethod_CancelScheduledCuts, v1::CutService::WithRawCallbackMethod_UndoCut,
+               v1::CutService::WithRawCallbackMethod_RedoCut, v1::CutService::WithRawCallbackMethod_ListPieces>::type;
+class Cuts final : public RawCuts {
+ public:
+  explicit Cuts(api::Api& api) : api_(api) {}
+  KERF_UNARY(CreateCut, create_cut)
+  KERF_UNARY(CreateCuts, create_cuts)
+  KERF_UNARY(ListCuts, list_cuts)
+  KERF_UNARY(CancelScheduledCuts, cancel_scheduled_cuts)
+  KERF_UNARY(UndoCut, undo_cut)
+  KERF_UNARY(RedoCut, redo_cut)
+  KERF_UNARY(ListPieces, list_pieces)
+
+ private:
+  api::Api& api_;
+};
+
+using RawInteraction =
+    RawService<v1::InteractionService::Service, v1::InteractionService::WithRawCallbackMethod_GrabPoint,
+               v1::InteractionService::WithRawCallbackMethod_DragPoint,
+               v1::InteractionService::WithRawCallbackMethod_ReleasePoint,
+               v1::InteractionService::WithRawCallbackMethod_SetSheetPins,
+               v1::InteractionService::WithRawCallbackMethod_SetSheetGravity,
+               v1::InteractionService::WithRawCallbackMethod_SetSheetWind,
+               v1::InteractionService::WithRawCallbackMethod_SetSheetMaterial>::type;
+class Interaction final : public RawInteraction {
+ public:
+  explicit Interaction(api::Api& api) : api_(api) {}
+  KERF_UNARY(GrabPoint, grab_point)
+  KERF_UNARY(DragPoint, drag_point)
+  KERF_UNARY(ReleasePoint, release_point)
+  KERF_UNARY(SetSheetPins, set_sheet_pins)
+  KERF_UNARY(SetSheetGravity, set_sheet_gravity)
+  KERF_UNARY(SetSheetWind, set_sheet_wind)
+  KERF_UNARY(SetSheetMaterial, set_sheet_material)
+
+ private:
+  api::Api& api_;
+};
+
+using RawRender = RawService<v1::RenderService::Service, v1::RenderService::WithRawCallbackMethod_RenderImage,
+                             v1::RenderService::WithRawCallbackMethod_WatchImages>::type;
+class Render final : public RawRender {
+ public:
+  Render(api::Api& api, StreamHosting& hosting) : api_(api), hosting_(hosting) {}
+  KERF_UNARY(RenderImage, render_image)
+  grpc::ServerBidiReactor<ByteBuffer, ByteBuffer>* WatchImages(Context* context) override {
+    return new TalkReactor(api_.watch_images(), *context, hosting_);  // deletes itself in OnDone
+  }
+
+ private:
+  api::Api& api_;
+  StreamHosting& hosting_;
+};
+
+using RawServerInformation =
+    RawService<v1::ServerService::Service, v1::ServerService::WithRawCallbackMethod_GetServerInfo>::type;
+class ServerInformation final : public RawServerInformation {
+ public:
+  explicit ServerInformation(api::Api& api) : api_(api) {}
+  KERF_UNARY(GetServerInfo, get_server_info)
+
+ private:
+  api::Api& api_;
+};
+
+#undef KERF_UNARY
+
+}  // namespace
+
+std::vector<NamedService> make_services(api::Api& api, TransferPatience patience, StreamHosting& hosting) {
+  std::vector<NamedService> services;
+  services.push_back({v1::SheetService::service_full_name(), std::make_unique<Sheets>(api, patience)});
+  services.push_back({v1::CutService::service_full_name(), std::make_unique<Cuts>(api)});
+  services.push_back({v1::InteractionService::service_full_name(), std::make_unique<Interaction>(api)});
+  services.push_back({v1::StreamService::service_full_name(), make_stream_service(api, hosting)});
+  services.push_back({v1::RenderService::service_full_name(), std::make_unique<Render>(api, hosting)});
+  services.push_back({v1::ServerService::service_full_name(), std::make_unique<ServerInformation>(api)});
+  return services;
+}
+
+}  // namespace kerf::rpc

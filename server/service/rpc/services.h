@@ -1,0 +1,30 @@
+#pragma once
+
+#include <grpcpp/impl/codegen/service_type.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "server/service/rpc/transfers.h"
+
+namespace kerf::api {
+class Api;
+}  // namespace kerf::api
+
+namespace kerf::rpc {
+
+struct NamedService {
+  std::string name;  // "kerf.v1.CutService"
+  std::unique_ptr<grpc::Service> service;
+};
+
+struct StreamHosting;
+
+// Every service of kerf.v1 over `api`, which must outlive them, as must the clock and `hosting`.
+std::vector<NamedService> make_services(api::Api& api, TransferPatience patience, StreamHosting& hosting);
+
+// StreamService, whose messages are passed through as bytes: frames are serialised once for all streams.
+std::unique_ptr<grpc::Service> make_stream_service(api::Api& api, StreamHosting& hosting);
+
+}  // namespace kerf::rpc

@@ -1,0 +1,152 @@
+#pragma once
+
+#include <grpcpp/server_context.h>
+#include <grpcpp/support/byte_buffer.h>
+#include <grpcpp/support/server_callback.h>
+#include <grpcpp/support/slice.h>
+
+#include <boost/asio/post.hpp>
+#include <boost/asio/thread_pool.hpp>
+
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <utility>
+
+#include "server/service/api/stream_session.h"
+#include "server/service/rpc/grpc_status.h"
+#include "server/service/rpc/write_watch.h"
+#include "server/service/stream/message.h"
+
+namespace kerf::rpc {
+
+// The parts' own bytes, each kept alive by its slice until gRPC has sent it.
+grpc::ByteBuffer to_byte_buffer(const stream::Message& message);
+
+// The bytes of a request, or nothing where gRPC cannot put them together.
+std::optional<grpc::Slice> whole(const grpc::ByteBuffer& request);
+
+// What the streams of a server share. Outlives them all.
+struct StreamHosting {
+  // Where a stream that was woken encodes and writes, so that the sheet's strand, which woke it, goes on at once.
+  boost::asio::thread_pool& writers;
+  host::Clock& clock;
+  host::Nanoseconds write_timeout;  // a reader that does not take a message for so long cannot be told: it is cut off
+};
+
+// Writes what a session gives. Every write starts in advance(), which only the owner of `busy_` runs: at most one write
+// is in flight, and no lock is held over a call into gRPC or the session. `Reactor`: with a stream of responses.
+template <typename Reactor>
+class SessionReactor : public Reactor {
+ public:
+  SessionReactor(std::shared_ptr<api::StreamSession> session, grpc::CallbackServerContext& context,
+                 StreamHosting& hosting)
+      : session_(std::move(session)),
+        context_(context),
+        hosting_(hosting),
+        write_watch_(std::make_shared<WriteWatch>(hosting.clock, hosting.write_timeout)) {}
+
+  void OnWriteDone(bool ok) override {
+    write_watch_->done();
+    if (!ok) session_->close();
+    {
+      const std::lock_guard lock(mutex_);
+      woken_ = true;
+    }
+    advance();
+  }
+
+  void OnCancel() override {
+    session_->close();
+    wake();
+  }
+
+  void OnDone() override {
+    // Both wait for a call that is running: it uses this object.
+    write_watch_->stop();
+    session_->set_ready({});
+    session_->close();
+    delete this;
+  }
+
+ protected:
+  // To be called once, at the end of the most derived constructor.
+  void begin() {
+    write_watch_->watch([this] { context_.TryCancel(); });
+    session_->set_ready([this] { wake(); });
+  }
+
+  // Until the writers come to it the stream is busy, so that nothing finishes it and this object stays.
+  void wake() {
+    {
+      const std::lock_guard lock(mutex_);
+      woken_ = true;
+      if (std::exchange(busy_, true)) return;
+    }
+    boost::asio::post(hosting_.writers, [this] { advance(); });
+  }
+
+  api::StreamSession& session() { return *session_; }
+
+ private:
+  // Starts the next write or finishes the stream, and stays busy until that is done; idle if there is neither. Nothing
+  // of this object may be touched after StartWrite or Finish: their reactions may have deleted it.
+  void advance() {
+    while (true) {
+      {
+        const std::lock_guard lock(mutex_);
+        busy_ = std::exchange(woken_, false);
+        if (!busy_) return;
+      }
+      // Asked before next(): what is there once the session has ended is all there will be.
+      const bool ended = session_->ended();
+      if (const std::optional<stream::Message> message = session_->next()) {
+        response_ = to_byte_buffer(*message);
+        write_watch_->begun();
+        this->StartWrite(&response_);
+        return;
+      }
+      if (ended) {
+        const std::optional<Error> failure = session_->failure();
+        this->Finish(failure ? to_status(*failure) : grpc::Status::OK);
+        return;
+      }
+    }
+  }
+
+  const std::shared_ptr<api::StreamSession> session_;
+  grpc::CallbackServerContext& context_;  // gRPC keeps it until OnDone has returned
+  StreamHosting& hosting_;
+  const std::shared_ptr<WriteWatch> write_watch_;  // whose timer may fire when this is gone
+  grpc::ByteBuffer response_;
+  std::mutex mutex_;    // of what follows
+  bool busy_ = false;   // somebody runs advance() or is to, or a write is in flight, or the stream is finished
+  bool woken_ = false;  // there may be something to write
+};
+
+// A stream that the client talks on, too.
+class TalkReactor final : public SessionReactor<grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>> {
+ public:
+  TalkReactor(std::shared_ptr<api::StreamSession> session, grpc::CallbackServerContext& context, StreamHosting& hosting)
+      : SessionReactor(std::move(session), context, hosting) {
+    begin();
+    StartRead(&request_);
+  }
+
+  void OnReadDone(bool ok) override {
+    const std::optional<grpc::Slice> bytes = ok ? whole(request_) : std::nullopt;
+    if (!bytes) {  // the client has finished, or is gone
+      session().close();
+      wake();
+      return;
+    }
+    session().on_bytes({reinterpret_cast<const char*>(bytes->begin()), bytes->size()});
+    if (!session().ended()) StartRead(&request_);
+    wake();
+  }
+
+ private:
+  grpc::ByteBuffer request_;
+};
+
+}  // namespace kerf::rpc

@@ -1,0 +1,176 @@
+#include "server/service/rpc/transfers.h"
+
+#include <algorithm>
+#include <memory>
+#include <sstream>
+#include <stop_token>
+#include <string>
+#include <utility>
+
+#include "kerf/v1/sheets.pb.h"
+#include "server/service/api/upload.h"
+#include "server/service/host/ready_signal.h"
+#include "server/service/rpc/grpc_status.h"
+#include "server/service/rpc/messages.h"
+#include "server/service/rpc/patience.h"
+
+namespace kerf::rpc {
+namespace {
+
+using grpc::ByteBuffer;
+
+constexpr std::size_t kChunkBytes = std::size_t{64} << 10;
+
+// Hands the parts of a file to an upload. `Request`: start, then chunks. `Start`: how the Api begins one.
+template <typename Request, typename Start>
+class UploadReactor final : public grpc::ServerReadReactor<ByteBuffer> {
+ public:
+  UploadReactor(Start start, TransferPatience patience, ByteBuffer* response)
+      : start_(std::move(start)),
+        response_(response),
+        patience_(std::make_shared<Patience>(patience.clock, patience.limits)) {
+    patience_->begin(
+        [this, limits = patience.limits](Patience::Lapse lapse) { Finish(to_status(late(lapse, limits))); });
+    StartRead(&message_);
+  }
+
+  void OnReadDone(bool ok) override {
+    if (!patience_->moved()) return;
+    if (!ok) return end();
+    Result<Request> request = parse_message<Request>(message_);
+    const Status taken = request.ok() ? take(std::move(request).value()) : Status(request.error());
+    if (!taken.ok()) return refuse(taken.error());
+    StartRead(&message_);
+  }
+
+  void OnCancel() override { left_.request_stop(); }
+  void OnDone() override { delete this; }
+
+ private:
+  // Takes no message that brings nothing: an upload goes on by bytes alone.
+  Status take(Request request) {
+    if (request.kind_case() == Request::KIND_NOT_SET) {
+      return invalid_argument("CHOICE_MISSING", "kind must be one of start or chunk", "kind");
+    }
+    if (request.has_start()) {
+      if (upload_) return invalid_argument("UPLOAD_ORDER", "start must come once, as the first message", "start");
+      KERF_TRY_ASSIGN(upload_, start_(request.start()));
+      return Nothing{};
+    }
+    if (!upload_) return missing_start();
+    if (request.chunk().empty()) return invalid_argument("CHUNK_EMPTY", "a chunk must have bytes in it", "chunk");
+    return upload_->append(std::move(*request.mutable_chunk()));
+  }
+
+  // The client has sent all it had to, or is gone.
+  void end() {
+    if (!upload_) return refuse(missing_start());
+    if (!patience_->end()) return;
+    // The reply may end the call, and this object with it, before finish() returns.
+    const std::unique_ptr<api::Upload> upload = std::move(upload_);
+    upload->finish(
+        [this](Result<v1::Sheet> sheet) {
+          Finish(sheet.ok() ? serialise(*sheet, response_) : to_status(sheet.error()));
+        },
+        left_.get_token());
+  }
+
+  void refuse(const Error& error) {
+    if (patience_->end()) Finish(to_status(error));
+  }
+
+  static Error late(Patience::Lapse lapse, const PatienceLimits& limits) {
+    std::ostringstream message;
+    if (lapse == Patience::Lapse::kSilence) {
+      message << "nothing of the upload came for " << host::seconds(limits.silence)
+              << " s: send all of it again, without a pause";
+      return aborted("UPLOAD_STALLED", message.str());
+    }
+    message << "the upload took longer than " << host::seconds(limits.whole) << " s: send all of it again, faster";
+    return aborted("UPLOAD_TOO_SLOW", message.str());
+  }
+
+  static Error missing_start() {
+    return invalid_argument("UPLOAD_ORDER", "the first message must be start, which tells what comes", "start");
+  }
+
+  Start start_;
+  ByteBuffer* response_;  // gRPC's, until the call is done
+  ByteBuffer message_;
+  std::unique_ptr<api::Upload> upload_;
+  std::stop_source left_;                     // the client
+  const std::shared_ptr<Patience> patience_;  // whose timer may fire when this is gone
+};
+
+template <typename Request, typename Start>
+grpc::ServerReadReactor<ByteBuffer>* receive(Start start, TransferPatience patience, ByteBuffer* response) {
+  return new UploadReactor<Request, Start>(std::move(start), patience, response);  // deletes itself in OnDone
+}
+
+// Sends a file in chunks, one write at a time.
+class RecordingReactor final : public grpc::ServerWriteReactor<ByteBuffer> {
+ public:
+  RecordingReactor(api::Api& api, TransferPatience patience, grpc::CallbackServerContext& context,
+                   const ByteBuffer* bytes)
+      : patience_(std::make_shared<Patience>(patience.clock, patience.limits)) {
+    // A write that is not taken ends in OnWriteDone, and the call with it.
+    too_slow_->set([&context] { context.TryCancel(); });
+    const Result<v1::GetSheetRecordingRequest> request = parse_message<v1::GetSheetRecordingRequest>(*bytes);
+    if (!request.ok()) {
+      Finish(to_status(request.error()));
+      return;
+    }
+    api.get_sheet_recording(*request, [this](Result<std::shared_ptr<const std::string>> file) {
+      if (!file.ok()) return Finish(to_status(file.error()));
+      file_ = std::move(file).value();
+      patience_->begin([too_slow = too_slow_](Patience::Lapse) { too_slow->raise(); });
+      write_next();
+    });
+  }
+
+  void OnWriteDone(bool ok) override {
+    if (!ok || !patience_->moved()) return Finish(grpc::Status::CANCELLED);
+    write_next();
+  }
+
+  void OnDone() override {
+    patience_->end();
+    too_slow_->set({});  // waits for one that is running: it uses the call
+    delete this;
+  }
+
+ private:
+  void write_next() {
+    if (sent_ == file_->size()) return Finish(grpc::Status::OK);
+    v1::RecordingChunk chunk;
+    chunk.set_content(file_->substr(sent_, kChunkBytes));
+    sent_ += chunk.content().size();
+    if (const grpc::Status status = serialise(chunk, &message_); !status.ok()) return Finish(status);
+    StartWrite(&message_);
+  }
+
+  const std::shared_ptr<Patience> patience_;  // whose timer may fire when this is gone
+  const std::shared_ptr<api::ReadySignal> too_slow_ = std::make_shared<api::ReadySignal>();  // likewise
+  std::shared_ptr<const std::string> file_;
+  std::size_t sent_ = 0;
+  ByteBuffer message_;
+};
+
+}  // namespace
+
+grpc::ServerReadReactor<ByteBuffer>* receive_sheet(api::Api& api, TransferPatience patience, ByteBuffer* response) {
+  return receive<v1::UploadSheetRequest>([&api](const v1::SheetUpload& start) { return api.upload_sheet(start); },
+                                         patience, response);
+}
+
+grpc::ServerReadReactor<ByteBuffer>* receive_recording(api::Api& api, TransferPatience patience, ByteBuffer* response) {
+  return receive<v1::ReplayRecordingRequest>(
+      [&api](const v1::RecordingUpload& start) { return api.replay_recording(start); }, patience, response);
+}
+
+grpc::ServerWriteReactor<ByteBuffer>* send_recording(api::Api& api, TransferPatience patience,
+                                                     grpc::CallbackServerContext& context, const ByteBuffer* request) {
+  return new RecordingReactor(api, patience, context, request);  // deletes itself in OnDone
+}
+
+}  // namespace kerf::rpc

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <grpcpp/server_context.h>
+#include <grpcpp/support/byte_buffer.h>
+#include <grpcpp/support/server_callback.h>
+
+#include "server/service/host/clock.h"
+#include "server/service/rpc/patience.h"
+
+namespace kerf::api {
+class Api;
+}  // namespace kerf::api
+
+// The calls of SheetService that are larger than a message: files sent to the server in parts, and fetched in parts.
+// Each reactor deletes itself when its call is done.
+namespace kerf::rpc {
+
+// How long transfers may stand still, and take: uploads beyond it are ended with ABORTED, UPLOAD_STALLED or
+// UPLOAD_TOO_SLOW; the call of a reader that does not take its file is cancelled.
+struct TransferPatience {
+  host::Clock& clock;
+  PatienceLimits limits;
+};
+
+grpc::ServerReadReactor<grpc::ByteBuffer>* receive_sheet(api::Api& api, TransferPatience patience,
+                                                         grpc::ByteBuffer* response);
+grpc::ServerReadReactor<grpc::ByteBuffer>* receive_recording(api::Api& api, TransferPatience patience,
+                                                             grpc::ByteBuffer* response);
+grpc::ServerWriteReactor<grpc::ByteBuffer>* send_recording(api::Api& api, TransferPatience patience,
+                                                           grpc::CallbackServerContext& context,
+                                                           const grpc::ByteBuffer* request);
+
+}  // namespace kerf::rpc

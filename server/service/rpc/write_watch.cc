@@ -1,0 +1,50 @@
+#include "server/service/rpc/write_watch.h"
+
+#include <utility>
+
+namespace kerf::rpc {
+
+// Of each write no more than a time is noted: a timer that is set stays where it is, and when it fires, it is set anew
+// for what is left.
+void WriteWatch::begun() {
+  const host::Nanoseconds now = clock_.now();
+  {
+    const std::lock_guard lock(mutex_);
+    begun_at_ = now;
+    if (std::exchange(is_timed_, true)) return;
+  }
+  wait_until(now + limit_);
+}
+
+void WriteWatch::done() {
+  const std::lock_guard lock(mutex_);
+  begun_at_.reset();
+}
+
+void WriteWatch::stop() {
+  stuck_.set({});
+  timer_.stop();
+}
+
+void WriteWatch::wait_until(host::Nanoseconds deadline) {
+  timer_.wake_at(deadline, [weak = weak_from_this()] {
+    if (const auto alive = weak.lock()) alive->timer_fired();
+  });
+}
+
+void WriteWatch::timer_fired() {
+  timer_.fired();
+  host::Nanoseconds deadline{};
+  bool is_stuck = false;
+  {
+    const std::lock_guard lock(mutex_);
+    if (begun_at_) deadline = *begun_at_ + limit_;
+    is_stuck = begun_at_ && clock_.now() >= deadline;
+    is_timed_ = begun_at_ && !is_stuck;
+    if (!is_timed_ && !is_stuck) return;
+  }
+  if (is_stuck) return stuck_.raise();
+  wait_until(deadline);
+}
+
+}  // namespace kerf::rpc

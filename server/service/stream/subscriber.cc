@@ -1,0 +1,115 @@
+#include "server/service/stream/subscriber.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "server/service/stream/channel.h"
+
+namespace kerf::stream {
+Subscriber::Subscriber(std::shared_ptr<Channel> channel, const SubscriberOptions& options, std::function<void()> ready)
+    : channel_(std::move(channel)), options_(options), ready_(std::move(ready)), flow_(options.flow) {
+  viewed_.encoding = options_.encoding;
+  viewed_.strains = options_.strains;
+}
+
+Subscriber::~Subscriber() {
+  leave();
+}
+
+Subscriber::Next Subscriber::next(Nanoseconds now) {
+  const std::lock_guard lock(mutex_);
+  if (ended_ || left_) return {};
+  if (end_) return end_now(*end_);
+  const FlowControl::Permit permit = flow_.permit(now);
+  if (permit.too_slow) return end_now(wire::EndReason::kTooSlow);
+  if (!permit.may_send) return {std::nullopt, permit.wake_at};
+  // Before looking: a publication from here on either is seen below or finds this set.
+  wants_frame_ = true;
+  if (channel_->newest_publication() <= std::max(viewed_.publication, stale_through_))
+    return {std::nullopt, permit.wake_at};
+  wants_frame_ = false;
+  return {take(now), std::nullopt};
+}
+
+Message Subscriber::take(Nanoseconds now) {
+  const bool is_first = flow_.last_sequence() == 0;
+  const std::string epoch = is_first ? channel_->epoch() : std::string();
+  if (is_first && !options_.epoch.empty() && options_.epoch == epoch) {
+    viewed_.topology_version = options_.topology_version;
+  }
+  FramePick pick = channel_->pick(viewed_);
+  const std::int64_t skipped = viewed_.publication == 0 ? 0 : std::max<std::int64_t>(0, pick.tick - last_tick_ - 1);
+  Message message;
+  message.parts.push_back(std::move(pick.body));
+  if (pick.topology) message.parts.push_back(std::move(pick.topology));
+  if (pick.strains) message.parts.push_back(std::move(pick.strains));
+  const std::size_t bytes = message.size();
+  const std::int64_t sequence = flow_.sent(bytes, pick.viewed.publication - viewed_.publication, now);
+  message.parts.insert(message.parts.begin(),
+                       std::make_shared<const std::string>(wire::encode_frame_head(sequence, skipped, epoch, bytes)));
+  last_tick_ = pick.tick;
+  viewed_ = pick.viewed;
+  return message;
+}
+
+bool Subscriber::set_pace(double max_rate_hz, bool paused, Nanoseconds now) {
+  bool goes_on = false;
+  {
+    const std::lock_guard lock(mutex_);
+    flow_.set_pace(max_rate_hz, paused, now);
+    goes_on = paused_ && !paused;
+    paused_ = paused;
+    if (goes_on) stale_through_ = channel_->newest_publication();
+  }
+  channel_->want_snapshots(*this, !paused);
+  ready_();
+  return goes_on;
+}
+
+std::int32_t Subscriber::window() const {
+  const std::lock_guard lock(mutex_);
+  return flow_.window();
+}
+
+Subscriber::Next Subscriber::end_now(wire::EndReason reason) {
+  ended_ = true;
+  Message message;
+  message.parts.push_back(std::make_shared<const std::string>(wire::encode_ended(reason)));
+  message.says_too_slow = reason == wire::EndReason::kTooSlow;
+  return {std::move(message), std::nullopt};
+}
+
+Status Subscriber::acknowledge(std::int64_t sequence, Nanoseconds now, Nanoseconds held) {
+  {
+    const std::lock_guard lock(mutex_);
+    KERF_TRY_ASSIGN(const bool opened, flow_.acknowledge(sequence, now, held));
+    if (!opened || ended_ || left_) return Nothing{};
+  }
+  ready_();
+  return Nothing{};
+}
+
+bool Subscriber::ended() const {
+  const std::lock_guard lock(mutex_);
+  return ended_;
+}
+
+void Subscriber::leave() {
+  if (!left_.exchange(true)) channel_->leave(*this);
+}
+
+void Subscriber::wake() {
+  if (wants_frame_.exchange(false) && !left_) ready_();
+}
+
+void Subscriber::end(wire::EndReason reason) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (end_ || ended_ || left_) return;
+    end_ = reason;
+  }
+  ready_();
+}
+
+}  // namespace kerf::stream

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <algorithm>
+#include <string>
+
+#include "server/base/result.h"
+#include "server/service/wire/geometry_codec.h"
+
+// Enumerators of messages beside what they stand for: arrays of pairs.
+namespace kerf::wire {
+
+// Enumerator 0, which is no choice, leaves `choice` as it is. Errors: unknown_enum.
+template <typename Pairs, typename Enumerator, typename Choice>
+Status decode_choice(const Pairs& pairs, Enumerator given, const std::string& field, Choice& choice) {
+  if (static_cast<int>(given) == 0) return Nothing{};
+  for (const auto& [enumerator, meaning] : pairs) {
+    if (enumerator != given) continue;
+    choice = meaning;
+    return Nothing{};
+  }
+  return unknown_enum(field, static_cast<int>(given));
+}
+
+// Every choice is among the pairs.
+template <typename Pairs, typename Choice>
+auto encode_choice(const Pairs& pairs, Choice choice) {
+  return std::find_if(pairs.begin(), pairs.end(), [&](const auto& pair) { return pair.second == choice; })->first;
+}
+
+}  // namespace kerf::wire

@@ -1,0 +1,295 @@
+#include "server/service/wire/command_codec.h"
+
+#include <iterator>
+#include <string>
+#include <utility>
+#include <variant>
+
+#include "server/service/wire/geometry_codec.h"
+#include "server/service/wire/material_codec.h"
+#include "server/service/wire/region_codec.h"
+#include "server/service/wire/view_codec.h"
+
+namespace kerf::wire {
+namespace {
+
+Result<sheet::Command> checked(sheet::Command command) {
+  KERF_TRY(sheet::validate(command));
+  return command;
+}
+
+void encode(const sheet::Cut& cut, v1::Command& message) {
+  *message.mutable_cut() = encode_cut(cut);
+}
+
+void encode(const sheet::CutBatch& batch, v1::Command& message) {
+  for (const sheet::Cut& cut : batch.cuts) *message.mutable_cut_batch()->add_cuts() = encode_cut(cut);
+}
+
+void encode(const sheet::UndoCut& /*undo*/, v1::Command& message) {
+  message.mutable_undo_cut();
+}
+
+void encode(const sheet::RedoCut& /*redo*/, v1::Command& message) {
+  message.mutable_redo_cut();
+}
+
+Status decode_method(const v1::Cut& message, sheet::Cut& cut) {
+  switch (message.method()) {
+    case v1::Cut::METHOD_UNSPECIFIED:
+    case v1::Cut::NEIGHBOURHOOD:
+      return Nothing{};
+    case v1::Cut::ELEMENT:
+      cut.method = cut::Method::kElement;
+      return Nothing{};
+    default:
+      return unknown_enum("cut.method", message.method());
+  }
+}
+
+// A quality is a name for an angle.
+Status decode_quality(const v1::Cut& message, sheet::Cut& cut) {
+  switch (message.quality()) {
+    case v1::Cut::QUALITY_UNSPECIFIED:
+    case v1::Cut::DEFAULT:
+      return Nothing{};
+    case v1::Cut::FINE:
+      if (message.min_angle_deg() != 0.0) {
+        return invalid_argument(
+            "CHOICE_AMBIGUOUS",
+            "cut.quality FINE and cut.min_angle_deg both say how good the triangles must be; give one of them",
+            "cut.quality");
+      }
+      cut.min_angle_deg = cut::kFineMinAngle;
+      return Nothing{};
+    default:
+      return unknown_enum("cut.quality", message.quality());
+  }
+}
+
+void encode(const sheet::Grab& grab, v1::Command& message) {
+  v1::Grab& grab_message = *message.mutable_grab();
+  grab_message.set_grab_id(grab.grab_id);
+  if (const auto* vertex = std::get_if<mesh::VertexId>(&grab.point)) {
+    grab_message.set_vertex(*vertex);
+  } else {
+    encode_vector(std::get<Eigen::Vector2d>(grab.point), *grab_message.mutable_material());
+  }
+  if (grab.target) encode_vector(*grab.target, *grab_message.mutable_target());
+  grab_message.set_stiffness_npm(grab.stiffness);
+}
+
+void encode(const sheet::Drag& drag, v1::Command& message) {
+  message.mutable_drag()->set_grab_id(drag.grab_id);
+  encode_vector(drag.target, *message.mutable_drag()->mutable_target());
+}
+
+void encode(const sheet::Release& release, v1::Command& message) {
+  message.mutable_release()->set_grab_id(release.grab_id);
+}
+
+void encode(const sheet::SetPins& set_pins, v1::Command& message) {
+  encode_pins(set_pins.pins, *message.mutable_set_pins()->mutable_pins());
+}
+
+void encode(const sheet::SetGravity& set_gravity, v1::Command& message) {
+  encode_vector(set_gravity.gravity, *message.mutable_set_gravity()->mutable_gravity_mps2());
+}
+
+void encode(const sheet::SetWind& set_wind, v1::Command& message) {
+  v1::SetWind& wind_message = *message.mutable_set_wind();
+  if (set_wind.wind.air_density > 0.0) encode_wind(set_wind.wind, *wind_message.mutable_wind());
+}
+
+void encode(const sheet::SetMaterial& set_material, v1::Command& message) {
+  *message.mutable_set_material()->mutable_material() = encode_material(set_material.material);
+  if (set_material.part) message.mutable_set_material()->set_part(*set_material.part);
+}
+
+void encode(const sheet::Reset& reset, v1::Command& message) {
+  message.mutable_reset()->set_repeats(reset.repeats);
+}
+
+Result<cut::Fit> decode_fit(const v1::MaterialBox& message) {
+  if (!message.has_min() && !message.has_max()) return cut::Fit{};
+  if (!message.has_min()) return missing("cut.fit.min");
+  if (!message.has_max()) return missing("cut.fit.max");
+  return cut::Fit{cut::Box{decode_vector(message.min()), decode_vector(message.max())}};
+}
+
+}  // namespace
+
+v1::Cut encode_cut(const sheet::Cut& cut) {
+  v1::Cut message;
+  encode_curve(cut.curve, *message.mutable_curve());
+  message.set_tolerance(cut.tolerance);
+  message.set_min_angle_deg(cut.min_angle_deg);
+  message.set_max_new_triangles(cut.max_new_triangles);
+  if (cut.tolerance_m) message.set_tolerance_m(*cut.tolerance_m);
+  message.set_method(cut.method == cut::Method::kElement ? v1::Cut::ELEMENT : v1::Cut::NEIGHBOURHOOD);
+  if (cut.tip_edge_length) message.set_tip_edge_length_m(*cut.tip_edge_length);
+  message.set_tip_grading(cut.tip_grading);
+  message.set_relax(cut.relax);
+  if (cut.width) message.set_width_m(*cut.width);
+  if (cut.fit) {
+    v1::MaterialBox& box = *message.mutable_fit();
+    if (cut.fit->box) {
+      encode_vector(cut.fit->box->low, *box.mutable_min());
+      encode_vector(cut.fit->box->high, *box.mutable_max());
+    }
+  }
+  message.mutable_dash()->Add(cut.dash.lengths.begin(), cut.dash.lengths.end());
+  message.set_dash_offset(cut.dash.offset);
+  if (cut.view) encode_view(*cut.view, *message.mutable_view());
+  return message;
+}
+
+std::int64_t num_parts(const sheet::Cut& cut) {
+  std::int64_t parts = 1;
+  if (const auto* path = std::get_if<cut::Path>(&cut.curve)) {
+    for (const cut::Subpath& subpath : path->subpaths) parts += 1 + std::ssize(subpath.segments);
+  }
+  return parts;
+}
+
+Result<sheet::Command> decode_cuts(const google::protobuf::RepeatedPtrField<v1::Cut>& cuts,
+                                   const FileReader& read_file) {
+  sheet::CutBatch batch;
+  std::int64_t parts = 0;
+  for (int i = 0; i < cuts.size(); ++i) {
+    Result<sheet::Command> cut = decode_cut(cuts[i], read_file);
+    if (!cut.ok()) return sheet::in_batch(cut.error(), static_cast<std::size_t>(i));
+    batch.cuts.push_back(std::get<sheet::Cut>(std::move(*cut)));
+    parts += num_parts(batch.cuts.back());
+    if (parts > kMaxBatchParts) {
+      return sheet::in_batch(
+          invalid_argument("BATCH_TOO_LONG",
+                           "with this one the cuts, subpaths and segments of the batch are more than " +
+                               std::to_string(kMaxBatchParts) + ": make several batches of it",
+                           "cut.curve"),
+          static_cast<std::size_t>(i));
+    }
+  }
+  return checked(std::move(batch));
+}
+
+Result<sheet::Command> decode_cut(const v1::Cut& message, const FileReader& read_file) {
+  KERF_TRY_ASSIGN(DecodedCurve decoded, decode_curve(message.curve(), "cut.curve", read_file));
+  sheet::Cut cut;
+  cut.curve = std::move(decoded.curve);
+  cut.remarks = std::move(decoded.remarks);
+  if (message.tolerance() != 0.0) cut.tolerance = message.tolerance();
+  if (message.min_angle_deg() != 0.0) cut.min_angle_deg = message.min_angle_deg();
+  if (message.max_new_triangles() != 0) cut.max_new_triangles = message.max_new_triangles();
+  if (message.has_fit()) {
+    KERF_TRY_ASSIGN(cut.fit, decode_fit(message.fit()));
+  } else if (decoded.is_drawing) {
+    cut.fit = cut::Fit{};
+  }
+  cut.dash = {{message.dash().begin(), message.dash().end()}, message.dash_offset()};
+  if (message.has_view()) {
+    KERF_TRY_ASSIGN(cut.view, decode_view(message.view(), "cut.view"));
+  }
+  KERF_TRY(decode_method(message, cut));
+  KERF_TRY(decode_quality(message, cut));
+  if (message.tolerance_m() != 0.0) cut.tolerance_m = message.tolerance_m();
+  if (message.tip_edge_length_m() != 0.0) cut.tip_edge_length = message.tip_edge_length_m();
+  if (message.tip_grading() != 0.0) cut.tip_grading = message.tip_grading();
+  if (message.has_relax()) cut.relax = message.relax();
+  if (message.width_m() != 0.0) cut.width = message.width_m();
+  return checked(std::move(cut));
+}
+
+Result<sheet::Command> decode_grab(const v1::Grab& message) {
+  sheet::Grab grab;
+  grab.grab_id = message.grab_id();
+  switch (message.point_case()) {
+    case v1::Grab::kVertex:
+      grab.point = message.vertex();
+      break;
+    case v1::Grab::kMaterial:
+      grab.point = decode_vector(message.material());
+      break;
+    case v1::Grab::POINT_NOT_SET:
+      return choice_missing("grab.point", "vertex or material");
+  }
+  if (message.has_target()) grab.target = decode_vector(message.target());
+  grab.stiffness = message.stiffness_npm();
+  return checked(std::move(grab));
+}
+
+Result<sheet::Command> decode_drag(const v1::Drag& message) {
+  if (!message.has_target()) return missing("drag.target");
+  return checked(sheet::Drag{message.grab_id(), decode_vector(message.target())});
+}
+
+Result<sheet::Command> decode_release(const v1::Release& message) {
+  return checked(sheet::Release{message.grab_id()});
+}
+
+Result<sheet::Command> decode_set_pins(const v1::SetPins& message) {
+  KERF_TRY_ASSIGN(std::vector<sheet::Region> pins, decode_pins(message.pins(), "set_pins.pins"));
+  return checked(sheet::SetPins{std::move(pins)});
+}
+
+Result<sheet::Command> decode_set_gravity(const v1::SetGravity& message) {
+  if (!message.has_gravity_mps2()) return missing("set_gravity.gravity_mps2");
+  return checked(sheet::SetGravity{decode_vector(message.gravity_mps2())});
+}
+
+Result<sheet::Command> decode_set_wind(const v1::SetWind& message) {
+  sheet::SetWind set_wind;
+  if (message.has_wind()) set_wind.wind = decode_wind(message.wind());
+  return checked(set_wind);
+}
+
+Result<sheet::Command> decode_set_material(const v1::SetMaterial& message) {
+  if (!message.has_material()) return missing("set_material.material");
+  KERF_TRY_ASSIGN(const fem::Material material, decode_material(message.material(), "set_material.material"));
+  sheet::SetMaterial set_material;
+  set_material.material = material;
+  if (message.has_part()) set_material.part = message.part();
+  return checked(set_material);
+}
+
+Result<sheet::Command> decode_command(const v1::Command& message, const FileReader& read_file) {
+  switch (message.kind_case()) {
+    case v1::Command::kCut:
+      return decode_cut(message.cut(), read_file);
+    case v1::Command::kGrab:
+      return decode_grab(message.grab());
+    case v1::Command::kDrag:
+      return decode_drag(message.drag());
+    case v1::Command::kRelease:
+      return decode_release(message.release());
+    case v1::Command::kSetPins:
+      return decode_set_pins(message.set_pins());
+    case v1::Command::kSetGravity:
+      return decode_set_gravity(message.set_gravity());
+    case v1::Command::kSetWind:
+      return decode_set_wind(message.set_wind());
+    case v1::Command::kReset:
+      return sheet::Command(sheet::Reset{message.reset().repeats()});
+    case v1::Command::kCutBatch:
+      return decode_cuts(message.cut_batch().cuts(), read_file);
+    case v1::Command::kUndoCut:
+      return sheet::Command(sheet::UndoCut{});
+    case v1::Command::kRedoCut:
+      return sheet::Command(sheet::RedoCut{});
+    case v1::Command::kSetMaterial:
+      return decode_set_material(message.set_material());
+    case v1::Command::KIND_NOT_SET:
+      break;
+  }
+  return choice_missing("kind",
+                        "cut, grab, drag, release, set_pins, set_gravity, set_wind, reset, cut_batch, undo_cut, "
+                        "redo_cut or set_material");
+}
+
+v1::Command encode_command(const sheet::Command& command) {
+  v1::Command message;
+  std::visit([&message](const auto& each) { encode(each, message); }, command);
+  return message;
+}
+
+}  // namespace kerf::wire

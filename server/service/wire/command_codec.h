@@ -1,0 +1,35 @@
+#pragma once
+
+#include "kerf/v1/scene.pb.h"
+#include "server/base/result.h"
+#include "server/core/scene/command.h"
+#include "server/service/wire/geometry_codec.h"
+
+// kerf.v1.Command <-> sheet::Command. Errors as in scene_codec.h; paths begin at the command ("cut.curve.bezier",
+// "grab.target.x"). A Reset, an UndoCut and a RedoCut have none.
+namespace kerf::wire {
+
+// `read_file`: for Svg.file; see geometry_codec.h.
+Result<sheet::Command> decode_command(const v1::Command& command, const FileReader& read_file = {});
+v1::Command encode_command(const sheet::Command& command);
+v1::Cut encode_cut(const sheet::Cut& cut);
+
+// What the cuts of one batch may have together: drawings unfold to far more than their text.
+inline constexpr std::int64_t kMaxBatchParts = 131'072;
+// The cut, and the subpaths and segments of its path.
+std::int64_t num_parts(const sheet::Cut& cut);
+// A CutBatch; paths begin with "cut_batch.cuts[0]". BATCH_TOO_LONG: more than kMaxBatchParts.
+Result<sheet::Command> decode_cuts(const google::protobuf::RepeatedPtrField<v1::Cut>& cuts,
+                                   const FileReader& read_file = {});
+
+// The same for one kind, with the same paths: requests carry these messages in fields of the same names.
+Result<sheet::Command> decode_cut(const v1::Cut& cut, const FileReader& read_file = {});
+Result<sheet::Command> decode_grab(const v1::Grab& grab);
+Result<sheet::Command> decode_drag(const v1::Drag& drag);
+Result<sheet::Command> decode_release(const v1::Release& release);
+Result<sheet::Command> decode_set_pins(const v1::SetPins& set_pins);
+Result<sheet::Command> decode_set_gravity(const v1::SetGravity& set_gravity);
+Result<sheet::Command> decode_set_wind(const v1::SetWind& set_wind);
+Result<sheet::Command> decode_set_material(const v1::SetMaterial& set_material);
+
+}  // namespace kerf::wire

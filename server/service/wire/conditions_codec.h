@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string>
+
+#include "kerf/v1/conditions.pb.h"
+#include "kerf/v1/scene.pb.h"
+#include "server/base/result.h"
+#include "server/core/scene/sheet_config.h"
+
+// kerf.v1.Constraint, Load, History and InitialVelocity <-> sheet's. Unchecked, but for what only messages can get
+// wrong; errors as in scene_codec.h.
+namespace kerf::wire {
+
+// The scene's constraints, loads, gravity_history, planar and initial_velocity.
+Status decode_conditions(const v1::Scene& scene, sheet::SheetConfig& config);
+void encode_conditions(const sheet::SheetConfig& config, v1::Scene& scene);
+
+}  // namespace kerf::wire

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+
+#include "kerf/v1/scene.pb.h"
+#include "server/base/result.h"
+#include "server/core/scene/sheet_config.h"
+
+namespace kerf::wire {
+
+// The preset with what is given put over it. kInvalidArgument UNKNOWN_PRESET, NOT_FINITE, OUT_OF_RANGE (ranges of
+// scene.proto), MATERIAL_NOT_POSITIVE_DEFINITE; fields begin with `path` ("material").
+Result<fem::Material> decode_material(const v1::Material& material, const std::string& path);
+
+// Every number given, no preset named; bending stiffnesses where the material has them given.
+v1::Material encode_material(const fem::Material& material);
+
+// Errors: UNKNOWN_ENUM_VALUE, "membrane_law".
+Status decode_membrane_law(v1::MembraneLaw message, fem::MembraneLaw& law);
+v1::MembraneLaw encode_membrane_law(fem::MembraneLaw law);
+
+}  // namespace kerf::wire

@@ -1,0 +1,214 @@
+#include "server/service/wire/mesh_source_codec.h"
+
+#include <string>
+#include <utility>
+#include <variant>
+
+#include "server/service/wire/geometry_codec.h"
+
+namespace kerf::wire {
+namespace {
+
+Result<sheet::MeshSource> decode_grid(const v1::GridMesh& message) {
+  sheet::GridSource grid;
+  grid.columns = message.columns();
+  grid.rows = message.rows();
+  grid.width = message.width_m();
+  grid.height = message.height_m();
+  grid.seed = message.seed();
+  switch (message.pattern()) {
+    case v1::GridMesh::PATTERN_UNSPECIFIED:
+    case v1::GridMesh::UNIFORM_DIAGONALS:
+      grid.pattern = sheet::GridPattern::kUniformDiagonals;
+      break;
+    case v1::GridMesh::JITTERED_DELAUNAY:
+      grid.pattern = sheet::GridPattern::kJitteredDelaunay;
+      break;
+    default:
+      return unknown_enum("grid.pattern", static_cast<int>(message.pattern()));
+  }
+  return sheet::MeshSource(grid);
+}
+
+Result<sheet::RestShape> decode_rest_shape(v1::RestShape rest_shape, const std::string& path) {
+  switch (rest_shape) {
+    case v1::REST_SHAPE_UNSPECIFIED:
+      return sheet::RestShape::kAutomatic;
+    case v1::REST_SHAPE_FLAT:
+      return sheet::RestShape::kFlat;
+    case v1::REST_SHAPE_SURFACE:
+      return sheet::RestShape::kSurface;
+    default:
+      return unknown_enum(path, static_cast<int>(rest_shape));
+  }
+}
+
+v1::RestShape encode_rest_shape(sheet::RestShape rest_shape) {
+  switch (rest_shape) {
+    case sheet::RestShape::kFlat:
+      return v1::REST_SHAPE_FLAT;
+    case sheet::RestShape::kSurface:
+      return v1::REST_SHAPE_SURFACE;
+    case sheet::RestShape::kAutomatic:
+      break;
+  }
+  return v1::REST_SHAPE_UNSPECIFIED;
+}
+
+Result<sheet::MeshSource> decode_obj(v1::ObjMesh& message, const FileReader& read_file) {
+  KERF_TRY_ASSIGN(std::string text,
+                  read_content({std::move(*message.mutable_text()), message.file()}, read_file, "OBJ", "obj"));
+  KERF_TRY_ASSIGN(const sheet::RestShape rest_shape, decode_rest_shape(message.rest_shape(), "obj.rest_shape"));
+  return sheet::MeshSource(sheet::ObjSource{obj_text(std::move(text)), rest_shape});
+}
+
+Result<sheet::MeshSource> decode_ply(v1::PlyMesh& message, const FileReader& read_file) {
+  KERF_TRY_ASSIGN(std::string data,
+                  read_content({std::move(*message.mutable_data()), message.file(), "data"}, read_file, "PLY", "ply"));
+  KERF_TRY_ASSIGN(const sheet::RestShape rest_shape, decode_rest_shape(message.rest_shape(), "ply.rest_shape"));
+  return sheet::MeshSource(sheet::PlySource{std::move(data), rest_shape});
+}
+
+Status check_length(int length, int multiple, const std::string& path) {
+  if (length % multiple == 0) return Nothing{};
+  return invalid_argument(
+      "LENGTH_MISMATCH",
+      path + " has " + std::to_string(length) + " numbers; must be a multiple of " + std::to_string(multiple), path);
+}
+
+Result<sheet::MeshSource> decode_inline(const v1::InlineMesh& message) {
+  KERF_TRY(check_length(message.material_positions_size(), 2, "inline.material_positions"));
+  KERF_TRY(check_length(message.triangles_size(), 3, "inline.triangles"));
+  KERF_TRY(check_length(message.positions_size(), 3, "inline.positions"));
+  KERF_TRY(check_length(message.rest_positions_size(), 3, "inline.rest_positions"));
+  sheet::ArraySource arrays;
+  arrays.material_positions =
+      Eigen::Map<const Eigen::Matrix2Xd>(message.material_positions().data(), 2, message.material_positions_size() / 2);
+  arrays.triangles = Eigen::Map<const Eigen::Matrix3Xi>(message.triangles().data(), 3, message.triangles_size() / 3);
+  arrays.positions = Eigen::Map<const Eigen::Matrix3Xd>(message.positions().data(), 3, message.positions_size() / 3);
+  arrays.rest_positions =
+      Eigen::Map<const Eigen::Matrix3Xd>(message.rest_positions().data(), 3, message.rest_positions_size() / 3);
+  return sheet::MeshSource(std::move(arrays));
+}
+
+Result<sheet::OutlineSizing> decode_sizing(const v1::EdgeLength& message, const std::string& path,
+                                           const FileReader& read_file) {
+  sheet::OutlineSizing sizing;
+  switch (message.place_case()) {
+    case v1::EdgeLength::kPoint:
+      sizing.place = decode_vector(message.point());
+      break;
+    case v1::EdgeLength::kCurve: {
+      KERF_TRY_ASSIGN(DecodedCurve curve, decode_curve(message.curve(), path + ".curve", read_file));
+      sizing.place = std::move(curve.curve);
+      break;
+    }
+    case v1::EdgeLength::PLACE_NOT_SET:
+      return choice_missing(path + ".place", "point or curve");
+  }
+  sizing.edge_length = message.edge_length_m();
+  if (message.growth() != 0.0) sizing.growth = message.growth();
+  return sizing;
+}
+
+Result<sheet::MeshSource> decode_outline(const v1::OutlineMesh& message, const FileReader& read_file) {
+  sheet::OutlineSource outline;
+  if (!message.has_boundary()) return missing("outline.boundary");
+  KERF_TRY_ASSIGN(DecodedCurve boundary, decode_curve(message.boundary(), "outline.boundary", read_file));
+  outline.boundary = std::move(boundary.curve);
+  for (int i = 0; i < message.holes_size(); ++i) {
+    KERF_TRY_ASSIGN(DecodedCurve hole,
+                    decode_curve(message.holes(i), "outline.holes[" + std::to_string(i) + "]", read_file));
+    outline.holes.push_back(std::move(hole.curve));
+  }
+  outline.edge_length = message.edge_length_m();
+  for (int i = 0; i < message.sizes_size(); ++i) {
+    KERF_TRY_ASSIGN(sheet::OutlineSizing sizing,
+                    decode_sizing(message.sizes(i), "outline.sizes[" + std::to_string(i) + "]", read_file));
+    outline.sizes.push_back(std::move(sizing));
+  }
+  if (message.min_angle_deg() != 0.0) outline.min_angle_deg = message.min_angle_deg();
+  return sheet::MeshSource(std::move(outline));
+}
+
+void encode_source(const sheet::GridSource& grid, v1::Scene& scene) {
+  v1::GridMesh& message = *scene.mutable_grid();
+  message.set_columns(grid.columns);
+  message.set_rows(grid.rows);
+  message.set_width_m(grid.width);
+  message.set_height_m(grid.height);
+  message.set_pattern(grid.pattern == sheet::GridPattern::kJitteredDelaunay ? v1::GridMesh::JITTERED_DELAUNAY
+                                                                            : v1::GridMesh::UNIFORM_DIAGONALS);
+  message.set_seed(grid.seed);
+}
+
+void encode_source(const sheet::ObjSource& obj, v1::Scene& scene) {
+  scene.mutable_obj()->set_text(obj.text);
+  scene.mutable_obj()->set_rest_shape(encode_rest_shape(obj.rest_shape));
+}
+
+void encode_source(const sheet::PlySource& ply, v1::Scene& scene) {
+  scene.mutable_ply()->set_data(ply.data);
+  scene.mutable_ply()->set_rest_shape(encode_rest_shape(ply.rest_shape));
+}
+
+void encode_source(const sheet::ArraySource& arrays, v1::Scene& scene) {
+  v1::InlineMesh& message = *scene.mutable_inline_();
+  message.mutable_material_positions()->Add(arrays.material_positions.data(),
+                                            arrays.material_positions.data() + arrays.material_positions.size());
+  message.mutable_triangles()->Add(arrays.triangles.data(), arrays.triangles.data() + arrays.triangles.size());
+  message.mutable_positions()->Add(arrays.positions.data(), arrays.positions.data() + arrays.positions.size());
+  message.mutable_rest_positions()->Add(arrays.rest_positions.data(),
+                                        arrays.rest_positions.data() + arrays.rest_positions.size());
+}
+
+void encode_source(const sheet::OutlineSource& outline, v1::Scene& scene) {
+  v1::OutlineMesh& message = *scene.mutable_outline();
+  encode_curve(outline.boundary, *message.mutable_boundary());
+  for (const cut::Curve& hole : outline.holes) encode_curve(hole, *message.add_holes());
+  message.set_edge_length_m(outline.edge_length);
+  for (const sheet::OutlineSizing& sizing : outline.sizes) {
+    v1::EdgeLength& to = *message.add_sizes();
+    if (const auto* point = std::get_if<Eigen::Vector2d>(&sizing.place)) {
+      encode_vector(*point, *to.mutable_point());
+    } else {
+      encode_curve(std::get<cut::Curve>(sizing.place), *to.mutable_curve());
+    }
+    to.set_edge_length_m(sizing.edge_length);
+    to.set_growth(sizing.growth);
+  }
+  message.set_min_angle_deg(outline.min_angle_deg);
+}
+
+}  // namespace
+
+Result<sheet::MeshSource> decode_mesh_source(v1::Scene& scene, const FileReader& read_file) {
+  switch (scene.mesh_case()) {
+    case v1::Scene::kGrid:
+      return decode_grid(scene.grid());
+    case v1::Scene::kObj:
+      return decode_obj(*scene.mutable_obj(), read_file);
+    case v1::Scene::kPly:
+      return decode_ply(*scene.mutable_ply(), read_file);
+    case v1::Scene::kInline:
+      return decode_inline(scene.inline_());
+    case v1::Scene::kOutline:
+      return decode_outline(scene.outline(), read_file);
+    case v1::Scene::MESH_NOT_SET:
+      break;
+  }
+  return choice_missing("mesh", "grid, obj, ply, inline or outline");
+}
+
+std::string obj_text(std::string file) {
+  for (char& c : file) {
+    if (static_cast<unsigned char>(c) > 0x7f) c = '?';
+  }
+  return file;
+}
+
+void encode_mesh_source(const sheet::MeshSource& mesh, v1::Scene& scene) {
+  std::visit([&scene](const auto& source) { encode_source(source, scene); }, mesh);
+}
+
+}  // namespace kerf::wire

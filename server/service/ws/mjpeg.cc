@@ -1,0 +1,99 @@
+#include "server/service/ws/mjpeg.h"
+
+#include <boost/asio/post.hpp>
+#include <boost/asio/redirect_error.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <boost/asio/write.hpp>
+
+#include <netinet/tcp.h>
+#include <sys/socket.h>
+
+#include <array>
+#include <functional>
+#include <string>
+
+#include "server/service/ws/wake_signal.h"
+
+namespace kerf::ws {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+
+constexpr int kUnsentBytes = 16 << 10;
+
+// Each part ends with the boundary of the next: browsers show a picture when they have seen that.
+constexpr std::string_view kHead =
+    "HTTP/1.1 200 OK\r\n"
+    "Server: kerfd\r\n"
+    "Content-Type: multipart/x-mixed-replace; boundary=kerf-picture\r\n"
+    "Cache-Control: no-store\r\n"
+    "X-Content-Type-Options: nosniff\r\n"
+    "Cross-Origin-Resource-Policy: same-origin\r\n"
+    "Connection: close\r\n"
+    "\r\n"
+    "--kerf-picture\r\n";
+constexpr std::string_view kNextPart = "\r\n--kerf-picture\r\n";
+
+// A write then waits until all but about this much has left the machine, whatever the send buffer would hold. What has
+// left and is not acknowledged in time ends the connection: a small picture's write would not wait for that.
+void set_options(beast::tcp_stream& stream, std::chrono::milliseconds write_timeout) {
+  const int socket = stream.socket().native_handle();
+  ::setsockopt(socket, IPPROTO_TCP, TCP_NOTSENT_LOWAT, &kUnsentBytes, sizeof(kUnsentBytes));
+  const auto timeout_ms = static_cast<unsigned>(write_timeout.count());
+  ::setsockopt(socket, IPPROTO_TCP, TCP_USER_TIMEOUT, &timeout_ms, sizeof(timeout_ms));
+}
+
+asio::awaitable<bool> write_part(beast::tcp_stream& stream, const std::string& picture, bool first) {
+  const std::string head = (first ? std::string(kHead) : std::string()) +
+                           "Content-Type: image/jpeg\r\nContent-Length: " + std::to_string(picture.size()) + "\r\n\r\n";
+  const std::array<asio::const_buffer, 3> parts = {asio::buffer(head), asio::buffer(picture),
+                                                   asio::buffer(kNextPart.data(), kNextPart.size())};
+  boost::system::error_code error;
+  co_await asio::async_write(stream, parts, asio::redirect_error(asio::use_awaitable, error));
+  co_return !error;
+}
+
+Error no_picture(const api::ImageSession& session) {
+  if (std::optional<Error> failure = session.failure()) return *std::move(failure);
+  return unavailable("STREAM_ENDED", "the sheet was deleted, or the server is stopping, before the first picture");
+}
+
+}  // namespace
+
+asio::awaitable<std::optional<Error>> play_mjpeg(std::shared_ptr<api::ImageSession> session, beast::tcp_stream& stream,
+                                                 MjpegTimes times, std::stop_token hung_up) {
+  const auto woken = std::make_shared<WakeSignal>(stream.get_executor());
+  const std::function<void()> wake = [woken, executor = stream.get_executor()] {
+    asio::post(executor, [woken] { woken->raise(); });
+  };
+  const std::stop_callback<std::function<void()>> on_hang_up(hung_up, wake);
+  session->set_ready(wake);
+  set_options(stream, times.write_timeout);
+  stream::Bytes last;  // null: nothing was sent
+  bool repeat = false;
+  bool open = true;
+  while (open && !hung_up.stop_requested()) {
+    const bool ended = session->ended();
+    std::optional<stream::Bytes> picture = session->next_picture();
+    if (!picture && repeat && !ended) picture = last;
+    repeat = false;
+    if (picture) {
+      stream.expires_after(times.write_timeout);
+      open = co_await write_part(stream, **picture, last == nullptr);
+      last = *picture;
+    } else if (ended) {
+      open = false;
+    } else if (!session->ended()) {
+      const bool raised = co_await woken->wait_for(times.repeat_after);
+      repeat = !raised && last != nullptr;
+    }
+  }
+  session->set_ready({});
+  session->close();
+  std::optional<Error> refusal;
+  if (last == nullptr) refusal = no_picture(*session);
+  co_return refusal;
+}
+
+}  // namespace kerf::ws

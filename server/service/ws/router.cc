@@ -1,0 +1,227 @@
+#include "server/service/ws/router.h"
+
+#include <algorithm>
+
+#include "server/service/api/api.h"
+#include "server/service/api/image_session.h"
+#include "server/service/api/watch_session.h"
+#include "server/service/wire/error_codec.h"
+#include "server/service/ws/header_list.h"
+
+namespace kerf::ws {
+namespace {
+
+constexpr std::string_view kSubprotocol = "kerf.v1";
+// The viewer is self-contained: nothing it loads or talks to lies elsewhere, and no other site may frame it.
+constexpr std::string_view kContentSecurityPolicy =
+    "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self' 'unsafe-inline'; "
+    "img-src 'self' data: blob:; worker-src 'self' blob:; frame-ancestors 'none'; base-uri 'none'";
+
+HttpResponse text(int status, std::string body) {
+  return {status, "text/plain; charset=utf-8", std::make_shared<const std::string>(std::move(body))};
+}
+
+HttpResponse refusal_with_status(int status, const Error& error) {
+  HttpResponse response = refusal(error);
+  response.status = status;
+  return response;
+}
+
+Error no_such_path(std::string_view path) {
+  return not_found("PATH_NOT_FOUND", "there is nothing at '" + std::string(path.substr(0, 200)) +
+                                         "'; POST /kerf.v1.SERVICE/METHOD with a JSON body calls a method");
+}
+
+HttpResponse method_not_allowed(std::string_view allowed) {
+  HttpResponse response =
+      refusal_with_status(405, invalid_argument("METHOD_NOT_ALLOWED", "use " + std::string(allowed) + " here"));
+  response.headers.emplace_back("Allow", allowed);
+  return response;
+}
+
+HttpResponse refused_host(const Error& error) {
+  return refusal_with_status(error.code == ErrorCode::kInvalidArgument ? 400 : 403, error);
+}
+
+struct Target {
+  std::string_view path;
+  std::string_view query;  // without the question mark
+};
+
+Target split_target(std::string_view target) {
+  const std::size_t mark = std::min(target.find('?'), target.size());
+  return {target.substr(0, mark), target.substr(std::min(mark + 1, target.size()))};
+}
+
+// Browsers revalidate with the tag they were given; weak tags compare equal too (RFC 9110, 13.1.2).
+bool matches_etag(std::string_view if_none_match, std::string_view etag) {
+  return if_none_match == "*" || if_none_match.find(etag) != std::string_view::npos;
+}
+
+// The whole file always: a Range header asks for a part that no server has to give (RFC 9110, 14.2).
+HttpResponse serve(const Asset& asset, const HttpRequest& request) {
+  const AssetContent& content = asset.best_for(request.accept_encoding);
+  HttpResponse response;
+  response.media_type = asset.media_type;
+  response.headers.emplace_back("ETag", content.etag);
+  response.headers.emplace_back("Cache-Control", asset.immutable ? "public, max-age=31536000, immutable" : "no-cache");
+  response.headers.emplace_back("Accept-Ranges", "none");
+  if (!asset.encoded.empty()) response.headers.emplace_back("Vary", "Accept-Encoding");
+  if (asset.media_type.starts_with("text/html")) {
+    response.headers.emplace_back("Content-Security-Policy", kContentSecurityPolicy);
+  }
+  if (matches_etag(request.if_none_match, content.etag)) {
+    response.status = 304;
+    return response;
+  }
+  if (!content.coding.empty()) response.headers.emplace_back("Content-Encoding", content.coding);
+  response.body = content.bytes;
+  return response;
+}
+
+}  // namespace
+
+int http_status(ErrorCode code) {
+  switch (code) {
+    case ErrorCode::kInvalidArgument:
+    case ErrorCode::kFailedPrecondition:
+      return 400;
+    case ErrorCode::kNotFound:
+      return 404;
+    case ErrorCode::kAlreadyExists:
+    case ErrorCode::kAborted:
+      return 409;
+    case ErrorCode::kResourceExhausted:
+      return 429;
+    case ErrorCode::kUnavailable:
+      return 503;
+    case ErrorCode::kDataLoss:
+    case ErrorCode::kInternal:
+      return 500;
+  }
+  return 500;
+}
+
+HttpResponse refusal(const Error& error) {
+  HttpResponse response{http_status(error.code), "application/json",
+                        std::make_shared<const std::string>(wire::error_to_json(error))};
+  if (wire::passes_by_itself(error) || error.reason == "SERVER_STOPPING") {
+    response.headers.emplace_back("Retry-After", "1");
+  }
+  return response;
+}
+
+Router::Router(api::Api& api, AssetTable assets, std::function<std::string()> metrics)
+    : api_(api),
+      assets_(std::move(assets)),
+      metrics_(std::move(metrics)),
+      files_(api),
+      max_message_bytes_(api.limits().max_request_bytes) {
+  for (const api::Method& method : api.methods()) methods_.emplace(method.path, &method);
+}
+
+std::optional<HttpResponse> Router::probe(std::string_view path) const {
+  if (path == "/healthz") return text(200, "ok\n");
+  if (path == "/readyz") return draining_ ? text(503, "draining\n") : text(200, "ready\n");
+  return std::nullopt;
+}
+
+HttpResponse Router::get(const HttpRequest& request, std::string_view path) const {
+  if (path == "/metrics") {
+    return {200, "text/plain; version=0.0.4; charset=utf-8", std::make_shared<const std::string>(metrics_())};
+  }
+  if (const Asset* asset = assets_.find(path)) return serve(*asset, request);
+  if (path == "/" && assets_.num_files() == 0) {
+    return text(404, "kerfd runs, but no viewer was found; build web/ or give --web DIR\n");
+  }
+  if (methods_.contains(path)) return method_not_allowed("POST");
+  return refusal(no_such_path(path));
+}
+
+void Router::respond(HttpRequest request, std::function<void(HttpResponse)> done, std::stop_token stop) const {
+  const std::string whole_target = request.target;  // outlives the request, which is handed on
+  const Target target = split_target(whole_target);
+  const bool reads = request.method == "GET" || request.method == "HEAD";
+  if (std::optional<HttpResponse> state = reads ? probe(target.path) : std::nullopt) return done(*std::move(state));
+  if (const Status host = check_host(access_, request.host); !host) return done(refused_host(host.error()));
+  const std::optional<PicturePath> picture = reads ? parse_picture_path(target.path) : std::nullopt;
+  if (picture) return draw(*picture, target.query, std::move(done));
+  if (reads && FileRoutes::is_download(target.path)) return files_.download(target.path, std::move(done));
+  if (reads) return done(get(request, target.path));
+  if (request.method != "POST") return done(method_not_allowed("GET, HEAD, POST"));
+  call(std::move(request), target.path, std::move(done), std::move(stop));
+}
+
+void Router::draw(const PicturePath& picture, std::string_view query, std::function<void(HttpResponse)> done) const {
+  if (picture.kind == PictureKind::kMjpeg) return done(method_not_allowed("GET"));  // play() has the others
+  const Result<v1::RenderImageRequest> request = decode_still_query(picture, query);
+  if (!request.ok()) return done(refusal(request.error()));
+  api_.render_image(*request, [done = std::move(done)](Result<v1::RenderImageResponse> reply) {
+    if (!reply.ok()) return done(refusal(in_words_of_query(reply.error())));
+    done({200,
+          reply->media_type(),
+          std::make_shared<const std::string>(std::move(*reply->mutable_image())),
+          {{"Cache-Control", "no-store"}}});
+  });
+}
+
+void Router::call(HttpRequest request, std::string_view path, std::function<void(HttpResponse)> done,
+                  std::stop_token stop) const {
+  const bool is_upload = files_.upload_limit(path) > 0;
+  const auto method = methods_.find(path);
+  if (method == methods_.end() && !is_upload) return done(refusal(no_such_path(path)));
+  if (const Status origin = check_origin(access_, request.origin, request.host); !origin.ok()) {
+    return done(refusal_with_status(403, origin.error()));
+  }
+  if (is_upload) return files_.upload(std::move(request), std::move(done), stop);
+  // An empty body is the message with nothing set, so that `curl -X POST` works for List and Get*Info.
+  method->second->call(
+      request.body.empty() ? std::string_view("{}") : std::string_view(request.body),
+      [done = std::move(done)](Result<std::string> reply) {
+        if (!reply.ok()) return done(refusal(reply.error()));
+        done({200,
+              "application/json",
+              std::make_shared<const std::string>(std::move(*reply)),
+              {{"Cache-Control", "no-store"}}});
+      },
+      std::move(stop));
+}
+
+Router::BodyLimit Router::body_limit(const HttpRequest& head) const {
+  const std::string_view path = split_target(head.target).path;
+  const std::int64_t limit = head.method == "POST" ? files_.upload_limit(path) : 0;
+  if (limit == 0) return {max_message_bytes_, std::nullopt};
+  if (const Status host = check_host(access_, head.host); !host.ok()) return {0, refused_host(host.error())};
+  if (const Status origin = check_origin(access_, head.origin, head.host); !origin.ok()) {
+    return {0, refusal_with_status(403, origin.error())};
+  }
+  return {limit, std::nullopt};
+}
+
+std::optional<Result<std::shared_ptr<api::ImageSession>>> Router::play(const HttpRequest& request) const {
+  const Target target = split_target(request.target);
+  const std::optional<PicturePath> picture = parse_picture_path(target.path);
+  if (request.method != "GET" || !picture || picture->kind != PictureKind::kMjpeg) return std::nullopt;
+  // Told by respond(), which is asked next.
+  if (!check_host(access_, request.host)) return std::nullopt;
+  KERF_TRY_ASSIGN(const v1::WatchImagesStart start, decode_stream_query(*picture, target.query));
+  return api_.play_images(start);
+}
+
+Router::Upgrade Router::upgrade(const HttpRequest& request, std::string_view subprotocols) const {
+  const std::string_view path = split_target(request.target).path;
+  if (const Status host = check_host(access_, request.host); !host.ok()) return {{}, refused_host(host.error())};
+  if (path != "/watch" && path != "/images") return {{}, refusal(no_such_path(request.target))};
+  if (const Status origin = check_origin(access_, request.origin, request.host); !origin.ok()) {
+    return {{}, refusal_with_status(403, origin.error())};
+  }
+  if (!lists_token(subprotocols, kSubprotocol)) {
+    return {{},
+            refusal(invalid_argument("SUBPROTOCOL_MISSING", "ask for the WebSocket subprotocol 'kerf.v1'",
+                                     "Sec-WebSocket-Protocol"))};
+  }
+  if (path == "/watch") return {[this] { return api_.watch(); }, std::nullopt};
+  return {[this] { return api_.watch_images(); }, std::nullopt};
+}
+
+}  // namespace kerf::ws

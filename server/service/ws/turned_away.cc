@@ -1,0 +1,82 @@
+#include "server/service/ws/turned_away.h"
+
+#include <array>
+#include <chrono>
+#include <sstream>
+#include <utility>
+
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/beast/http/message.hpp>
+#include <boost/beast/http/string_body.hpp>
+#include <boost/beast/http/write.hpp>
+
+#include "server/service/ws/router.h"
+
+namespace kerf::ws {
+namespace {
+
+namespace asio = boost::asio;
+namespace http = boost::beast::http;
+using asio::ip::tcp;
+using NetError = boost::system::error_code;
+
+constexpr int kMostLingering = 16;
+constexpr std::chrono::seconds kLingerFor{1};
+constexpr std::size_t kMostDiscarded = std::size_t{64} << 10;
+
+std::string refusal_bytes(int most_per_address) {
+  const HttpResponse refused =
+      refusal(resource_exhausted("TOO_MANY_CONNECTIONS", "this address has " + std::to_string(most_per_address) +
+                                                             " connections open, as many as it may (kerfd "
+                                                             "--max-connections-per-address); close some, or wait"));
+  http::response<http::string_body> message{http::status::service_unavailable, 11, *refused.body};
+  message.set(http::field::server, "kerfd");
+  message.set(http::field::content_type, refused.media_type);
+  for (const auto& [name, value] : refused.headers) message.set(name, value);
+  message.keep_alive(false);
+  message.prepare_payload();
+  std::ostringstream bytes;
+  bytes << message;
+  return std::move(bytes).str();
+}
+
+}  // namespace
+
+struct TurnedAway::Lingering {
+  explicit Lingering(tcp::socket connected) : socket(std::move(connected)), limit(socket.get_executor()) {}
+  tcp::socket socket;
+  asio::steady_timer limit;
+  std::array<char, 4096> discarded{};
+  std::size_t num_discarded = 0;
+};
+
+TurnedAway::TurnedAway(int most_per_address) : response_(refusal_bytes(most_per_address)) {}
+
+void TurnedAway::answer(tcp::socket socket) {
+  NetError error;
+  socket.non_blocking(true, error);
+  if (!error) socket.send(asio::buffer(response_), 0, error);
+  if (!error) socket.shutdown(tcp::socket::shutdown_send, error);
+  if (error || lingering_ >= kMostLingering) return;
+  ++lingering_;
+  const auto lingering = std::make_shared<Lingering>(std::move(socket));
+  lingering->limit.expires_after(kLingerFor);
+  lingering->limit.async_wait([lingering](const NetError& cancelled) {
+    NetError ignored;
+    if (!cancelled) lingering->socket.close(ignored);
+  });
+  linger(lingering);
+}
+
+void TurnedAway::linger(const std::shared_ptr<Lingering>& lingering) {
+  lingering->socket.async_read_some(asio::buffer(lingering->discarded),
+                                    [this, lingering](const NetError& error, std::size_t bytes) {
+                                      lingering->num_discarded += bytes;
+                                      if (!error && lingering->num_discarded < kMostDiscarded) return linger(lingering);
+                                      lingering->limit.cancel();
+                                      --lingering_;
+                                    });
+}
+
+}  // namespace kerf::ws
