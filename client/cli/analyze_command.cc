@@ -46,8 +46,8 @@ int analyze(const Session& session, const AnalyzeArguments& arguments) {
   v1::AnalyzeSheetRequest request;
   if (!arguments.file.empty()) {
     const Result<std::string> json = disk.read_file(arguments.file, kMaxRequestBytes);
-    if (!json) return refuse(json.error());
-    if (const Status read = wire::from_json(*json, request); !read) return refuse(read.error());
+    if (!json.ok()) return refuse(json.error());
+    if (const Status read = wire::from_json(*json, request); !read.ok()) return refuse(read.error());
     if (arguments.dynamic && request.has_analysis()) {
       return misuse("--dynamic stands for the analysis, and " + arguments.file + " has one: leave either out");
     }

@@ -276,7 +276,7 @@ void print_made(const Session& session, const Made& made, const std::string& id)
 int cut_batch(const Session& session, const std::string& id, const std::string& file, const BatchTiming& timing) {
   host::RealDisk disk;
   const Result<std::string> json = disk.read_file(file, kMaxBatchFileBytes);
-  if (!json) return refuse(json.error());
+  if (!json.ok()) return refuse(json.error());
   v1::CutBatch batch;
   if (const Status parsed = wire::from_json(*json, batch); !parsed.ok()) {
     Error error = parsed.error();

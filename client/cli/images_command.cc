@@ -147,7 +147,7 @@ int images(const Session& session, const ImagesArguments& arguments) {
   options.look.dark = wanted.dark;
   options.codec = arguments.format == "png" ? v1::IMAGE_PNG : v1::IMAGE_JPEG;
   options.max_rate_hz = arguments.max_rate_hz;
-  if (const Status made = make_folder(arguments); !made) return refuse(made.error());
+  if (const Status made = make_folder(arguments); !made.ok()) return refuse(made.error());
   client::Client client(session.server);
   client::ImageWatcher watcher(client);
   const OnSignal interrupted(interrupts, [&watcher] { watcher.stop(); });

@@ -66,9 +66,9 @@ int run_load(const Session& session, LoadArguments& arguments) {
   arguments.plan.server = session.server;
   arguments.plan.transport = arguments.transport == "ws" ? load::Transport::kWebSocket : load::Transport::kGrpc;
   if (const int code = read_sizes(arguments); code != kDone) return code;
-  if (const Status valid = load::check(arguments.plan); !valid) return misuse(valid.error().message);
+  if (const Status valid = load::check(arguments.plan); !valid.ok()) return misuse(valid.error().message);
   if (!arguments.html.empty()) {  // sooner than after a run of half an hour
-    if (const Status writable = check_writable(arguments.html); !writable) return refuse(writable.error());
+    if (const Status writable = check_writable(arguments.html); !writable.ok()) return refuse(writable.error());
   }
   const sigset_t interrupts = block_interrupts();  // before gRPC starts its threads
   load::Stopper stopper;

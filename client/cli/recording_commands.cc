@@ -31,7 +31,7 @@ int fetch(const Session& session, const std::string& id, const std::string& out)
   const grpc::Status status = client::fetch_recording(client, "sheets/" + id, recording);
   if (!status.ok()) return refuse(status, session.server);
   host::RealDisk disk;
-  if (const Status written = disk.write_file(out, recording); !written) return refuse(written.error());
+  if (const Status written = disk.write_file(out, recording); !written.ok()) return refuse(written.error());
   if (session.json) {
     const nlohmann::ordered_json json{{"file", out}, {"bytes", recording.size()}};
     std::printf("%s\n", json.dump(2).c_str());

@@ -166,7 +166,7 @@ Result<analysis::Outcome> step_scene(sheet::Sheet& sheet, const SceneRunOptions&
   TickTimes times;
   const auto after = [&](const sheet::TickReport& report) {
     for (std::size_t i = 0; i < report.scheduled.size(); ++i) {
-      if (report.scheduled[i].reply) add_cuts(*report.scheduled[i].reply, timer.of_command(i), run.result);
+      if (report.scheduled[i].reply.ok()) add_cuts(*report.scheduled[i].reply, timer.of_command(i), run.result);
     }
     times.add(report.tick, timer.of_tick(), sheet.expected_cost());
     timer.clear();

@@ -55,7 +55,7 @@ int add_mesh(const CreateArguments& arguments, v1::Scene& scene) {
   if (const std::string& path = arguments.obj.empty() ? arguments.ply : arguments.obj; !path.empty()) {
     host::RealDisk disk;
     Result<std::string> content = disk.read_file(path, kMaxMeshFileBytes);
-    if (!content) return refuse(content.error());
+    if (!content.ok()) return refuse(content.error());
     if (arguments.obj.empty()) {
       scene.mutable_ply()->set_data(std::move(content).value());
       scene.mutable_ply()->set_rest_shape(rest_shape(arguments.rest));
@@ -97,7 +97,7 @@ int add_parts(const std::vector<std::string>& parts, v1::Scene& scene) {
 int add_scene_file(const CreateArguments& arguments, v1::Scene& scene) {
   host::RealDisk disk;
   Result<sheet::SheetConfig> config = read_scene(disk, arguments.scene);
-  if (!config) return refuse(config.error());
+  if (!config.ok()) return refuse(config.error());
   apply(arguments.integrator, config->integrator);
   apply_fidelity(arguments.fidelity, *config);
   scene = wire::encode_scene(*config);

@@ -90,7 +90,7 @@ void share_memory_between_threads() {
 std::shared_ptr<kerf::app::Server> start(const kerf::app::Config& config) {
   try {
     auto started = kerf::app::Server::start(config, note);
-    if (started) return std::move(started).value();
+    if (started.ok()) return std::move(started).value();
     note(started.error().message);
   } catch (const std::exception& error) {  // no memory, or no thread
     note("the system has too little for this server: " + std::string(error.what()));
@@ -111,7 +111,7 @@ int main(int argc, char** argv) {
   const sigset_t signals = block_stop_signals();
 
   auto parsed = kerf::app::parse_command_line(argc, argv);
-  if (!parsed) {
+  if (!parsed.ok()) {
     note(parsed.error().message);
     return kExitRefused;
   }

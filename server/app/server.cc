@@ -151,7 +151,7 @@ Status Server::Impl::check_record_dir() {
   }
   const std::filesystem::path probe = config.record_dir / (".kerfd-" + instance_id);
   const auto file = disk.create_file(probe.string());
-  if (!file) return invalid_argument("BAD_RECORD_DIR", option + file.error().message, "--record");
+  if (!file.ok()) return invalid_argument("BAD_RECORD_DIR", option + file.error().message, "--record");
   std::filesystem::remove(probe, ignored);
   return Nothing{};
 }

@@ -291,7 +291,7 @@ TEST(Probes, ASideChoosesTheLip) {
   config.gravity.setZero();
   config.integrator.precision = sheet::Precision::kDouble;  // so that what is at rest stays there
   sheet::Sheet sheet = sheet::make(config);
-  ASSERT_TRUE(sheet::apply(sheet, scenes::line_cut({-0.2, 0.5}, {1.2, 0.5})));
+  ASSERT_TRUE(sheet::apply(sheet, scenes::line_cut({-0.2, 0.5}, {1.2, 0.5})).ok());
   Probe upper = at_points("upper", Quantity::kVelocity, {{0.33, 0.5}});
   upper.side = Vector2d(0.33, 1.0);
   Probe lower = upper;
@@ -304,7 +304,7 @@ TEST(Probes, ASideChoosesTheLip) {
   for (const auto& [column, value] : measure(sheet, {still})) EXPECT_NEAR(value, 0.0, 1e-14) << column;
   // Whatever happens above stays above.
   sheet::Grab grab{"up", Vector2d(0.4, 0.9), Vector3d(0.4, 3.0, 0.0), 0.0};
-  ASSERT_TRUE(sheet::apply(sheet, grab));
+  ASSERT_TRUE(sheet::apply(sheet, grab).ok());
   sheet::run(sheet, 20);
   auto found = measure(sheet, {upper, lower});
   EXPECT_GT(std::abs(found.at("upper.y")), 1e-3);
@@ -350,7 +350,7 @@ TEST(Probes, RefuseWhatIsNotThereAndSayNaNOfWhatIsCutAway) {
   Result<Probes> probes = Probes::create({at_points("a", Quantity::kPosition, {{0.5, 0.5}})}, sheet);
   sheet::Cut wide = scenes::line_cut({0.4, 0.5}, {0.6, 0.5});
   wide.width = 0.1;
-  ASSERT_TRUE(sheet::apply(sheet, wide));
+  ASSERT_TRUE(sheet::apply(sheet, wide).ok());
   std::vector<double> row;
   probes->measure(sheet, {}, 0.0, row);
   EXPECT_TRUE(std::isnan(row.at(0)));

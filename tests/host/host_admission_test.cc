@@ -23,22 +23,22 @@ TEST(WorkerNeed, BeginsAsWhatIsExpectedAndBecomesWhatTicksTake) {
 
 TEST(Admission, ClosesAtTheLimitAndReopensWellBelowIt) {
   Admission admission(2.0);
-  EXPECT_TRUE(admission.admit(1.99, 4));
+  EXPECT_TRUE(admission.admit(1.99, 4).ok());
   const Status refused = admission.admit(2.0, 4);
   ASSERT_FALSE(refused.ok());
   EXPECT_EQ(refused.error().code, ErrorCode::kResourceExhausted);
   EXPECT_EQ(refused.error().reason, "OVERLOADED");
   EXPECT_NE(refused.error().message.find("8.00 of 4 workers"), std::string::npos) << refused.error().message;
   EXPECT_NE(refused.error().message.find("less than 7.20"), std::string::npos) << refused.error().message;
-  EXPECT_FALSE(admission.admit(1.9, 4));
-  EXPECT_FALSE(admission.admit(1.8, 4));
-  EXPECT_TRUE(admission.admit(1.79, 4));
-  EXPECT_TRUE(admission.admit(1.9, 4));
+  EXPECT_FALSE(admission.admit(1.9, 4).ok());
+  EXPECT_FALSE(admission.admit(1.8, 4).ok());
+  EXPECT_TRUE(admission.admit(1.79, 4).ok());
+  EXPECT_TRUE(admission.admit(1.9, 4).ok());
 }
 
 TEST(Admission, OfNoLimitNeverCloses) {
   Admission admission(0.0);
-  EXPECT_TRUE(admission.admit(1.0e9, 1));
+  EXPECT_TRUE(admission.admit(1.0e9, 1).ok());
 }
 
 // Its sheet's ticks take as long as it says, by moving the clock within them.

@@ -108,7 +108,7 @@ TEST_F(LongTickTest, IsEndedByAPauseAndKeepsItsCommands) {
   EXPECT_GT(paused.at(0)->num_vertices, kVertices);
   const std::int64_t ticks = paused.at(0)->tick;
 
-  ASSERT_TRUE(submit("a", sheet::UndoCut{}));
+  ASSERT_TRUE(submit("a", sheet::UndoCut{}).ok());
   Answers<SheetStatus> resumed;
   host_->resume("a", resumed.callback());
   run_for(5 * kTick);
@@ -181,7 +181,7 @@ TEST_F(LongTickTest, IsEndedByTheHostsEnd) {
 
 TEST_F(LongTickTest, OfAStepCallIsEndedWhenThatIsNotWantedAnyMore) {
   create("a", small_sheet(), true);
-  ASSERT_TRUE(submit("a", cut()));
+  ASSERT_TRUE(submit("a", cut()).ok());
   std::stop_source source;
   Answers<SheetStatus> stepped;
   host_->step("a", 10, stepped.callback(), source.get_token());
@@ -321,8 +321,8 @@ TEST_F(LongTickTest, LeavesARecordingThatReplays) {
     Answers<SheetStatus> paused;
     host_->pause("a", paused.callback());
     host_->wait_idle();
-    ASSERT_TRUE(submit("a", sheet::UndoCut{}));
-    ASSERT_TRUE(submit("a", sheet::SetWind{{{1.0 + round, 0.0, 0.0}, 1.2, 1.0}}));
+    ASSERT_TRUE(submit("a", sheet::UndoCut{}).ok());
+    ASSERT_TRUE(submit("a", sheet::SetWind{{{1.0 + round, 0.0, 0.0}, 1.2, 1.0}}).ok());
     Answers<SheetStatus> resumed;
     host_->resume("a", resumed.callback());
     run_for(round * kTick);

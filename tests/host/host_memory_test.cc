@@ -62,8 +62,8 @@ TEST_F(HostMemoryTest, ATickThatFindsNoneFreezesItsSheetAsItWasAndNoOther) {
   EXPECT_EQ(host_->metrics().failed_ticks, 0);
   EXPECT_EQ(status("b").tick, before.tick + 5);
   EXPECT_EQ(status("b").state_hash, status("control").state_hash);
-  ASSERT_TRUE(submit("a", scenes::line_cut({-0.1, 0.4}, {1.1, 0.4}))) << "it can be cut, and";
-  ASSERT_TRUE(submit("a", sheet::Reset{}));
+  ASSERT_TRUE(submit("a", scenes::line_cut({-0.1, 0.4}, {1.1, 0.4})).ok()) << "it can be cut, and";
+  ASSERT_TRUE(submit("a", sheet::Reset{}).ok());
   EXPECT_EQ(status("a").run_state, RunState::kRunning) << "begun again";
   EXPECT_GT(status("a").tick, frozen.tick);
 }

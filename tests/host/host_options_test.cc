@@ -59,7 +59,7 @@ TEST_F(SmallHostTest, CutsKeepTheLimitOnVertices) {
   EXPECT_EQ(refused.error().reason, "TOO_MANY_VERTICES");
   EXPECT_EQ(status("a").state_hash, before);
   EXPECT_EQ(status("a").topology_version, 1);
-  ASSERT_TRUE(submit("a", scenes::line_cut({-0.1, 0.5}, {1.1, 0.5})));
+  ASSERT_TRUE(submit("a", scenes::line_cut({-0.1, 0.5}, {1.1, 0.5})).ok());
   EXPECT_LE(status("a").num_vertices, 25);
 }
 
@@ -159,11 +159,11 @@ TEST_F(BudgetHostTest, OfWhatDeclaresNoSizeIsRefusedWhenItIsBuilt) {
 TEST_F(BudgetHostTest, WhatCutsAddCountsAndIsNotRefused) {
   create("a", small_sheet(), true);
   create("b", small_sheet(), true);
-  ASSERT_TRUE(submit("a", scenes::line_cut({-0.1, 0.45}, {1.1, 0.55})));
+  ASSERT_TRUE(submit("a", scenes::line_cut({-0.1, 0.45}, {1.1, 0.55})).ok());
   ASSERT_GT(status("a").num_vertices, 25);
   remove("b");
   EXPECT_EQ(try_to_create("b", 5), "TOO_MANY_VERTICES_IN_ALL");
-  ASSERT_TRUE(submit("a", sheet::UndoCut{}));
+  ASSERT_TRUE(submit("a", sheet::UndoCut{}).ok());
   EXPECT_EQ(try_to_create("b", 5), "done") << "an undo gives them back";
 }
 
@@ -231,7 +231,7 @@ TEST_F(FailingHostTest, AFailingSheetFreezesAloneAndAResetStartsItAgain) {
   create("a", small_sheet());
   create("b", small_sheet());
   run_for(3 * kTick);
-  ASSERT_TRUE(submit("a", sheet::SetGravity{{0, 0, scenes::kGivesUp}}));
+  ASSERT_TRUE(submit("a", sheet::SetGravity{{0, 0, scenes::kGivesUp}}).ok());
   run_for(10 * kTick);
   const SheetStatus frozen = status("a");
   EXPECT_EQ(frozen.run_state, RunState::kFailed);
@@ -251,7 +251,7 @@ TEST_F(FailingHostTest, AFailingSheetFreezesAloneAndAResetStartsItAgain) {
   host_->resume("a", stepped.callback());
   host_->wait_idle();
   EXPECT_EQ(stepped.reason(1), "SHEET_FROZEN");
-  ASSERT_TRUE(submit("a", sheet::Reset{}));
+  ASSERT_TRUE(submit("a", sheet::Reset{}).ok());
   EXPECT_EQ(status("a").run_state, RunState::kRunning);
   EXPECT_GT(status("a").tick, frozen.tick);
   EXPECT_EQ(status("a").flagged_ticks[3], 3) << "kept through a reset";
@@ -259,7 +259,7 @@ TEST_F(FailingHostTest, AFailingSheetFreezesAloneAndAResetStartsItAgain) {
 
 TEST_F(FailingHostTest, AStepCallEndsWhereTheSheetFreezes) {
   create("a", small_sheet(), true);
-  ASSERT_TRUE(submit("a", sheet::SetGravity{{0, 0, scenes::kWritesNonsense}}));
+  ASSERT_TRUE(submit("a", sheet::SetGravity{{0, 0, scenes::kWritesNonsense}}).ok());
   Answers<SheetStatus> stepped;
   host_->step("a", 100, stepped.callback());
   host_->wait_idle();
@@ -286,16 +286,16 @@ TEST_F(FailingHostTest, ASheetThatFreezesIsRecordedInOrder) {
   host_ = std::make_unique<Host>(std::move(options), clock_, entropy_);
   create("a", small_sheet());
   run_for(3 * kTick);
-  ASSERT_TRUE(submit("a", sheet::SetGravity{{0, 0, scenes::kGivesUp}}));
+  ASSERT_TRUE(submit("a", sheet::SetGravity{{0, 0, scenes::kGivesUp}}).ok());
   run_for(10 * kTick);
   ASSERT_EQ(status("a").run_state, RunState::kFailed);
-  ASSERT_TRUE(submit("a", scenes::line_cut({-0.1, 0.4}, {1.1, 0.4})));
+  ASSERT_TRUE(submit("a", scenes::line_cut({-0.1, 0.4}, {1.1, 0.4})).ok());
   Answers<SheetStatus> stepped;
   host_->pause("a", stepped.callback());
   host_->step("a", 1, stepped.callback());
   host_->resume("a", stepped.callback());
   run_for(3 * kTick);
-  ASSERT_TRUE(submit("a", sheet::Reset{}));
+  ASSERT_TRUE(submit("a", sheet::Reset{}).ok());
   run_for(3 * kTick);
   host_->stop();
   const Status order = sheet::check_order(recorder->recording().entries);
@@ -307,17 +307,17 @@ TEST_F(RecordingHostTest, WhatWasServedReplaysBitForBit) {
   create("a", at_50_hz(scenes::hanging(8)));
   create("b", small_sheet());
   run_for(5 * kTick);
-  ASSERT_TRUE(submit("a", scenes::line_cut({0.2, 0.5}, {0.8, 0.4})));
-  ASSERT_TRUE(submit("a", sheet::SetGravity{{0, 1, -2}}));
+  ASSERT_TRUE(submit("a", scenes::line_cut({0.2, 0.5}, {0.8, 0.4})).ok());
+  ASSERT_TRUE(submit("a", sheet::SetGravity{{0, 1, -2}}).ok());
   Answers<SheetStatus> done;
   host_->pause("a", done.callback());
-  ASSERT_TRUE(submit("a", scenes::circle_cut({0.5, 0.7}, 0.1)));
+  ASSERT_TRUE(submit("a", scenes::circle_cut({0.5, 0.7}, 0.1)).ok());
   host_->step("a", 7, done.callback());
   host_->resume("a", done.callback());
   run_for(5 * kTick);
   host_->resume("a", done.callback());
   run_for(5 * kTick);
-  ASSERT_TRUE(submit("a", sheet::Reset{}));
+  ASSERT_TRUE(submit("a", sheet::Reset{}).ok());
   run_for(5 * kTick);
   const std::int64_t tick = status("a").tick;
   host_->stop();

@@ -55,19 +55,19 @@ class KeepingHostTest : public HostTest {
   void live() {
     create("a", at_50_hz(scenes::hanging(8)));
     run_for(5 * kTick);
-    ASSERT_TRUE(submit("a", scenes::line_cut({0.2, 0.5}, {0.8, 0.4})));
+    ASSERT_TRUE(submit("a", scenes::line_cut({0.2, 0.5}, {0.8, 0.4})).ok());
     run_for(3 * kTick);
     Answers<SheetStatus> done;
     host_->pause("a", done.callback());
-    ASSERT_TRUE(submit("a", scenes::circle_cut({0.5, 0.7}, 0.1)));
-    ASSERT_FALSE(submit("a", sheet::Drag{"nothing", {0, 0, 0}}));
+    ASSERT_TRUE(submit("a", scenes::circle_cut({0.5, 0.7}, 0.1)).ok());
+    ASSERT_FALSE(submit("a", sheet::Drag{"nothing", {0, 0, 0}}).ok());
     host_->step("a", 60, done.callback());
     host_->resume("a", done.callback());
     run_for(3 * kTick);
     host_->resume("a", done.callback());
     run_for(3 * kTick);
-    ASSERT_TRUE(submit("a", sheet::SetGravity{{0, 1, -2}}));
-    ASSERT_TRUE(submit("a", sheet::SetMaterial{fem::find_preset("silk").value(), std::nullopt}));
+    ASSERT_TRUE(submit("a", sheet::SetGravity{{0, 1, -2}}).ok());
+    ASSERT_TRUE(submit("a", sheet::SetMaterial{fem::find_preset("silk").value(), std::nullopt}).ok());
     run_for(3 * kTick);
   }
 

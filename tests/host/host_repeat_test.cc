@@ -60,13 +60,13 @@ TEST_F(HostRepeatTest, WhatAClientChangedIsNotTakenAway) {
   create("a", story());
   const auto sink = watch();
   run_for(20 * kTick);
-  ASSERT_TRUE(submit("a", scenes::line_cut({-0.1, 0.8}, {1.1, 0.7})));
+  ASSERT_TRUE(submit("a", scenes::line_cut({-0.1, 0.8}, {1.1, 0.7})).ok());
   run_for(600 * kTick);
   EXPECT_EQ(status("a").pieces, 3);
   EXPECT_EQ(status("a").run_state, RunState::kSleeping);
   EXPECT_EQ(clock_.num_timers(), 0U) << "asleep it costs nothing";
   // After a reset it is the scene's own story again.
-  ASSERT_TRUE(submit("a", sheet::Reset{}));
+  ASSERT_TRUE(submit("a", sheet::Reset{}).ok());
   EXPECT_EQ(status("a").stats.resets, 1);
   run_for(165 * kTick);
   EXPECT_EQ(status("a").pieces, 2);
@@ -77,7 +77,7 @@ TEST_F(HostRepeatTest, ARefusedCommandIsNoChange) {
   create("a", story());
   const auto sink = watch();
   run_for(20 * kTick);
-  EXPECT_FALSE(submit("a", sheet::Release{"nobody"}));
+  EXPECT_FALSE(submit("a", sheet::Release{"nobody"}).ok());
   run_for(140 * kTick);
   EXPECT_LT(status("a").scene_tick, 20);
 }
@@ -95,9 +95,9 @@ TEST_F(HostRepeatTest, APausedStoryWaits) {
 
 TEST_F(HostRepeatTest, ResetsAndTheirUndosAreCounted) {
   create("a", story());
-  ASSERT_TRUE(submit("a", sheet::Reset{}));
-  ASSERT_TRUE(submit("a", sheet::UndoCut{}));
-  ASSERT_TRUE(submit("a", sheet::RedoCut{}));
+  ASSERT_TRUE(submit("a", sheet::Reset{}).ok());
+  ASSERT_TRUE(submit("a", sheet::UndoCut{}).ok());
+  ASSERT_TRUE(submit("a", sheet::RedoCut{}).ok());
   EXPECT_EQ(status("a").stats.resets, 2);
   EXPECT_EQ(status("a").stats.resets_undone, 1);
 }

@@ -122,7 +122,7 @@ TEST_F(HostTest, CommandsWithATickAreReplayed) {
   Answers<WaitingCommand> cancelled;
   host_->cancel("a", 2, cancelled.callback());
   run_for(10 * kTick);
-  ASSERT_TRUE(cancelled.at(0));
+  ASSERT_TRUE(cancelled.at(0).ok());
   ASSERT_EQ(status("a").topology_version, 3);
   host_->stop();
   const Result<sheet::ReplayReport> report = sheet::replay(recorder->recording());

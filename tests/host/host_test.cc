@@ -170,7 +170,7 @@ TEST_F(HostTest, TheQueueIsBounded) {
 
 TEST_F(HostTest, AGrabIsReleasedThoughTheQueueIsFull) {
   create("a", small_sheet());
-  ASSERT_TRUE(submit("a", sheet::Grab{"hand", 0, std::nullopt, 0.0}));
+  ASSERT_TRUE(submit("a", sheet::Grab{"hand", 0, std::nullopt, 0.0}).ok());
   Answers<CommandResult> answers;
   for (int i = 0; i < 65; ++i) host_->submit("a", sheet::SetGravity{{0, 0, -1.0}}, answers.callback());
   ASSERT_EQ(answers.reason(0), "QUEUE_FULL");

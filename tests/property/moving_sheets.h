@@ -71,7 +71,7 @@ inline SheetConfig random_config(SeededRandom& random, Frame& frame) {
 inline Result<Sheet> random_moving_sheet(SeededRandom& random, Frame& frame) {
   while (true) {
     Result<Sheet> made = Sheet::create(random_config(random, frame));
-    if (made || made.error().reason != "SHEET_TOO_STIFF") return made;
+    if (made.ok() || made.error().reason != "SHEET_TOO_STIFF") return made;
   }
 }
 

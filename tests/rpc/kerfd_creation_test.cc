@@ -26,7 +26,7 @@ class KerfdCreationTest : public KerfdTest {
   static grpc::Status create(client::Client& client, const std::string& json,
                              std::chrono::milliseconds timeout = std::chrono::seconds(20)) {
     v1::CreateSheetRequest request;
-    EXPECT_TRUE(wire::from_json(json, request));
+    EXPECT_TRUE(wire::from_json(json, request).ok());
     v1::Sheet sheet;
     return client.call(&v1::SheetService::Stub::CreateSheet, client.sheets(), request, sheet, timeout);
   }

@@ -43,7 +43,7 @@ TEST_F(KerfdTest, PrintsOneLineWhenReadyAndStopsOnASignal) {
         << line;
     const int port = std::stoi(match[2]);
     v1::ListSheetsResponse sheets;
-    ASSERT_TRUE(wire::from_json(request(port, "POST", "/kerf.v1.SheetService/ListSheets", {}, "{}").body, sheets));
+    ASSERT_TRUE(wire::from_json(request(port, "POST", "/kerf.v1.SheetService/ListSheets", {}, "{}").body, sheets).ok());
     ASSERT_EQ(sheets.sheets_size(), 2);
     EXPECT_EQ(sheets.sheets(0).name(), "sheets/first") << "without sheet_id the file's name serves";
     EXPECT_NE(sheets.sheets(0).run_state(), v1::Sheet::PAUSED);

@@ -236,7 +236,7 @@ TEST_F(RpcServerTest, NeverSharesAPort) {
   app::Config config = ws_test::test_config();
   config.grpc.port = ws_test::port_of(server_->grpc_address());
   const auto second = app::Server::start(config, [](std::string_view) {});
-  ASSERT_FALSE(second);
+  ASSERT_FALSE(second.ok());
   EXPECT_EQ(second.error().reason, "ADDRESS_IN_USE");
   EXPECT_NE(second.error().message.find(server_->grpc_address()), std::string::npos) << second.error().message;
   create("still-here");

@@ -94,20 +94,20 @@ TEST(Lineage, UndoEndsIdsAndRedoGivesThemBack) {
     for (const Piece& piece : sheet.pieces()) all.push_back(piece.birth.id);
     return all;
   };
-  ASSERT_TRUE(apply(sheet, scenes::line_cut({-0.1, 0.25}, {1.1, 0.25})));
+  ASSERT_TRUE(apply(sheet, scenes::line_cut({-0.1, 0.25}, {1.1, 0.25})).ok());
   const std::vector<std::int64_t> halves = ids();
-  ASSERT_TRUE(apply(sheet, UndoCut{}));
+  ASSERT_TRUE(apply(sheet, UndoCut{}).ok());
   EXPECT_EQ(ids(), std::vector<std::int64_t>{1});
-  ASSERT_TRUE(apply(sheet, RedoCut{}));
+  ASSERT_TRUE(apply(sheet, RedoCut{}).ok());
   EXPECT_EQ(ids(), halves);
-  ASSERT_TRUE(apply(sheet, UndoCut{}));
+  ASSERT_TRUE(apply(sheet, UndoCut{}).ok());
   const Result<CommandReply> other = apply(sheet, scenes::line_cut({0.5, -0.1}, {0.5, 1.1}));
   ASSERT_TRUE(other.ok());
   EXPECT_EQ(other->cut->number, 2) << "a number is not given twice";
   for (const std::int64_t id : ids()) EXPECT_GT(id, 3) << "nor is an id";
-  ASSERT_TRUE(apply(sheet, Reset{}));
+  ASSERT_TRUE(apply(sheet, Reset{}).ok());
   EXPECT_EQ(ids(), std::vector<std::int64_t>{1});
-  ASSERT_TRUE(apply(sheet, scenes::line_cut({0.5, -0.1}, {0.5, 1.1})));
+  ASSERT_TRUE(apply(sheet, scenes::line_cut({0.5, -0.1}, {0.5, 1.1})).ok());
   for (const std::int64_t id : ids()) EXPECT_GT(id, 5);
 }
 

@@ -25,9 +25,9 @@ SheetConfig eventful() {
 TEST(Reset, BringsTheSceneBackWholeWithItsClockScheduleAndHistories) {
   Sheet sheet = make(eventful());
   run(sheet, 14);
-  ASSERT_TRUE(apply(sheet, across(0.6)));
+  ASSERT_TRUE(apply(sheet, across(0.6)).ok());
   run(sheet, 3);
-  ASSERT_TRUE(apply(sheet, Reset{}));
+  ASSERT_TRUE(apply(sheet, Reset{}).ok());
   EXPECT_EQ(sheet.tick(), 17) << "the tick counts on";
   EXPECT_EQ(sheet.scene_tick(), 0);
   Sheet fresh = make(eventful());
@@ -59,11 +59,11 @@ TEST(Reset, InARunningTickBeginsWithTheFirstTickOfTheScene) {
 TEST(Reset, ChoosesTheIntegratorOfAFreshSheetAfterAStepInDouble) {
   SheetConfig config = scenes::hanging(24);
   Sheet sheet = make(config);
-  ASSERT_TRUE(apply(sheet, across(0.5)));
+  ASSERT_TRUE(apply(sheet, across(0.5)).ok());
   run(sheet, 60);
   const std::vector<Command> undo{UndoCut{}};
   ASSERT_TRUE(sheet.step(undo).stats.is_double) << "the half that fell is put back, far away";
-  ASSERT_TRUE(apply(sheet, Reset{}));
+  ASSERT_TRUE(apply(sheet, Reset{}).ok());
   Sheet fresh = make(config);
   EXPECT_EQ(sheet.integrator_description(), fresh.integrator_description());
   EXPECT_EQ(sheet.expected_cost().total(), fresh.expected_cost().total());
@@ -83,11 +83,11 @@ TEST(Reset, OfTheSceneItselfDoesNotRepeatItsSchedule) {
 TEST(Reset, IsTakenBackBitForBit) {
   Sheet sheet = make(eventful());
   run(sheet, 12);
-  ASSERT_TRUE(apply(sheet, across(0.7)));
-  ASSERT_TRUE(apply(sheet, SetPins{{RegionEdge::kTopCorners}}));
+  ASSERT_TRUE(apply(sheet, across(0.7)).ok());
+  ASSERT_TRUE(apply(sheet, SetPins{{RegionEdge::kTopCorners}}).ok());
   run(sheet, 2);
   Sheet untouched = sheet;
-  ASSERT_TRUE(apply(sheet, Reset{}));
+  ASSERT_TRUE(apply(sheet, Reset{}).ok());
   run(sheet, 9);
   ASSERT_EQ(apply(sheet, UndoCut{})->undone->cuts.size(), 1U) << "the cut that the scene made since";
   const Result<CommandReply> undone = apply(sheet, UndoCut{});
@@ -107,58 +107,58 @@ TEST(Reset, IsTakenBackBitForBit) {
 TEST(Reset, IsAStepOfTheHistoryAmongCuts) {
   Sheet sheet = make(scenes::hanging(8));
   const auto pieces = [&sheet] { return sheet.mesh().num_pieces(); };
-  ASSERT_TRUE(apply(sheet, across(0.3)));
+  ASSERT_TRUE(apply(sheet, across(0.3)).ok());
   const std::uint64_t one_cut = sheet.mesh().state_hash();
-  ASSERT_TRUE(apply(sheet, Reset{}));
+  ASSERT_TRUE(apply(sheet, Reset{}).ok());
   EXPECT_EQ(reason(apply(sheet, RedoCut{})), "NOTHING_TO_REDO");
-  ASSERT_TRUE(apply(sheet, across(0.5)));
-  ASSERT_TRUE(apply(sheet, across(0.8)));
+  ASSERT_TRUE(apply(sheet, across(0.5)).ok());
+  ASSERT_TRUE(apply(sheet, across(0.8)).ok());
   const std::uint64_t two_cuts = sheet.mesh().state_hash();
-  for (int i = 0; i < 3; ++i) ASSERT_TRUE(apply(sheet, UndoCut{}));
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(apply(sheet, UndoCut{}).ok());
   EXPECT_EQ(sheet.mesh().state_hash(), one_cut) << "two cuts and the reset were undone";
-  ASSERT_TRUE(apply(sheet, UndoCut{}));
+  ASSERT_TRUE(apply(sheet, UndoCut{}).ok());
   EXPECT_EQ(pieces(), 1);
   EXPECT_EQ(reason(apply(sheet, UndoCut{})), "NOTHING_TO_UNDO");
-  ASSERT_TRUE(apply(sheet, RedoCut{}));
+  ASSERT_TRUE(apply(sheet, RedoCut{}).ok());
   EXPECT_EQ(sheet.mesh().state_hash(), one_cut);
   const Result<CommandReply> again = apply(sheet, RedoCut{});
   ASSERT_TRUE(again.ok());
   EXPECT_TRUE(again->undone->reset);
   EXPECT_EQ(pieces(), 1);
-  for (int i = 0; i < 2; ++i) ASSERT_TRUE(apply(sheet, RedoCut{}));
+  for (int i = 0; i < 2; ++i) ASSERT_TRUE(apply(sheet, RedoCut{}).ok());
   EXPECT_EQ(sheet.mesh().state_hash(), two_cuts);
 }
 
 TEST(Reset, ThatIsUndoneLeavesPiecesTheirIdsAndGivesNoneTwice) {
   Sheet sheet = make(scenes::hanging(8));
-  ASSERT_TRUE(apply(sheet, across(0.3)));
+  ASSERT_TRUE(apply(sheet, across(0.3)).ok());
   const auto ids = [&sheet] {
     std::vector<std::int64_t> all;
     for (const Piece& piece : sheet.pieces()) all.push_back(piece.birth.id);
     return all;
   };
   const std::vector<std::int64_t> before = ids();
-  ASSERT_TRUE(apply(sheet, Reset{}));
-  ASSERT_TRUE(apply(sheet, across(0.6)));
+  ASSERT_TRUE(apply(sheet, Reset{}).ok());
+  ASSERT_TRUE(apply(sheet, across(0.6)).ok());
   const std::vector<std::int64_t> between = ids();
-  for (int i = 0; i < 2; ++i) ASSERT_TRUE(apply(sheet, UndoCut{}));
+  for (int i = 0; i < 2; ++i) ASSERT_TRUE(apply(sheet, UndoCut{}).ok());
   EXPECT_EQ(ids(), before);
   for (const std::int64_t id : between) EXPECT_EQ(std::count(before.begin(), before.end(), id), 0) << id;
 }
 
 TEST(Reset, LetsGoAndItsUndoDoesNotTakeHoldAgain) {
   Sheet sheet = make(scenes::hanging(6));
-  ASSERT_TRUE(apply(sheet, Grab{"hand", 0, std::nullopt, 0.0}));
-  ASSERT_TRUE(apply(sheet, Reset{}));
+  ASSERT_TRUE(apply(sheet, Grab{"hand", 0, std::nullopt, 0.0}).ok());
+  ASSERT_TRUE(apply(sheet, Reset{}).ok());
   EXPECT_TRUE(sheet.grabs().empty());
-  ASSERT_TRUE(apply(sheet, UndoCut{}));
+  ASSERT_TRUE(apply(sheet, UndoCut{}).ok());
   EXPECT_TRUE(sheet.grabs().empty()) << "whoever held it knows that the grab is gone";
 }
 
 TEST(Reset, ThatRepeatsTheSceneKeepsNothing) {
   Sheet sheet = make(scenes::hanging(6));
-  ASSERT_TRUE(apply(sheet, across(0.3)));
-  ASSERT_TRUE(apply(sheet, Reset{.repeats = true}));
+  ASSERT_TRUE(apply(sheet, across(0.3)).ok());
+  ASSERT_TRUE(apply(sheet, Reset{.repeats = true}).ok());
   EXPECT_EQ(reason(apply(sheet, UndoCut{})), "NOTHING_TO_UNDO");
   SheetConfig config = scenes::hanging(6);
   config.commands = {{3, Reset{.repeats = true}}};
@@ -167,13 +167,13 @@ TEST(Reset, ThatRepeatsTheSceneKeepsNothing) {
 
 TEST(Reset, WhatIsKeptForUndoIsBounded) {
   Sheet sheet = make(scenes::hanging(60));
-  ASSERT_TRUE(apply(sheet, across(0.3)));
-  for (int i = 0; i < 100; ++i) ASSERT_TRUE(apply(sheet, Reset{}));
+  ASSERT_TRUE(apply(sheet, across(0.3)).ok());
+  for (int i = 0; i < 100; ++i) ASSERT_TRUE(apply(sheet, Reset{}).ok());
   EXPECT_LE(sheet.history().bytes(), UndoHistory::kMaxBytes);
   const std::size_t kept = sheet.history().num_done();
   EXPECT_GT(kept, 20U);
   EXPECT_LT(kept, 101U);
-  for (std::size_t i = 0; i < kept; ++i) ASSERT_TRUE(apply(sheet, UndoCut{}));
+  for (std::size_t i = 0; i < kept; ++i) ASSERT_TRUE(apply(sheet, UndoCut{}).ok());
   EXPECT_EQ(reason(apply(sheet, UndoCut{})), "UNDO_FORGOTTEN");
 }
 

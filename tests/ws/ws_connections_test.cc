@@ -236,7 +236,7 @@ TEST_F(HttpServerTest, AStepWhoseClientHangsUpEnds) {
   } while (response.status == 400);
   ASSERT_EQ(response.status, 200) << response.body;
   v1::Sheet sheet;
-  ASSERT_TRUE(wire::from_json(response.body, sheet));
+  ASSERT_TRUE(wire::from_json(response.body, sheet).ok());
   EXPECT_LT(sheet.tick(), kManyTicks);
 }
 
@@ -251,7 +251,7 @@ TEST_F(HttpServerTest, AStepWhoseClientEndsItsHalfIsAnsweredWithWhatWasDone) {
   const Response response = client.read_response();
   ASSERT_EQ(response.status, 200) << response.body;
   v1::Sheet sheet;
-  ASSERT_TRUE(wire::from_json(response.body, sheet));
+  ASSERT_TRUE(wire::from_json(response.body, sheet).ok());
   EXPECT_GT(sheet.tick(), 0);
   EXPECT_LT(sheet.tick(), kManyTicks);
   EXPECT_TRUE(client.closed_by_peer());
@@ -267,7 +267,7 @@ TEST_F(HttpServerTest, AStepWhoseClientSendsItsNextRequestGoesOn) {
     const Response response = client.read_response();
     ASSERT_EQ(response.status, 200) << response.body;
     v1::Sheet sheet;
-    ASSERT_TRUE(wire::from_json(response.body, sheet));
+    ASSERT_TRUE(wire::from_json(response.body, sheet).ok());
     EXPECT_EQ(sheet.tick(), tick);
   }
 }
@@ -277,7 +277,7 @@ TEST_F(HttpServerTest, NeverSharesAPort) {
   app::Config config = test_config();
   config.http.port = port_;
   const auto second = app::Server::start(config, [](std::string_view) {});
-  ASSERT_FALSE(second);
+  ASSERT_FALSE(second.ok());
   EXPECT_EQ(second.error().reason, "ADDRESS_IN_USE");
   EXPECT_NE(second.error().message.find(std::to_string(port_)), std::string::npos) << second.error().message;
   EXPECT_EQ(get("/healthz").status, 200);

@@ -57,7 +57,7 @@ TEST_F(HttpServerTest, CallsMethodsWithJson) {
   const Response told = call("ServerService/GetServerInfo", "");
   ASSERT_EQ(told.status, 200) << told.body;
   EXPECT_EQ(told.headers.at("content-type"), "application/json");
-  ASSERT_TRUE(wire::from_json(told.body, info));
+  ASSERT_TRUE(wire::from_json(told.body, info).ok());
   EXPECT_EQ(info.limits().max_request_bytes(), 1 << 20);
   EXPECT_EQ(info.renderer().rfind("none", 0), 0U) << info.renderer();
 
@@ -67,7 +67,7 @@ TEST_F(HttpServerTest, CallsMethodsWithJson) {
                              R"({"parent":"sheets/a","cut":{"curve":{"polyline":{"points":[
                                  {"x":0.51,"y":-0.2},{"x":0.47,"y":1.2}]}}}})");
   ASSERT_EQ(done.status, 200) << done.body;
-  ASSERT_TRUE(wire::from_json(done.body, cut));
+  ASSERT_TRUE(wire::from_json(done.body, cut).ok());
   EXPECT_EQ(cut.status(), v1::CutResult::APPLIED);
   EXPECT_EQ(cut.pieces(), 2);
 }
@@ -108,7 +108,7 @@ TEST_F(HttpServerTest, LetsNoForeignPageCall) {
   }
   EXPECT_EQ(call("SheetService/ResumeSheet", pause, "Host: rebound.example.org\r\n").status, 403);
   v1::Sheet sheet;
-  ASSERT_TRUE(wire::from_json(call("SheetService/GetSheet", pause).body, sheet));
+  ASSERT_TRUE(wire::from_json(call("SheetService/GetSheet", pause).body, sheet).ok());
   EXPECT_EQ(sheet.run_state(), v1::Sheet::PAUSED);
   EXPECT_EQ(call("SheetService/GetSheet", pause, "Origin: http://localhost:" + port + "\r\n").status, 200);
   EXPECT_EQ(get("/", "Host: rebound.example.org\r\n").status, 403);

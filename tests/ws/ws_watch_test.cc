@@ -69,7 +69,7 @@ class WatchTest : public ::testing::Test {
   }
   bool call(const std::string& method, const std::string& json, google::protobuf::Message& response) const {
     const Response answer = request(port_, "POST", "/kerf.v1." + method, {}, json);
-    const bool ok = answer.status == 200 && wire::from_json(answer.body, response);
+    const bool ok = answer.status == 200 && wire::from_json(answer.body, response).ok();
     if (!ok) ADD_FAILURE() << method << ": " << answer.status << " " << answer.body;
     return ok;
   }

@@ -34,7 +34,7 @@ Table table_of(const Probes& probes, const std::string& first) {
 // Keeps the answers; the error of the first that is one.
 Status keep(std::vector<sheet::ScheduledReply> scheduled, std::vector<sheet::ScheduledReply>& kept) {
   for (sheet::ScheduledReply& answer : scheduled) {
-    if (!answer.reply) {
+    if (!answer.reply.ok()) {
       Error error = answer.reply.error();
       error.message = "scheduled command " + std::to_string(answer.index) + ": " + error.message;
       const std::string path = "commands[" + std::to_string(answer.index) + "].command";

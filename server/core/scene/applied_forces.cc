@@ -58,7 +58,7 @@ struct FindPlace {
 Status check_point(const PointForce& point, const mesh::TriangleMesh& mesh, const std::string& path) {
   if (const auto* vertex = std::get_if<VertexId>(&point.point)) {
     const std::string field = path + ".point.vertex";
-    if (find_vertices(mesh, Region(std::vector<VertexId>{*vertex}), field)) return Nothing{};
+    if (find_vertices(mesh, Region(std::vector<VertexId>{*vertex}), field).ok()) return Nothing{};
     return invalid_argument("UNKNOWN_VERTEX",
                             field + " is " + std::to_string(*vertex) + "; the sheet has vertices 0.." +
                                 std::to_string(mesh.num_vertices() - 1),

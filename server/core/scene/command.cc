@@ -50,7 +50,7 @@ Status validate_command(const CutBatch& batch) {
   }
   KERF_TRY(check_count(batch.cuts.size(), kMaxBatchCuts, "cuts", "cut_batch.cuts"));
   for (std::size_t i = 0; i < batch.cuts.size(); ++i) {
-    if (Status s = validate_command(batch.cuts[i]); !s) return in_batch(s.error(), i);
+    if (Status s = validate_command(batch.cuts[i]); !s.ok()) return in_batch(s.error(), i);
   }
   return Nothing{};
 }

@@ -75,7 +75,7 @@ Status check_length(const Eigen::Vector3d& value, double limit, const std::strin
 }
 
 Status check_curve(const cut::Curve& curve, const std::string& field) {
-  if (const Status valid = cut::validate(curve); !valid) return renamed(valid.error(), field);
+  if (const Status valid = cut::validate(curve); !valid.ok()) return renamed(valid.error(), field);
   return Nothing{};
 }
 

@@ -288,8 +288,8 @@ void Sheet::Impl::finish_edit(std::vector<mesh::VertexId> now_pinned, std::span<
 
 CommandReply Sheet::Impl::undo_reply(const UndoStep& step) const {
   UndoReply undone;
-  for (const DoneCut& cut : step->cuts) undone.cuts.push_back(cut.number);
-  undone.reset = step->before_reset != nullptr;
+  for (const DoneCut& cut : step.cuts) undone.cuts.push_back(cut.number);
+  undone.reset = step.before_reset != nullptr;
   undone.pieces = mesh.num_pieces();
   undone.undo_steps = static_cast<std::int32_t>(history.num_done());
   undone.redo_steps = static_cast<std::int32_t>(history.num_undone());

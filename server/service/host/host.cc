@@ -21,7 +21,7 @@ void Host::create_sheet(std::string id, sheet::SheetConfig config, bool paused, 
 
 void Host::replay(std::string id, sheet::Recording recording, bool paused, Callback<SheetStatus> done,
                   const std::stop_token& stop) {
-  if (const Status ordered = sheet::check_order(recording.entries); !ordered) return done(ordered.error());
+  if (const Status ordered = sheet::check_order(recording.entries); !ordered.ok()) return done(ordered.error());
   auto playback = std::make_unique<Playback>(std::move(recording.entries), recording.torn_bytes);
   impl_->create_sheet(std::move(id), std::move(recording.config), std::move(playback), paused, std::move(done), stop);
 }
@@ -76,7 +76,7 @@ void Host::pause(const std::string& id, Callback<SheetStatus> done) {
 
 void Host::resume(const std::string& id, Callback<SheetStatus> done) {
   impl_->on_strand(id, done, [done](SheetRunner& r) {
-    if (Status s = r.resume(); !s) return done(s.error());
+    if (Status s = r.resume(); !s.ok()) return done(s.error());
     done(r.status());
   });
 }

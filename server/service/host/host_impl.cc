@@ -344,7 +344,7 @@ void Host::Impl::schedule(const std::string& id, sheet::Command command, std::in
     if (!number.ok()) board_.update([](HostMetrics& m) { ++m.commands_refused; });
     done(std::move(number));
   };
-  if (const Status valid = sheet::validate(command); !valid) return answer(valid.error());
+  if (const Status valid = sheet::validate(command); !valid.ok()) return answer(valid.error());
   on_strand<std::int64_t>(id, answer, [command = std::move(command), at_tick, answer](SheetRunner& r) mutable {
     answer(r.schedule(std::move(command), at_tick));
   });

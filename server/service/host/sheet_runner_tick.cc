@@ -259,7 +259,7 @@ void SheetRunner::tell(const std::vector<sheet::Command>& commands, const std::v
   }
   for (std::size_t i = num_scheduled; i < results.size(); ++i) {
     const Appointment& appointment = pending[i - num_scheduled].appointment;
-    if (results[i] || appointment.at_tick > 0) {
+    if (results[i].ok() || appointment.at_tick > 0) {
       (*listener)(id_, commands[i - num_scheduled], results[i], appointment);
     }
   }

@@ -128,7 +128,7 @@ void FileRoutes::upload(HttpRequest request, std::function<void(HttpResponse)> d
       path == kSheets ? begin_upload(api_, read_sheet_upload(request), size, &api::Api::upload_sheet)
                       : begin_upload(api_, read_recording_upload(request), size, &api::Api::replay_recording);
   if (!upload.ok()) return done(refusal(upload.error()));
-  if (const Status taken = (*upload)->append(std::move(request.body)); !taken) return done(refusal(taken.error()));
+  if (const Status taken = (*upload)->append(std::move(request.body)); !taken.ok()) return done(refusal(taken.error()));
   const auto answer = [done = std::move(done)](Result<v1::Sheet> sheet) {
     if (!sheet.ok()) return done(refusal(sheet.error()));
     done({200,

@@ -143,7 +143,7 @@ void Router::respond(HttpRequest request, std::function<void(HttpResponse)> done
   const Target target = split_target(whole_target);
   const bool reads = request.method == "GET" || request.method == "HEAD";
   if (std::optional<HttpResponse> state = reads ? probe(target.path) : std::nullopt) return done(*std::move(state));
-  if (const Status host = check_host(access_, request.host); !host) return done(refused_host(host.error()));
+  if (const Status host = check_host(access_, request.host); !host.ok()) return done(refused_host(host.error()));
   const std::optional<PicturePath> picture = reads ? parse_picture_path(target.path) : std::nullopt;
   if (picture) return draw(*picture, target.query, std::move(done));
   if (reads && FileRoutes::is_download(target.path)) return files_.download(target.path, std::move(done));
@@ -203,7 +203,7 @@ std::optional<Result<std::shared_ptr<api::ImageSession>>> Router::play(const Htt
   const std::optional<PicturePath> picture = parse_picture_path(target.path);
   if (request.method != "GET" || !picture || picture->kind != PictureKind::kMjpeg) return std::nullopt;
   // Told by respond(), which is asked next.
-  if (!check_host(access_, request.host)) return std::nullopt;
+  if (!check_host(access_, request.host).ok()) return std::nullopt;
   KERF_TRY_ASSIGN(const v1::WatchImagesStart start, decode_stream_query(*picture, target.query));
   return api_.play_images(start);
 }

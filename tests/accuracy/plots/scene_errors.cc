@@ -31,7 +31,7 @@ nlohmann::ordered_json errors_of(const Expectation& expectation, const v1::RunRe
 int run(const char* expectation_file, const char* scene_file) try {
   const Expectation expectation(expectation_file);
   const auto done = run_scene_file(scene_file);
-  if (!done) {
+  if (!done.ok()) {
     std::fprintf(stderr, "scene_errors: %s: %s\n", done.error().field.c_str(), done.error().message.c_str());
     return 1;
   }

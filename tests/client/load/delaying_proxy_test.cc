@@ -72,7 +72,7 @@ Clock::duration echo(Tcp::socket& socket, const std::string& sent) {
 TEST(DelayingProxy, PassesEverythingOnInOrderAfterTheDelay) {
   EchoServer server;
   auto proxy = DelayingProxy::start(server.address(), {30ms, 0.0});
-  ASSERT_TRUE(proxy) << proxy.error().message;
+  ASSERT_TRUE(proxy.ok()) << proxy.error().message;
   boost::asio::io_context context;
   Tcp::socket socket = connect(context, (*proxy)->address());
   EXPECT_GE(echo(socket, "x"), 60ms);
@@ -82,7 +82,7 @@ TEST(DelayingProxy, PassesEverythingOnInOrderAfterTheDelay) {
 TEST(DelayingProxy, PassesNoMoreThanTheRate) {
   EchoServer server;
   auto proxy = DelayingProxy::start(server.address(), {0ms, 1.0e6});
-  ASSERT_TRUE(proxy) << proxy.error().message;
+  ASSERT_TRUE(proxy.ok()) << proxy.error().message;
   boost::asio::io_context context;
   Tcp::socket socket = connect(context, (*proxy)->address());
   EXPECT_GE(echo(socket, pattern(400'000)), 400ms);
@@ -92,7 +92,7 @@ TEST(DelayingProxy, PassesNoMoreThanTheRate) {
 TEST(DelayingProxy, TheDelayTakesNothingFromTheRate) {
   EchoServer server;
   auto proxy = DelayingProxy::start(server.address(), {200ms, 4.0e6});
-  ASSERT_TRUE(proxy) << proxy.error().message;
+  ASSERT_TRUE(proxy.ok()) << proxy.error().message;
   boost::asio::io_context context;
   Tcp::socket socket = connect(context, (*proxy)->address());
   EXPECT_LT(echo(socket, pattern(2'000'000)), 4s);
@@ -103,7 +103,7 @@ TEST(DelayingProxy, PassesOnWhatWasSaidLast) {
   boost::asio::io_context context;
   Tcp::acceptor acceptor(context, {boost::asio::ip::address_v4::loopback(), 0});
   auto proxy = DelayingProxy::start("127.0.0.1:" + std::to_string(acceptor.local_endpoint().port()), {50ms, 0.0});
-  ASSERT_TRUE(proxy) << proxy.error().message;
+  ASSERT_TRUE(proxy.ok()) << proxy.error().message;
   Tcp::socket socket = connect(context, (*proxy)->address());
   {
     Tcp::socket server = acceptor.accept();
@@ -123,7 +123,7 @@ TEST(DelayingProxy, OfNoServerSaysSo) {
 TEST(DelayingProxy, ClosesWhereTheServerIsNotThere) {
   const test::ClosedPort nobody;
   auto proxy = DelayingProxy::start(nobody.address(), {});
-  ASSERT_TRUE(proxy);
+  ASSERT_TRUE(proxy.ok());
   boost::asio::io_context context;
   Tcp::socket socket = connect(context, (*proxy)->address());
   char byte = 0;

@@ -69,7 +69,7 @@ TEST_F(LoadRunTest, CountsWhatItDoesAndLeavesNothingBehind) {
   wanted.hold_s = 0.3;
   wanted.cuts_per_second = 10.0;
   const Result<Report> report = run(wanted);
-  ASSERT_TRUE(report) << report.error().message;
+  ASSERT_TRUE(report.ok()) << report.error().message;
   EXPECT_EQ(sheets_left(), 0);
   ASSERT_EQ(report->sheets.size(), 2U);
   for (const SheetRun& sheet : report->sheets) {
@@ -108,7 +108,7 @@ TEST_F(LoadRunTest, WebSocketsDoTheSame) {
   wanted.stalled_readers = 1;
   wanted.cuts_per_second = 10.0;
   const Result<Report> report = run(wanted);
-  ASSERT_TRUE(report) << report.error().message;
+  ASSERT_TRUE(report.ok()) << report.error().message;
   const ReaderTotals& viewers = report->of(Role::kViewer);
   EXPECT_EQ(viewers.readers, 3);
   EXPECT_TRUE(viewers.ends.empty()) << viewers.ends.begin()->first;
@@ -133,7 +133,7 @@ TEST_P(LoadRunOver, StalledReadersTellHowTheyWereEnded) {
   wanted.stall_s = 5.0;
   wanted.duration_s = 7.0;
   const Result<Report> report = run(wanted);
-  ASSERT_TRUE(report) << report.error().message;
+  ASSERT_TRUE(report.ok()) << report.error().message;
   const ReaderTotals& stalled = report->of(Role::kStalled);
   EXPECT_EQ(stalled.readers, 4);
   EXPECT_EQ(stalled.ends, (std::map<std::string, std::int64_t>{{"TOO_SLOW", 4}})) << to_text(*report);
@@ -148,7 +148,7 @@ TEST_F(LoadRunTest, TellsOfSheetsThatAreRefused) {
   wanted.sheets = 5;
   wanted.duration_s = 0.1;
   const Result<Report> report = run(wanted);
-  ASSERT_TRUE(report) << report.error().message;
+  ASSERT_TRUE(report.ok()) << report.error().message;
   EXPECT_EQ(report->sheets.size(), 3U);
   EXPECT_GE(report->refusals.at("TOO_MANY_SHEETS"), 1);
   EXPECT_THAT(report->first_refusal, HasSubstr("limit of 3 sheets"));
@@ -190,7 +190,7 @@ TEST_F(LoadRunTest, SheetsOfAStillPlanFallAsleep) {
   wanted.warm_up_s = 2.0;
   wanted.duration_s = 0.2;
   const Result<Report> report = run(wanted);
-  ASSERT_TRUE(report) << report.error().message;
+  ASSERT_TRUE(report.ok()) << report.error().message;
   ASSERT_EQ(report->sheets.size(), 3U);
   for (const SheetRun& sheet : report->sheets) {
     EXPECT_EQ(sheet.run_state, "SLEEPING");
@@ -209,7 +209,7 @@ TEST_F(LoadRunTest, AStoppedRunDeletesItsSheetsToo) {
         if (progress.stage == "measuring") stopper.stop();
       },
       stopper);
-  ASSERT_TRUE(report) << report.error().message;
+  ASSERT_TRUE(report.ok()) << report.error().message;
   EXPECT_TRUE(report->interrupted);
   EXPECT_EQ(sheets_left(), 0);
 }
@@ -243,7 +243,7 @@ TEST_F(LoadRunTest, FramesFromFarAwayAreOlderByTheWay) {
   wanted.way_ms = 20.0;
   wanted.cuts_per_second = 4.0;
   const Result<Report> report = run(wanted);
-  ASSERT_TRUE(report) << report.error().message;
+  ASSERT_TRUE(report.ok()) << report.error().message;
   const ReaderTotals& viewers = report->of(Role::kViewer);
   EXPECT_GT(viewers.frames, 0);
   EXPECT_GE(viewers.age_us.min(), 20'000);
@@ -258,7 +258,7 @@ TEST_F(LoadRunTest, TheLastCutsAreWaitedFor) {
   wanted.way_ms = 600.0;
   wanted.cuts_per_second = 10.0;
   const Result<Report> report = run(wanted);
-  ASSERT_TRUE(report) << report.error().message;
+  ASSERT_TRUE(report.ok()) << report.error().message;
   EXPECT_EQ(report->cuts.unseen, 0);
   EXPECT_EQ(report->cuts.seen_us.count(), report->cuts.applied);
   EXPECT_GE(report->cuts.seen_us.min(), 600'000);
