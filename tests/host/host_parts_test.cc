@@ -219,15 +219,15 @@ TEST(Metrics, HistogramPutsBoundsIntoTheirOwnClass) {
 void check_disk(Disk& disk, const std::string& folder) {
   const std::string path = folder + "file";
   EXPECT_EQ(disk.read_file(path, 10).error().code, ErrorCode::kNotFound);
-  ASSERT_TRUE(disk.write_file(path, "first"));
-  ASSERT_TRUE(disk.write_file(path, "second"));
+  ASSERT_TRUE(disk.write_file(path, "first").ok());
+  ASSERT_TRUE(disk.write_file(path, "second").ok());
   EXPECT_EQ(disk.read_file(path, 6).value(), "second");
   EXPECT_EQ(disk.read_file(path, 5).error().reason, "FILE_TOO_LARGE");
   Result<std::unique_ptr<AppendFile>> file = disk.create_file(path);
   ASSERT_TRUE(file.ok());
-  ASSERT_TRUE((*file)->append("a"));
-  ASSERT_TRUE((*file)->append(std::string("\0b", 2)));
-  ASSERT_TRUE((*file)->sync());
+  ASSERT_TRUE((*file)->append("a").ok());
+  ASSERT_TRUE((*file)->append(std::string("\0b", 2)).ok());
+  ASSERT_TRUE((*file)->sync().ok());
   EXPECT_EQ(disk.read_file(path, 10).value(), std::string("a\0b", 3));
 }
 
@@ -246,7 +246,7 @@ TEST(Disk, RealDisk) {
   EXPECT_FALSE(std::filesystem::exists(folder + "file.new"));
 
   std::filesystem::create_symlink(folder + "file", folder + "link");
-  ASSERT_TRUE(disk.write_file(folder + "link", "through the link"));
+  ASSERT_TRUE(disk.write_file(folder + "link", "through the link").ok());
   EXPECT_TRUE(std::filesystem::is_symlink(folder + "link"));
   EXPECT_EQ(disk.read_file(folder + "file", 100).value(), "through the link");
   std::filesystem::create_symlink("/dev/full", folder + "device");
@@ -257,17 +257,17 @@ TEST(Disk, RealDisk) {
 
 TEST(Disk, AMemoryDiskRunsFullWithoutLosingWhatWasThere) {
   MemoryDisk disk(10);
-  ASSERT_TRUE(disk.write_file("a", "12345"));
+  ASSERT_TRUE(disk.write_file("a", "12345").ok());
   EXPECT_EQ(disk.write_file("b", "123456").error().reason, "DISK_FULL");
   EXPECT_FALSE(disk.read_file("b", 10).ok());
   EXPECT_EQ(disk.write_file("a", "123456").error().reason, "DISK_FULL");
   EXPECT_EQ(disk.read_file("a", 10).value(), "12345");
   Result<std::unique_ptr<AppendFile>> file = disk.create_file("c");
   ASSERT_TRUE(file.ok());
-  EXPECT_TRUE((*file)->append("12345"));
+  EXPECT_TRUE((*file)->append("12345").ok());
   EXPECT_EQ((*file)->append("1").error().reason, "DISK_FULL");
   disk.set_capacity(11);
-  EXPECT_TRUE((*file)->append("6"));
+  EXPECT_TRUE((*file)->append("6").ok());
   EXPECT_EQ(disk.read_file("c", 10).value(), "123456");
 }
 
@@ -299,14 +299,14 @@ TEST(Disk, AFailedAppendLeavesNoPart) {
   RealDisk disk;
   Result<std::unique_ptr<AppendFile>> file = disk.create_file(path);
   ASSERT_TRUE(file.ok());
-  ASSERT_TRUE((*file)->append("12345678"));
+  ASSERT_TRUE((*file)->append("12345678").ok());
   {
     const FileSizeLimit limit(10);
     EXPECT_EQ((*file)->append("abcd").error().reason, "FILE_TOO_LARGE");
     EXPECT_EQ(disk.read_file(path, 100).value(), "12345678");
-    EXPECT_TRUE((*file)->append("9"));
+    EXPECT_TRUE((*file)->append("9").ok());
   }
-  EXPECT_TRUE((*file)->append("abcd"));
+  EXPECT_TRUE((*file)->append("abcd").ok());
   EXPECT_EQ(disk.read_file(path, 100).value(), "123456789abcd");
 }
 

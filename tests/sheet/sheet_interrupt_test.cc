@@ -39,7 +39,7 @@ TEST(InterruptedTicks, AreAsIfTimeHadStoodStill) {
       EXPECT_EQ(report.topology_changed, applied.topology_changed);
       ASSERT_EQ(report.replies.size(), commands.size());
       for (std::size_t i = 0; i < commands.size(); ++i) {
-        ASSERT_TRUE(report.replies[i]) << report.replies[i].error().message;
+        ASSERT_TRUE(report.replies[i].ok()) << report.replies[i].error().message;
         EXPECT_EQ(report.replies[i]->tick, tick);
         EXPECT_EQ(report.replies[i]->state_hash, applied.replies[i]->state_hash);
       }

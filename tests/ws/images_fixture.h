@@ -26,7 +26,7 @@ class ImagesTest : public ::testing::Test {
     ASSERT_NE(server_, nullptr);
     port_ = port_of(server_->http_url());
     v1::ServerInfo info;
-    ASSERT_TRUE(wire::from_json(call("ServerService/GetServerInfo", "{}"), info));
+    ASSERT_TRUE(wire::from_json(call("ServerService/GetServerInfo", "{}"), info).ok());
     if (info.renderer().starts_with("none: ")) GTEST_SKIP() << info.renderer();
     video_ = info.video();
     call("SheetService/CreateSheet",
