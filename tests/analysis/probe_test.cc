@@ -349,7 +349,7 @@ TEST(Probes, RefuseWhatIsNotThereAndSayNaNOfWhatIsCutAway) {
             "UNKNOWN_VERTEX probes[0].region.vertices.vertices[0]");
   Result<Probes> probes = Probes::create({at_points("a", Quantity::kPosition, {{0.5, 0.5}})}, sheet);
   sheet::Cut wide = scenes::line_cut({0.4, 0.5}, {0.6, 0.5});
-  wide.width = 0.1;
+  wide.options.width_m = 0.1;
   ASSERT_TRUE(sheet::apply(sheet, wide).ok());
   std::vector<double> row;
   probes->measure(sheet, {}, 0.0, row);

@@ -75,7 +75,7 @@ TEST(GltfFile, HoldsTheCutSheetAsItIs) {
   sheet::run(sheet, 20);
   for (sheet::Cut& cut : scenes::three_cuts()) ASSERT_TRUE(sheet::apply(sheet, std::move(cut)).ok());
   sheet::Cut strip = scenes::line_cut({0.1, 0.15}, {0.4, 0.15});
-  strip.width = 0.02;  // leaves slots without material
+  strip.options.width_m = 0.02;  // leaves slots without material
   ASSERT_TRUE(sheet::apply(sheet, strip).ok());
   sheet::run(sheet, 20);
   const std::shared_ptr<const sheet::Snapshot> snapshot = sheet.snapshot();

@@ -82,7 +82,7 @@ TEST(CutContract, RefusesBadRequestsWithReasonAndField) {
       {with([&](CutRequest& r) { r.options.tolerance = nan; }), "OPTION_OUT_OF_RANGE", "cut.tolerance"},
       {with([&](CutRequest& r) { r.options.tolerance = 0.51; }), "OPTION_OUT_OF_RANGE", "cut.tolerance"},
       {with([&](CutRequest& r) { r.options.tolerance_m = 0.0; }), "OPTION_OUT_OF_RANGE", "cut.tolerance_m"},
-      {with([&](CutRequest& r) { r.options.snap = 0.2; }), "OPTION_OUT_OF_RANGE", "cut.snap"},
+      {with([&](CutRequest& r) { r.snap = 0.2; }), "OPTION_OUT_OF_RANGE", "cut.snap"},
       {with([&](CutRequest& r) { r.options.min_angle_deg = 28.5; }), "OPTION_OUT_OF_RANGE", "cut.min_angle_deg"},
       {with([&](CutRequest& r) { r.options.max_new_triangles = 0; }), "OPTION_OUT_OF_RANGE", "cut.max_new_triangles"},
       {with([&](CutRequest& r) {
@@ -99,7 +99,7 @@ TEST(CutContract, RefusesBadRequestsWithReasonAndField) {
          r.options.tip_edge_length_m = 0.01;
        }),
        "OPTIONS_CONFLICT", "cut.tip_edge_length_m"},
-      {with([&](CutRequest& r) { r.options.max_vertices = 0; }), "OPTION_OUT_OF_RANGE", "cut.max_vertices"},
+      {with([&](CutRequest& r) { r.max_vertices = 0; }), "OPTION_OUT_OF_RANGE", "cut.max_vertices"},
       {with([&](CutRequest& r) { r.fixed_vertices = {-1}; }), "VERTEX_UNKNOWN", "cut.fixed_vertices[0]"},
   };
   for (const Case& item : cases) {
@@ -126,7 +126,7 @@ TEST(CutContract, LeavesTheMeshBitIdenticalWhenTheBudgetRunsOut) {
   cut(mesh, {Circle{{0.5, 0.5}, 0.2}, {}, {}});
   const mesh::TriangleMesh before = mesh;
   int refused = 0;
-  for (std::int64_t budget = 1; budget < 400; budget += 10) {
+  for (std::int32_t budget = 1; budget < 400; budget += 10) {
     CutRequest request{s_curve(), {}, {}};
     request.options.max_new_triangles = budget;
     const Result<CutOutcome> outcome = apply(mesh, *plan(mesh, request));
@@ -147,7 +147,7 @@ TEST(CutContract, KeepsTheLimitOnVertices) {
   mesh::TriangleMesh free = mesh;
   cut(free, {s_curve(), {}, {}});
   CutRequest request{s_curve(), {}, {}};
-  request.options.max_vertices = free.num_vertices() - 1;
+  request.max_vertices = free.num_vertices() - 1;
   const Result<CutOutcome> refused = apply(mesh, *plan(mesh, request));
   ASSERT_FALSE(refused.ok());
   EXPECT_EQ(refused.error().code, ErrorCode::kResourceExhausted);
@@ -155,7 +155,7 @@ TEST(CutContract, KeepsTheLimitOnVertices) {
   EXPECT_TRUE(mesh == before);
   EXPECT_EQ(mesh.state_hash(), before.state_hash());
   EXPECT_EQ(mesh.find_violation(), std::nullopt);
-  request.options.max_vertices = free.num_vertices();
+  request.max_vertices = free.num_vertices();
   ASSERT_TRUE(apply(mesh, *plan(mesh, request)).ok());
   EXPECT_TRUE(mesh == free);
 }
@@ -172,18 +172,18 @@ TEST(CutContract, BudgetsHoldAtTheirEdges) {
     CutRequest request{s_curve(), options, {}};
     mesh::TriangleMesh free = mesh;
     cut(free, request);
-    const auto refusal = [&](const CutOptions& limited) {
-      const Result<CutOutcome> outcome = apply(mesh, *plan(mesh, {s_curve(), limited, {}}));
+    const auto refusal = [&](const CutRequest& limited) {
+      const Result<CutOutcome> outcome = apply(mesh, *plan(mesh, limited));
       EXPECT_TRUE(mesh == (outcome.ok() ? free : before));
       if (outcome.ok()) mesh = before;
       return outcome.ok() ? std::string() : outcome.error().reason;
     };
-    CutOptions limited = options;
-    limited.max_new_triangles = free.num_triangle_slots() - before.num_triangle_slots();
+    CutRequest limited = request;
+    limited.options.max_new_triangles = free.num_triangle_slots() - before.num_triangle_slots();
     EXPECT_EQ(refusal(limited), "");
-    --limited.max_new_triangles;
+    --limited.options.max_new_triangles;
     EXPECT_EQ(refusal(limited), "CUT_ELEMENT_BUDGET");
-    limited = options;
+    limited = request;
     limited.max_vertices = free.num_vertices();
     EXPECT_EQ(refusal(limited), "");
     --limited.max_vertices;

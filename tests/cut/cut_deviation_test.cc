@@ -122,10 +122,13 @@ double tolerance_at(const mesh::TriangleMesh& mesh, const CutOptions& options, c
 
 // Cuts a copy of the sheet and compares curve with lips both ways: in metres with the bound reported, and place by
 // place with the tolerance asked for there.
-void check_both_ways(const mesh::TriangleMesh& sheet, const Sampled& sampled, const CutOptions& options) {
+void check_both_ways(const mesh::TriangleMesh& sheet, const Sampled& sampled, const CutOptions& options,
+                     double snap = CutRequest{}.snap) {
   SCOPED_TRACE(sampled.name);
   mesh::TriangleMesh mesh = sheet;
-  const CutReport report = cut(mesh, {sampled.curve, options, {}}).report;
+  CutRequest request{sampled.curve, options, {}};
+  request.snap = snap;
+  const CutReport report = cut(mesh, request).report;
   EXPECT_LE(report.deviation_of_tolerance, 1.0);
   EXPECT_GT(report.deviation_m, 0.0);
   const std::vector<Chord> lips = edges_with(mesh, mesh::kLockCut);
@@ -173,9 +176,7 @@ TEST(CutDeviation, BoundHoldsBothWaysForEveryKindOfCurve) {
 }
 
 TEST(CutDeviation, BoundHoldsWithASnapOfTheWholeTenthAllowed) {
-  CutOptions options;
-  options.snap = 0.1;
-  for (const Sampled& sampled : curves()) check_both_ways(jittered(20), sampled, options);
+  for (const Sampled& sampled : curves()) check_both_ways(jittered(20), sampled, {}, 0.1);
 }
 
 TEST(CutDeviation, BoundHoldsElementByElement) {

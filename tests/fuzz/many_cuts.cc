@@ -213,19 +213,15 @@ class LiveSheet {
   }
 
   static audit::Finding audit_on(mesh::TriangleMesh& mesh, const sheet::Cut& cut) {
-    cut::CutRequest request{cut.curve, {}, {}};
-    request.options.tolerance = cut.tolerance;
-    request.options.min_angle_deg = cut.min_angle_deg;
-    request.options.width_m = cut.width;
-    return audit::cut_and_audit(mesh, request, audit::kDeepest).flaw;
+    return audit::cut_and_audit(mesh, {cut.curve, cut.options, {}}, audit::kDeepest).flaw;
   }
 
   sheet::Cut any_cut() {
     sheet::Cut cut;
     cut.curve = short_curve(random_);
-    cut.tolerance = 0.1;
-    if (random_.below(8) != 0) cut.min_angle_deg = 5.0;
-    if (random_.below(16) == 0) cut.width = std::pow(10.0, random_.uniform(-4.0, -2.5));
+    cut.options.tolerance = 0.1;
+    if (random_.below(8) != 0) cut.options.min_angle_deg = 5.0;
+    if (random_.below(16) == 0) cut.options.width_m = std::pow(10.0, random_.uniform(-4.0, -2.5));
     return cut;
   }
 

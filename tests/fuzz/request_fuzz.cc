@@ -46,7 +46,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   std::optional<sheet::Command> command = decode({reinterpret_cast<const char*>(data + 1), size - 1}, data[0] == '{');
   if (!command) return 0;
   auto& cut = std::get<sheet::Cut>(*command);
-  cut.max_new_triangles = std::min(cut.max_new_triangles, kMostNewTriangles);
+  cut.options.max_new_triangles = std::min(cut.options.max_new_triangles, kMostNewTriangles);
   static const sheet::SheetConfig config = scenes::hanging(kVertices);
   Result<sheet::Sheet> made = sheet::Sheet::create(config);
   KERF_CHECK(made.ok(), "the scene is good");

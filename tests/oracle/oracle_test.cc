@@ -68,7 +68,7 @@ void run_trial(std::uint64_t seed, bool snaps, Tally& tally, const Judge& judge)
     earlier.push_back(property::random_curve(random, mesh, made.frame, earlier));
     Result<cut::CutPlan> plan = cut::plan(mesh, {earlier.back(), options, {}});
     if (!plan.ok()) continue;
-    if (!snaps) plan->options.snap = 0.0;  // to the least that the lattice needs
+    if (!snaps) plan->snap = 0.0;  // to the least that the lattice needs
     const double snap = audit::largest_snap(mesh, *plan);
     const double spacing = mesh.lattice().spacing;
     double clearance = snaps ? 2.0 * snap / spacing : kClear;

@@ -35,10 +35,10 @@ struct Tally {
 void cut_once(SeededRandom& random, const cut::Curve& curve, double scale, Sheet& sheet, Tally& tally) {
   Cut cut;
   cut.curve = curve;
-  cut.tolerance = std::pow(10.0, random.uniform(-3.0, -1.0));
-  cut.min_angle_deg = random.uniform(5.0, 25.0);
-  cut.max_new_triangles = 30'000;
-  if (random.below(4) == 0) cut.width = scale * std::pow(10.0, random.uniform(-4.0, -0.5));
+  cut.options.tolerance = std::pow(10.0, random.uniform(-3.0, -1.0));
+  cut.options.min_angle_deg = random.uniform(5.0, 25.0);
+  cut.options.max_new_triangles = 30'000;
+  if (random.below(4) == 0) cut.options.width_m = scale * std::pow(10.0, random.uniform(-4.0, -0.5));
   const fem::Model model_before = sheet.model();
   const fem::State state_before = sheet.state();
   const fem::Momentum momentum = model_before.momentum(state_before);
@@ -65,7 +65,7 @@ void cut_once(SeededRandom& random, const cut::Curve& curve, double scale, Sheet
   for (mesh::VertexId v = 0; v < sheet.mesh().num_vertices(); ++v) {
     ASSERT_EQ(fresh.mass()[static_cast<std::size_t>(v)] > 0.0, sheet.mesh().has_material(v));
   }
-  if (cut.width) {
+  if (cut.options.width_m) {
     ++tally.strips;
     return;  // momentum goes with the material
   }

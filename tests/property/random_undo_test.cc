@@ -95,8 +95,8 @@ class Trial {
       earlier_.push_back(property::random_curve(random_, sheet_.mesh(), frame_, earlier_));
       Cut cut;
       cut.curve = earlier_.back();
-      cut.max_new_triangles = 10'000;
-      if (random_.below(4) == 0) cut.width = frame_.scale * std::pow(10.0, random_.uniform(-3.0, -0.5));
+      cut.options.max_new_triangles = 10'000;
+      if (random_.below(4) == 0) cut.options.width_m = frame_.scale * std::pow(10.0, random_.uniform(-3.0, -0.5));
       batch.cuts.push_back(std::move(cut));
     }
     const std::uint64_t before = sheet_.state_hash();

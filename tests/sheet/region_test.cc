@@ -210,7 +210,7 @@ TEST(BorderRegions, FollowCutsAndUndos) {
   EXPECT_EQ(sheet.loads().pins.size(), where(sheet, on_square).size());
   Cut punch;
   punch.curve = cut::Circle{{0.6, 0.6}, 0.05};
-  punch.width = 0.11;
+  punch.options.width_m = 0.11;
   ASSERT_TRUE(apply(sheet, punch).ok());
   const Vertices rim =
       where(sheet, [](const Vector2d& X) { return std::abs((X - Vector2d(0.6, 0.6)).norm() - 0.105) < 0.005; });

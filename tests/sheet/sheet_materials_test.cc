@@ -117,7 +117,7 @@ TEST(SheetMaterials, ElementWiseCutsKeepThemToo) {
   Sheet sheet = make(divided(15));
   const std::vector<double> before = areas(sheet);
   Cut cut = scenes::bezier_cut({0.2, 0.5}, {0.4, 0.8}, {0.6, 0.2}, {0.8, 0.5});
-  cut.method = cut::Method::kElement;
+  cut.options.method = cut::Method::kElement;
   ASSERT_TRUE(apply(sheet, cut).ok());
   EXPECT_EQ(sheet.mesh().find_violation(), std::nullopt);
   const std::vector<double> after = areas(sheet);
@@ -130,7 +130,7 @@ TEST(SheetMaterials, AStripTakesTheMassOfWhatItCrosses) {
   Sheet sheet = make(config);
   const double before = sheet.model().total_mass();
   Cut cut = scenes::line_cut({0.2, 0.5}, {0.8, 0.5});
-  cut.width = 0.02;
+  cut.options.width_m = 0.02;
   const Result<CommandReply> done = apply(sheet, cut);
   ASSERT_TRUE(done.ok()) << done.error().message;
   EXPECT_NEAR(*done->cut->removed_mass, before - sheet.model().total_mass(), 1e-12);

@@ -130,7 +130,7 @@ TEST(Sheet, ARefusedCommandChangesNothing) {
   ASSERT_TRUE(apply(sheet, Grab{"a", 0, Vector3d(0.0, 0.0, 0.0), 0.0}).ok());
   const std::uint64_t hash = sheet.state_hash();
   Cut tight = scenes::line_cut({-0.5, 0.5}, {1.5, 0.5});
-  tight.max_new_triangles = 1;
+  tight.options.max_new_triangles = 1;
   EXPECT_EQ(reason(apply(sheet, tight)), "CUT_ELEMENT_BUDGET");
   EXPECT_EQ(reason(apply(sheet, scenes::line_cut({nan, 0.5}, {1.5, 0.5}))), "CURVE_NOT_FINITE");
   EXPECT_EQ(reason(apply(sheet, scenes::circle_cut({0.5, 0.5}, -1.0))), "RADIUS_NOT_POSITIVE");
@@ -164,7 +164,7 @@ TEST(Sheet, RefusalsNameTheField) {
   EXPECT_EQ(apply(sheet, SetPins{{RegionEdge::kTop, std::vector<mesh::VertexId>{0, 25}}}).error().field,
             "set_pins.pins[1].vertices.vertices[1]");
   Cut cut = scenes::line_cut({0, 0}, {1, 1});
-  cut.tolerance = 0.6;
+  cut.options.tolerance = 0.6;
   EXPECT_EQ(apply(sheet, cut).error().field, "cut.tolerance");
   EXPECT_EQ(apply(sheet, SetWind{{Vector3d(0, 0, 0), 1.0, 11.0}}).error().field, "set_wind.wind.drag_coefficient");
 }

@@ -323,7 +323,7 @@ TEST(CutBatch, IsDoneWholeOrNotAtAllAndNamesTheCutThatFailed) {
   const std::int32_t version = sheet.topology_version();
   CutBatch batch{scenes::three_cuts()};
   batch.cuts.push_back(scenes::line_cut({0.11, -0.1}, {0.13, 1.1}));
-  batch.cuts.back().max_new_triangles = 1;
+  batch.cuts.back().options.max_new_triangles = 1;
   const Result<CommandReply> refused = apply(sheet, batch);
   ASSERT_FALSE(refused.ok());
   EXPECT_EQ(refused.error().reason, "CUT_ELEMENT_BUDGET");
@@ -333,7 +333,7 @@ TEST(CutBatch, IsDoneWholeOrNotAtAllAndNamesTheCutThatFailed) {
   EXPECT_EQ(sheet.topology_version(), version);
   EXPECT_EQ(sheet.history().num_done(), 1U);
 
-  batch.cuts[1].tolerance = 7.0;
+  batch.cuts[1].options.tolerance = 7.0;
   const Result<CommandReply> invalid = apply(sheet, batch);
   ASSERT_FALSE(invalid.ok());
   EXPECT_EQ(invalid.error().field, "cut_batch.cuts[1].tolerance");

@@ -13,7 +13,7 @@ using Eigen::Vector3d;
 // Metres: hanging() is 1 m x 1 m.
 Cut strip(const Vector2d& from, const Vector2d& to, double width) {
   Cut cut = scenes::line_cut(from, to);
-  cut.width = width;
+  cut.options.width_m = width;
   return cut;
 }
 

@@ -263,12 +263,12 @@ std::vector<BadCommand> bad_commands() {
        [](double bad) -> Command {
          return scenes::circle_cut({0.5, 0.5}, bad);
        }},
-      {"tolerance", cut([](sheet::Cut& c, double bad) { c.tolerance = bad; })},
-      {"tolerance in metres", cut([](sheet::Cut& c, double bad) { c.tolerance_m = bad; })},
-      {"angle", cut([](sheet::Cut& c, double bad) { c.min_angle_deg = bad; })},
-      {"edge length at tips", cut([](sheet::Cut& c, double bad) { c.tip_edge_length = bad; })},
-      {"grading", cut([](sheet::Cut& c, double bad) { c.tip_grading = bad; })},
-      {"width", cut([](sheet::Cut& c, double bad) { c.width = bad; })},
+      {"tolerance", cut([](sheet::Cut& c, double bad) { c.options.tolerance = bad; })},
+      {"tolerance in metres", cut([](sheet::Cut& c, double bad) { c.options.tolerance_m = bad; })},
+      {"angle", cut([](sheet::Cut& c, double bad) { c.options.min_angle_deg = bad; })},
+      {"edge length at tips", cut([](sheet::Cut& c, double bad) { c.options.tip_edge_length_m = bad; })},
+      {"grading", cut([](sheet::Cut& c, double bad) { c.options.tip_grading = bad; })},
+      {"width", cut([](sheet::Cut& c, double bad) { c.options.width_m = bad; })},
   };
 }
 

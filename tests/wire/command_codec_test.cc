@@ -34,15 +34,15 @@ TEST(CommandCodec, ZerosOfACutMeanTheDefaults) {
   cut.mutable_curve()->mutable_circle()->set_radius_m(0.1);
   const Result<sheet::Command> command = decode_cut(cut);
   ASSERT_TRUE(command.ok());
-  EXPECT_EQ(std::get<sheet::Cut>(*command).tolerance, 0.02);
-  EXPECT_EQ(std::get<sheet::Cut>(*command).min_angle_deg, 20.0);
-  EXPECT_EQ(std::get<sheet::Cut>(*command).max_new_triangles, 200'000);
-  EXPECT_EQ(std::get<sheet::Cut>(*command).method, cut::Method::kNeighbourhood);
-  EXPECT_FALSE(std::get<sheet::Cut>(*command).tip_edge_length.has_value());
-  EXPECT_EQ(std::get<sheet::Cut>(*command).tip_grading, 1.5);
-  EXPECT_FALSE(std::get<sheet::Cut>(*command).tolerance_m.has_value());
-  EXPECT_TRUE(std::get<sheet::Cut>(*command).relax);
-  EXPECT_FALSE(std::get<sheet::Cut>(*command).width.has_value());
+  EXPECT_EQ(std::get<sheet::Cut>(*command).options.tolerance, 0.02);
+  EXPECT_EQ(std::get<sheet::Cut>(*command).options.min_angle_deg, 20.0);
+  EXPECT_EQ(std::get<sheet::Cut>(*command).options.max_new_triangles, 200'000);
+  EXPECT_EQ(std::get<sheet::Cut>(*command).options.method, cut::Method::kNeighbourhood);
+  EXPECT_FALSE(std::get<sheet::Cut>(*command).options.tip_edge_length_m.has_value());
+  EXPECT_EQ(std::get<sheet::Cut>(*command).options.tip_grading, 1.5);
+  EXPECT_FALSE(std::get<sheet::Cut>(*command).options.tolerance_m.has_value());
+  EXPECT_TRUE(std::get<sheet::Cut>(*command).options.relax);
+  EXPECT_FALSE(std::get<sheet::Cut>(*command).options.width_m.has_value());
 }
 
 TEST(CommandCodec, WhatABatchUnfoldsToIsLimited) {
@@ -67,7 +67,7 @@ TEST(CommandCodec, FineQualityIsAnAngle) {
   cut.set_quality(v1::Cut::FINE);
   const Result<sheet::Command> command = decode_cut(cut);
   ASSERT_TRUE(command.ok());
-  EXPECT_EQ(std::get<sheet::Cut>(*command).min_angle_deg, 25.0);
+  EXPECT_EQ(std::get<sheet::Cut>(*command).options.min_angle_deg, 25.0);
 }
 
 v1::Cut cut_on_a_picture() {

@@ -28,8 +28,8 @@ TEST(CurveCodec, DrawingsBecomePathsThatAreFitted) {
   ASSERT_TRUE(decoded_once.ok()) << decoded_once.error().message;
   const auto& cut = std::get<sheet::Cut>(*decoded_once);
   EXPECT_THAT(cut.remarks, ::testing::Contains(HasSubstr("1 x text element")));
-  ASSERT_TRUE(cut.fit.has_value());
-  EXPECT_FALSE(cut.fit->box.has_value());
+  ASSERT_TRUE(cut.options.fit.has_value());
+  EXPECT_FALSE(cut.options.fit->box.has_value());
   // What is kept of it, in recordings and by ListCuts, is the same cut again.
   const v1::Command kept = encode_command(*decoded_once);
   EXPECT_TRUE(kept.cut().curve().has_path());
@@ -46,8 +46,8 @@ TEST(CurveCodec, DrawingsBecomePathsThatAreFitted) {
   const Result<sheet::Command> decoded_boxed = decode_command(boxed);
   ASSERT_TRUE(decoded_boxed.ok());
   const auto& own = std::get<sheet::Cut>(*decoded_boxed);
-  ASSERT_TRUE(own.fit && own.fit->box);
-  EXPECT_EQ(own.fit->box->high, Eigen::Vector2d(1.0, 2.0));
+  ASSERT_TRUE(own.options.fit && own.options.fit->box);
+  EXPECT_EQ(own.options.fit->box->high, Eigen::Vector2d(1.0, 2.0));
 }
 
 TEST(CurveCodec, DrawingsOfFilesNeedAReader) {

@@ -68,7 +68,7 @@ class Cutter {
         plan_(plan),
         observer_(observer),
         spacing_(mesh.lattice().spacing),
-        scale_(mesh, plan.options),
+        scale_(mesh, plan.options, plan.snap),
         editor_(mesh, slot_limit(mesh, plan)),
         insertion_(editor_, scale_, is_by_element() ? kNoSpacing : kSpacing, plan.options.width_m ? &laid_ : nullptr) {}
 
@@ -100,7 +100,7 @@ class Cutter {
     outcome.report.refinement_stopped = refined.stopped;
     enter_phase(observer_, "open lips");
     editor_.open();
-    if (mesh_.num_vertices() > plan_.options.max_vertices) return too_many_vertices();
+    if (mesh_.num_vertices() > plan_.max_vertices) return too_many_vertices();
     enter_phase(observer_, "commit");
     mesh::CommittedEdit committed = editor_.commit();
     outcome.status = CutStatus::kApplied;
@@ -113,7 +113,7 @@ class Cutter {
 
  private:
   static std::int32_t slot_limit(const TriangleMesh& mesh, const CutPlan& plan) {
-    const std::int64_t wanted = mesh.num_triangle_slots() + plan.options.max_new_triangles;
+    const std::int64_t wanted = std::int64_t{mesh.num_triangle_slots()} + plan.options.max_new_triangles;
     return static_cast<std::int32_t>(std::min<std::int64_t>(wanted, mesh::MeshEditor::kDefaultMaxSlots));
   }
 
@@ -159,7 +159,7 @@ class Cutter {
   [[nodiscard]] Error too_many_vertices() const {
     return resource_exhausted("TOO_MANY_VERTICES",
                               "the cut would leave the sheet with " + std::to_string(mesh_.num_vertices()) +
-                                  " vertices; its limit is " + std::to_string(plan_.options.max_vertices) +
+                                  " vertices; its limit is " + std::to_string(plan_.max_vertices) +
                                   "; shorten the cut, or start from a coarser mesh",
                               "cut");
   }
@@ -350,8 +350,8 @@ Result<CutOutcome> apply(TriangleMesh& mesh, const CutPlan& plan, PhaseObserver*
   Result<CutOutcome> outcome = Cutter(mesh, plan, observer).run();
   CutPlan closer = plan;
   for (int attempt = 0; attempt < kCloserAttempts && calls_for_less_snapping(outcome); ++attempt) {
-    closer.options.snap *= kCloserSnap;
-    closer.snap_m = PathScale(mesh, closer.options).mean_snap();
+    closer.snap *= kCloserSnap;
+    closer.snap_m = PathScale(mesh, closer.options, closer.snap).mean_snap();
     outcome = Cutter(mesh, closer, observer).run();
   }
 #ifdef KERF_VALIDATE

@@ -32,7 +32,7 @@ inline constexpr double kMinTolerance = 1.0e-6;              // -
 inline constexpr double kMaxTolerance = 0.5;                 // -
 inline constexpr double kMaxMinAngle = 28.0;                 // degrees
 inline constexpr double kFineMinAngle = 25.0;                // degrees; CutOptions::min_angle_deg of fine quality
-inline constexpr std::int64_t kMaxNewTriangles = 1'000'000;  // of one cut
+inline constexpr std::int32_t kMaxNewTriangles = 1'000'000;  // of one cut
 inline constexpr double kMinLength = 1.0e-9;                 // m; least tolerance_m and tip_edge_length
 inline constexpr double kMaxLength = 1.0e4;                  // m; largest of them
 inline constexpr double kMinTipGrading = 1.05;               // -
@@ -54,15 +54,13 @@ enum class Method {
   kElement,
 };
 
+// What a cut asks for beside its curve.
 struct CutOptions {
   // Distance asked for between curve and lips, as a fraction of the sheet's edge length there (mesh::EdgeLengths).  -,
   // in [kMinTolerance, kMaxTolerance]
   double tolerance = 0.02;
   // The same in metres; replaces `tolerance` where given.  m, in [1e-9, 1e4]
   std::optional<double> tolerance_m;
-  // The path is laid on points and lips closer than this fraction of the edge length there, but never farther than a
-  // tenth of the tolerance.  -, in [1e-6, 0.1]
-  double snap = 1.0e-3;
   // Triangles touched by the cut are refined until no angle is smaller, except in corners between lips that are
   // narrower than 60 degrees and near strands (StrandQuality).  degrees, in [0, kMaxMinAngle]; 0 refines nothing
   double min_angle_deg = 20.0;
@@ -70,9 +68,7 @@ struct CutOptions {
   // the worst triangle around them. Needs far fewer and far less flat triangles; see MeshEdit::moved_vertices.
   bool relax = true;
   // New triangle slots one cut may take.  -, in [1, kMaxNewTriangles]
-  std::int64_t max_new_triangles = 200'000;
-  // Vertices of the opened mesh after the cut.  -, in [1, mesh::kMaxVertices]
-  std::int32_t max_vertices = mesh::kMaxVertices;
+  std::int32_t max_new_triangles = 200'000;
   // Where the curve is placed before it is cut; absent: where it is.
   std::optional<Fit> fit;
   // Perforation: which lengths of the curve are cut; all of it without any.
@@ -100,6 +96,11 @@ struct CutRequest {
   // read by plan() only, and only then).
   std::optional<View> view = std::nullopt;
   const mesh::VertexField* positions = nullptr;
+  // Vertices of the opened mesh after the cut.  -, in [1, mesh::kMaxVertices]
+  std::int32_t max_vertices = mesh::kMaxVertices;
+  // The path is laid on points and lips closer than this fraction of the edge length there, but never farther than a
+  // tenth of the tolerance.  -, in [1e-6, 0.1]
+  double snap = 1.0e-3;
 };
 
 // What apply() will do: the curve flattened and clipped to the neighbourhood of the sheet. A plain value.
@@ -114,11 +115,13 @@ struct CutPlan {
   double snap_m = 0.0;  // m; distance below which the path is laid on points and lips where edges are so
                         // long; elsewhere in proportion
   CutOptions options;
-  std::vector<mesh::VertexId> fixed_vertices;  // sorted
-  std::vector<ViewLayer> layers;               // of a cut on a picture
-  std::int32_t triangles_behind = 0;           // of a cut on a picture: left out, since they reach behind the camera
-  double view_deviation_m = 0.0;               // m; of a cut on a picture that shows the sheet nearly edge-on: beyond
-                                               // the tolerance, bound on the distance between sight lines and strokes
+  std::int32_t max_vertices = mesh::kMaxVertices;  // as of CutRequest
+  double snap = 1.0e-3;                            // as of CutRequest
+  std::vector<mesh::VertexId> fixed_vertices;      // sorted
+  std::vector<ViewLayer> layers;                   // of a cut on a picture
+  std::int32_t triangles_behind = 0;  // of a cut on a picture: left out, since they reach behind the camera
+  double view_deviation_m = 0.0;      // m; of a cut on a picture that shows the sheet nearly edge-on: beyond
+                                      // the tolerance, bound on the distance between sight lines and strokes
 };
 
 enum class CutStatus {

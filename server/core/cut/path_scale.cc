@@ -14,15 +14,15 @@ constexpr int kMaxSamples = 4096;   // of the edge length along one segment
 
 }  // namespace
 
-PathScale::PathScale(const mesh::TriangleMesh& mesh, const CutOptions& options)
-    : lengths_(mesh.edge_lengths()), options_(options), lattice_(mesh.lattice()) {}
+PathScale::PathScale(const mesh::TriangleMesh& mesh, const CutOptions& options, double snap)
+    : lengths_(mesh.edge_lengths()), options_(options), snap_(snap), lattice_(mesh.lattice()) {}
 
 double PathScale::tolerance_for(double edge_length) const {
   return options_.tolerance_m.value_or(options_.tolerance * edge_length);
 }
 
 double PathScale::snap_for(double edge_length) const {
-  double wanted = std::min(options_.snap * edge_length, kSnapShare * tolerance_for(edge_length));
+  double wanted = std::min(snap_ * edge_length, kSnapShare * tolerance_for(edge_length));
   if (options_.width_m) wanted = std::min(wanted, kSnapShare * kToleranceOfWidth * *options_.width_m);
   return std::max(wanted, kLeastSnapUnits * lattice_.spacing);
 }

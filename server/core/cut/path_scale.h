@@ -18,7 +18,7 @@ inline constexpr double kRoundingUnits = 64.0;
 // material coordinates. Refers to the mesh and the options.
 class PathScale {
  public:
-  PathScale(const mesh::TriangleMesh& mesh, const CutOptions& options);
+  PathScale(const mesh::TriangleMesh& mesh, const CutOptions& options, double snap);
 
   // Whether all lengths are the same everywhere.
   [[nodiscard]] bool is_uniform() const { return lengths_.is_uniform(); }
@@ -56,6 +56,7 @@ class PathScale {
 
   const mesh::EdgeLengths& lengths_;
   const CutOptions& options_;
+  double snap_;  // -, see CutRequest
   const mesh::Lattice& lattice_;
 };
 

@@ -44,9 +44,8 @@ Status place(const mesh::TriangleMesh& mesh, const Fit& fit, Curve& curve) {
 Status check_options(const CutOptions& options) {
   KERF_TRY(check_range(options.tolerance, kMinTolerance, kMaxTolerance, "cut.tolerance"));
   KERF_TRY(check_range(options.tolerance_m.value_or(1.0), kMinLength, kMaxLength, "cut.tolerance_m"));
-  KERF_TRY(check_range(options.snap, 1e-6, 0.1, "cut.snap"));
   KERF_TRY(check_range(options.min_angle_deg, 0.0, kMaxMinAngle, "cut.min_angle_deg"));
-  KERF_TRY(check_range(static_cast<double>(options.max_new_triangles), 1.0, kMaxNewTriangles, "cut.max_new_triangles"));
+  KERF_TRY(check_range(options.max_new_triangles, 1.0, kMaxNewTriangles, "cut.max_new_triangles"));
   KERF_TRY(validate(options.dash));
   KERF_TRY(check_range(options.width_m.value_or(1.0), kMinWidth, kMaxWidth, "cut.width_m"));
   if (options.fit) {
@@ -63,7 +62,7 @@ Status check_options(const CutOptions& options) {
     return invalid_argument("OPTIONS_CONFLICT", "cut.width_m needs method neighbourhood; leave one of them out",
                             "cut.width_m");
   }
-  return check_range(options.max_vertices, 1.0, mesh::kMaxVertices, "cut.max_vertices");
+  return Nothing{};
 }
 
 Status check_vertices(const mesh::TriangleMesh& mesh, const std::vector<mesh::VertexId>& vertices) {
@@ -147,6 +146,8 @@ Result<Outline> outline_near(const FlatCurve& curve, double width, const PathSca
 Result<CutPlan> plan(const mesh::TriangleMesh& mesh, const CutRequest& request) {
   KERF_TRY(validate(request.curve));
   KERF_TRY(check_options(request.options));
+  KERF_TRY(check_range(request.snap, 1e-6, 0.1, "cut.snap"));
+  KERF_TRY(check_range(request.max_vertices, 1.0, mesh::kMaxVertices, "cut.max_vertices"));
   KERF_TRY(check_vertices(mesh, request.fixed_vertices));
   if (request.view) {
     KERF_TRY(validate(*request.view));
@@ -156,12 +157,14 @@ Result<CutPlan> plan(const mesh::TriangleMesh& mesh, const CutRequest& request) 
 
   CutPlan plan;
   plan.options = request.options;
+  plan.max_vertices = request.max_vertices;
+  plan.snap = request.snap;
   plan.fixed_vertices = request.fixed_vertices;
   if (!std::is_sorted(plan.fixed_vertices.begin(), plan.fixed_vertices.end())) {
     std::sort(plan.fixed_vertices.begin(), plan.fixed_vertices.end());
   }
   plan.edge_length_m = mesh.base_edge_length();
-  const PathScale scale(mesh, plan.options);
+  const PathScale scale(mesh, plan.options, plan.snap);
   plan.snap_m = scale.mean_snap();
   KERF_TRY(check_tolerance(scale));
 

@@ -35,22 +35,12 @@ struct Wind {
   double drag_coefficient = 1.0;            // -, 0..kMaxDragCoefficient
 };
 
-// A cut along a curve, whole or not at all.
+// A cut along a curve, whole or not at all. Narrower than in cut::CutOptions is min_angle_deg: 5..cut::kMaxMinAngle.
 struct Cut {
-  cut::Curve curve;         // m, material coordinates
-  double tolerance = 0.02;  // -, cut::kMinTolerance..kMaxTolerance; largest distance curve to lips / edge length there
-  double min_angle_deg = 20.0;               // degrees, 5..cut::kMaxMinAngle; asked of new triangles
-  std::int32_t max_new_triangles = 200'000;  // 1..cut::kMaxNewTriangles
-  std::optional<cut::Fit> fit;               // where the curve is placed; absent: where it is
-  cut::DashPattern dash;                     // perforation; without lengths all of the curve is cut
-  std::vector<std::string> remarks;          // on what the curve was made from; the first warnings of the reply
-  std::optional<cut::View> view;             // present: the curve is in pixels of this picture
-  std::optional<double> tolerance_m;         // m, cut::kMinLength..kMaxLength; replaces `tolerance`
-  cut::Method method = cut::Method::kNeighbourhood;
-  std::optional<double> tip_edge_length;  // m, cut::kMinLength..kMaxLength; edge length wanted at the tips inside
-  double tip_grading = 1.5;               // -, cut::kMinTipGrading..kMaxTipGrading; growth of edges away from them
-  bool relax = true;                      // whether free old vertices may move away from the path, in rest space
-  std::optional<double> width;            // m, cut::kMinWidth..kMaxWidth; present: the strip around the curve goes
+  cut::Curve curve;  // m, material coordinates
+  cut::CutOptions options;
+  std::optional<cut::View> view;     // present: the curve is in pixels of this picture
+  std::vector<std::string> remarks;  // on what the curve was made from; the first warnings of the reply
 };
 
 // Cuts done one after another as one: all of them, with one topology version and one step to undo, or, where one is

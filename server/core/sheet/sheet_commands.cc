@@ -82,19 +82,9 @@ Result<CommandReply> Sheet::Impl::do_command(const Command& command, const Comma
 cut::CutRequest Sheet::Impl::request_of(const Cut& cut) const {
   cut::CutRequest request;
   request.curve = cut.curve;
-  request.options.tolerance = cut.tolerance;
-  request.options.min_angle_deg = cut.min_angle_deg;
-  request.options.max_new_triangles = cut.max_new_triangles;
-  request.options.tolerance_m = cut.tolerance_m;
-  request.options.method = cut.method;
-  request.options.tip_edge_length_m = cut.tip_edge_length;
-  request.options.tip_grading = cut.tip_grading;
-  request.options.relax = cut.relax;
-  request.options.width_m = cut.width;
-  request.options.max_vertices = std::min(config->max_vertices, vertex_limit(config->integrator));
-  request.options.fit = cut.fit;
-  request.options.dash = cut.dash;
+  request.options = cut.options;
   request.view = cut.view;
+  request.max_vertices = std::min(config->max_vertices, vertex_limit(config->integrator));
   return request;
 }
 
@@ -104,7 +94,7 @@ CutReply Sheet::Impl::reply_of(const cut::CutOutcome& outcome, const Cut& cut, d
   reply.report = outcome.report;
   reply.report.pieces = mesh.num_pieces();
   reply.warnings = warnings_of(outcome.report, cut.remarks);
-  if (cut.width && outcome.status == cut::CutStatus::kApplied) {
+  if (cut.options.width_m && outcome.status == cut::CutStatus::kApplied) {
     const fem::Material& material = materials->by_region[0];
     const double density = material.density * material.thickness;
     reply.removed_mass = has_one_material() ? density * outcome.report.removed_area_m2 : mass_before - rest_mass();

@@ -135,7 +135,7 @@ Result<std::vector<CutReply>> Sheet::Impl::cut_mesh(std::span<const Cut> cuts, b
       const mesh::VertexId vertex = held.vertices[0];
       if (!held.material) fixed.insert(std::upper_bound(fixed.begin(), fixed.end(), vertex), vertex);
     }
-    const double mass_before = cuts[i].width && !has_one_material() ? rest_mass() : 0.0;
+    const double mass_before = cuts[i].options.width_m && !has_one_material() ? rest_mass() : 0.0;
     const Result<cut::CutPlan> plan = cut::plan(mesh, request);
     Result<cut::CutOutcome> outcome =
         plan.ok() ? cut::apply(mesh, *plan, observer) : Result<cut::CutOutcome>(plan.error());

@@ -34,13 +34,13 @@ void encode(const sheet::RedoCut& /*redo*/, v1::Command& message) {
   message.mutable_redo_cut();
 }
 
-Status decode_method(const v1::Cut& message, sheet::Cut& cut) {
+Status decode_method(const v1::Cut& message, cut::CutOptions& options) {
   switch (message.method()) {
     case v1::Cut::METHOD_UNSPECIFIED:
     case v1::Cut::NEIGHBOURHOOD:
       return Nothing{};
     case v1::Cut::ELEMENT:
-      cut.method = cut::Method::kElement;
+      options.method = cut::Method::kElement;
       return Nothing{};
     default:
       return unknown_enum("cut.method", message.method());
@@ -48,7 +48,7 @@ Status decode_method(const v1::Cut& message, sheet::Cut& cut) {
 }
 
 // A quality is a name for an angle.
-Status decode_quality(const v1::Cut& message, sheet::Cut& cut) {
+Status decode_quality(const v1::Cut& message, cut::CutOptions& options) {
   switch (message.quality()) {
     case v1::Cut::QUALITY_UNSPECIFIED:
     case v1::Cut::DEFAULT:
@@ -60,7 +60,7 @@ Status decode_quality(const v1::Cut& message, sheet::Cut& cut) {
             "cut.quality FINE and cut.min_angle_deg both say how good the triangles must be; give one of them",
             "cut.quality");
       }
-      cut.min_angle_deg = cut::kFineMinAngle;
+      options.min_angle_deg = cut::kFineMinAngle;
       return Nothing{};
     default:
       return unknown_enum("cut.quality", message.quality());
@@ -120,26 +120,27 @@ Result<cut::Fit> decode_fit(const v1::MaterialBox& message) {
 }  // namespace
 
 v1::Cut encode_cut(const sheet::Cut& cut) {
+  const cut::CutOptions& options = cut.options;
   v1::Cut message;
   encode_curve(cut.curve, *message.mutable_curve());
-  message.set_tolerance(cut.tolerance);
-  message.set_min_angle_deg(cut.min_angle_deg);
-  message.set_max_new_triangles(cut.max_new_triangles);
-  if (cut.tolerance_m) message.set_tolerance_m(*cut.tolerance_m);
-  message.set_method(cut.method == cut::Method::kElement ? v1::Cut::ELEMENT : v1::Cut::NEIGHBOURHOOD);
-  if (cut.tip_edge_length) message.set_tip_edge_length_m(*cut.tip_edge_length);
-  message.set_tip_grading(cut.tip_grading);
-  message.set_relax(cut.relax);
-  if (cut.width) message.set_width_m(*cut.width);
-  if (cut.fit) {
+  message.set_tolerance(options.tolerance);
+  message.set_min_angle_deg(options.min_angle_deg);
+  message.set_max_new_triangles(options.max_new_triangles);
+  if (options.tolerance_m) message.set_tolerance_m(*options.tolerance_m);
+  message.set_method(options.method == cut::Method::kElement ? v1::Cut::ELEMENT : v1::Cut::NEIGHBOURHOOD);
+  if (options.tip_edge_length_m) message.set_tip_edge_length_m(*options.tip_edge_length_m);
+  message.set_tip_grading(options.tip_grading);
+  message.set_relax(options.relax);
+  if (options.width_m) message.set_width_m(*options.width_m);
+  if (options.fit) {
     v1::MaterialBox& box = *message.mutable_fit();
-    if (cut.fit->box) {
-      encode_vector(cut.fit->box->low, *box.mutable_min());
-      encode_vector(cut.fit->box->high, *box.mutable_max());
+    if (options.fit->box) {
+      encode_vector(options.fit->box->low, *box.mutable_min());
+      encode_vector(options.fit->box->high, *box.mutable_max());
     }
   }
-  message.mutable_dash()->Add(cut.dash.lengths.begin(), cut.dash.lengths.end());
-  message.set_dash_offset(cut.dash.offset);
+  message.mutable_dash()->Add(options.dash.lengths.begin(), options.dash.lengths.end());
+  message.set_dash_offset(options.dash.offset);
   if (cut.view) encode_view(*cut.view, *message.mutable_view());
   return message;
 }
@@ -178,25 +179,26 @@ Result<sheet::Command> decode_cut(const v1::Cut& message, const FileReader& read
   sheet::Cut cut;
   cut.curve = std::move(decoded.curve);
   cut.remarks = std::move(decoded.remarks);
-  if (message.tolerance() != 0.0) cut.tolerance = message.tolerance();
-  if (message.min_angle_deg() != 0.0) cut.min_angle_deg = message.min_angle_deg();
-  if (message.max_new_triangles() != 0) cut.max_new_triangles = message.max_new_triangles();
+  cut::CutOptions& options = cut.options;
+  if (message.tolerance() != 0.0) options.tolerance = message.tolerance();
+  if (message.min_angle_deg() != 0.0) options.min_angle_deg = message.min_angle_deg();
+  if (message.max_new_triangles() != 0) options.max_new_triangles = message.max_new_triangles();
   if (message.has_fit()) {
-    KERF_TRY_ASSIGN(cut.fit, decode_fit(message.fit()));
+    KERF_TRY_ASSIGN(options.fit, decode_fit(message.fit()));
   } else if (decoded.is_drawing) {
-    cut.fit = cut::Fit{};
+    options.fit = cut::Fit{};
   }
-  cut.dash = {{message.dash().begin(), message.dash().end()}, message.dash_offset()};
+  options.dash = {{message.dash().begin(), message.dash().end()}, message.dash_offset()};
   if (message.has_view()) {
     KERF_TRY_ASSIGN(cut.view, decode_view(message.view(), "cut.view"));
   }
-  KERF_TRY(decode_method(message, cut));
-  KERF_TRY(decode_quality(message, cut));
-  if (message.tolerance_m() != 0.0) cut.tolerance_m = message.tolerance_m();
-  if (message.tip_edge_length_m() != 0.0) cut.tip_edge_length = message.tip_edge_length_m();
-  if (message.tip_grading() != 0.0) cut.tip_grading = message.tip_grading();
-  if (message.has_relax()) cut.relax = message.relax();
-  if (message.width_m() != 0.0) cut.width = message.width_m();
+  KERF_TRY(decode_method(message, options));
+  KERF_TRY(decode_quality(message, options));
+  if (message.tolerance_m() != 0.0) options.tolerance_m = message.tolerance_m();
+  if (message.tip_edge_length_m() != 0.0) options.tip_edge_length_m = message.tip_edge_length_m();
+  if (message.tip_grading() != 0.0) options.tip_grading = message.tip_grading();
+  if (message.has_relax()) options.relax = message.relax();
+  if (message.width_m() != 0.0) options.width_m = message.width_m();
   return checked(std::move(cut));
 }
 
