@@ -182,13 +182,12 @@ TEST_F(HostTest, AGrabIsReleasedThoughTheQueueIsFull) {
   EXPECT_EQ(submit("a", sheet::Release{"hand"}).error().reason, "GRAB_NOT_FOUND");
 }
 
-TEST_F(HostTest, ABadCommandIsRefusedAtOnceAndOneTheSheetRefusesAtTheTick) {
+TEST_F(HostTest, AnUnknownSheetIsRefusedAtOnceAndWhatTheSheetRefusesAtTheTick) {
   create("a", small_sheet());
   Answers<CommandResult> answers;
-  host_->submit("a", scenes::circle_cut({0, 0}, -1.0), answers.callback());
-  EXPECT_EQ(answers.reason(0), "RADIUS_NOT_POSITIVE");
   host_->submit("nobody", sheet::Reset{}, answers.callback());
-  EXPECT_EQ(answers.reason(1), "SHEET_NOT_FOUND");
+  EXPECT_EQ(answers.reason(0), "SHEET_NOT_FOUND");
+  EXPECT_EQ(submit("a", scenes::circle_cut({0, 0}, -1.0)).error().reason, "RADIUS_NOT_POSITIVE");
   EXPECT_EQ(submit("a", sheet::Release{"x"}).error().reason, "GRAB_NOT_FOUND");
   EXPECT_EQ(host_->metrics().commands_refused, 3);
 }

@@ -188,12 +188,13 @@ class Host {
   [[nodiscard]] std::vector<SheetStatus> statuses(const std::vector<std::string>& ids) const;
 
   // Queues a command for the next tick boundary; on a paused or failed sheet it is done at once, without advancing
-  // time. Wakes a sleeping sheet. kResourceExhausted QUEUE_FULL at once; validate()'s errors at once; else what the
-  // sheet says.
+  // time. Wakes a sleeping sheet. kResourceExhausted QUEUE_FULL at once; else what the sheet says. sheet::validate() must
+  // accept the command, as it does every command that wire decodes. The sheet refuses any other at its tick, but a
+  // recording of it cannot be read.
   void submit(const std::string& id, sheet::Command command, Callback<CommandResult> done);
   // The same at the start of tick `at_tick`, ahead of what is queued then; commands of one tick in the order of these
   // calls. `done` is called as soon as that is settled, with the command's number; of what comes of it the listener is
-  // told. A sheet with such a command does not fall asleep; a Reset does not take it back. validate()'s errors;
+  // told. A sheet with such a command does not fall asleep; a Reset does not take it back.
   // kFailedPrecondition TICK_PAST, field "at_tick", for a tick that is not ahead; kResourceExhausted
   // TOO_MANY_SCHEDULED.
   void schedule(const std::string& id, sheet::Command command, std::int64_t at_tick, Callback<std::int64_t> done);

@@ -327,12 +327,7 @@ std::vector<SheetStatus> Host::Impl::statuses(const std::vector<std::string>& id
 
 void Host::Impl::submit(const std::string& id, sheet::Command command, Callback<CommandResult> done) {
   const std::shared_ptr<SheetRunner> runner = find(id);
-  Status accepted = Nothing{};
-  if (!runner) {
-    accepted = missing(id);
-  } else if (accepted = sheet::validate(command); accepted.ok()) {
-    accepted = runner->enqueue(std::move(command), done);
-  }
+  const Status accepted = runner ? runner->enqueue(std::move(command), done) : Status(missing(id));
   if (accepted.ok()) return;
   board_.update([](HostMetrics& m) { ++m.commands_refused; });
   done(accepted.error());
@@ -344,7 +339,6 @@ void Host::Impl::schedule(const std::string& id, sheet::Command command, std::in
     if (!number.ok()) board_.update([](HostMetrics& m) { ++m.commands_refused; });
     done(std::move(number));
   };
-  if (const Status valid = sheet::validate(command); !valid.ok()) return answer(valid.error());
   on_strand<std::int64_t>(id, answer, [command = std::move(command), at_tick, answer](SheetRunner& r) mutable {
     answer(r.schedule(std::move(command), at_tick));
   });

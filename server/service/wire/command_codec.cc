@@ -117,6 +117,35 @@ Result<cut::Fit> decode_fit(const v1::MaterialBox& message) {
   return cut::Fit{cut::Box{decode_vector(message.min()), decode_vector(message.max())}};
 }
 
+// Not validated yet.
+Result<sheet::Cut> read_cut(const v1::Cut& message, const FileReader& read_file) {
+  KERF_TRY_ASSIGN(DecodedCurve decoded, decode_curve(message.curve(), "cut.curve", read_file));
+  sheet::Cut cut;
+  cut.curve = std::move(decoded.curve);
+  cut.remarks = std::move(decoded.remarks);
+  cut::CutOptions& options = cut.options;
+  if (message.tolerance() != 0.0) options.tolerance = message.tolerance();
+  if (message.min_angle_deg() != 0.0) options.min_angle_deg = message.min_angle_deg();
+  if (message.max_new_triangles() != 0) options.max_new_triangles = message.max_new_triangles();
+  if (message.has_fit()) {
+    KERF_TRY_ASSIGN(options.fit, decode_fit(message.fit()));
+  } else if (decoded.is_drawing) {
+    options.fit = cut::Fit{};
+  }
+  options.dash = {{message.dash().begin(), message.dash().end()}, message.dash_offset()};
+  if (message.has_view()) {
+    KERF_TRY_ASSIGN(cut.view, decode_view(message.view(), "cut.view"));
+  }
+  KERF_TRY(decode_method(message, options));
+  KERF_TRY(decode_quality(message, options));
+  if (message.tolerance_m() != 0.0) options.tolerance_m = message.tolerance_m();
+  if (message.tip_edge_length_m() != 0.0) options.tip_edge_length_m = message.tip_edge_length_m();
+  if (message.tip_grading() != 0.0) options.tip_grading = message.tip_grading();
+  if (message.has_relax()) options.relax = message.relax();
+  if (message.width_m() != 0.0) options.width_m = message.width_m();
+  return cut;
+}
+
 }  // namespace
 
 v1::Cut encode_cut(const sheet::Cut& cut) {
@@ -158,9 +187,9 @@ Result<sheet::Command> decode_cuts(const google::protobuf::RepeatedPtrField<v1::
   sheet::CutBatch batch;
   std::int64_t parts = 0;
   for (int i = 0; i < cuts.size(); ++i) {
-    Result<sheet::Command> cut = decode_cut(cuts[i], read_file);
+    Result<sheet::Cut> cut = read_cut(cuts[i], read_file);
     if (!cut.ok()) return sheet::in_batch(cut.error(), static_cast<std::size_t>(i));
-    batch.cuts.push_back(std::get<sheet::Cut>(std::move(*cut)));
+    batch.cuts.push_back(std::move(*cut));
     parts += num_parts(batch.cuts.back());
     if (parts > kMaxBatchParts) {
       return sheet::in_batch(
@@ -175,30 +204,7 @@ Result<sheet::Command> decode_cuts(const google::protobuf::RepeatedPtrField<v1::
 }
 
 Result<sheet::Command> decode_cut(const v1::Cut& message, const FileReader& read_file) {
-  KERF_TRY_ASSIGN(DecodedCurve decoded, decode_curve(message.curve(), "cut.curve", read_file));
-  sheet::Cut cut;
-  cut.curve = std::move(decoded.curve);
-  cut.remarks = std::move(decoded.remarks);
-  cut::CutOptions& options = cut.options;
-  if (message.tolerance() != 0.0) options.tolerance = message.tolerance();
-  if (message.min_angle_deg() != 0.0) options.min_angle_deg = message.min_angle_deg();
-  if (message.max_new_triangles() != 0) options.max_new_triangles = message.max_new_triangles();
-  if (message.has_fit()) {
-    KERF_TRY_ASSIGN(options.fit, decode_fit(message.fit()));
-  } else if (decoded.is_drawing) {
-    options.fit = cut::Fit{};
-  }
-  options.dash = {{message.dash().begin(), message.dash().end()}, message.dash_offset()};
-  if (message.has_view()) {
-    KERF_TRY_ASSIGN(cut.view, decode_view(message.view(), "cut.view"));
-  }
-  KERF_TRY(decode_method(message, options));
-  KERF_TRY(decode_quality(message, options));
-  if (message.tolerance_m() != 0.0) options.tolerance_m = message.tolerance_m();
-  if (message.tip_edge_length_m() != 0.0) options.tip_edge_length_m = message.tip_edge_length_m();
-  if (message.tip_grading() != 0.0) options.tip_grading = message.tip_grading();
-  if (message.has_relax()) options.relax = message.relax();
-  if (message.width_m() != 0.0) options.width_m = message.width_m();
+  KERF_TRY_ASSIGN(sheet::Cut cut, read_cut(message, read_file));
   return checked(std::move(cut));
 }
 
