@@ -39,8 +39,7 @@ void CutJournal::undo(const std::string& sheet, const std::vector<std::int64_t>&
   }
 }
 
-void CutJournal::redo(const std::string& sheet, const std::vector<std::int64_t>& numbers,
-                      const v1::UndoResult& result) {
+void CutJournal::redo(const std::string& sheet, const std::vector<std::int64_t>& numbers, const Redone& redone) {
   const std::lock_guard lock(mutex_);
   Log& log = logs_[sheet];
   for (const std::int64_t number : numbers) {
@@ -49,9 +48,9 @@ void CutJournal::redo(const std::string& sheet, const std::vector<std::int64_t>&
     item->second.undone = false;
     v1::CutResult& known = *item->second.entry.mutable_result();
     log.bytes -= item->second.entry.ByteSizeLong();
-    known.set_tick(result.tick());
-    known.set_topology_version(result.topology_version());
-    known.set_state_hash(result.state_hash());
+    known.set_tick(redone.tick);
+    known.set_topology_version(redone.topology_version);
+    known.set_state_hash(redone.state_hash);
     log.bytes += item->second.entry.ByteSizeLong();
   }
 }

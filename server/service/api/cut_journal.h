@@ -25,8 +25,13 @@ class CutJournal {
   // `beginning`: see sheet::CommandReply.
   void add(const std::string& sheet, std::int64_t beginning, std::int64_t number, v1::Cut cut, v1::CutResult result);
   void undo(const std::string& sheet, const std::vector<std::int64_t>& numbers);
-  // `result`: tick, topology version and hash that they have now.
-  void redo(const std::string& sheet, const std::vector<std::int64_t>& numbers, const v1::UndoResult& result);
+  // Of the sheet once cuts were made again.
+  struct Redone {
+    std::int64_t tick = 0;
+    std::int32_t topology_version = 0;
+    std::string state_hash;  // as in v1::CutResult
+  };
+  void redo(const std::string& sheet, const std::vector<std::int64_t>& numbers, const Redone& redone);
   // A reset has led to a new beginning; what was refused before is forgotten.
   void reset(const std::string& sheet, std::int64_t beginning);
   // A reset was undone, or done again: those cuts are there that were made since `beginning`.

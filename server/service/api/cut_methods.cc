@@ -40,7 +40,8 @@ std::vector<v1::CutResult> encode_results(const std::string& sheet_id, const hos
   return messages;
 }
 
-v1::CreateCutsResponse encode_batch(const std::string& sheet_id, const host::CommandResult& result) {
+// `results`: those of encode_results().
+v1::CreateCutsResponse encode_batch(const host::CommandResult& result, std::vector<v1::CutResult> results) {
   v1::CreateCutsResponse response;
   response.set_tick(result.reply.tick);
   response.set_topology_version(result.reply.topology_version);
@@ -51,7 +52,7 @@ v1::CreateCutsResponse encode_batch(const std::string& sheet_id, const host::Com
   response.set_tick_before_us(result.timings.tick_before_us);
   response.set_tick_after_us(result.timings.tick_after_us);
   response.set_tick_budget_us(result.timings.budget_us);
-  for (v1::CutResult& message : encode_results(sheet_id, result)) {
+  for (v1::CutResult& message : results) {
     if (message.status() == v1::CutResult::APPLIED) response.set_applied(response.applied() + 1);
     response.set_pieces(message.pieces());
     response.set_new_vertices(response.new_vertices() + message.new_vertices());
@@ -60,6 +61,10 @@ v1::CreateCutsResponse encode_batch(const std::string& sheet_id, const host::Com
   }
   response.set_status(response.applied() > 0 ? v1::CutResult::APPLIED : v1::CutResult::NO_INTERSECTION);
   return response;
+}
+
+v1::CutResult encode_one(const host::CommandResult& /*result*/, std::vector<v1::CutResult> results) {
+  return std::move(results.front());
 }
 
 v1::UndoResult encode_undo(const std::string& sheet_id, const host::CommandResult& result) {
@@ -114,14 +119,36 @@ Status check_tick(std::int64_t at_tick) {
   return invalid_argument("OUT_OF_RANGE", "at_tick is " + std::to_string(at_tick) + "; ticks count from 1", "at_tick");
 }
 
-// Submits the command or, with a tick, schedules it: then `scheduled` is the answer.
+// The answer to a Cut or CutBatch, from what encode_results() makes of it.
 template <typename Response>
-void submit_cut(ApiCore& core, const std::string& id, sheet::Command command, std::int64_t at_tick, Response scheduled,
-                Reply<Response> answer, Response (*encode)(const std::string&, const host::CommandResult&)) {
+using Encode = Response (*)(const host::CommandResult&, std::vector<v1::CutResult>);
+
+// Gives the journal the cuts that were applied, `cuts` with their `results`.
+void keep_applied(CutJournal& journal, const std::string& sheet_id, const sheet::CommandReply& reply,
+                  std::vector<v1::Cut>&& cuts, const std::vector<v1::CutResult>& results) {
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    if (results[i].status() != v1::CutResult::APPLIED) continue;
+    const std::int64_t number = reply.cut ? reply.cut->number : reply.batch[i].number;
+    journal.add(sheet_id, reply.beginning, number, std::move(cuts[i]), results[i]);
+  }
+}
+
+// What an undo or redo does to the journal.
+void keep_undone(CutJournal& journal, const std::string& sheet_id, bool is_redo, const sheet::CommandReply& reply) {
+  if (reply.undone->reset) return journal.go_to(sheet_id, reply.beginning);
+  if (!is_redo) return journal.undo(sheet_id, reply.undone->cuts);
+  journal.redo(sheet_id, reply.undone->cuts, {reply.tick, reply.topology_version, wire::encode_hash(reply.state_hash)});
+}
+
+// Submits the command and keeps the cuts that it applies in the journal; or, with a tick, schedules it: then
+// `scheduled` is the answer. The cuts are encoded here, and not on the sheet's strand.
+template <typename Response>
+void submit_cut(const std::shared_ptr<ApiCore>& core, const std::string& id, sheet::Command command,
+                std::int64_t at_tick, Response scheduled, Reply<Response> answer, Encode<Response> encode) {
   if (at_tick > 0) {
     scheduled.set_status(v1::CutResult::SCHEDULED);
     scheduled.set_tick(at_tick);
-    core.host.schedule(id, std::move(command), at_tick, [id, answer, scheduled](const Result<std::int64_t>& number) {
+    core->host.schedule(id, std::move(command), at_tick, [id, answer, scheduled](const Result<std::int64_t>& number) {
       if (!number.ok()) return answer(in_request(number.error()));
       Response named = scheduled;
       named.set_scheduled_name(scheduled_name(id, *number));
@@ -129,10 +156,14 @@ void submit_cut(ApiCore& core, const std::string& id, sheet::Command command, st
     });
     return;
   }
-  core.host.submit(id, std::move(command), [id, answer, encode](Result<host::CommandResult> result) {
-    if (!result.ok()) return answer(in_request(result.error()));
-    answer(encode(id, *result));
-  });
+  const auto cuts = std::make_shared<std::vector<v1::Cut>>(cuts_of(command));
+  core->host.submit(id, std::move(command),
+                    [core, id, answer, encode, cuts](const Result<host::CommandResult>& result) {
+                      if (!result.ok()) return answer(in_request(result.error()));
+                      std::vector<v1::CutResult> results = encode_results(id, *result);
+                      keep_applied(core->journal, id, result->reply, std::move(*cuts), results);
+                      answer(encode(*result, std::move(results)));
+                    });
 }
 
 // Cuts a copy of the sheet. `estimate` is that of the sheet itself.
@@ -167,7 +198,7 @@ v1::CreateCutsResponse without_name(v1::CreateCutsResponse response) {
 // Answers what submit_cut() would, from a copy of the sheet.
 template <typename Response>
 void try_cut(const std::shared_ptr<ApiCore>& core, const std::string& id, sheet::Command command, Reply<Response> reply,
-             Response (*encode)(const std::string&, const host::CommandResult&)) {
+             Encode<Response> encode) {
   core->host.status(id, [core, id, reply = std::move(reply), encode,
                          command = std::move(command)](const Result<host::SheetStatus>& status) {
     if (!status.ok()) return reply(in_request(status.error()));
@@ -182,7 +213,7 @@ void try_cut(const std::shared_ptr<ApiCore>& core, const std::string& id, sheet:
                    if (core->stopping) return server_stopping();
                    const Result<host::CommandResult> result = result_on(*sheet, command, estimate);
                    if (!result.ok()) return in_request(result.error());
-                   return without_name(encode(id, *result));
+                   return without_name(encode(*result, encode_results(id, *result)));
                  };
                  in_background<Response>(core->analyst, reply, work, too_many_analyses(*core));
                });
@@ -190,14 +221,15 @@ void try_cut(const std::shared_ptr<ApiCore>& core, const std::string& id, sheet:
 }
 
 template <typename Request>
-void submit_undo(const std::shared_ptr<ApiCore>& core, const char* method, const Request& request,
-                 sheet::Command command, Reply<v1::UndoResult> reply) {
+void submit_undo(const std::shared_ptr<ApiCore>& core, const char* method, const Request& request, bool is_redo,
+                 Reply<v1::UndoResult> reply) {
   const Result<std::string> id = addressed_sheet(*core, request.parent(), "parent");
   if (!id.ok()) return reply(id.error());
   once<v1::UndoResult>(core, method, request, std::move(reply), [&](Reply<v1::UndoResult> answer) {
-    core->host.submit(*id, std::move(command),
-                      [id = *id, answer = std::move(answer)](Result<host::CommandResult> result) {
+    core->host.submit(*id, is_redo ? sheet::Command(sheet::RedoCut{}) : sheet::Command(sheet::UndoCut{}),
+                      [core, id = *id, is_redo, answer = std::move(answer)](const Result<host::CommandResult>& result) {
                         if (!result.ok()) return answer(at_field(result.error(), "parent"));
+                        keep_undone(core->journal, id, is_redo, result->reply);
                         answer(encode_undo(id, *result));
                       });
   });
@@ -232,19 +264,16 @@ void keep_in_journal(ApiCore& core, const std::string& sheet_id, const sheet::Co
     if (reset->repeats) journal.forget(sheet_id);
     return journal.reset(sheet_id, reply.beginning);
   }
-  if (reply.undone && reply.undone->reset) return journal.go_to(sheet_id, reply.beginning);
-  if (reply.undone && std::holds_alternative<sheet::UndoCut>(command)) {
-    return journal.undo(sheet_id, reply.undone->cuts);
+  if (reply.undone) {
+    return keep_undone(journal, sheet_id, std::holds_alternative<sheet::RedoCut>(command), reply);
   }
-  if (reply.undone) return journal.redo(sheet_id, reply.undone->cuts, encode_undo(sheet_id, *result));
-  std::vector<v1::CutResult> results = encode_results(sheet_id, *result);
   std::vector<v1::Cut> cuts = cuts_of(command);
-  for (std::size_t i = 0; i < results.size(); ++i) {
-    if (results[i].status() != v1::CutResult::APPLIED) continue;
-    const std::int64_t number = reply.cut ? reply.cut->number : reply.batch[i].number;
-    if (appointment.number > 0) results[i].set_scheduled_name(scheduled_name(sheet_id, appointment.number));
-    journal.add(sheet_id, reply.beginning, number, std::move(cuts[i]), std::move(results[i]));
+  if (cuts.empty()) return;
+  std::vector<v1::CutResult> results = encode_results(sheet_id, *result);
+  if (appointment.number > 0) {
+    for (v1::CutResult& each : results) each.set_scheduled_name(scheduled_name(sheet_id, appointment.number));
   }
+  keep_applied(journal, sheet_id, reply, std::move(cuts), results);
 }
 
 void Api::create_cut(const v1::CreateCutRequest& request, Reply<v1::CutResult> reply) {
@@ -255,16 +284,13 @@ void Api::create_cut(const v1::CreateCutRequest& request, Reply<v1::CutResult> r
   if (const Status status = check_tick(request.at_tick()); !status.ok()) return reply(status.error());
   Result<sheet::Command> command = wire::decode_cut(request.cut());
   if (!command.ok()) return reply(command.error());
-  const auto encode = [](const std::string& sheet_id, const host::CommandResult& result) {
-    return encode_results(sheet_id, result).front();
-  };
   if (request.validate_only()) {
     if (const Status status = check_validate_only(request.at_tick()); !status.ok()) return reply(status.error());
     if (const Status status = check_request_id(request.request_id()); !status.ok()) return reply(status.error());
-    return try_cut<v1::CutResult>(core_, *id, std::move(*command), std::move(reply), encode);
+    return try_cut<v1::CutResult>(core_, *id, std::move(*command), std::move(reply), encode_one);
   }
   once<v1::CutResult>(core_, "CreateCut", request, std::move(reply), [&](Reply<v1::CutResult> answer) {
-    submit_cut<v1::CutResult>(*core_, *id, std::move(*command), request.at_tick(), {}, std::move(answer), encode);
+    submit_cut<v1::CutResult>(core_, *id, std::move(*command), request.at_tick(), {}, std::move(answer), encode_one);
   });
 }
 
@@ -281,7 +307,7 @@ void Api::create_cuts(const v1::CreateCutsRequest& request, Reply<v1::CreateCuts
   }
   once<v1::CreateCutsResponse>(core_, "CreateCuts", request, std::move(reply),
                                [&](Reply<v1::CreateCutsResponse> answer) {
-                                 submit_cut<v1::CreateCutsResponse>(*core_, *id, std::move(*command), request.at_tick(),
+                                 submit_cut<v1::CreateCutsResponse>(core_, *id, std::move(*command), request.at_tick(),
                                                                     {}, std::move(answer), encode_batch);
                                });
 }
@@ -305,11 +331,11 @@ void Api::cancel_scheduled_cuts(const v1::CancelScheduledCutsRequest& request, R
 }
 
 void Api::undo_cut(const v1::UndoCutRequest& request, Reply<v1::UndoResult> reply) {
-  submit_undo(core_, "UndoCut", request, sheet::UndoCut{}, std::move(reply));
+  submit_undo(core_, "UndoCut", request, false, std::move(reply));
 }
 
 void Api::redo_cut(const v1::RedoCutRequest& request, Reply<v1::UndoResult> reply) {
-  submit_undo(core_, "RedoCut", request, sheet::RedoCut{}, std::move(reply));
+  submit_undo(core_, "RedoCut", request, true, std::move(reply));
 }
 
 void Api::list_cuts(const v1::ListCutsRequest& request, Reply<v1::ListCutsResponse> reply) {

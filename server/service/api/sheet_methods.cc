@@ -115,6 +115,7 @@ void Api::reset_sheet(const v1::ResetSheetRequest& request, Reply<v1::Sheet> rep
   core_->host.submit(*id, sheet::Reset{},
                      [core = core_, id = *id, reply = std::move(reply)](const Result<host::CommandResult>& result) {
                        if (!result.ok()) return reply(at_field(result.error(), "name"));
+                       core->journal.reset(id, result->reply.beginning);
                        core->host.status(id, sheet_reply(reply, "name"));
                      });
 }

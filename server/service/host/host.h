@@ -124,7 +124,7 @@ struct WaitingCommand {
   sheet::Command command;
 };
 
-// What became of a command, on the sheet's strand. Must not block.
+// What became of a command that nobody waits for, on the sheet's strand. Must not block.
 using CommandListener = std::function<void(const std::string& id, const sheet::Command& command,
                                            const Result<CommandResult>& result, const Appointment& appointment)>;
 
@@ -188,8 +188,8 @@ class Host {
   [[nodiscard]] std::vector<SheetStatus> statuses(const std::vector<std::string>& ids) const;
 
   // Queues a command for the next tick boundary; on a paused or failed sheet it is done at once, without advancing
-  // time. Wakes a sleeping sheet. kResourceExhausted QUEUE_FULL at once; else what the sheet says. sheet::validate() must
-  // accept the command, as it does every command that wire decodes. The sheet refuses any other at its tick, but a
+  // time. Wakes a sleeping sheet. kResourceExhausted QUEUE_FULL at once; else what the sheet says. sheet::validate()
+  // must accept the command, as it does every command that wire decodes. The sheet refuses any other at its tick, but a
   // recording of it cannot be read.
   void submit(const std::string& id, sheet::Command command, Callback<CommandResult> done);
   // The same at the start of tick `at_tick`, ahead of what is queued then; commands of one tick in the order of these
@@ -203,9 +203,10 @@ class Host {
   // Takes one of those back: it is never done, and no listener is told of it. kNotFound SCHEDULED_CUTS_NOT_FOUND for a
   // number that was never given, kFailedPrecondition SCHEDULED_CUTS_SETTLED for one that does not wait any more.
   void cancel(const std::string& id, std::int64_t number, Callback<WaitingCommand> done);
-  // Is told of every command that is done from now on, in the order in which a sheet does them and before it is
-  // answered, and of those with a tick of their own that are refused when it comes, whom nobody else is told of.
-  // Replaces the listener before; begin with it, and it misses nothing.
+  // Is told of every command from now on that is done without a caller to be answered: those of a scene, of schedule()
+  // and of a recording that plays, and a sheet's own Reset. Also of those with a tick of their own that are refused
+  // when it comes. The order is that of the sheet, in which others are answered between them. Replaces the listener
+  // before; begin with it, and it misses nothing.
   void set_command_listener(CommandListener listener);
   // Queues a release, be the queue full or not: for whoever was given the grab and goes away, once a grab. Does nothing
   // where the sheet, or with a reset the grab, is gone.

@@ -100,7 +100,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
 
   struct Pending {
     sheet::Command command;
-    Callback<CommandResult> done;
+    Callback<CommandResult> done;  // empty where the listener is told instead
     Nanoseconds queued_at{0};
     Appointment appointment{};
     bool is_repeat = false;  // the sheet's own Reset
@@ -149,7 +149,8 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   bool play_entry(bool advance);  // false: interrupted
   void end_playback();
   [[nodiscard]] bool is_playing() const { return playback_ && playback_->is_playing(); }
-  void record(std::int64_t tick, std::vector<sheet::Command> commands);
+  // Sets the hash of an entry that is kept or recorded.
+  void record(sheet::RecordedTick& entry);
   std::vector<Pending> take_queue();
   // Those of schedule() whose tick is the next one.
   std::vector<Pending> take_due();
@@ -157,8 +158,10 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   static std::vector<Result<CommandResult>> results_of(const sheet::TickReport& report,
                                                        const std::vector<Pending>& pending, Nanoseconds drained_at,
                                                        const StageTimer& timer);
-  void tell(const std::vector<sheet::Command>& commands, const std::vector<Pending>& pending,
-            const sheet::TickReport& report, const std::vector<Result<CommandResult>>& results) const;
+  // Answers each command, or tells the listener of it, before the next one. `commands`: those of `pending`, in order.
+  void answer_or_tell(const sheet::TickReport& report, const std::vector<sheet::Command>& commands,
+                      const std::vector<Pending>& pending, const std::vector<Result<CommandResult>>& results,
+                      Answering& answering) const;
   void count(const sheet::TickReport& report, const std::vector<Result<CommandResult>>& results, Nanoseconds wall,
              Nanoseconds cpu);
   void publish();

@@ -33,7 +33,7 @@ bool SheetRunner::play_entry(bool advance) {
   std::vector<Pending> pending;
   pending.reserve(entry.commands.size());
   for (const sheet::Command& command : entry.commands) {
-    pending.push_back({command, [](const auto&) {}, context_.clock.now()});
+    pending.push_back({command, {}, context_.clock.now()});
   }
   if (!run_commands(advance, std::move(pending))) {
     if (sheet_.frozen()) playback_->stuck(sheet_.tick(), sheet_.state_hash());

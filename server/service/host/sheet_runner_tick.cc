@@ -23,7 +23,7 @@ bool SheetRunner::run_once(bool advance) {
   std::vector<Pending> pending = advance && !sheet_.frozen() ? take_due() : std::vector<Pending>();
   const bool is_over = repeats_now_ || sheet_.scene_tick() >= sheet_.config().repeat_after;
   if (advance && is_over && may_repeat()) {
-    pending.push_back({sheet::Reset{.repeats = true}, [](const auto&) {}, Nanoseconds{0}, {}, true});
+    pending.push_back({sheet::Reset{.repeats = true}, {}, Nanoseconds{0}, {}, true});
   }
   repeats_now_ = false;
   std::vector<Pending> queued = take_queue();
@@ -38,12 +38,15 @@ class SheetRunner::Answering {
  public:
   explicit Answering(std::vector<Pending>& pending) : pending_(pending) {}
   ~Answering() {
-    for (; next_ < pending_.size(); ++next_) pending_[next_].done(out_of_memory());
+    while (next_ < pending_.size()) answer(out_of_memory());
   }
   Answering(const Answering&) = delete;
   Answering& operator=(const Answering&) = delete;
 
-  void answer(const Result<CommandResult>& result) { pending_[next_++].done(result); }
+  void answer(const Result<CommandResult>& result) {
+    const Callback<CommandResult>& done = pending_[next_++].done;
+    if (done) done(result);
+  }
 
  private:
   std::vector<Pending>& pending_;
@@ -103,12 +106,12 @@ bool SheetRunner::run_commands(bool advance, std::vector<Pending> pending) {
     }
   }
   note_changes(pending, commands, report);
-  tell(commands, pending, report, results);
   if (bare && (stands || report.stats.interrupted)) kept_.append(*bare);
   // A recording has no place for commands of the scene without their tick.
   const bool is_torn = report.gave_up && !report.scheduled.empty();
   const Nanoseconds before_record = context_.clock.now() - context_.clock.thread_cpu();
-  if (!is_torn && !(report.stats.interrupted && commands.empty())) record(report.tick, std::move(commands));
+  sheet::RecordedTick entry{report.tick, std::move(commands), 0};
+  if (!is_torn && !(report.stats.interrupted && entry.commands.empty())) record(entry);
   const Nanoseconds blocked = context_.clock.now() - context_.clock.thread_cpu() - before_record;
   const Nanoseconds cpu = context_.clock.thread_cpu() - cpu_begin;
   const Nanoseconds end = context_.clock.now();
@@ -124,7 +127,7 @@ bool SheetRunner::run_commands(bool advance, std::vector<Pending> pending) {
   publish();
   count(report, results, context_.clock.now() - begin, context_.clock.thread_cpu() - cpu_begin);
   changing_ = false;
-  for (std::size_t i = 0; i < pending.size(); ++i) answering.answer(results[report.scheduled.size() + i]);
+  answer_or_tell(report, entry.commands, pending, results, answering);
   return !report.stats.interrupted;
 }
 
@@ -174,10 +177,10 @@ bool SheetRunner::is_tick_long() const {
   return began != kNoTick && context_.clock.now() - began > Host::kLongTick;
 }
 
-void SheetRunner::record(std::int64_t tick, std::vector<sheet::Command> commands) {
-  const bool is_kept = kept_.wants(tick, !commands.empty());
+void SheetRunner::record(sheet::RecordedTick& entry) {
+  const bool is_kept = kept_.wants(entry.tick, !entry.commands.empty());
   if (!is_kept && !recording_) return;
-  const sheet::RecordedTick entry{tick, std::move(commands), sheet_.state_hash()};
+  entry.state_hash = sheet_.state_hash();
   if (is_kept) kept_.append(entry);
   if (recording_) recording_->append(entry);
 }
@@ -241,27 +244,28 @@ std::vector<SheetRunner::Pending> SheetRunner::take_due() {
   std::vector<Pending> due;
   auto next = scheduled_.begin();
   for (; next != scheduled_.end() && next->appointment.at_tick <= sheet_.tick() + 1; ++next) {
-    due.push_back({std::move(next->command), [](const auto&) {}, Nanoseconds{0}, next->appointment});
+    due.push_back({std::move(next->command), {}, Nanoseconds{0}, next->appointment});
   }
   scheduled_.erase(scheduled_.begin(), next);
   return due;
 }
 
-void SheetRunner::tell(const std::vector<sheet::Command>& commands, const std::vector<Pending>& pending,
-                       const sheet::TickReport& report, const std::vector<Result<CommandResult>>& results) const {
-  if (results.empty()) return;
-  const std::shared_ptr<const CommandListener> listener = context_.listener.get();
-  if (!listener || !*listener) return;
+void SheetRunner::answer_or_tell(const sheet::TickReport& report, const std::vector<sheet::Command>& commands,
+                                 const std::vector<Pending>& pending, const std::vector<Result<CommandResult>>& results,
+                                 Answering& answering) const {
+  const std::shared_ptr<const CommandListener> set = context_.listener.get();
+  const CommandListener* const listener = set && *set ? set.get() : nullptr;
   const std::size_t num_scheduled = report.scheduled.size();
-  for (std::size_t i = 0; i < num_scheduled; ++i) {
+  for (std::size_t i = 0; i < num_scheduled && listener != nullptr; ++i) {
     const sheet::ScheduledCommand& of_scene = sheet_.config().commands[report.scheduled[i].index];
     (*listener)(id_, of_scene.command, results[i], {of_scene.tick, 0});
   }
-  for (std::size_t i = num_scheduled; i < results.size(); ++i) {
-    const Appointment& appointment = pending[i - num_scheduled].appointment;
-    if (results[i].ok() || appointment.at_tick > 0) {
-      (*listener)(id_, commands[i - num_scheduled], results[i], appointment);
-    }
+  for (std::size_t i = 0; i < pending.size(); ++i) {
+    const Result<CommandResult>& result = results[num_scheduled + i];
+    const Appointment& appointment = pending[i].appointment;
+    const bool is_told = !pending[i].done && (result.ok() || appointment.at_tick > 0);
+    if (is_told && listener != nullptr) (*listener)(id_, commands[i], result, appointment);
+    answering.answer(result);
   }
 }
 
