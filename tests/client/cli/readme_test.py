@@ -1,5 +1,6 @@
-"""The lines of README.md and client/cli/README.md that call kerf, curl and grpcurl, run as they stand there, one after the other,
-against a server with the demo scene; the ports, and programs that lie elsewhere, are put in place of those of the text."""
+"""The lines of the pages for users that call kerf, kerfd, curl and grpcurl, run as they stand there, one after the other, against a
+server with the demo scene; the ports, and programs that lie elsewhere, are put in place of those of the text. Of other lines the
+programs, presets and files must exist. Python and the program in C++ of the tutorial are run, too."""
 
 import json
 import os
@@ -7,7 +8,9 @@ import pathlib
 import re
 import shlex
 import shutil
+import signal
 import subprocess
+import sys
 import unittest
 import urllib.request
 
@@ -15,12 +18,17 @@ import cli_case
 from cli_case import ROOT, Case, address, main, path, tearDownModule
 from reflection import Reflection
 
-PAGES = ("README.md", "client/cli/README.md")
-PROGRAMS = ("kerf", "curl", "grpcurl")
+PAGES = ("README.md", "client/tutorial.md", "deploy/troubleshooting.md", "client/howto.md", "client/cli/README.md")
+PAGES_FOR_DEVELOPERS = ("CONTRIBUTING.md", "tests/bench/performance.md")  # whose lines build and test, which no test can do
+PROGRAMS = ("kerf", "kerfd", "curl", "grpcurl")
+SHELL = ("cd", "export")
+BUILD_TOOLS = ("clang-tidy", "cmake", "ctest")
 MOST_LETTERS = 140  # of a line in a block
 # Each of these lines begins a part, which needs nothing that lines before it made. Lines before the first are part 1; the
-# last part also has the tests that run no line.
-PARTS = ("kerf cut demo --bezier", "kerf render demo --out frame.png --size", "kerf sheet material demo", "kerf sheet create flag")
+# last part also has the other tests.
+PARTS = (("client/howto.md", "kerf cut demo --bezier"), ("client/cli/README.md", "kerf cut demo --bezier"),
+         ("client/cli/README.md", "kerf render demo --out frame.png --size"), ("client/cli/README.md", "kerf sheet material demo"),
+         ("client/cli/README.md", "kerf sheet create flag"))
 # Lines that need the cuts of lines before them. The others find the scene as it was, which costs less to step than a cut one.
 AFTER_CUTS = ("kerf cut", "kerf undo", "kerf pieces")
 
@@ -37,9 +45,18 @@ def blocks(page):
     return [text.replace("\\\n", " ").splitlines() for text in texts]
 
 
+def commands(page):
+    """The lines of a page's shell blocks, without comments that have a line of their own."""
+    return [line for block in blocks(page) for line in block if line and not line.startswith("#")]
+
+
+def lines_of(page):
+    return [line for line in commands(page) if line.split(" ")[0] in PROGRAMS]
+
+
 def lines():
-    """The commands of both pages."""
-    return [line for page in PAGES for block in blocks(page) for line in block if line.split(" ")[0] in PROGRAMS]
+    """The commands of all pages."""
+    return [line for page in PAGES for line in lines_of(page)]
 
 
 def first_lines():
@@ -50,9 +67,11 @@ def first_lines():
 
 def part_lines():
     """Those of the part that --part names."""
-    starts = [0, *(next(i for i, line in enumerate(lines()) if line.startswith(part)) for part in PARTS), len(lines())]
+    every = [(page, line) for page in PAGES for line in lines_of(page)]
+    starts = [0, *(next(i for i, (page, line) in enumerate(every) if page == of and line.startswith(start)) for of, start in PARTS),
+              len(every)]
     part = cli_case.OPTIONS.part
-    return lines()[starts[part - 1]:starts[part]]
+    return [line for _, line in every[starts[part - 1]:starts[part]]]
 
 
 def post(method, **message):
@@ -74,7 +93,27 @@ def with_ports(line):
     return line.replace("127.0.0.1:8080", http).replace("127.0.0.1:50051", address())
 
 
+def is_server(line):
+    """Tells whether the line starts a server, which only a signal ends."""
+    return line.startswith("kerfd ") and not re.search(r"--(help|version|list-render-devices)\b", line)
+
+
+def likeness(output):
+    """A pattern of this output: numbers are those of another moment and another machine, and so are the gaps after them."""
+    numbers = re.sub(r"\d[\d.]*", lambda _: r"\d[\d.e-]*", re.escape(output).replace(r"\.", "."))
+    return re.sub(r"(\\ )+", " +", numbers)
+
+
 class Readme(Case):
+    def run_server(self, line):
+        """Starts it on free ports, and stops it once it is ready."""
+        command = [cli_case.OPTIONS.kerfd, *shlex.split(line, comments=True)[1:], "--listen", "127.0.0.1:0", "--http", "127.0.0.1:0"]
+        with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as server:
+            ready = server.stdout.readline()
+            server.send_signal(signal.SIGTERM)
+            _, errors = server.communicate(timeout=60)
+        return subprocess.CompletedProcess(command, server.returncode, ready, errors)
+
     def run_line(self, line):
         environment = {**os.environ, "KERF_SERVER": address(), "PATH": os.path.dirname(cli_case.OPTIONS.kerf) + ":" + os.environ["PATH"]}
         # curl: an answer that tells of an error ends the call with one.
@@ -91,7 +130,7 @@ class Readme(Case):
                 if not line.startswith(AFTER_CUTS):
                     post("ResetSheet", name="sheets/demo")
                 let_run(line)
-                done = self.run_line(line)
+                done = self.run_server(line) if is_server(line) else self.run_line(line)
                 if "RENDERER_UNAVAILABLE" in done.stderr:
                     continue
                 self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
@@ -107,9 +146,49 @@ class Readme(Case):
                 if "RENDERER_UNAVAILABLE" in done.stderr:
                     continue
                 self.assertEqual(done.returncode, 0, done.stderr)
-                # Numbers are those of another moment and another machine.
-                likeness = re.sub(r"\d[\d.]*", lambda _: r"\d[\d.e-]*", re.escape(output).replace(r"\.", "."))
-                self.assertRegex(done.stdout, f"(?m)^{likeness}$")
+                self.assertRegex(done.stdout, f"(?m)^{likeness(output)}$")
+
+    def test_other_lines_name_what_there_is(self):
+        """Lines that build, install or test are not run here."""
+        lists = "\n".join(file.read_text() for top in ("client", "server", "tests") for file in (ROOT / top).rglob("CMakeLists.txt"))
+        presets = {preset["name"] for preset in json.loads((ROOT / "CMakePresets.json").read_text())["testPresets"]}
+        for page in PAGES + PAGES_FOR_DEVELOPERS:
+            for line in commands(page):
+                with self.subTest(f"{page}: {line}"):
+                    for preset in re.findall(r"--preset (\w+)", line):
+                        self.assertIn(preset, presets)
+                    for call in re.split(r" && ", line.split(" #")[0].strip()):
+                        words = [word for word in call.split() if not re.match(r"[A-Z_]+=", word)]
+                        if not words or words[0] in PROGRAMS + SHELL + BUILD_TOOLS or shutil.which(words[0]):
+                            continue
+                        if words[0].startswith("build/"):
+                            self.assertRegex(lists, rf"\b{os.path.basename(words[0])}\b")
+                        else:
+                            self.assertTrue(os.access(ROOT / words[0], os.X_OK), words[0])
+
+    def test_python_of_the_tutorial(self):
+        package = path("package")
+        subprocess.run([ROOT / "client/python/generate", package], check=True, capture_output=True, timeout=300)
+        text = (ROOT / "client/tutorial.md").read_text()
+        block, = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
+        for script in (["-c", block.replace("connect()", f'connect("{address()}")')],
+                       [ROOT / "client/python/examples/cut_example.py", "--server", address()]):
+            done = subprocess.run([sys.executable, *script], env={**os.environ, "PYTHONPATH": package}, capture_output=True, text=True,
+                                  timeout=300)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertTrue(done.stdout)
+
+    def test_program_of_the_tutorial(self):
+        """Its lines are those of embed_core.cc, and it prints what the page says."""
+        text = (ROOT / "client/tutorial.md").read_text()
+        program = (ROOT / "client/examples/embed_core.cc").read_text().splitlines()
+        for line in re.search(r"```cpp\n(.*?)```", text, re.DOTALL).group(1).splitlines():
+            self.assertIn(line, program)
+        embed_core = pathlib.Path(cli_case.OPTIONS.kerf).with_name("embed_core")
+        done = subprocess.run([embed_core], capture_output=True, text=True, timeout=300)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        printed = re.search(r"```text\n(.*?), state hash", text, re.DOTALL).group(1)
+        self.assertRegex(done.stdout, likeness(printed))
 
     def test_lines_fit_the_page_and_files_are_there(self):
         for page in PAGES:
