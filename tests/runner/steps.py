@@ -37,7 +37,7 @@ STEPS = {step.name: step for step in (
          ("tests/runner/check_format",), 6),
     Step("build", "everything compiles without a warning, as it ships (the build of deploy/run, with its tests)",
          build("release", "-DKERF_TESTS=ON -DKERF_BENCH=OFF -DKERF_FAULTS=OFF"), 500),
-    Step("tests", "units, accuracy against references, properties of random cuts, API, clients, the lines of the README",
+    Step("tests", "units, accuracy against references, properties of random cuts, API, clients, the lines of the pages",
          (ctest("release"),), 210, ("build",), "release"),
     Step("units", "all of that but what takes long: random trials, accuracy, programs run from outside",
          (ctest("quick"),), 70, ("build",), "quick"),
