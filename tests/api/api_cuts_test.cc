@@ -136,6 +136,31 @@ TEST_F(ApiCutsTest, UndoAndRedoTakeCutsOffTheListAndPutThemBack) {
   EXPECT_EQ(undo().error().reason, "NOTHING_TO_UNDO");
 }
 
+TEST_F(ApiCutsTest, WhatOneTickDoesIsListedInItsOrder) {
+  ASSERT_TRUE(create_sheet("a", false).ok());
+  const std::int64_t next = get_sheet("sheets/a").tick() + 1;
+  v1::CreateCutRequest scheduled = cut_request("sheets/a", 0.2);
+  scheduled.set_at_tick(next);
+  Answers<v1::CutResult> cuts;
+  Answers<v1::UndoResult> undone;
+  v1::UndoCutRequest undo;
+  undo.set_parent("sheets/a");
+  api_->create_cut(scheduled, cuts.callback());
+  host_->wait_idle();
+  api_->create_cut(cut_request("sheets/a", 0.45), cuts.callback());
+  api_->undo_cut(undo, undone.callback());
+  api_->create_cut(cut_request("sheets/a", 0.7), cuts.callback());
+  run_for(kTick);
+  ASSERT_EQ(cuts.count(), 3U);
+  ASSERT_EQ(undone.count(), 1U);
+  EXPECT_EQ(cuts.at(2)->tick(), next);
+  EXPECT_EQ(undone.at(0)->cuts(0), cuts.at(1)->name());
+  const v1::ListCutsResponse listed = list();
+  ASSERT_EQ(listed.cuts_size(), 2);
+  EXPECT_FALSE(listed.cuts(0).result().scheduled_name().empty());
+  EXPECT_EQ(listed.cuts(1).result().DebugString(), cuts.at(2)->DebugString());
+}
+
 TEST_F(ApiCutsTest, ViewersFollowUndoAndRedo) {
   ASSERT_TRUE(create_sheet("a", false).ok());
   Viewer viewer(*api_);
