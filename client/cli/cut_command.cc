@@ -16,6 +16,7 @@
 #include "client/cli/arguments.h"
 #include "client/cli/commands.h"
 #include "client/cpp/client.h"
+#include "client/cpp/cut_options.h"
 #include "server/base/disk.h"
 #include "server/service/svg/svg.h"
 
@@ -33,24 +34,17 @@ struct CutArguments {
   std::optional<std::string> svg;
   std::optional<std::string> fit;
   std::optional<std::string> dash;
-  double dash_offset = 0.0;
-  double width = 0.0;
   std::optional<std::string> view;
   std::string picture = "640x360";
   std::string layers = "nearest";
   double fov_deg = 0.0;
-  double tolerance = 0.0;
-  double tolerance_m = 0.0;
-  double min_angle_deg = 0.0;
   std::string batch;  // a file
   std::int64_t at_tick = 0;
   bool is_dry_run = false;
   std::string method = "neighbourhood";
   std::string quality = "default";
-  double tip_size = 0.0;
-  double tip_grading = 0.0;
   bool no_relax = false;
-  std::int32_t max_new_triangles = 0;
+  client::CutOptions options;  // those that need no parsing of their own
 };
 
 // Puts what an option says into `target`; what is wrong with it otherwise.
@@ -99,10 +93,11 @@ std::optional<UsageError> set_view(const CutArguments& arguments, v1::View& view
   return std::nullopt;
 }
 
+// The options that are more than a number, or what is wrong with them.
 std::optional<UsageError> set_options(const CutArguments& arguments, v1::Cut& cut) {
-  cut.set_tolerance(arguments.tolerance);
-  cut.set_min_angle_deg(arguments.min_angle_deg);
-  cut.set_dash_offset(arguments.dash_offset);
+  cut.set_method(arguments.method == "element" ? v1::Cut::ELEMENT : v1::Cut::NEIGHBOURHOOD);
+  if (arguments.quality == "fine") cut.set_quality(v1::Cut::FINE);
+  if (arguments.no_relax) cut.set_relax(false);
   if (arguments.fit) {
     if (auto wrong = take("--fit", parse_fit(*arguments.fit), *cut.mutable_fit())) return wrong;
   }
@@ -116,23 +111,13 @@ std::optional<UsageError> set_options(const CutArguments& arguments, v1::Cut& cu
   return std::nullopt;
 }
 
-void set_meshing(const CutArguments& arguments, v1::Cut& cut) {
-  cut.set_tolerance_m(arguments.tolerance_m);
-  cut.set_method(arguments.method == "element" ? v1::Cut::ELEMENT : v1::Cut::NEIGHBOURHOOD);
-  if (arguments.quality == "fine") cut.set_quality(v1::Cut::FINE);
-  cut.set_tip_edge_length_m(arguments.tip_size);
-  cut.set_tip_grading(arguments.tip_grading);
-  cut.set_width_m(arguments.width);
-  if (arguments.no_relax) cut.set_relax(false);
-  cut.set_max_new_triangles(arguments.max_new_triangles);
-}
-
 int cut(const Session& session, const CutArguments& arguments) {
   if (!arguments.batch.empty()) {
     return cut_batch(session, arguments.id, arguments.batch, {arguments.at_tick, arguments.is_dry_run});
   }
   v1::CreateCutRequest request;
   request.set_parent("sheets/" + arguments.id);
+  *request.mutable_cut() = client::make_cut({}, arguments.options);
   v1::Curve& curve = *request.mutable_cut()->mutable_curve();
   if (arguments.svg) {
     host::RealDisk disk;
@@ -145,7 +130,6 @@ int cut(const Session& session, const CutArguments& arguments) {
   if (const auto wrong = set_options(arguments, *request.mutable_cut())) return misuse(wrong->message);
   request.set_at_tick(arguments.at_tick);
   request.set_validate_only(arguments.is_dry_run);
-  set_meshing(arguments, *request.mutable_cut());
   client::Client client(session.server);
   v1::CutResult result;
   const grpc::Status status = client.call(&v1::CutService::Stub::CreateCut, client.cuts(), request, result);
@@ -196,10 +180,12 @@ void add_cut_command(CLI::App& app, Session& session) {
       "Scale the curve evenly and centre it in the box \"x0,y0,x1,y1\", or in 90 % of the sheet: \"sheet\"");
   CLI::Option* dash = command->add_option(
       "--dash", arguments->dash, "Perforate: metres cut and left in turn along the curve, \"0.01,0.005[,...]\"");
-  command->add_option("--dash-offset", arguments->dash_offset, "Start this many metres into the pattern (default 0)")
+  command
+      ->add_option("--dash-offset", arguments->options.dash_offset,
+                   "Start this many metres into the pattern (default 0)")
       ->needs(dash);
   CLI::Option* width = command->add_option(
-      "--width", arguments->width,
+      "--width", arguments->options.width_m,
       "Remove a strip of this width around the curve, metres on the undeformed sheet (default: remove nothing)");
   CLI::Option* view = command->add_option("--view", arguments->view,
                                           "Cut along sight lines: the curve is in pixels of a picture taken from \"EYE "
@@ -221,23 +207,23 @@ void add_cut_command(CLI::App& app, Session& session) {
                  "Say what the cut would be, and how long a tick would take after it, without cutting")
       ->excludes(at_tick);
   CLI::Option* tolerance = command->add_option(
-      "--tolerance", arguments->tolerance,
+      "--tolerance", arguments->options.tolerance,
       "Largest distance between curve and cut, as a fraction of the edge length there (default 0.02)");
-  CLI::Option* min_angle = command->add_option("--min-angle", arguments->min_angle_deg,
+  CLI::Option* min_angle = command->add_option("--min-angle", arguments->options.min_angle_deg,
                                                "Smallest angle of new triangles, degrees (default 20)");
-  command->add_option("--tolerance-m", arguments->tolerance_m, "Tolerance in metres, instead of --tolerance");
+  command->add_option("--tolerance-m", arguments->options.tolerance_m, "Tolerance in metres, instead of --tolerance");
   command->add_option("--quality", arguments->quality, "default (20 degrees) or fine (25), instead of --min-angle")
       ->check(CLI::IsMember({"default", "fine"}));
   command
       ->add_option("--method", arguments->method,
                    "neighbourhood (default), or element: split each crossed triangle by itself, for comparison")
       ->check(CLI::IsMember({"neighbourhood", "element"}));
-  command->add_option("--tip-size", arguments->tip_size,
+  command->add_option("--tip-size", arguments->options.tip_edge_length_m,
                       "Edge length at the tips inside the sheet, metres (default: no grading)");
-  command->add_option("--tip-grading", arguments->tip_grading,
+  command->add_option("--tip-grading", arguments->options.tip_grading,
                       "Growth of edges from ring to ring away from the tips, 1.05 to 10 (default 1.5)");
   command->add_flag("--no-relax", arguments->no_relax, "Keep existing vertices where they are in material coordinates");
-  command->add_option("--max-new-triangles", arguments->max_new_triangles,
+  command->add_option("--max-new-triangles", arguments->options.max_new_triangles,
                       "Refuse a cut that needs more, 1 to 1000000 (default 200000)");
   batch->excludes(tolerance, min_angle, fit, dash, view, width);
   command->callback(

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "client/cpp/geometry.h"
@@ -16,7 +17,7 @@ struct Box {
 };
 
 // What may be said of a cut beside its curve; 0 and absent stand for the defaults. Field by field in
-// proto/kerf/v1/scene.proto.
+// proto/kerf/v1/scene.proto. make_cut() below has them once more.
 struct CutOptions {
   double tolerance = 0.0;              // curve to lips at most, as a share of the edge length there, 1e-6..0.5
   double tolerance_m = 0.0;            // the same in metres, instead
@@ -36,7 +37,29 @@ struct CutOptions {
 };
 
 // A cut to be made later, one of Sheet::cut_all().
-v1::Cut make_cut(v1::Curve curve, const CutOptions& options = {});
+inline v1::Cut make_cut(v1::Curve curve, const CutOptions& options = {}) {
+  v1::Cut cut;
+  *cut.mutable_curve() = std::move(curve);
+  cut.set_tolerance(options.tolerance);
+  cut.set_tolerance_m(options.tolerance_m);
+  cut.set_min_angle_deg(options.min_angle_deg);
+  cut.set_max_new_triangles(options.max_new_triangles);
+  cut.set_method(options.method);
+  cut.set_quality(options.quality);
+  cut.set_tip_edge_length_m(options.tip_edge_length_m);
+  cut.set_tip_grading(options.tip_grading);
+  if (!options.relax) cut.set_relax(false);
+  cut.set_width_m(options.width_m);
+  if (options.fit_sheet) cut.mutable_fit();
+  if (options.fit) {
+    *cut.mutable_fit()->mutable_min() = vec2(options.fit->low);
+    *cut.mutable_fit()->mutable_max() = vec2(options.fit->high);
+  }
+  cut.mutable_dash()->Assign(options.dash.begin(), options.dash.end());
+  cut.set_dash_offset(options.dash_offset);
+  if (options.view) *cut.mutable_view() = *options.view;
+  return cut;
+}
 
 // The picture that a cut is drawn on: as Sheet::render() draws it with the same camera and size. Pixel (0, 0) is its
 // top left corner.

@@ -89,6 +89,27 @@ TEST_F(ServerTest, CutsAlongEveryKindOfCurve) {
   EXPECT_EQ(sheet.cut(circle({5, 5}, 0.1)).value().status(), v1::CutResult::NO_INTERSECTION);
 }
 
+TEST(CutOptions, SayEveryFieldOfTheMessage) {
+  const CutOptions all{.tolerance = 0.01,
+                       .tolerance_m = 1e-3,
+                       .min_angle_deg = 18.0,
+                       .max_new_triangles = 100,
+                       .method = v1::Cut::ELEMENT,
+                       .quality = v1::Cut::FINE,
+                       .tip_edge_length_m = 0.01,
+                       .tip_grading = 1.2,
+                       .relax = false,
+                       .width_m = 0.02,
+                       .fit_sheet = true,
+                       .dash = {0.1, 0.05},
+                       .dash_offset = 0.02,
+                       .view = v1::View()};
+  const v1::Cut cut = make_cut(circle({0.5, 0.5}, 0.1), all);
+  std::vector<const google::protobuf::FieldDescriptor*> said;
+  cut.GetReflection()->ListFields(cut, &said);
+  EXPECT_EQ(static_cast<int>(said.size()), v1::Cut::descriptor()->field_count()) << cut.ShortDebugString();
+}
+
 TEST_F(ServerTest, OptionsOfACutReachTheServer) {
   Sheet sheet = make("options");
   CutOptions options;

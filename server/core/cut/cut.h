@@ -87,6 +87,21 @@ struct CutOptions {
   std::optional<double> width_m = std::nullopt;
 };
 
+// The ranges of the options: calls check(value, low, high, field) with each number, and returns the first refusal.
+// `least_angle`: of min_angle_deg, degrees. Errors: those of `check`, and of validate() for `dash` and `fit`.
+template <typename Check>
+Status check_ranges(const CutOptions& options, double least_angle, const Check& check) {
+  KERF_TRY(check(options.tolerance, kMinTolerance, kMaxTolerance, "cut.tolerance"));
+  KERF_TRY(check(options.tolerance_m.value_or(1.0), kMinLength, kMaxLength, "cut.tolerance_m"));
+  KERF_TRY(check(options.min_angle_deg, least_angle, kMaxMinAngle, "cut.min_angle_deg"));
+  KERF_TRY(check(options.max_new_triangles, 1, kMaxNewTriangles, "cut.max_new_triangles"));
+  KERF_TRY(check(options.tip_edge_length_m.value_or(1.0), kMinLength, kMaxLength, "cut.tip_edge_length_m"));
+  KERF_TRY(check(options.tip_grading, kMinTipGrading, kMaxTipGrading, "cut.tip_grading"));
+  KERF_TRY(check(options.width_m.value_or(1.0), kMinWidth, kMaxWidth, "cut.width_m"));
+  KERF_TRY(validate(options.dash));
+  return options.fit ? validate(*options.fit) : Nothing{};
+}
+
 struct CutRequest {
   Curve curve;
   CutOptions options;

@@ -42,17 +42,7 @@ Status place(const mesh::TriangleMesh& mesh, const Fit& fit, Curve& curve) {
 }
 
 Status check_options(const CutOptions& options) {
-  KERF_TRY(check_range(options.tolerance, kMinTolerance, kMaxTolerance, "cut.tolerance"));
-  KERF_TRY(check_range(options.tolerance_m.value_or(1.0), kMinLength, kMaxLength, "cut.tolerance_m"));
-  KERF_TRY(check_range(options.min_angle_deg, 0.0, kMaxMinAngle, "cut.min_angle_deg"));
-  KERF_TRY(check_range(options.max_new_triangles, 1.0, kMaxNewTriangles, "cut.max_new_triangles"));
-  KERF_TRY(validate(options.dash));
-  KERF_TRY(check_range(options.width_m.value_or(1.0), kMinWidth, kMaxWidth, "cut.width_m"));
-  if (options.fit) {
-    KERF_TRY(validate(*options.fit));
-  }
-  KERF_TRY(check_range(options.tip_edge_length_m.value_or(1.0), kMinLength, kMaxLength, "cut.tip_edge_length_m"));
-  KERF_TRY(check_range(options.tip_grading, kMinTipGrading, kMaxTipGrading, "cut.tip_grading"));
+  KERF_TRY(check_ranges(options, 0.0, check_range));
   if (options.method == Method::kElement && options.tip_edge_length_m) {
     return invalid_argument("OPTIONS_CONFLICT",
                             "cut.tip_edge_length_m needs method neighbourhood; leave one of them out",

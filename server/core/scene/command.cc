@@ -2,6 +2,7 @@
 
 #include <string_view>
 
+#include "server/base/overloaded.h"
 #include "server/core/scene/field_checks.h"
 
 namespace kerf::sheet {
@@ -19,22 +20,19 @@ Status check_grab_id(const std::string& grab_id, const std::string& field) {
 Status validate_command(const Cut& cut) {
   const cut::CutOptions& options = cut.options;
   KERF_TRY(cut::validate(cut.curve));
-  KERF_TRY(check_number(options.tolerance, cut::kMinTolerance, cut::kMaxTolerance, "cut.tolerance"));
-  KERF_TRY(check_number(options.min_angle_deg, kMinCutAngle, cut::kMaxMinAngle, "cut.min_angle_deg"));
-  KERF_TRY(check_number(options.tolerance_m.value_or(1.0), cut::kMinLength, cut::kMaxLength, "cut.tolerance_m"));
-  KERF_TRY(
-      check_number(options.tip_edge_length_m.value_or(1.0), cut::kMinLength, cut::kMaxLength, "cut.tip_edge_length_m"));
-  KERF_TRY(check_number(options.width_m.value_or(1.0), cut::kMinWidth, cut::kMaxWidth, "cut.width_m"));
+  KERF_TRY(cut::check_ranges(options, kMinCutAngle,
+                             Overloaded{
+                                 [](double value, double low, double high, const char* field) {
+                                   return check_number(value, low, high, field);
+                                 },
+                                 [](std::int32_t value, std::int32_t low, std::int32_t high, const char* field) {
+                                   return check_integer(value, low, high, field);
+                                 },
+                             }));
   if (options.method == cut::Method::kElement && (options.tip_edge_length_m || options.width_m)) {
     const std::string field = options.width_m ? "cut.width_m" : "cut.tip_edge_length_m";
     return invalid_argument("OPTIONS_CONFLICT", field + " needs method NEIGHBOURHOOD; leave one of them out", field);
   }
-  KERF_TRY(check_number(options.tip_grading, cut::kMinTipGrading, cut::kMaxTipGrading, "cut.tip_grading"));
-  if (options.fit) {
-    KERF_TRY(cut::validate(*options.fit));
-  }
-  KERF_TRY(cut::validate(options.dash));
-  KERF_TRY(check_integer(options.max_new_triangles, 1, cut::kMaxNewTriangles, "cut.max_new_triangles"));
   if (!cut.view) return Nothing{};
   if (options.fit) {
     return invalid_argument(

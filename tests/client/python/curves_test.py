@@ -103,6 +103,10 @@ class Curves(Case):
         self.assertEqual(by_matrices.pieces, by_camera.pieces)
         self.assertEqual(by_matrices.new_triangles, by_camera.new_triangles)
 
+    def test_every_field_of_a_cut_is_an_option(self):
+        fields = [field.name for field in kerf.cut(kerf.circle((0.5, 0.5), 0.1)).DESCRIPTOR.fields if field.name != "curve"]
+        self.assertCountEqual(kerf.CutOptions.__annotations__, fields)
+
     def test_meshing_options(self):
         curve = kerf.bezier((0.2, 0.5), (0.4, 0.8), (0.6, 0.2), (0.8, 0.5))
 
