@@ -18,7 +18,7 @@ from kinds import ATTACKS
 from soak import soak
 from victims import INFO_PATIENCE_S, Server, attacked
 
-LEAST_PACE = 95.0  # per cent of the controls' ticks; 99.5 and more where nothing else runs
+LEAST_PACE = 98.0  # per cent of the controls' ticks
 MOST_STOP_S = 10.0
 HEAD = ("attack", "did", "ticks least / mean %", "identical", "info ms", "SIGTERM", "VmHWM MB", "")
 
@@ -117,6 +117,10 @@ def main():
         rows.append(run(options, name))
     rates = [rate for row in rows if row.name == "control" for rate in row.rates]
     rate = statistics.mean(rates) if rates else 1.0
+    for index, row in enumerate(rows):
+        if row.faults(rate) == ["slow"]:  # another program may have had the machine
+            print(f"[again] {row.name}: {min(row.paces(rate)):.1f} % of the controls' ticks", flush=True)
+            rows[index] = run(options, row.name)
     print("\n| " + " | ".join(HEAD) + " |\n|" + "---|" * len(HEAD))
     for row in rows:
         print("| " + " | ".join(row.cells(rate)) + " |")

@@ -208,7 +208,7 @@ TEST_F(UploadTest, OneThatComesInSmallPartsIsEnded) {
   v1::Sheet sheet;
   const auto writer = client_->sheets().UploadSheet(&context, &sheet);
   v1::UploadSheetRequest part;
-  part.set_chunk(std::string(1000, '#'));  // large enough that few are under way: the clock is then close to the server
+  part.set_chunk(std::string(5000, '#'));  // large enough that few are under way: the clock is then close to the server
   bool open = writer->Write(start_of(std::size_t{64} << 20));
   wait_for_timer();
   while (open) {

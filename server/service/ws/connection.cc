@@ -3,7 +3,9 @@
 #include <boost/asio/async_result.hpp>
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/co_spawn.hpp>
+#include <boost/asio/execution/outstanding_work.hpp>
 #include <boost/asio/post.hpp>
+#include <boost/asio/prefer.hpp>
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
@@ -276,7 +278,10 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
   asio::awaitable<HttpResponse> respond(HttpRequest request, std::stop_token stop) {
     auto initiate = [this, request = std::move(request), stop = std::move(stop)](auto handler) mutable {
       auto shared = std::make_shared<decltype(handler)>(std::move(handler));
-      const auto done = [shared, executor = executor_](HttpResponse response) {
+      // Counts as work until the last copy is gone: another thread may drop its copy after the response was sent, and
+      // the server must not end before.
+      const auto done = [executor = asio::prefer(executor_, asio::execution::outstanding_work.tracked),
+                         shared](HttpResponse response) {
         asio::post(executor, [shared, response = std::move(response)]() mutable { (*shared)(std::move(response)); });
       };
       try {
