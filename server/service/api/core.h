@@ -87,8 +87,8 @@ Status check_sheet_id(const std::string& id);
 // kInvalidArgument REQUEST_ID_TOO_LONG.
 Status check_request_id(const std::string& request_id);
 
-// Gives the journal the cuts, resets, undos and redos that a sheet has done without a caller to be answered, and the
-// scheduled cuts that it refused: what the host's listener is told. Callers keep their own with the answer.
+// Gives the journal what the host's listener receives: cuts, resets, undos and redos that have no caller to answer, and
+// scheduled cuts that were refused. The answer to a caller does the same for its own command.
 void keep_in_journal(ApiCore& core, const std::string& sheet_id, const sheet::Command& command,
                      const Result<host::CommandResult>& result, const host::Appointment& appointment);
 

@@ -203,10 +203,10 @@ class Host {
   // Takes one of those back: it is never done, and no listener is told of it. kNotFound SCHEDULED_CUTS_NOT_FOUND for a
   // number that was never given, kFailedPrecondition SCHEDULED_CUTS_SETTLED for one that does not wait any more.
   void cancel(const std::string& id, std::int64_t number, Callback<WaitingCommand> done);
-  // Is told of every command from now on that is done without a caller to be answered: those of a scene, of schedule()
-  // and of a recording that plays, and a sheet's own Reset. Also of those with a tick of their own that are refused
-  // when it comes. The order is that of the sheet, in which others are answered between them. Replaces the listener
-  // before; begin with it, and it misses nothing.
+  // Receives every command from now on that is done and has no caller to answer: those of a scene, of schedule(), of a
+  // recording that plays, and a sheet's own Reset. Receives also those with a tick of their own that are refused then.
+  // They come in the order of the sheet, and callers of other commands are answered between them. Replaces the listener
+  // before. A listener that is set before the first sheet is created misses nothing.
   void set_command_listener(CommandListener listener);
   // Queues a release, be the queue full or not: for whoever was given the grab and goes away, once a grab. Does nothing
   // where the sheet, or with a reset the grab, is gone.

@@ -100,7 +100,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
 
   struct Pending {
     sheet::Command command;
-    Callback<CommandResult> done;  // empty where the listener is told instead
+    Callback<CommandResult> done;  // empty: the listener receives the outcome
     Nanoseconds queued_at{0};
     Appointment appointment{};
     bool is_repeat = false;  // the sheet's own Reset
