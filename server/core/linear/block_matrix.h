@@ -9,18 +9,18 @@
 
 namespace kerf::fem {
 
-// Square sparse matrix of 3x3 blocks in rows: columns ascending within a row, diagonal always present. Symmetric by
-// use: both triangles are stored, so that a product reads memory in order. The pattern of a row can be replaced without
-// touching the others: one that outgrows its place moves to the end, and all are packed again once more than half is
-// holes.
+// Square sparse matrix of 3x3 blocks, stored by rows: columns ascend within a row, and the diagonal is always present.
+// Matrices are symmetric by use; both triangles are stored, so that a product reads memory in order. The pattern of a
+// row can be replaced without touching the others. A row that outgrows its place moves to the end. All rows are packed
+// again once more than half of the storage is holes.
 class BlockMatrix {
  public:
-  // New rows are empty until they are set; rows beyond are dropped.
+  // Adds empty rows or drops the rows beyond `num_rows`.
   void resize(int num_rows);
-  // So that this many blocks fit without a copy. What is not used takes no memory.
+  // Reserves storage, so that `num_blocks` fit without a copy. Unused storage takes no memory.
   void reserve(std::size_t num_blocks);
-  // `columns`: ascending, i among them. Blocks of all rows hold anything until set_zero(), and positions of row i, or
-  // of every row, become others.
+  // Sets the pattern of row i. `columns` ascend and contain i. Invalidates the values of all rows until set_zero(), and
+  // the positions of row i or of every row.
   void set_row(int i, std::span<const int> columns);
 
   [[nodiscard]] int num_rows() const { return static_cast<int>(rows_.size()); }
@@ -52,7 +52,7 @@ class BlockMatrix {
     int begin = 0;
     int size = 0;
     int capacity = 0;
-    int diagonal = 0;  // from `begin`
+    int diagonal = 0;  // offset from `begin`
   };
   static constexpr int kSlack = 1024;  // blocks; packing smaller arrays gains nothing
 

@@ -50,7 +50,7 @@ LinearStats ConjugateGradient::iterate(const Multiply& multiply, const Renew& re
   }
   double rz = restart(multiply, b, x);
   int since_restart = 0;
-  double first_norm = 0.0;  // of r, at the restart
+  double first_norm = 0.0;  // norm of r at the restart
   while (true) {
     const double r_norm = std::sqrt(dot(r_, r_));
     stats.converged = r_norm <= tolerance * b_norm;

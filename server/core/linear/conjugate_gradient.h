@@ -11,7 +11,7 @@
 
 namespace kerf::fem {
 
-// Conjugate gradients (Hestenes, Stiefel 1952), preconditioned or not.
+// Conjugate gradient method (Hestenes, Stiefel 1952), with or without a preconditioner.
 class ConjugateGradient final : public LinearSolver {
  public:
   ConjugateGradient(std::unique_ptr<Preconditioner> preconditioner, int max_iterations)
@@ -19,7 +19,7 @@ class ConjugateGradient final : public LinearSolver {
 
   void analyse(const BlockMatrix& A) override;
   LinearStats solve(const BlockMatrix& A, const mesh::VertexField& b, double tolerance, mesh::VertexField& x) override;
-  // The same of a dense A, 3N x 3N, N that of analyse(), with a preconditioner that does not depend on A.
+  // Solves with a dense A, 3N x 3N, with the N of analyse(). The preconditioner must not depend on A.
   LinearStats solve(const Eigen::MatrixXd& A, const mesh::VertexField& b, double tolerance, mesh::VertexField& x);
 
   void forget() override { preconditioner_->forget(); }
@@ -31,18 +31,18 @@ class ConjugateGradient final : public LinearSolver {
   mesh::VertexField* positions() override { return preconditioner_->positions(); }
 
  private:
-  // multiply(x, y): y = A x; renew(): see Preconditioner.
+  // Runs the iteration. multiply(x, y) sets y = A x; for renew() see Preconditioner.
   template <typename Multiply, typename Renew>
   LinearStats iterate(const Multiply& multiply, const Renew& renew, const mesh::VertexField& b, double tolerance,
                       mesh::VertexField& x);
-  // |b - A x| / |b|, 0 where b = 0.
+  // Returns |b - A x| / |b|, or 0 if b = 0.
   template <typename Multiply>
   double true_residual(const Multiply& multiply, const mesh::VertexField& b, const mesh::VertexField& x);
-  // Residual, direction and r.z at x, with the preconditioner as it is.
+  // Sets the residual and the direction at x with the preconditioner as it is. Returns r.z.
   template <typename Multiply>
   double restart(const Multiply& multiply, const mesh::VertexField& b, const mesh::VertexField& x);
-  // Whether the preconditioner is not worth its age: by so many iterations the norm of the residual fell to `reached`
-  // of what it was, and is to fall to `wanted`.
+  // Returns true if the preconditioner is too old to be worth keeping. After `iterations` the norm of the residual has
+  // fallen to the fraction `reached`, and has to fall to `wanted`.
   [[nodiscard]] bool is_too_slow(int iterations, double reached, double wanted) const;
 
   std::unique_ptr<Preconditioner> preconditioner_;

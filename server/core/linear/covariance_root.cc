@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kRegularisation = 1e-6;  // epsilon I, added to D
 
-// Products go tile by tile: Eigen packs larger ones in memory that it allocates, these on the stack.
+// Products are computed tile by tile: Eigen packs larger operands in allocated memory, these on the stack.
 constexpr Eigen::Index kTile = 64;
 using Tile = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kTile, kTile>;
 using Block = Eigen::Ref<Eigen::MatrixXd>;
@@ -22,7 +22,7 @@ void for_tiles(Eigen::Index n, const Function& f) {
   for (Eigen::Index begin = 0; begin < n; begin += kTile) f(begin, std::min(kTile, n - begin));
 }
 
-// C = A B, C of neither's memory.
+// Computes C = A B. C must not share memory with A or B.
 void multiply(const ConstBlock& A, const ConstBlock& B, Block C) {
   C.setZero();
   for_tiles(B.cols(), [&](Eigen::Index j, Eigen::Index columns) {
@@ -34,7 +34,7 @@ void multiply(const ConstBlock& A, const ConstBlock& B, Block C) {
   });
 }
 
-// Tile of diag(d) L^T: its columns are rows `row` on of L, its rows columns `column` on.
+// Returns a tile of diag(d) L^T: its columns are rows of L from `row` on, its rows are columns of L from `column` on.
 Tile scaled_transpose(const Eigen::MatrixXd& L, const Eigen::VectorXd& d, Eigen::Index row, Eigen::Index rows,
                       Eigen::Index column, Eigen::Index columns) {
   Tile tile(columns, rows);
@@ -44,7 +44,7 @@ Tile scaled_transpose(const Eigen::MatrixXd& L, const Eigen::VectorXd& d, Eigen:
   return tile;
 }
 
-// M: the covariance of the rows of A. mean: scratch.
+// Sets M to the covariance of the rows of A; `mean` is scratch.
 void covariance(const BlockMatrix& A, Eigen::MatrixXd& M, Eigen::VectorXd& mean) {
   M.setZero();
   mean.setZero();
@@ -63,7 +63,7 @@ void covariance(const BlockMatrix& A, Eigen::MatrixXd& M, Eigen::VectorXd& mean)
   for (Eigen::Index j = 0; j < M.cols(); ++j) M.col(j) = (M.col(j) - n * mean[j] * mean) / (n - 1.0);
 }
 
-// M = L D L^T in place, panel of columns by panel: L with its unit diagonal below, 0 above. column: scratch.
+// Factors M = L D L^T in place, panel by panel: L with its unit diagonal below, 0 above. `column` is scratch.
 void factorise(Eigen::MatrixXd& M, Eigen::VectorXd& D, Eigen::VectorXd& column) {
   const Eigen::Index n = M.rows();
   for_tiles(n, [&](Eigen::Index begin, Eigen::Index width) {

@@ -8,34 +8,35 @@
 namespace kerf::fem {
 
 // Dense matrices that the solvers ES-CGM and AS-CGM put in place of the stiffness matrix A, step by step as published
-// (the thesis named in the README, section 3.5). They are not A and no preconditioners of it: A' x = b has another
-// solution than A x = b, so that a solver of these *solves a different system*. They are here to be compared.
+// (the thesis named in the README, section 3.5). They are neither A nor preconditioners of it. A' x = b has another
+// solution than A x = b, so these solvers *solve a different system*. They are here to be compared.
 //
 // Both begin with the covariance of the rows of A, n x n (n = 3 N; units of A squared), eq. 3.21:
 //   M = 1 / (n - 1) sum_i (a_i - mean)^T (a_i - mean),  a_i row i of A.
-// Centred, it is singular. What follows mixes units: with masses in grams A' is another matrix in kind, not in scale.
+// M is singular because it is centred. The steps after it mix units: with masses in grams A' is another matrix in kind,
+// not in scale.
 class CovarianceRoot {
  public:
   explicit CovarianceRoot(const CovarianceRootOptions& options) : options_(options) {}
 
-  // Memory for matrices of that many rows of blocks, at most kMaxCovarianceVertices, for one of the two; the only call
-  // that allocates.
+  // Allocates matrices of `num_rows` block rows, at most kMaxCovarianceVertices, for one of the two solvers. No other
+  // call allocates.
   void resize(int num_rows, LinearSolverKind kind);
 
-  // ES-CGM: A' = L F(D + 1e-6 I) L^T where M = L D L^T without exchanging rows (eq. 3.22 to 3.25). D is not of
-  // eigenvalues, though the thesis calls it so, and A' no square root of M. Not finite where a pivot is below -1e-6 or
-  // 0, which rounding can lead to.
+  // ES-CGM: A' = L F(D + 1e-6 I) L^T where M = L D L^T without exchanging rows (eq. 3.22 to 3.25). D does not hold
+  // eigenvalues, though the thesis calls it so, and A' is no square root of M. A' is not finite if a pivot is 0 or
+  // below -1e-6, which rounding can cause.
   const Eigen::MatrixXd& exact(const BlockMatrix& A);
-  // AS-CGM: the coupled Newton-Schulz iteration (eq. 3.27) from P = M, Q = I; A' is the last P, Q being dropped. It
-  // converges to M^1/2 only where |M - I| < 1, and M is not scaled to that; elsewhere it diverges, and ends early where
-  // it is not finite any more.
+  // AS-CGM: the coupled Newton-Schulz iteration (eq. 3.27) from P = M, Q = I. A' is the last P; Q is dropped. It
+  // converges to M^1/2 only if |M - I| < 1, and M is not scaled to satisfy this. Otherwise it diverges, and ends early
+  // once it is not finite.
   const Eigen::MatrixXd& approximate(const BlockMatrix& A);
 
  private:
   CovarianceRootOptions options_;
-  Eigen::MatrixXd M_;        // n x n: M, then L, or room for the next P or Q
+  Eigen::MatrixXd M_;        // n x n: M, then L, or storage for the next P or Q
   Eigen::MatrixXd root_;     // n x n: A'
-  Eigen::MatrixXd Q_, T_;    // n x n, AS-CGM alone
+  Eigen::MatrixXd Q_, T_;    // n x n, AS-CGM only
   Eigen::VectorXd D_, row_;  // n
 };
 

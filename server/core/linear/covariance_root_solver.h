@@ -6,16 +6,16 @@
 
 namespace kerf::fem {
 
-// ES-CGM and AS-CGM: plain conjugate gradients on A' x = b, A' of CovarianceRoot. *Solves a different system*: what it
-// returns is no solution of A x = b, and its statistics say so, being of that system but for the iterations. Where A'
-// is not finite, x stays the initial guess.
+// ES-CGM and AS-CGM: plain conjugate gradients on A' x = b, with A' of CovarianceRoot. *Solves a different system*: the
+// result is no solution of A x = b. The statistics show that: residual and convergence are those of A x = b, the
+// iterations those of A' x = b. If A' is not finite, x stays the initial guess.
 class CovarianceRootSolver final : public LinearSolver {
  public:
-  // kind: kEsCgm or kAsCgm.
+  // `kind` is kEsCgm or kAsCgm.
   CovarianceRootSolver(LinearSolverKind kind, const CovarianceRootOptions& options, int max_iterations)
       : kind_(kind), root_(options), solver_(make_diagonal_preconditioner(Diagonal::kOnes), max_iterations) {}
 
-  // A: at most kMaxCovarianceVertices rows.
+  // A has at most kMaxCovarianceVertices rows.
   void analyse(const BlockMatrix& A) override;
   LinearStats solve(const BlockMatrix& A, const mesh::VertexField& b, double tolerance, mesh::VertexField& x) override;
   void heed(const GoesOn* goes_on) override { solver_.heed(goes_on); }

@@ -4,7 +4,7 @@
 
 namespace kerf::fem {
 
-// The matrix of v -> a x v.
+// Returns the skew matrix [a]x of the cross product, v -> a x v.
 inline Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& a) {
   return Eigen::Matrix3d{
       {0.0, -a.z(), a.y()},

@@ -6,7 +6,7 @@
 
 namespace kerf::fem {
 
-// A small dense matrix, by columns, each in fours of rows; rows beyond the last hold 0.
+// A small dense matrix stored by columns, each in groups of four rows. Rows beyond the last hold 0.
 template <typename T>
 struct DenseFours {
   std::size_t size = 0;
@@ -16,12 +16,12 @@ struct DenseFours {
     size = n;
     entries.assign(n * num_fours(), {});
   }
-  [[nodiscard]] std::size_t num_fours() const { return (size + 3) / 4; }  // of a column
+  [[nodiscard]] std::size_t num_fours() const { return (size + 3) / 4; }  // per column
   T& at(std::size_t row, std::size_t column) { return entries[column * num_fours() + row / 4][row % 4]; }
 };
 
-// Sets `to` to the matrix times `from`, four right-hand sides side by side, in vector code chosen for the processor at
-// run time: each entry is a sum in the order of columns, nothing is contracted. `to` has room for 4 x 4 x num_fours().
+// Sets `to` to the matrix times `from`, for four right-hand sides side by side, in vector code chosen at run time. Each
+// entry is a sum in the order of columns, without fused multiply-add. `to` has room for 4 x 4 x num_fours().
 template <typename T>
 void multiply(const DenseFours<T>& matrix, const T* from, T* to);
 

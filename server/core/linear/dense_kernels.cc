@@ -21,14 +21,14 @@ namespace hn = hwy::HWY_NAMESPACE;
 template <typename T>
 using Tag = hn::CappedTag<T, kBlockLanes>;
 
-constexpr std::size_t kColumns = 12;  // of a panel that are factored together; a multiple of kTileColumns
+constexpr std::size_t kColumns = 12;  // columns of a panel factored together; a multiple of kTileColumns
 constexpr std::size_t kTileColumns = 6;
 
 constexpr std::size_t round_down(std::size_t i) {
   return i / kBlockLanes * kBlockLanes;
 }
 
-// C -= A B^T for kVectors vectors of rows and N columns; B: N rows. `stride`: of A and B.
+// Computes C -= A B^T for kVectors vectors of rows and N columns. B has N rows; `stride` is that of A and B.
 template <std::size_t kVectors, std::size_t N, typename T>
 HWY_INLINE void subtract_tile(const T* A, const T* B, std::size_t stride, std::size_t depth, T* C,
                               std::size_t stride_c) {
@@ -54,7 +54,7 @@ HWY_INLINE void subtract_tile(const T* A, const T* B, std::size_t stride, std::s
   }
 }
 
-// The same for `rows`, rounded up to whole vectors.
+// Computes C -= A B^T for `rows`, rounded up to whole vectors.
 template <std::size_t N, typename T>
 HWY_INLINE void subtract_columns(const T* A, const T* B, std::size_t stride, std::size_t depth, std::size_t rows, T* C,
                                  std::size_t stride_c) {
@@ -64,7 +64,7 @@ HWY_INLINE void subtract_columns(const T* A, const T* B, std::size_t stride, std
   if (r < rows) subtract_tile<1, N>(A + r, B, stride, depth, C + r, stride_c);
 }
 
-// Columns [first, first + width) of the panel -= what the columns before them contribute.
+// Subtracts the contributions of earlier columns from columns [first, first + width) of the panel.
 template <typename T>
 HWY_INLINE void subtract_columns_before(const PanelView<T>& panel, std::size_t first, std::size_t width) {
   std::size_t c = first;
@@ -78,7 +78,7 @@ HWY_INLINE void subtract_columns_before(const PanelView<T>& panel, std::size_t f
   if (c < first + width) subtract.template operator()<3>();
 }
 
-// Rows [top, rows) of columns [first, first + N): X = A L^-T. L, column by column, has reciprocals on its diagonal.
+// Solves X = A L^-T in rows [top, rows) of columns [first, first + N). L, by columns, has reciprocals on its diagonal.
 template <std::size_t N, typename T>
 HWY_INLINE void solve_rows(const PanelView<T>& panel, std::size_t first, const T* L, std::size_t top) {
   const Tag<T> d;
@@ -94,7 +94,7 @@ HWY_INLINE void solve_rows(const PanelView<T>& panel, std::size_t first, const T
   }
 }
 
-// Columns [first, first + N), once what comes before them is subtracted.
+// Factors columns [first, first + N), after the contributions of earlier columns have been subtracted.
 template <std::size_t N, typename T>
 HWY_INLINE bool factor_columns(const PanelView<T>& panel, std::size_t first, const T* diagonal, PivotRule<T>& rule) {
   std::array<T, N * N> L{};

@@ -8,15 +8,15 @@
 
 namespace kerf::fem {
 
-// A Cholesky factor in double precision, made anew in each solve.
+// Direct solver: a Cholesky factor in double precision, computed for every solve.
 class DirectSolver final : public LinearSolver {
  public:
   void analyse(const BlockMatrix& A) override;
-  // With what another factor has found of the same pattern.
+  // Takes the symbolic factorisation of another factor of the same pattern.
   void analyse(const BlockMatrix& A, std::shared_ptr<const Supernodes> supernodes);
   LinearStats solve(const BlockMatrix& A, const mesh::VertexField& b, double tolerance, mesh::VertexField& x) override;
   void heed(const GoesOn* goes_on) override { factor_.heed(goes_on); }
-  // With the matrix of the last solve(), which must have found it positive definite.
+  // Solves with the matrix of the last solve(), which must have found it positive definite.
   void solve_again(const mesh::VertexField& b, mesh::VertexField& x) { factor_.solve(b, x); }
 
  private:

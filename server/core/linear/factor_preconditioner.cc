@@ -5,8 +5,8 @@
 namespace kerf::fem {
 namespace {
 
-// Flops of a factorisation go so much faster than those of a solve, which waits for memory, and an iteration has a
-// product beside its solve: measured, 50 x 50 and 100 x 100 vertices.
+// Ratio of the flop rates of a factorisation and a solve. A solve waits for memory, and an iteration has a product
+// beside its solve. Measured with 50 x 50 and 100 x 100 vertices.
 constexpr double kFlopsPerFlop = 12.0;
 constexpr double kLeastPatience = 4.0;
 
@@ -34,7 +34,7 @@ void FactorPreconditioner::apply(const mesh::VertexField& r, mesh::VertexField& 
     z = r;
     return;
   }
-  const double scale = 1.0 / largest;  // floats have their limits
+  const double scale = 1.0 / largest;  // keeps values within the range of floats
   for (std::size_t i = 0; i < frames_.size(); ++i) {
     const auto column = static_cast<Eigen::Index>(i);
     turned_.col(column) = frames_[i].transpose() * (scale * r.col(column));

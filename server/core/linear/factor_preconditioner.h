@@ -10,10 +10,10 @@
 
 namespace kerf::fem {
 
-// A Cholesky factor in single precision of an earlier matrix, if there was one, in frames that turn with the sheet:
-// z = Q L^-T L^-1 Q^T r, L L^T = R^T A R, A an earlier matrix, R its frames and Q those of now: as the sheet turns, its
-// stiffness turns with it. In frames, floats also tell the weak bending of a stiff sheet from its stretching, whichever
-// way it faces.
+// Preconditioner from a Cholesky factor in single precision, kept from an earlier matrix if there was one, in frames
+// that turn with the sheet: z = Q L^-T L^-1 Q^T r, L L^T = R^T A R. A is the earlier matrix, R holds its frames and Q
+// the present ones: the stiffness of a sheet turns with it. In these frames floats also resolve the weak bending of a
+// stiff sheet beside its stretching, in any orientation.
 class FactorPreconditioner final : public Preconditioner {
  public:
   static constexpr int kMostPatience = 30;  // iterations
@@ -37,7 +37,7 @@ class FactorPreconditioner final : public Preconditioner {
   int patience_ = 0;
   bool has_factor_ = false;
   bool was_renewed_ = false;
-  bool is_old_ = false;  // of an earlier matrix than that of prepare()
+  bool is_old_ = false;  // the factor is of an earlier matrix than that of prepare()
 };
 
 }  // namespace kerf::fem

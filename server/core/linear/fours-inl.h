@@ -1,4 +1,4 @@
-// Vectors of four numbers each of a few vertices, side by side. Compiled once for each instruction set.
+// Vectors of four numbers for each of a few vertices, side by side. Compiled once for each vector instruction set.
 #if defined(KERF_FEM_FOURS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef KERF_FEM_FOURS_INL_H
 #undef KERF_FEM_FOURS_INL_H
@@ -20,14 +20,14 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Takes up to four.
+// Vector type of up to four groups of four.
 template <typename T>
 using Fours = hn::CappedTag<T, HWY_HAVE_SCALABLE ? 4 : 16>;
 
 #if HWY_TARGET == HWY_SCALAR
 template <class D>
 HWY_INLINE hn::Vec<D> joined(D /*d*/, hn::Vec<D> /*high*/, hn::Vec<D> low) {
-  return low;  // never asked for
+  return low;  // never called
 }
 #else
 template <class D>

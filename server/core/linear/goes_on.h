@@ -4,14 +4,14 @@
 
 namespace kerf::fem {
 
-// Asked now and then by what takes long, on its own thread: false ends it early. Once false it must stay so until what
-// it ended has returned.
+// Stop condition polled by long computations, on their own thread; false ends them early. Once false it must stay false
+// until the computation has returned.
 using GoesOn = std::function<bool()>;
 
-// Whom something long asks; nobody at first.
+// Holds the stop condition polled by a long computation; none by default.
 class Heed {
  public:
-  // Null: nobody. To outlive what is done under it.
+  // Sets the condition, which must outlive the computation. Null removes it.
   void set(const GoesOn* goes_on) { goes_on_ = goes_on; }
   [[nodiscard]] bool ends() const { return goes_on_ != nullptr && !(*goes_on_)(); }
   [[nodiscard]] const GoesOn* get() const { return goes_on_; }

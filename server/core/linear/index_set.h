@@ -7,11 +7,11 @@
 
 namespace kerf::fem {
 
-// A set of ids in [0, n), kept from one edit to the next: insertion and lookup take constant time, clearing takes the
-// time of the members. A bit an id, so that the part of it that an edit of a large sheet looks at stays near.
+// A set of ids in [0, n), kept from one edit to the next. Insertion and lookup take constant time, clearing is linear
+// in the number of members. It uses one bit an id, so that the few words that an edit touches stay in cache.
 class IdSet {
  public:
-  // For ids below n; never shrinks, and grows by an eighth, so that it seldom has to.
+  // Makes room for ids below n. Never shrinks, and grows by an eighth more, so that it seldom has to.
   void resize(std::size_t n) {
     if (n > 64 * words_.size()) words_.resize((n + n / 8) / 64 + 1, 0);
   }
@@ -19,7 +19,7 @@ class IdSet {
     for (const std::int32_t id : members_) words_[word_of(id)] = 0;
     members_.clear();
   }
-  // Whether `id` is new.
+  // Returns true if `id` is new.
   bool insert(std::int32_t id) {
     if (contains(id)) return false;
     words_[word_of(id)] |= bit_of(id);
@@ -27,7 +27,7 @@ class IdSet {
     return true;
   }
   [[nodiscard]] bool contains(std::int32_t id) const { return (words_[word_of(id)] & bit_of(id)) != 0; }
-  // In the order of insertion.
+  // Members in the order of insertion.
   [[nodiscard]] std::span<const std::int32_t> members() const { return members_; }
   [[nodiscard]] std::size_t size() const { return members_.size(); }
 
@@ -39,10 +39,10 @@ class IdSet {
   std::vector<std::int32_t> members_;
 };
 
-// The same, with the place of each id in the order of insertion at hand: 4 bytes an id.
+// A set like IdSet that also gives the place of each id in the order of insertion; 4 bytes an id.
 class IndexSet {
  public:
-  // For ids below n; never shrinks.
+  // Makes room for ids below n. Never shrinks.
   void resize(std::size_t n) {
     if (n > place_.size()) place_.resize(n, -1);
   }
@@ -50,7 +50,7 @@ class IndexSet {
     for (const std::int32_t id : members_) place_[static_cast<std::size_t>(id)] = -1;
     members_.clear();
   }
-  // Whether `id` is new.
+  // Returns true if `id` is new.
   bool insert(std::int32_t id) {
     std::int32_t& place = place_[static_cast<std::size_t>(id)];
     if (place >= 0) return false;
@@ -59,9 +59,9 @@ class IndexSet {
     return true;
   }
   [[nodiscard]] bool contains(std::int32_t id) const { return place(id) >= 0; }
-  // Into members(), or -1.
+  // Returns the index of `id` in members(), or -1.
   [[nodiscard]] std::int32_t place(std::int32_t id) const { return place_[static_cast<std::size_t>(id)]; }
-  // In the order of insertion.
+  // Members in the order of insertion.
   [[nodiscard]] std::span<const std::int32_t> members() const { return members_; }
   [[nodiscard]] std::size_t size() const { return members_.size(); }
 

@@ -5,8 +5,8 @@
 
 namespace kerf::fem {
 
-// Lanes of a block of vector code: a fixed number, a multiple of what any processor does at once, so that results do
-// not depend on the processor.
+// Number of lanes of a block in vector code. It is fixed, a multiple of any processor's vector length, so that results
+// do not depend on the processor.
 inline constexpr std::size_t kBlockLanes = 16;
 
 template <typename T>

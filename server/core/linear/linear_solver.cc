@@ -13,10 +13,10 @@
 namespace kerf::fem {
 namespace {
 
-// With an old factor and then a new one: one that needs more has lost the matrix to rounding.
+// Iterations with an old factor and then a new one. A solve that needs more has lost the matrix to rounding.
 constexpr int kMostFactorIterations = 2 * FactorPreconditioner::kMostPatience;
 
-// Conjugate gradients with the float factor, and where they do not converge, a factor in double.
+// Conjugate gradients with the float factor, and a double-precision factor if they do not converge.
 class FactorCgSolver final : public LinearSolver {
  public:
   explicit FactorCgSolver(int max_iterations)
@@ -44,7 +44,7 @@ class FactorCgSolver final : public LinearSolver {
   FactorCgSolver(std::unique_ptr<FactorPreconditioner> factor, int max_iterations)
       : factor_(*factor), gradients_(std::move(factor), max_iterations) {}
 
-  const FactorPreconditioner& factor_;  // of gradients_
+  const FactorPreconditioner& factor_;  // the preconditioner of gradients_
   ConjugateGradient gradients_;
   DirectSolver direct_;
 };

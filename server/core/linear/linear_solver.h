@@ -15,37 +15,38 @@ namespace kerf::fem {
 struct LinearStats {
   int iterations = 0;      // CG iterations; 1 for the direct solver
   double residual = 0.0;   // |b - A x| / |b| in the Euclidean norm, recomputed from the returned x; 0 where b = 0
-  bool converged = false;  // residual <= tolerance (CG: of its recurrence); false also when A was found not positive
+  bool converged = false;  // residual <= tolerance (CG: of its recurrence); false also if A was found not positive
                            // definite or x not finite
 };
 
-// Solves A x = b for a symmetric positive definite A of 3x3 blocks, but those that solve a different system (see
-// LinearSolverName), which never do.
+// Solves A x = b for a symmetric positive definite A of 3x3 blocks. Solvers of a different system (see
+// LinearSolverName) never do.
 class LinearSolver {
  public:
   virtual ~LinearSolver() = default;
 
-  // Takes the sparsity pattern; may allocate. To be called whenever the pattern changes.
+  // Takes the sparsity pattern; may allocate. Must be called whenever the pattern changes.
   virtual void analyse(const BlockMatrix& A) = 0;
 
-  // b, x: 3 x N with N = A.num_rows(). x holds the initial guess and becomes the solution. Converged when
-  // |b - A x| <= tolerance |b|. Never allocates.
+  // Solves for x. b and x are 3 x N with N = A.num_rows(); x holds the initial guess. Converged when |b - A x| <=
+  // tolerance |b|. Never allocates.
   virtual LinearStats solve(const BlockMatrix& A, const mesh::VertexField& b, double tolerance,
                             mesh::VertexField& x) = 0;
 
-  // Nothing of the matrices so far is to have an influence on the solves to come.
+  // Discards all data of earlier matrices, so that they have no influence on later solves.
   virtual void forget() {}
-  // Solves to come ask `goes_on` once an iteration and front of a factorisation; one that it ends has not converged.
+  // Sets the stop condition, polled once an iteration and at the start of a factorisation. A stopped solve has not
+  // converged.
   virtual void heed(const GoesOn* goes_on) = 0;
-  // Where the solver wants to know how vertices have turned, a rotation of each (see find_vertex_frames), to be set
-  // before a solve; null for others.
+  // Rotation of each vertex (see find_vertex_frames), to be set before a solve. Null if the solver does not use it.
   virtual std::vector<Eigen::Matrix3d>* frames() { return nullptr; }
-  // Likewise where they are, 3 x N, m, up to a translation.
+  // Positions of the vertices, 3 x N, m, up to a translation, to be set before a solve. Null if the solver does not use
+  // them.
   virtual mesh::VertexField* positions() { return nullptr; }
 };
 
-// max_iterations limits the iterative solvers; the direct one ignores it.
-// `root` is of those that solve a different system.
+// Makes a solver. `max_iterations` limits the iterative solvers; the direct one ignores it. `root` applies to solvers
+// of a different system only.
 std::unique_ptr<LinearSolver> make_linear_solver(LinearSolverKind kind, int max_iterations,
                                                  const CovarianceRootOptions& root = {});
 

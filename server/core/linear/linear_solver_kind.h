@@ -5,23 +5,23 @@
 
 namespace kerf::fem {
 
-// How the linear systems of implicit integrators are solved.
+// Solver of the linear systems of implicit integrators.
 enum class LinearSolverKind {
   kPlainCg,        // conjugate gradients without a preconditioner
   kJacobiCg,       // preconditioned with the inverse diagonal
   kBlockJacobiCg,  // preconditioned with the inverse 3x3 diagonal blocks, which follow the rotation of the sheet
-  kFactorCg,       // preconditioned with a Cholesky factor in single precision that turns with the sheet; kDirect where
-                   // that does not converge
+  kFactorCg,       // preconditioned with a Cholesky factor in single precision that turns with the sheet; falls back to
+                   // kDirect if it does not converge
   kMultigridCg,    // preconditioned with two levels of multigrid by aggregation: memory grows with the vertices
   kDirect,         // Cholesky factor in double precision
   kEsCgm,          // a dense matrix in place of A: *solves a different system*; see CovarianceRoot
-  kAsCgm,          // likewise
+  kAsCgm,          // another dense matrix in place of A: *solves a different system*; see CovarianceRoot
 };
 
 struct LinearSolverName {
   LinearSolverKind kind;
-  std::string_view option;       // on a command line
-  std::string_view description;  // for people
+  std::string_view option;       // name on a command line
+  std::string_view description;  // text for people
   bool solves_different_system = false;
 };
 
@@ -46,14 +46,15 @@ enum class EigenvalueNorm {
   kLog,    // log10 lambda (eq. 3.24; base 10 as in the example beside it): negative below 1, the matrix then indefinite
 };
 
-// Of kEsCgm and kAsCgm, see CovarianceRoot.
+// Options of kEsCgm and kAsCgm, see CovarianceRoot.
 struct CovarianceRootOptions {
-  EigenvalueNorm norm = EigenvalueNorm::kPower;  // ES-CGM alone
-  double power = 0.5;                            // -, p > 0; ES-CGM alone
-  int newton_schulz_iterations = 5;              // AS-CGM alone, >= 1; the thesis gives no number
+  EigenvalueNorm norm = EigenvalueNorm::kPower;  // ES-CGM only
+  double power = 0.5;                            // -, p > 0; ES-CGM only
+  int newton_schulz_iterations = 5;              // AS-CGM only, >= 1; the thesis gives no number
 };
 
-// Of a sheet that they solve: matrices are dense, memory grows with the square, work with the cube.
+// Largest number of vertices of a sheet solved by kEsCgm and kAsCgm. Their matrices are dense: memory grows with its
+// square, work with its cube.
 inline constexpr int kMaxCovarianceVertices = 500;
 
 }  // namespace kerf::fem

@@ -11,7 +11,7 @@
 namespace kerf::fem {
 namespace {
 
-// 0 for the components that row i of A does not couple with other vertices, 1 for the others.
+// Returns 1 for the components that row i of A couples with other vertices, 0 for the others.
 Eigen::Vector3d coupled(const BlockMatrix& A, int i) {
   Eigen::Vector3d sizes = Eigen::Vector3d::Zero();
   for (int at = A.row_begin(i); at < A.row_end(i); ++at) {
@@ -36,7 +36,7 @@ void MultigridPreconditioner::analyse(const BlockMatrix& A) {
   coarse_b_ = Eigen::Matrix3Xd::Zero(3, 2 * aggregates_.size());
 }
 
-// Aggregates are coupled where vertices of theirs are.
+// Couples aggregates whose vertices are coupled.
 void MultigridPreconditioner::set_coarse_pattern(const BlockMatrix& A) {
   coarse_ = {};
   coarse_.resize(2 * aggregates_.size());
@@ -104,7 +104,7 @@ bool MultigridPreconditioner::prepare(const BlockMatrix& A) {
   coarse_.set_zero();
   if (!load_rows(A)) return false;
   if (aggregates_.size() == 0) return true;
-  // Motions that an aggregate does not have.
+  // Gives motions that an aggregate does not have a diagonal of 1.
   for (int i = 0; i < coarse_.num_rows(); ++i) {
     for (double& entry : coarse_.block(coarse_.diagonal(i)).diagonal()) {
       if (!(entry > 0.0)) entry = 1.0;
@@ -115,10 +115,10 @@ bool MultigridPreconditioner::prepare(const BlockMatrix& A) {
   return factor_.factorise(coarse_, {}, rule);
 }
 
-// Translations along the frame of the root and rotations about its axes, made orthonormal by Gram and Schmidt within an
-// aggregate; those that it does not have, as when its vertices are in a line, become 0.
+// Sets modes_ to translations along the frame of the root and rotations about its axes, orthonormalised within an
+// aggregate (Gram-Schmidt). Modes that an aggregate does not have, as when its vertices are in a line, become 0.
 void MultigridPreconditioner::find_modes(const BlockMatrix& A) {
-  constexpr double kGone = 1e-18;  // of the square of a norm
+  constexpr double kGone = 1e-18;  // bound of the squared norm of a missing mode
   for (int g = 0; g < aggregates_.size(); ++g) {
     const std::span<const int> members = aggregates_.members(g);
     const int root = aggregates_.root(g);
@@ -144,8 +144,8 @@ void MultigridPreconditioner::find_modes(const BlockMatrix& A) {
   }
 }
 
-// Into lower_, upper_, inverse_, linked_ and coarse_ = P^T (L P) + (P^T (L P))^T + P^T D P. In double: stretching
-// cancels where bodies bend. False: a block on the diagonal is not positive definite.
+// Sets lower_, upper_, inverse_, linked_ and coarse_ = P^T (L P) + (P^T (L P))^T + P^T D P. It works in double because
+// stretching cancels where bodies bend. Returns false if a diagonal block is not positive definite.
 bool MultigridPreconditioner::load_rows(const BlockMatrix& A) {
   for (int i = 0; i < A.num_rows(); ++i) {
     const Eigen::Matrix3d to_frame = frames_[as_index(i)].transpose();
@@ -199,7 +199,7 @@ void MultigridPreconditioner::apply(const mesh::VertexField& r, mesh::VertexFiel
     z = r;
     return;
   }
-  const double scale = 1.0 / largest;  // floats have their limits
+  const double scale = 1.0 / largest;  // keeps values within the range of floats
   for (std::size_t i = 0; i < frames_.size(); ++i) {
     sum_[i].head<3>() = (frames_[i].transpose() * (scale * r.col(static_cast<Eigen::Index>(i)))).cast<float>();
   }
@@ -211,7 +211,7 @@ void MultigridPreconditioner::apply(const mesh::VertexField& r, mesh::VertexFiel
   }
 }
 
-// (D + L) z = r, and into body_ P^T (r - A z), r - A z being -L^T z then.
+// Solves (D + L) z = r and sets body_ to P^T (r - A z), where r - A z = -L^T z.
 void MultigridPreconditioner::sweep_forward() {
   for (Body& body : body_) body.setZero();
   for (std::size_t i = 0; i < z_.size(); ++i) {
@@ -242,14 +242,14 @@ void MultigridPreconditioner::correct_bodies() {
   }
 }
 
-// (D + L^T) z = r - L (z + P e), e the correction of bodies.
+// Solves (D + L^T) z = r - L (z + P e), where e is the correction of bodies.
 void MultigridPreconditioner::sweep_backward() {
   for (std::size_t i = z_.size(); i-- > 0;) {
     Column4f sum = sum_[i];  // r - L z
     for (int k = link_begin_[i]; k < link_begin_[i + 1]; ++k) {
       sum.noalias() -= linked_[as_index(k)] * body_[as_index(links_[as_index(k)].aggregate)];
     }
-    // Memory is read in order, and what was found last is wanted last.
+    // Reads memory in order and uses the most recent result last.
     for (int k = upper_begin_[i + 1]; k-- > upper_begin_[i];) {
       sum.noalias() -= upper_[as_index(k)] * z_[as_index(upper_column_[as_index(k)])].head<3>();
     }

@@ -10,12 +10,13 @@
 
 namespace kerf::fem {
 
-// Two levels of multigrid by aggregation (Vanek, Mandel, Brezina 1996, with their tentative interpolation): a sweep of
-// Gauss-Seidel forward by vertices, the motion of aggregates as rigid bodies solved for with a Cholesky factor, and a
-// sweep backward. Memory and, but for that factor, work grow with the vertices. All of it in single precision and in
-// frames that turn with the sheet; see FactorPreconditioner.
+// Two levels of multigrid by aggregation (Vanek, Mandel, Brezina 1996, with their tentative interpolation). A cycle is
+// a forward sweep of Gauss-Seidel by vertices, a coarse correction, and a backward sweep. The coarse correction solves
+// for the motion of aggregates as rigid bodies with a Cholesky factor. Memory grows with the vertices, and so does the
+// work except that of the factor. All is in single precision and in frames that turn with the sheet; see
+// FactorPreconditioner.
 //
-// Without positions bodies do not rotate, and a stiff sheet takes ten times the iterations.
+// Without positions() the bodies do not rotate, and a stiff sheet takes ten times the iterations.
 class MultigridPreconditioner final : public Preconditioner {
  public:
   void analyse(const BlockMatrix& A) override;
@@ -26,20 +27,20 @@ class MultigridPreconditioner final : public Preconditioner {
   mesh::VertexField* positions() override { return &positions_; }
 
  private:
-  static constexpr int kModes = 6;  // of a rigid body
-  // Three rows and one of zeros: so that a column is one vector register.
+  static constexpr int kModes = 6;  // degrees of freedom of a rigid body
+  // Three rows and one of zeros, so that a column fills one vector register.
   using Column4f = Eigen::Vector4f;
   using Block4f = Eigen::Matrix<float, 4, 3>;
   using Modes = Eigen::Matrix<double, 3, kModes>;
   using Modes4f = Eigen::Matrix<float, 4, kModes>;
   using Body = Eigen::Matrix<float, kModes, 1>;
 
-  // What row i of L P, L being A strictly below the diagonal and P the interpolation, has in the columns of an
-  // aggregate.
+  // Entry of row i of L P in the columns of an aggregate. L is the part of A strictly below the diagonal, P the
+  // interpolation.
   struct Link {
     int aggregate = 0;
-    int row = 0;     // place of block (own aggregate, this one) of the coarse matrix from the beginning of its row
-    int column = 0;  // that of its transpose
+    int row = 0;     // offset of block (own aggregate, this one) from the beginning of its row of the coarse matrix
+    int column = 0;  // offset of its transpose
   };
 
   void set_lower_pattern(const BlockMatrix& A);
@@ -57,24 +58,24 @@ class MultigridPreconditioner final : public Preconditioner {
   mesh::VertexField positions_;          // 3 x N, m
   VertexAggregates aggregates_;
 
-  std::vector<int> lower_begin_;  // N + 1, of rows in what follows
+  std::vector<int> lower_begin_;  // N + 1, beginnings of rows in lower_column_ and lower_
   std::vector<int> lower_column_;
   std::vector<Block4f> lower_;    // L
-  std::vector<int> upper_begin_;  // N + 1, of rows in what follows
+  std::vector<int> upper_begin_;  // N + 1, beginnings of rows in upper_column_ and upper_
   std::vector<int> upper_column_;
   std::vector<Block4f> upper_;    // L^T
-  std::vector<Block4f> inverse_;  // N, of diagonal blocks
-  std::vector<Modes> modes_;      // N, P: how a vertex moves with its aggregate; 0 where pins hold
-  std::vector<int> link_begin_;   // N + 1, of rows in what follows
+  std::vector<Block4f> inverse_;  // N, inverses of diagonal blocks
+  std::vector<Modes> modes_;      // N, P: motion of a vertex with its aggregate; 0 in components held by pins
+  std::vector<int> link_begin_;   // N + 1, beginnings of rows in links_ and linked_
   std::vector<Link> links_;
   std::vector<Modes4f> linked_;  // L P
 
   BlockMatrix coarse_;  // P^T A P; two rows of 3x3 blocks a body
   SupernodalCholesky<float> factor_;
   std::vector<Modes> row_;         // scratch: a row of L P
-  std::vector<int> link_of_;       // scratch: of an aggregate in the row at hand
+  std::vector<int> link_of_;       // scratch: link of an aggregate in the current row
   std::vector<Column4f> z_, sum_;  // N; sum_: r - L z
-  std::vector<Body> body_;         // residual and then correction of each aggregate
+  std::vector<Body> body_;         // residual, then correction, of each aggregate
   mesh::VertexField coarse_b_;     // 3 x twice the aggregates
 };
 

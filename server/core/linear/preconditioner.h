@@ -11,25 +11,26 @@
 
 namespace kerf::fem {
 
-// P, symmetric positive definite, for conjugate gradients on a matrix of 3x3 blocks. Only analyse() allocates.
+// Preconditioner P, symmetric positive definite, for conjugate gradients on a matrix of 3x3 blocks. Only analyse()
+// allocates.
 class Preconditioner {
  public:
   virtual ~Preconditioner() = default;
 
   // Takes the sparsity pattern.
   virtual void analyse(const BlockMatrix& A) = 0;
-  // Solves with A follow. False: there is no P for it.
+  // Prepares solves with A. Returns false if there is no P for it.
   virtual bool prepare(const BlockMatrix& A) = 0;
   // z = P^-1 r; 3 x N.
   virtual void apply(const mesh::VertexField& r, mesh::VertexField& z) = 0;
 
-  // What it has of an earlier matrix serves where a solve takes no more iterations than this; else renew() makes it
-  // anew, of A. 0: it is of A already, or nothing better is to be had.
+  // Number of iterations up to which the factor of an earlier matrix is good enough. If a solve takes more, renew()
+  // computes one of A. 0 means the factor is already current or cannot be improved.
   [[nodiscard]] virtual int patience() const { return 0; }
   virtual bool renew(const BlockMatrix& /*A*/) { return false; }
-  // Matrices that follow have nothing to do with those before.
+  // Discards data of earlier matrices; later ones are unrelated to them.
   virtual void forget() {}
-  // See LinearSolver; a factorisation that `goes_on` ends leaves no P.
+  // Sets the stop condition, see LinearSolver. A factorisation that it ends leaves no P.
   virtual void heed(const GoesOn* /*goes_on*/) {}
   virtual std::vector<Eigen::Matrix3d>* frames() { return nullptr; }
   virtual mesh::VertexField* positions() { return nullptr; }

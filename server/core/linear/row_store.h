@@ -7,9 +7,9 @@
 
 namespace kerf::fem {
 
-// Rows of varying length in one array, so that a sweep over all rows reads memory nearly in order, while a single row
-// can be replaced without moving the others: a row that outgrows its place moves to the end, and the array is packed
-// again once more than half of it is holes.
+// Rows of varying length in one array. A sweep over all rows reads memory nearly in order, while a single row can be
+// replaced without moving the others. A row that outgrows its place moves to the end. The array is packed again once
+// more than half of it is holes.
 template <typename Entry>
 class RowStore {
  public:
@@ -20,37 +20,37 @@ class RowStore {
     return {entries_.data() + r.begin, r.size};
   }
 
-  // New rows are empty; rows beyond are dropped.
+  // Adds empty rows or drops the rows beyond `num_rows`.
   void resize(int num_rows) {
     for (int i = num_rows; i < this->num_rows(); ++i) num_entries_ -= rows_[static_cast<std::size_t>(i)].size;
     rows_.resize(static_cast<std::size_t>(num_rows));
   }
 
-  // Keeps its room.
+  // Removes all rows and keeps the storage.
   void clear() {
     rows_.clear();
     entries_.clear();
     num_entries_ = 0;
   }
 
-  // Room for so many rows with so many entries in all, written once each after clear(), and a quarter more where it has
-  // to grow. Invalidates spans of rows.
+  // Reserves storage for so many rows and entries in all, each row written once after clear(). If it has to grow it
+  // takes a quarter more. Invalidates spans of rows.
   void make_room(int num_rows, std::size_t num_entries) {
     const auto n = static_cast<std::size_t>(num_rows);
     if (rows_.capacity() < n) rows_.reserve(n + n / 4);
     if (entries_.capacity() < num_entries) entries_.reserve(num_entries + num_entries / 4);
   }
 
-  // Room for a quarter more, so that rows may outgrow their places for some time before all are moved. Invalidates
+  // Reserves a quarter more, so that rows may outgrow their places for some time before all are moved. Invalidates
   // spans of rows.
   void make_room() { entries_.reserve(entries_.size() + entries_.size() / 4); }
 
-  // Invalidates spans of rows.
+  // Replaces the content of row i. Invalidates spans of rows.
   void set_row(int i, std::span<const Entry> content) {
     std::copy(content.begin(), content.end(), resize_row(i, content.size()).begin());
   }
 
-  // The row with so many entries, all to be written. Invalidates spans of rows.
+  // Returns row i resized to `size` entries, all of which must be written. Invalidates spans of rows.
   std::span<Entry> resize_row(int i, std::size_t size) {
     Row& r = rows_[static_cast<std::size_t>(i)];
     num_entries_ += size;

@@ -6,13 +6,13 @@
 
 namespace kerf::fem {
 
-// Solves (A + N) x = b where A is symmetric positive definite and N skew, by the generalised conjugate gradients of
-// Concus and Golub (1976) and Widlund (1978), "A Lanczos method for a class of nonsymmetric systems of linear
-// equations": a short recurrence with A as preconditioner, in few iterations where N is small or of low rank.
+// Solves (A + N) x = b where A is symmetric positive definite and N skew, by generalised conjugate gradients with A as
+// preconditioner. References: Concus and Golub (1976); Widlund (1978), "A Lanczos method for a class of nonsymmetric
+// systems of linear equations". The recurrence is short, and takes few iterations if N is small or of low rank.
 class SkewCorrection {
  public:
-  // `solver` has solved with A last, b and x (3 x V) being that right-hand side and that solution, where it starts.
-  // Converged when |b - (A + N) x| <= tolerance |b|. Where it is not, x is the best that was found.
+  // Refines x. `solver` must have solved A x = b last, with these b and x (3 x V); x is the initial guess. Converged
+  // when |b - (A + N) x| <= tolerance |b|. Otherwise x is the best iterate.
   LinearStats solve(DirectSolver& solver, const BlockMatrix& A, const BlockMatrix& N, const mesh::VertexField& b,
                     double tolerance, mesh::VertexField& x);
 

@@ -11,7 +11,7 @@
 namespace kerf::fem {
 namespace {
 
-// In units of Lanes16, of a panel.
+// Column stride of a panel, in units of Lanes16.
 std::size_t stride_of(std::size_t rows) {
   return (rows + kBlockLanes - 1) / kBlockLanes;
 }
@@ -38,7 +38,7 @@ void SupernodalCholesky<T>::analyse(const BlockMatrix& A, std::shared_ptr<const 
   panel_begin_.resize(as_index(size));
   update_begin_.resize(as_index(size));
   std::size_t panels = 0;
-  std::size_t top = 0;  // of the stack
+  std::size_t top = 0;  // top of the stack
   std::size_t highest = 0;
   std::size_t longest = 0;
   std::size_t widest = 0;
@@ -85,7 +85,7 @@ void SupernodalCholesky<T>::assemble(const BlockMatrix& A, std::span<const Eigen
     for (int at = A.row_begin(column); at < A.row_end(column); ++at) {
       const int row = A.column(at);
       if (supernodes_->new_from_old(row) < new_column) continue;
-      // Block (row, column) of a symmetric matrix.
+      // A is symmetric: this is block (row, column).
       Eigen::Matrix3d block = A.block(at).transpose();
       if (!frames.empty()) block = frames[as_index(row)].transpose() * block * frames[as_index(column)];
       T* const entry =

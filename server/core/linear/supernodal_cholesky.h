@@ -16,27 +16,27 @@
 
 namespace kerf::fem {
 
-// L L^T = P A P^T of a symmetric matrix of 3x3 blocks by the multifrontal method (Duff, Reid 1983; Davis 2006, Direct
-// Methods for Sparse Linear Systems): columns of equal pattern are factored together as dense panels, and what they
-// contribute to others is handed up the elimination tree. T: float or double.
+// Factors L L^T = P A P^T of a symmetric matrix of 3x3 blocks by the multifrontal method (Duff, Reid 1983; Davis 2006,
+// Direct Methods for Sparse Linear Systems). Columns of equal pattern are factored together as dense panels. Their
+// contributions to other columns are passed up the elimination tree. T is float or double.
 template <typename T>
 class SupernodalCholesky {
  public:
-  // Takes the sparsity pattern; allocates all that the others need. Memory is not touched before the first factor.
+  // Takes the sparsity pattern and allocates all storage. Memory is not touched before the first factorisation.
   void analyse(const BlockMatrix& A);
-  // The same with what another one, of whatever precision, has found of the same pattern.
+  // Reuses the symbolic factorisation of the same pattern from another object, of either precision.
   void analyse(const BlockMatrix& A, std::shared_ptr<const Supernodes> supernodes);
   [[nodiscard]] const std::shared_ptr<const Supernodes>& supernodes() const { return supernodes_; }
-  // Factorisations to come ask `goes_on` once a supernode; one that it ends has failed.
+  // Sets the stop condition, polled once a supernode. A factorisation that it ends has failed.
   void heed(const GoesOn* goes_on) { heed_.set(goes_on); }
-  // Of Q^T A Q, Q having the 3x3 blocks of `frames` on its diagonal, or A itself where it is empty. A has the pattern
-  // that was analysed. False: A was found not positive definite, or, where `rule` replaces small pivots, not finite, or
-  // it was ended; no factor is left.
+  // Factors Q^T A Q, where Q has the 3x3 blocks of `frames` on its diagonal, or A itself if `frames` is empty. A has
+  // the analysed pattern. Returns false, with no factor left, if A was found not positive definite or the stop
+  // condition ended it. If `rule` replaces small pivots, it fails only for values that are not finite, or when ended.
   bool factorise(const BlockMatrix& A, std::span<const Eigen::Matrix3d> frames, PivotRule<T>& rule);
-  // Solves Q^T A Q x = b for the last factor; x, b: 3 x N, may be the same.
+  // Solves Q^T A Q x = b with the last factor. x and b are 3 x N and may be the same.
   void solve(const mesh::VertexField& b, mesh::VertexField& x);
 
-  // Of one factorisation; of one solve.
+  // Floating-point operations of one factorisation and of one solve.
   [[nodiscard]] double factor_flops() const { return factor_flops_; }
   [[nodiscard]] double solve_flops() const { return 4.0 * static_cast<double>(num_entries_); }
 
@@ -49,22 +49,22 @@ class SupernodalCholesky {
   PanelView<T> view(Storage& storage, const std::vector<std::size_t>& begin, int s, std::size_t width);
 
   void assemble(const BlockMatrix& A, std::span<const Eigen::Matrix3d> frames, int s);
-  // Adds what child c hands up to the front of s.
+  // Adds the update matrix of child c to the front of s.
   void extend_add(int c, int s);
 
   Heed heed_;
   std::shared_ptr<const Supernodes> supernodes_;
   std::vector<std::size_t> panel_begin_;          // of each supernode in panels_, in units of Lanes16
-  std::vector<std::size_t> update_begin_;         // of what it hands up, in updates_: a stack
-  std::size_t scratch_begin_ = 0;                 // behind the stack, where updates are made
+  std::vector<std::size_t> update_begin_;         // of its update matrix in updates_, a stack
+  std::size_t scratch_begin_ = 0;                 // behind the stack, where updates are computed
   std::size_t num_panels_ = 0, num_updates_ = 0;  // Lanes16 of panels_, updates_
   Storage panels_, updates_;
-  std::vector<T> diagonal_;  // 3 N, of the matrix, in the order of elimination
+  std::vector<T> diagonal_;  // 3 N, diagonal of the matrix in the order of elimination
   std::vector<T> work_;      // 3 N, a right-hand side in that order
-  Storage front_;            // one front's part of it
-  std::vector<int> place_;   // of a vertex in the front that is being assembled
+  Storage front_;            // part of work_ in one front
+  std::vector<int> place_;   // place of a vertex in the front being assembled
   double factor_flops_ = 0.0;
-  std::size_t num_entries_ = 0;  // of L
+  std::size_t num_entries_ = 0;  // entries of L
 };
 
 }  // namespace kerf::fem

@@ -12,8 +12,8 @@
 namespace kerf::fem {
 namespace {
 
-// What a supernode may have of zeros that fewer columns together would not: so many columns and such a share of its
-// entries (as CHOLMOD's relaxed amalgamation: Chen, Davis, Hager, Rajamanickam 2008).
+// Limits of relaxed amalgamation (as CHOLMOD: Chen, Davis, Hager, Rajamanickam 2008). Supernodes of up to kAlwaysMerged
+// columns are always merged, larger ones as long as the share of explicit zeros stays below these.
 constexpr int kAlwaysMerged = 4;
 struct Allowance {
   int columns;
@@ -22,7 +22,7 @@ struct Allowance {
 constexpr Allowance kAllowances[] = {{16, 0.8}, {48, 0.1}};
 constexpr double kZerosOfLarge = 0.05;
 
-// Entries of a supernode's part of the factor.
+// Returns the number of entries of a supernode's part of the factor.
 double entries(double columns, double below) {
   return columns * (columns + 1.0) / 2.0 + columns * below;
 }
@@ -64,7 +64,7 @@ void Supernodes::order(const BlockMatrix& A) {
   for (int j = 0; j < n; ++j) new_from_old_[as_index(old_from_new(j))] = j;
 }
 
-// Liu 1986: paths to the roots found so far are shortened as they are gone.
+// Finds the elimination tree, shortening paths to the roots found so far (path compression; Liu 1986).
 void Supernodes::find_tree(const BlockMatrix& A) {
   const int n = A.num_rows();
   tree_.assign(as_index(n), -1);
@@ -93,7 +93,7 @@ void Supernodes::postorder() {
     next[as_index(j)] = head[as_index(parent)];
     head[as_index(parent)] = j;
   }
-  std::vector<int> post;  // columns as they were, in postorder
+  std::vector<int> post;  // old column indices, in postorder
   post.reserve(as_index(n));
   std::vector<int> stack;
   for (int root = 0; root < n; ++root) {
@@ -126,7 +126,7 @@ void Supernodes::postorder() {
   for (int j = 0; j < n; ++j) new_from_old_[as_index(old_from_new_[as_index(j)])] = j;
 }
 
-// Row i of the factor is the part of the tree between the columns of row i of A and i.
+// Counts by rows: row i of the factor is the subtree between the columns of row i of A and i.
 void Supernodes::count_entries(const BlockMatrix& A) {
   const int n = num_vertices();
   count_.assign(as_index(n), 1);
@@ -146,8 +146,8 @@ void Supernodes::count_entries(const BlockMatrix& A) {
   }
 }
 
-// Going up the postorder, a column that begins a supernode takes those that end right before it and whose parent it is,
-// as long as that brings few zeros.
+// Merges supernodes in postorder: a column takes in the preceding runs whose parent it is, as long as that adds few
+// zeros.
 void Supernodes::find_supernodes() {
   struct Run {
     int first = 0;

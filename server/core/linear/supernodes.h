@@ -7,9 +7,9 @@
 
 namespace kerf::fem {
 
-// Symbolic Cholesky factorisation: an order of the vertices of a symmetric matrix of blocks that leaves the factor
-// sparse (approximate minimum degree: Amestoy, Davis, Duff 1996), and supernodes: runs of columns, in that order, that
-// have, or are given, the same rows below them. Children come before parents (a postorder).
+// Symbolic Cholesky factorisation of a symmetric matrix of blocks. It finds an order of the vertices that leaves the
+// factor sparse (approximate minimum degree: Amestoy, Davis, Duff 1996), and its supernodes. A supernode is a run of
+// columns in that order that have, or are given, the same rows below them. Children come before parents (a postorder).
 class Supernodes {
  public:
   void analyse(const BlockMatrix& A);
@@ -19,18 +19,18 @@ class Supernodes {
   // Vertices [first(s), first(s) + width(s)), in the new order, are the columns of supernode s.
   [[nodiscard]] int first(int s) const { return first_[static_cast<std::size_t>(s)]; }
   [[nodiscard]] int width(int s) const { return first(s + 1) - first(s); }
-  // Its rows, ascending: its columns, then those below.
+  // Rows of s, ascending: its columns, then those below.
   [[nodiscard]] std::span<const int> rows(int s) const {
     const auto i = static_cast<std::size_t>(s);
     return {rows_.data() + rows_begin_[i], rows_.data() + rows_begin_[i + 1]};
   }
-  // Of the supernode; -1 for a root.
+  // Parent of supernode s in the elimination tree; -1 for a root.
   [[nodiscard]] int parent(int s) const { return parent_[static_cast<std::size_t>(s)]; }
   [[nodiscard]] std::span<const int> children(int s) const {
     const auto i = static_cast<std::size_t>(s);
     return {children_.data() + children_begin_[i], children_.data() + children_begin_[i + 1]};
   }
-  // For each row of s that is not one of its columns: its place among the rows of the parent.
+  // Index among the parent's rows of each row of s that is not one of its columns.
   [[nodiscard]] std::span<const int> rows_in_parent(int s) const {
     const auto i = static_cast<std::size_t>(s);
     return {rows_in_parent_.data() + rows_begin_[i] + width(s), rows_in_parent_.data() + rows_begin_[i + 1]};
@@ -40,10 +40,10 @@ class Supernodes {
 
  private:
   void order(const BlockMatrix& A);
-  // Parents of columns in the elimination tree; -1 for roots.
+  // Finds the parents of columns in the elimination tree; -1 for roots.
   void find_tree(const BlockMatrix& A);
   void postorder();
-  // Entries of each column of the factor, the diagonal included.
+  // Counts the entries of each column of the factor, including the diagonal.
   void count_entries(const BlockMatrix& A);
   void find_supernodes();
   void find_rows(const BlockMatrix& A);

@@ -14,7 +14,7 @@ int row_size(const BlockMatrix& A, int i) {
   return A.row_end(i) - A.row_begin(i);
 }
 
-// Columns that rows i and j have in common.
+// Returns the number of columns that rows i and j share.
 int num_common(const BlockMatrix& A, int i, int j) {
   int common = 0;
   int p = A.row_begin(i);
@@ -38,9 +38,8 @@ void VertexAggregates::find(const BlockMatrix& A) {
   list_members();
 }
 
-// A group of each vertex whose near neighbours are all free, with them: the six with which it has the most columns in
-// common. With bending a row reaches two edges far, and whole rows would make groups of 25, with which more iterations
-// are needed.
+// Founds a group at each vertex whose near neighbours are all free: the six that share the most columns with it. With
+// bending a row reaches two edges far. Whole rows would make groups of 25, which need more iterations.
 void VertexAggregates::found(const BlockMatrix& A) {
   constexpr std::size_t kNear = 6;
   std::vector<std::pair<int, int>> near;  // minus columns in common, neighbour
@@ -61,7 +60,8 @@ void VertexAggregates::found(const BlockMatrix& A) {
   }
 }
 
-// The others go where most of their row is, or, where nothing of it is in a group, together into one more.
+// Adds each remaining vertex to the group that most of its row is in. If none of its row is in a group, it founds one
+// with the ungrouped vertices of its row.
 void VertexAggregates::join_neighbours(const BlockMatrix& A) {
   const std::vector<int> before = of_;
   for (int i = 0; i < A.num_rows(); ++i) {

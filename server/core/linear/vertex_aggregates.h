@@ -7,18 +7,18 @@
 
 namespace kerf::fem {
 
-// Vertices in groups of some nine that lie together, found from the pattern of a matrix alone: what no block couples,
-// such as the two sides of a cut, is in one group only where a way round the end of the cut is short.
+// Groups of about nine adjacent vertices, found from the pattern of a matrix alone. Vertices that no block couples,
+// such as on the two sides of a cut, share a group only near the end of the cut.
 class VertexAggregates {
  public:
   void find(const BlockMatrix& A);
 
   [[nodiscard]] int size() const { return static_cast<int>(roots_.size()); }
-  // The group of vertex i, or -1: nothing is coupled with it.
+  // Group of vertex i, or -1 if it is coupled with no other vertex.
   [[nodiscard]] int of(int i) const { return of_[static_cast<std::size_t>(i)]; }
-  // Ascending.
+  // Members of a group, ascending.
   [[nodiscard]] std::span<const int> members(int group) const;
-  // The member that the group was built around.
+  // The vertex that the group was built around.
   [[nodiscard]] int root(int group) const { return roots_[static_cast<std::size_t>(group)]; }
 
  private:
@@ -27,8 +27,8 @@ class VertexAggregates {
   void list_members();
 
   std::vector<int> of_;            // N
-  std::vector<int> roots_;         // one a group
-  std::vector<int> member_begin_;  // one a group and one more, into members_
+  std::vector<int> roots_;         // by group
+  std::vector<int> member_begin_;  // number of groups + 1, into members_
   std::vector<int> members_;
 };
 

@@ -10,15 +10,15 @@
 
 namespace kerf::mesh {
 
-// Three numbers a vertex, 3 x V, used like an Eigen::Matrix3Xd, with room to grow: a cut that adds a few vertices to a
-// large sheet must not copy the others. Eigen's own matrices are as large as their contents, so that each resize is a
-// copy.
+// Three numbers a vertex, 3 x V, used like an Eigen::Matrix3Xd, with spare capacity. A cut that adds a few vertices to
+// a large sheet must not copy the others. Eigen's own matrices are as large as their contents, so that each resize
+// copies.
 class VertexField : public Eigen::Map<Eigen::Matrix3Xd, Eigen::Aligned16> {
   using Base = Eigen::Map<Eigen::Matrix3Xd, Eigen::Aligned16>;
 
  public:
   VertexField() : Base(nullptr, 3, 0) {}
-  explicit VertexField(Eigen::Index num_vertices) : VertexField() { resize(num_vertices); }  // of anything
+  explicit VertexField(Eigen::Index num_vertices) : VertexField() { resize(num_vertices); }  // uninitialised
   template <typename Derived>
   VertexField(const Eigen::MatrixBase<Derived>& values) : VertexField() {  // NOLINT(*-explicit-*): as of matrices
     *this = values;
@@ -35,7 +35,7 @@ class VertexField : public Eigen::Map<Eigen::Matrix3Xd, Eigen::Aligned16> {
     swap(other);
     return *this;
   }
-  // As with matrices, `values` may hold this field only coefficient by coefficient.
+  // Assigns `values`. As with matrices, `values` may refer to this field only coefficient by coefficient.
   template <typename Derived>
   VertexField& operator=(const Eigen::MatrixBase<Derived>& values) {
     resize(values.cols());
@@ -45,8 +45,8 @@ class VertexField : public Eigen::Map<Eigen::Matrix3Xd, Eigen::Aligned16> {
   ~VertexField() = default;
 
   [[nodiscard]] Eigen::Index capacity() const { return capacity_; }  // vertices
-  // Keeps the columns that there are; new ones hold anything. Copies only beyond the capacity, which then grows by
-  // half, and so as often as the logarithm of the size.
+  // Keeps the existing columns; new ones are uninitialised. Copies only beyond the capacity, which then grows by half,
+  // so the number of copies is logarithmic in the size.
   void resize(Eigen::Index num_vertices) {
     if (num_vertices > capacity_) {
       reserve(capacity_ == 0 ? num_vertices : std::max(num_vertices, capacity_ + capacity_ / 2));
@@ -55,7 +55,7 @@ class VertexField : public Eigen::Map<Eigen::Matrix3Xd, Eigen::Aligned16> {
   }
   void reserve(Eigen::Index num_vertices) {
     if (num_vertices <= capacity_) return;
-    // Aligned to 16 bytes; a large block is not touched, and takes no memory, before it is used.
+    // Aligned to 16 bytes. A large block is not touched, and takes no memory, before it is used.
     Storage grown(static_cast<double*>(::operator new(3 * sizeof(double) * static_cast<std::size_t>(num_vertices))));
     std::copy_n(data(), size(), grown.get());
     storage_ = std::move(grown);
@@ -69,7 +69,7 @@ class VertexField : public Eigen::Map<Eigen::Matrix3Xd, Eigen::Aligned16> {
   };
   using Storage = std::unique_ptr<double, Free>;
 
-  // A map is given another place by making it anew, as Eigen documents.
+  // Repoints the map by constructing it in place, as Eigen documents.
   void view(Eigen::Index num_vertices) { new (static_cast<Base*>(this)) Base(storage_.get(), 3, num_vertices); }
   void swap(VertexField& other) noexcept {
     const Eigen::Index num_vertices = cols();
