@@ -43,17 +43,17 @@ struct Collider {
   double friction = 0.0;  // -, Coulomb's mu, in [0, 10]
 };
 
-// Refuses what is not finite, not positive or outside the ranges above; `path` is put before the field's name in the
+// Refuses values that are not finite, not positive or outside the ranges above. `path` precedes the field's name in the
 // error ("colliders[2]" -> "colliders[2].sphere.radius_m"). Field names are those of kerf.v1.Collider.
 Status validate(const Collider& collider, const std::string& path);
 
-// Where a point lies against a shape.
+// Signed distance and normal of a point relative to a shape.
 struct Proximity {
-  double distance = 0.0;  // m; < 0 inside. The true Euclidean distance to the surface, inside and outside
+  double distance = 0.0;                  // m; true Euclidean distance to the surface, < 0 inside
   Eigen::Vector3d normal{0.0, 0.0, 1.0};  // -, unit; direction in which `distance` grows fastest
 };
 
-// A shape made ready for many queries: normals of length one, the rotation as a matrix.
+// A shape prepared for many queries: its normals have length one, its rotation is a matrix.
 class PreparedCollider {
  public:
   enum class Kind { kPlane, kSphere, kBox, kCapsule };
@@ -61,19 +61,20 @@ class PreparedCollider {
   // `collider` must be valid.
   explicit PreparedCollider(const Collider& collider);
 
-  // Exact up to rounding. Where the nearest surface point is not unique (the centre of a sphere, a point equally far
-  // from several faces of a box, the axis of a capsule), one of them is chosen by a fixed rule.
+  // Returns the distance and normal at `point`, exact up to rounding. A fixed rule picks one surface point where the
+  // nearest is not unique: at the centre of a sphere, equally far from several faces of a box, or on the axis of a
+  // capsule.
   [[nodiscard]] Proximity query(const Eigen::Vector3d& point) const;
 
   [[nodiscard]] Kind kind() const { return kind_; }
   [[nodiscard]] double friction() const { return friction_; }
-  // m: the plane's point, the centre, the capsule's end a.
+  // m; the plane's point, the centre of a sphere or box, or the capsule's end a.
   [[nodiscard]] const Eigen::Vector3d& origin() const { return origin_; }
-  // The plane's normal, -; half extents of the box, m; b - a of the capsule, m.
+  // The plane's normal (-), the half extents of a box (m), or b - a of a capsule (m).
   [[nodiscard]] const Eigen::Vector3d& vector() const { return vector_; }
   [[nodiscard]] const Eigen::Matrix3d& rotation() const { return rotation_; }  // world from box
   [[nodiscard]] double radius() const { return radius_; }                      // m
-  // -, unit, at right angles to the capsule: its normal at points on its axis.
+  // -, unit vector at right angles to the capsule; its normal at points on its axis.
   [[nodiscard]] const Eigen::Vector3d& across() const { return across_; }
 
  private:

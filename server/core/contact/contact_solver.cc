@@ -224,7 +224,7 @@ void ContactSolver::leave_notch(double thickness, Eigen::Vector3d& x, Eigen::Vec
     if (sine_squared < kLeastSineSquared) return;
     x += second.depth / sine_squared * along;
     stop_approach(second.normal, v);
-    if (v.dot(first.normal) < 0.0) {  // what stopped it at one wall sends it into the other: only the way along both
+    if (v.dot(first.normal) < 0.0) {  // The impulse at one wall sends it into the other: only motion along both stays.
       v -= v.dot(along) / sine_squared * along;
       v -= v.dot(first.normal) * first.normal;
     }

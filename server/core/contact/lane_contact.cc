@@ -61,12 +61,13 @@ HWY_INLINE Vec3 choose(hn::Mask<D> mask, const Vec3& yes, const Vec3& no) {
 
 constexpr double kTinySquare = 1e-30;  // m^2: a shorter vector has no direction
 
-// 1 / sqrt(q), q >= kTinySquare, to 1e-7: a root and a quotient of floats take a third of the time of doubles.
+// Returns 1 / sqrt(q), accurate to 1e-7, for q >= kTinySquare. Float root and quotient take a third of the time of
+// doubles.
 HWY_INLINE V coarse_inverse_root(V q) {
   const hn::Rebind<float, D> narrow;
   return hn::PromoteTo(D(), hn::Div(hn::Set(narrow, 1.0F), hn::Sqrt(hn::DemoteTo(narrow, q))));
 }
-// To 1e-14, by a step of Newton's method.
+// Returns 1 / sqrt(q), accurate to 1e-14, with one Newton step.
 HWY_INLINE V inverse_root(V q) {
   const V r = coarse_inverse_root(q);
   return hn::Mul(r, hn::Sub(set(1.5), hn::Mul(hn::Mul(set(0.5), q), hn::Mul(r, r))));
@@ -153,7 +154,7 @@ HWY_INLINE Near near_one(const PreparedCollider& collider, const Vec3& x) {
   }
 }
 
-// Returns the share, -, in [0, 1], that friction leaves of a tangential vector which it shortens by `limit`.
+// Returns the fraction, -, in [0, 1], that friction leaves of a tangential vector when it shortens it by `limit`.
 HWY_INLINE V share_left(const Vec3& tangential, V limit) {
   const V square = hn::Max(dot(tangential, tangential), set(kTinySquare));
   return hn::Max(hn::Sub(set(1.0), hn::Mul(limit, coarse_inverse_root(square))), set(0.0));
