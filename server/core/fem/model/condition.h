@@ -6,8 +6,8 @@ namespace kerf::fem {
 
 class Model;
 
-// What double precision can promise of a step: the relative residual that a solver can reach grows with the condition
-// number, about 1e-18 times it.
+// Accuracy that double precision allows for a step. The smallest relative residual a solver can reach grows with the
+// condition number, to about 1e-18 times it.
 enum class ConditionClass {
   kAccurate,  // A: up to kMostAccurateCondition
   kBounded,   // B: up to kMostBoundedCondition; finite and bounded, without digits to rely on
@@ -16,12 +16,13 @@ enum class ConditionClass {
 inline constexpr double kMostAccurateCondition = 1e12;  // -
 inline constexpr double kMostBoundedCondition = 1e16;   // -
 
-// 1 + dt^2 lambda_max(M^-1 K), -: an upper bound, K at rest, of the condition number of M^-1 (M + dt^2 K). dt: s, > 0.
+// Returns 1 + dt^2 lambda_max(M^-1 K), -, with K at rest. This is an upper bound of the condition number of M^-1 (M +
+// dt^2 K). dt: s, > 0.
 double condition_number(const Model& model, double dt);
 
 ConditionClass rate_condition(double condition);
 
-// For people: "condition number 3.1e+05, class A (accurate)".
+// Describes the condition for people: "condition number 3.1e+05, class A (accurate)".
 std::string describe_condition(double condition);
 
 }  // namespace kerf::fem

@@ -23,7 +23,7 @@ bool is_guarded(const Model& model, const Loads& loads, const State& start) {
   return model.num_vertices() > 0;
 }
 
-// Of gravity and dead forces on the way from one state to the other, J.
+// Returns the work of gravity and dead forces from one state to the other, J.
 double work_of_loads(const Model& model, const Loads& loads, const State& start, const State& end) {
   double work = 0.0;
   for (Eigen::Index i = 0; i < end.x.cols(); ++i) {
@@ -34,7 +34,8 @@ double work_of_loads(const Model& model, const Loads& loads, const State& start,
   return work;
 }
 
-// Energy that is all rounding, J: of positions up to |x| strains are known to some eps |x| over the edge length.
+// Returns an energy that rounding alone may cause, J. With positions up to |x|, the error of strains is some eps |x|
+// over the edge length.
 double rounding_energy(const Model& model, const State& state, double elastic) {
   constexpr double kRoundings = 16.0;  // of each strain
   const double area = model.rest_area();
@@ -46,12 +47,13 @@ double rounding_energy(const Model& model, const State& state, double elastic) {
   return strain * (strain * stiffness + std::sqrt(2.0 * elastic * stiffness));
 }
 
-// J. Bending energy is a square, but of slivers rounding can make it negative, of which motion would feed without end.
+// Returns the elastic energy, J. Bending energy is a square, but rounding can make that of slivers negative, which
+// would feed motion without end.
 double elastic_energy(const Energies& energies) {
   return energies.membrane + std::max(0.0, energies.bending);
 }
 
-// The motion of a rigid body with the sheet's linear and angular momentum.
+// Motion of a rigid body with the sheet's linear and angular momentum.
 struct RigidMotion {
   Vector3d centre = Vector3d::Zero();    // m
   Vector3d velocity = Vector3d::Zero();  // m/s, of the centre
@@ -69,7 +71,7 @@ struct RigidMotion {
           model.mass()[static_cast<std::size_t>(i)] * (r.squaredNorm() * Matrix3d::Identity() - r * r.transpose());
     }
     const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(inertia);
-    constexpr double kNoInertia = 1e-12;  // -, of the largest: a line, about itself
+    constexpr double kNoInertia = 1e-12;  // -, of the largest: mass on a line has no inertia about it
     for (int c = 0; c < 3; ++c) {
       const double moment = eigen.eigenvalues()[c];
       const Vector3d axis = eigen.eigenvectors().col(c);
@@ -79,8 +81,8 @@ struct RigidMotion {
   [[nodiscard]] Vector3d at(const Vector3d& x) const { return velocity + spin.cross(x - centre); }
 };
 
-// Shrinks what the velocities v of the vertices are beyond part(i), m/s, of which the kinetic energies add up, until
-// the kinetic energy has fallen by `excess`, or to nothing. Returns what is left of the excess, J.
+// Shrinks the deviation of the vertices' velocities v from part(i), m/s, until the kinetic energy has fallen by
+// `excess`, or to that of part(i). The kinetic energies of both components add up. Returns the rest of the excess, J.
 template <typename Part>
 double take(const Model& model, const Part& part, double excess, State& state) {
   if (!(excess > 0.0)) return 0.0;

@@ -7,27 +7,28 @@
 
 namespace kerf::fem {
 
-// Keeps a step from ending with more energy than it began with, where that can be told: nothing that acts has a work
-// that only the motion decides. Gravity and dead forces are counted as potentials, pins must stand still where they
-// hold; moving pins, grabs, wind, pressure and moments leave the step unguarded.
+// Keeps a step from ending with more energy than it began with, if all work on the sheet is known. Gravity and dead
+// forces count as potentials. Pins must stand still where they hold. Moving pins, grabs, wind, pressure and moments
+// leave the step unguarded, because their work depends on the motion.
 //
-// Implicit steps that do not resolve the motion gain energy even when solved exactly, elasticity at large rotations not
-// being convex (at most to four times the kinetic energy for implicit Euler, unboundedly after many steps). What is
-// over is taken from the velocities: of a sheet without pins first from those that deform it, then from its spin, so
-// that linear momentum is kept, and angular momentum as long as deformation has enough.
+// Implicit steps that do not resolve the motion gain energy even when solved exactly, because elasticity at large
+// rotations is not convex. An implicit Euler step gains up to four times the kinetic energy; many steps gain without
+// bound. The guard takes the excess from the velocities. A sheet without pins first loses velocities that deform it,
+// then spin. Linear momentum is kept, and so is angular momentum as long as the deformation has enough energy.
 class EnergyGuard {
  public:
   enum class Verdict {
-    kKept,     // no more than at the start, or not guarded
-    kLimited,  // the velocities were changed
-    // The elastic energy alone, or with that of a free sheet's centre, is more: shorter steps may do. The sheet was
-    // stopped, its centre slowed.
+    kKept,     // no more energy than at the start, or not guarded
+    kLimited,  // the velocities were reduced
+    // The elastic energy alone, or with that of a free sheet's centre, exceeds the limit: shorter steps may help. The
+    // sheet was stopped, its centre slowed.
     kExceeded,
   };
 
-  // allowed_gain: -, that is let pass, of the energy at the start and of the work between. Methods that damp nothing
-  // swing about the energy that they keep; cut off on one side only, they would damp.
-  // inertia: of the scheme that made the step, whose kinetic energy counts; may be null.
+  // Checks the step from `start` to `end` and limits the velocities of `end`.
+  // allowed_gain: -, accepted gain relative to the energy at the start and the work in between. Methods without damping
+  // swing about the energy that they keep; limiting one side of the swing would damp them.
+  // inertia: that of the scheme that made the step, whose kinetic energy counts; may be null.
   static Verdict enforce(const Model& model, const Loads& loads, const LocalInertia* inertia, double allowed_gain,
                          const State& start, State& end);
 };

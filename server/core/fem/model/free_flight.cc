@@ -23,7 +23,7 @@ Motion motion_of(const Model& model, const LocalInertia& inertia, const State& s
   return {x, momentum.linear / model.total_mass(), spin};
 }
 
-// kg m^2, about the centre.
+// Returns the inertia tensor about the centre, kg m^2.
 Eigen::Matrix3d inertia_of(const Model& model, const mesh::VertexField& x, const Eigen::Vector3d& centre) {
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
   for (int v = 0; v < model.num_vertices(); ++v) {
@@ -34,7 +34,7 @@ Eigen::Matrix3d inertia_of(const Model& model, const mesh::VertexField& x, const
   return inertia;
 }
 
-// rad/s: of a rigid body with that spin; 0 about axes with next to no inertia.
+// Returns the angular velocity (rad/s) of a rigid body with that spin; 0 about axes with next to no inertia.
 Eigen::Vector3d rotation_of(const Eigen::Matrix3d& inertia, const Eigen::Vector3d& spin) {
   constexpr double kLeast = 1e-9;  // -, of the largest
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(inertia);

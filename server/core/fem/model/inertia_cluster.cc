@@ -24,7 +24,7 @@ InertiaCluster::InertiaCluster(const Model& model, std::span<const VertexId> mem
   if (is_dense()) invert();
 }
 
-// Entries of one place are added in the order of the parts.
+// Entries of the same place are added in the order of the parts.
 std::vector<InertiaCluster::Entry> InertiaCluster::sum_of(const Model& model, std::span<const VertexId> members,
                                                           std::span<const StiffPart> parts, const AddedInertia& added) {
   std::vector<Entry> entries;
@@ -59,7 +59,7 @@ std::vector<InertiaCluster::Entry> InertiaCluster::sum_of(const Model& model, st
   return entries;
 }
 
-// Sets vertices_ and place_, and leaves the entries by places.
+// Sets vertices_ and place_, and renumbers the entries by place.
 void InertiaCluster::set_order(std::span<const VertexId> members, std::vector<Entry>& entries) {
   const auto n = static_cast<Eigen::Index>(members.size());
   std::vector<Eigen::Triplet<double, int>> triplets;
@@ -161,7 +161,7 @@ void InertiaCluster::factor(std::size_t set, std::uint8_t components) {
     mark_[i] = -1;
   }
   for (std::size_t k = 0; k < n; ++k) {
-    // The columns of row k, in the order in which the tree has them.
+    // Columns of row k, in the order of the elimination tree.
     std::size_t top = n;
     mark_[k] = static_cast<std::int32_t>(k);
     for (std::size_t p = matrix_starts_[k]; p < matrix_starts_[k + 1]; ++p) {
@@ -200,14 +200,14 @@ void InertiaCluster::factor(std::size_t set, std::uint8_t components) {
 }
 
 bool InertiaCluster::is_dense() const {
-  constexpr std::size_t kPerEntry = 8;  // of an inverse: they take no longer than one of the factor does
-  // -, in floats: an inverse rounds stiff modes by 2^-24 of the soft ones, which has to stay far below their own part.
+  constexpr std::size_t kPerEntry = 8;  // entries of an inverse that take as long as one entry of the factor
+  // -. In floats an inverse rounds stiff modes by 2^-24 of the soft ones, which must stay far below their own part.
   constexpr double kMostSpread = 1e4;
   const std::size_t n = vertices_.size();
   return n <= kMostDense && n * n <= kPerEntry * (rows_.size() + n) && spread_ <= kMostSpread;
 }
 
-// Leaves out what moves all alike, 1 1^T / m, unless something is held: see solve().
+// Leaves out the common motion, 1 1^T / m, unless something is held: see solve().
 void InertiaCluster::invert() {
   const std::size_t n = vertices_.size();
   numbers_[0].inverse.resize(n);
@@ -247,7 +247,7 @@ void InertiaCluster::hold(std::span<const std::uint8_t> held) {
   for (std::size_t set = 0; set < 3; ++set) factor(set, static_cast<std::uint8_t>(1U << set));
 }
 
-// All components alike.
+// Solves for all components alike.
 template <typename T>
 void InertiaCluster::substitute(const Numbers<T>& numbers, T* values) const {
   using Four = Eigen::Array<T, 4, 1>;
@@ -265,8 +265,8 @@ void InertiaCluster::substitute(const Numbers<T>& numbers, T* values) const {
   }
 }
 
-// Works out by itself what the sum of the impulses gives to all alike. Forces inside a flake are so large beside its
-// weight that their rounding would throw it about.
+// Solves M' y = values. The common motion is computed separately, from the sum of the impulses. Forces inside a flake
+// are so large beside its weight that their rounding would throw it about.
 template <typename T>
 void InertiaCluster::solve(T* values, const std::array<T, 4>* external) const {
   using Four = Eigen::Array<T, 4, 1>;

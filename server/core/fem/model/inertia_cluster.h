@@ -14,21 +14,21 @@
 
 namespace kerf::fem {
 
-// s^2, of M' = M + membrane z L + bending Q.
+// Coefficients (s^2) of the added inertia M' = M + membrane z L + bending Q.
 struct AddedInertia {
   double membrane = 0.0;
   double bending = 0.0;
   bool operator==(const AddedInertia&) const = default;
 };
 
-// The inertia M' = M + added (sum of stiff parts) of some vertices, and its Cholesky factor L D L^T: a function of the
-// parts, the masses and what is held, not of how they came about. M' is the same for x, y and z. Vertices are kept in
-// the order of elimination, of minimum degree (Amestoy, Davis, Duff 1996); the factor is made row by row (Davis 2005,
-// "Algorithm 849: a concise sparse Cholesky factorization package"). Small ones are solved by their dense inverse,
-// whose products need not wait for each other.
+// The inertia M' = M + added (sum of stiff parts) of some vertices, and its Cholesky factor L D L^T. It is a function
+// of the parts, the masses and the held components alone, whatever edits led to them. M' is the same for x, y and z.
+// Vertices are in the order of elimination, of minimum degree (Amestoy, Davis, Duff 1996). The factor is computed row
+// by row (Davis 2005, "Algorithm 849: a concise sparse Cholesky factorization package"). Small clusters are solved with
+// their dense inverse, whose products do not depend on each other.
 class InertiaCluster {
  public:
-  // members: ascending. parts: ascending, their vertices among the members.
+  // Builds the cluster. `members` and `parts` ascend; the vertices of the parts are among the members.
   InertiaCluster(const Model& model, std::span<const mesh::VertexId> members, std::span<const StiffPart> parts,
                  const AddedInertia& added);
 
@@ -37,22 +37,23 @@ class InertiaCluster {
   [[nodiscard]] std::span<const StiffPart> parts() const { return parts_; }
   [[nodiscard]] std::size_t num_entries() const { return rows_.size(); }  // of L below its diagonal
   [[nodiscard]] double mass(std::size_t i) const { return mass_[i]; }     // kg, of vertices()[i]
-  // -, the largest diagonal entry of M' over the least mass.
+  // -, largest diagonal entry of M' over the least mass.
   [[nodiscard]] double spread() const { return spread_; }
 
-  // Takes rows and columns of held components out: bit c of held[k] is component c of vertices()[k]. Nothing where they
-  // are held already. Does not allocate.
+  // Removes the rows and columns of held components: bit c of held[k] is component c of vertices()[k]. Does nothing if
+  // these are already held. Does not allocate.
   void hold(std::span<const std::uint8_t> held);
   [[nodiscard]] std::span<const std::uint8_t> held() const { return held_; }
   [[nodiscard]] bool is_held() const { return is_held_; }    // any component
-  [[nodiscard]] bool is_piece() const { return is_piece_; }  // no element has a vertex inside and one outside
+  [[nodiscard]] bool is_piece() const { return is_piece_; }  // no element has vertices both inside and outside
 
-  // values: x, y, z and one more of each of vertices(), N s, aligned to 64 bytes. Becomes M'^-1 values, m/s, 0 where it
-  // is held. `external`, N s, may be null: the sum of those that are not the sheet's own. Its own sum to 0 in a loose
-  // piece that is all in the cluster, whatever rounding left of them.
+  // Replaces values by M'^-1 values, m/s, 0 in held components. `values` has x, y, z and a fourth number for each of
+  // vertices(), N s, aligned to 64 bytes. `external`, N s, is the sum of the impulses that do not come from the sheet
+  // itself; it may be null. The sheet's own impulses sum to 0 in a loose piece that lies wholly in the cluster, so
+  // their rounded sum is ignored there.
   template <typename T>
   void solve(T* values, const std::array<T, 4>* external = nullptr) const;
-  // visit(i, j, entry) of each entry of M' - M on and below its diagonal, kg; i, j: vertices.
+  // Calls visit(i, j, entry) for each entry of M' - M on and below its diagonal, kg; i and j are vertices.
   template <typename Visit>
   void for_each_added(const Visit& visit) const {
     for (std::size_t i = 0; i < vertices_.size(); ++i) {
@@ -69,32 +70,32 @@ class InertiaCluster {
     std::int32_t row = 0, column = 0;
     double value = 0.0;
   };
-  // L below its diagonal of 1, by columns, and 1 / D; of all components alike, or of each.
+  // L below its unit diagonal, by columns, and 1 / D; one set for all components, or one for each.
   template <typename T>
   struct Numbers {
     std::vector<T> values;
     std::vector<T> inverse_diagonal;
-    DenseFours<T> inverse;  // of M', without what moves all alike unless something is held; or of size 0
+    DenseFours<T> inverse;  // of M', without the common motion unless something is held; size 0 if unused
   };
-  // Added, kg.
+  // Returns the entries of the added inertia, kg.
   static std::vector<Entry> sum_of(const Model& model, std::span<const mesh::VertexId> members,
                                    std::span<const StiffPart> parts, const AddedInertia& added);
   void set_order(std::span<const mesh::VertexId> members, std::vector<Entry>& entries);
   void set_matrix(const Model& model, std::span<const Entry> entries);
   void set_pattern();
   [[nodiscard]] bool has_whole_elements(const Model& model, std::span<const mesh::VertexId> members) const;
-  // Factors M' without vertices held in these components, into one set of numbers.
+  // Factors M', with vertices removed that are held in any of these components, into one set of numbers.
   void factor(std::size_t set, std::uint8_t components);
   [[nodiscard]] bool is_dense() const;
   template <typename T>
   void substitute(const Numbers<T>& numbers, T* values) const;
-  // Sets the inverse that is the same for all components.
+  // Sets the dense inverse, the same for all components.
   void invert();
 
   std::vector<mesh::VertexId> vertices_;
   mesh::VertexId lowest_ = mesh::kNone;
   std::vector<StiffPart> parts_;
-  std::vector<std::int32_t> place_;  // of the members, in vertices_
+  std::vector<std::int32_t> place_;  // index in vertices_ of each member
   double spread_ = 1.0;
 
   // M', kg, its lower triangle by rows, the diagonal last; mass_, kg.

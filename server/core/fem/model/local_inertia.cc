@@ -15,7 +15,7 @@ using mesh::VertexId;
 
 namespace {
 
-// The parts with the largest rows, so many that the others sum to `limit` at most; N/m.
+// Visits the parts with the largest rows, as many as needed for the others to sum to at most `limit`, N/m.
 template <typename Visit>
 void for_each_stiff(std::vector<PartAtVertex>& parts, double limit, const Visit& visit) {
   std::sort(parts.begin(), parts.end(), [](const PartAtVertex& a, const PartAtVertex& b) {
@@ -123,7 +123,7 @@ void LocalInertia::find_wanted(const Model& model, VertexId v) {
   }
 }
 
-// Region grows by the clusters that its stiff parts reach.
+// Collects the stiff parts of the region, which grows by the clusters that they reach.
 void LocalInertia::gather_region(const Model& model) {
   stiff_.clear();
   for (std::size_t i = 0; i < region_.size(); ++i) {
@@ -162,7 +162,7 @@ void LocalInertia::form_clusters(const Model& model) {
       if (w != mesh::kNone) parent_[static_cast<std::size_t>(root(region_.place(w)))] = root(first_of(part));
     }
   }
-  // Parts by cluster, and members by cluster, both ascending.
+  // Parts by cluster and members by cluster, both ascending.
   std::vector<std::pair<std::int32_t, StiffPart>> parts;
   parts.reserve(stiff_.size());
   std::vector<std::pair<std::int32_t, VertexId>> members;
@@ -278,7 +278,7 @@ void LocalInertia::share_impulses(const Model& model, mesh::VertexField& v) cons
     const std::span<const VertexId> vertices = cluster->vertices();
     double* const values = values_.front().lane.data();
     const auto value = [values](std::size_t i) { return Eigen::Map<Eigen::Vector3d>(values + 4 * i); };
-    Eigen::Vector3d momentum = Eigen::Vector3d::Zero();  // N s, of what the solve loses to rounding
+    Eigen::Vector3d momentum = Eigen::Vector3d::Zero();  // N s, momentum that the solve loses to rounding
     double mass = 0.0;
     for (std::size_t i = 0; i < vertices.size(); ++i) {
       const double mass_of_vertex = model.mass()[static_cast<std::size_t>(vertices[i])];

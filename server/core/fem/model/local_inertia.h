@@ -18,51 +18,54 @@
 
 namespace kerf::fem {
 
-// Limits that an explicit step sets to a sheet.
+// Limits that an explicit step sets on the stiffness of a sheet.
 struct InertiaTerms {
-  double limit = 0.0;  // 1/s^2: what a row of the stiffness may sum to over the mass of its vertex; may be infinite
-  // 1/s^2, the same of bending, which acts once in several substeps; 0: it acts in each, and its rows are in the sum.
+  double limit = 0.0;  // 1/s^2: limit of a row sum of the stiffness over the mass of its vertex; may be infinite
+  // 1/s^2, limit for bending alone, if it acts once in several substeps. 0: bending acts in each substep, and its rows
+  // count towards `limit`.
   double bending_limit = 0.0;
   AddedInertia added;
   bool operator==(const InertiaTerms&) const = default;
 };
 
-// Keeps tiny triangles along cuts from dictating the explicit step of the whole sheet: clusters of vertices around them
-// have the inertia
-//   M' = M + alpha h^2 (z L + n^2 Q),
-// L, Q the sums of the stiff triangles' g_i.g_j A and of the stiff bending terms, which act once in n substeps, in
-// place of M. Selective mass scaling by stiffness (Olovsson, Simonsson, Unosson 2005, "Selective mass scaling for
-// explicit finite element analyses"), but with a scalar matrix that bounds the stiffness in every position, so that it
-// needs not turn with the sheet and stays as it is from one cut to the next.
-//   Stable: with h^2 (1 + 2 b) K <= 4 M for the rest, b = beta / h, and K <= z L + Q for the stiff parts, h^2 (1 + 2 b)
-//   (K + K_stiff) <= 4 M' where alpha >= (1 + 2 b) / 4. Twice that is taken.
-//   Conserved: L 1 = Q 1 = 0, so that total momentum and free fall are those of M; M' is symmetric and the same for x,
-//   y and z, so that sum x_i x (M' v)_i and v.M' v / 2 + V are kept as by leapfrog. Statics do not change. Only motion
+// Keeps tiny triangles along cuts from dictating the explicit step of the whole sheet. Clusters of vertices around them
+// have, in place of M, the inertia
+//   M' = M + alpha h^2 (z L + n^2 Q).
+// L is the sum of the stiff triangles' g_i.g_j A. Q is that of the stiff bending terms, which act once in n substeps.
+// This is selective mass scaling by stiffness (Olovsson, Simonsson, Unosson 2005, "Selective mass scaling for explicit
+// finite element analyses"). Here the matrix is scalar and bounds the stiffness in every position. It need not turn
+// with the sheet and persists from cut to cut.
+//   Stable: let b = beta / h, h^2 (1 + 2 b) K <= 4 M for the rest, and K <= z L + Q for the stiff parts. Then
+//   h^2 (1 + 2 b) (K + K_stiff) <= 4 M' if alpha >= (1 + 2 b) / 4. Twice that is taken.
+//   Conserved: L 1 = Q 1 = 0, so that total momentum and free fall are those of M. M' is symmetric and the same for x,
+//     y
+//   and z, so that leapfrog keeps sum x_i x (M' v)_i and v.M' v / 2 + V as usual. Statics do not change. Only motion
 //   inside a cluster is slowed: its added radius of gyration is sqrt(alpha z / surface density) h.
-// Stiff are at each vertex the parts with the largest rows, until the rest sums to no more than the limit times its
-// mass. A part is stiff as a whole, and stiff parts connect the vertices of a cluster.
-// Derived from the model and the terms alone, not from how they came about.
+// The stiff parts at a vertex are those with the largest rows: as many as needed until the rest sums to at most the
+// limit times its mass. A part is stiff as a whole, and stiff parts connect the vertices of a cluster. Clusters are
+// derived from the model and the terms alone, whatever edits led to them.
 class LocalInertia {
  public:
-  // Makes room, so that the first cuts of a large sheet need not.
+  // Reserves storage, so that the first cuts of a large sheet need not.
   void reserve(std::size_t num_vertices);
   void rebuild(const Model& model, const InertiaTerms& terms);
-  // After one Model::follow since the call before.
+  // Updates after exactly one Model::follow since the previous call.
   void follow(const Model& model, const InertiaTerms& terms);
-  // While it is not active there are no clusters to be seen, and only rebuild() makes them those of a model again.
+  // Activates or hides the clusters. While inactive no clusters are visible; only rebuild() then makes them match a
+  // model again.
   void set_active(bool is_active) { is_active_ = is_active; }
   [[nodiscard]] bool is_active() const { return is_active_; }
 
-  // By their lowest vertices, ascending.
+  // Clusters by their lowest vertices, ascending.
   [[nodiscard]] std::span<InertiaCluster* const> clusters() const {
     return is_active_ ? std::span<InertiaCluster* const>(ordered_) : std::span<InertiaCluster* const>();
   }
-  // Null where the vertex is in none.
+  // Returns null if the vertex is in no cluster.
   [[nodiscard]] const InertiaCluster* cluster_of(mesh::VertexId v) const {
     const std::int32_t slot = slot_of(v);
     return slot == mesh::kNone ? nullptr : &cluster_in(slot);
   }
-  // Names the slot of its cluster, below num_slots(), or kNone.
+  // Returns the slot of the vertex's cluster, below num_slots(), or kNone.
   [[nodiscard]] std::int32_t slot_of(mesh::VertexId v) const {
     return is_active_ ? cluster_of_[static_cast<std::size_t>(v)] : mesh::kNone;
   }
@@ -75,16 +78,16 @@ class LocalInertia {
   [[nodiscard]] std::size_t num_entries() const { return is_active_ ? num_entries_ : 0; }    // of all factors
   [[nodiscard]] std::size_t largest() const { return is_active_ ? largest_ : 0; }            // vertices of one cluster
 
-  // Holds the vertices of clusters that have pins, and no others. Does not allocate.
+  // Holds exactly the vertices of clusters that have pins. Does not allocate.
   void hold(std::span<const Pin> pins);
   // 1/kg, see Integrator::mobility.
   [[nodiscard]] double mobility(const Model& model, const Grab& grab) const;
-  // Takes the velocities of vertices in clusters, m/s, as given by impulses to the masses alone, and gives those to the
-  // clusters by their inertia: v = M'^-1 M v. Keeps momentum, and never adds kinetic energy, v'.M' v' <= v.M v, as
-  // M' >= M.
+  // Converts velocities (m/s) that impulses would give to the masses alone into velocities of the clusters by their
+  // inertia: v = M'^-1 M v. Applies to vertices in clusters. It keeps momentum, and never adds kinetic energy: v'.M' v'
+  // <= v.M v, as M' >= M.
   void share_impulses(const Model& model, mesh::VertexField& v) const;
-  // Shares of the added inertia M' - M in the kinetic energy, J, and in the angular momentum about the world's origin,
-  // kg m^2/s.
+  // Contributions of the added inertia M' - M to the kinetic energy, J, and to the angular momentum about the world's
+  // origin, kg m^2/s.
   [[nodiscard]] double added_energy(const mesh::VertexField& v) const;
   [[nodiscard]] Eigen::Vector3d added_spin(const State& state) const;
 
@@ -100,18 +103,18 @@ class LocalInertia {
 
   InertiaTerms terms_;
   bool is_active_ = false;
-  std::unordered_map<mesh::VertexId, std::vector<StiffPart>> wanted_;  // stiff for the sake of a vertex, ascending
+  std::unordered_map<mesh::VertexId, std::vector<StiffPart>> wanted_;  // stiff parts needed by a vertex, ascending
   std::vector<std::int32_t> cluster_of_;                               // length V
   std::vector<std::unique_ptr<InertiaCluster>> clusters_;
   std::vector<std::int32_t> free_;
   std::vector<InertiaCluster*> ordered_;
   std::size_t num_vertices_ = 0, num_entries_ = 0, largest_ = 0;
-  std::vector<std::uint8_t> held_;  // scratch of hold(), length V, 0 outside of it
+  std::vector<std::uint8_t> held_;  // scratch of hold(), length V, 0 between calls
   std::vector<std::uint8_t> held_of_cluster_;
-  mutable std::vector<Lanes16<double>> values_;  // scratch, of one cluster
+  mutable std::vector<Lanes16<double>> values_;  // scratch for one cluster
 
   // Scratch of updates.
-  IndexSet region_;  // vertices that changed and want stiff parts, and those of clusters that are made again
+  IndexSet region_;  // changed vertices that need stiff parts, and vertices of clusters being rebuilt
   std::vector<StiffPart> stiff_;
   std::vector<std::int32_t> parent_;
   std::vector<mesh::TriangleId> slots_;

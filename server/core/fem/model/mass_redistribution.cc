@@ -16,9 +16,9 @@ using mesh::TriangleId;
 using mesh::VertexId;
 
 constexpr int kMaxRounds = 200;
-constexpr double kLeastGain = 1.001;  // of the worst mass / floor, in a round, as a factor
+constexpr double kLeastGain = 1.001;  // least factor by which a round must improve the worst mass / floor
 
-// Calls visit(n, again) for each neighbour n of `vertex` at least once; `again` is false where it is the first time.
+// Calls visit(n, again) for each neighbour n of `vertex` at least once; `again` is false the first time.
 template <typename Visit>
 void visit_neighbours(const MassProblem& problem, VertexId vertex, const Visit& visit) {
   const auto neighbours = [&](TriangleId slot) {  // counter-clockwise
@@ -27,8 +27,8 @@ void visit_neighbours(const MassProblem& problem, VertexId vertex, const Visit& 
     const std::size_t k = (block.vertex[1][l] == vertex ? 1U : 0U) + (block.vertex[2][l] == vertex ? 2U : 0U);
     return std::array<VertexId, 2>{block.vertex[k == 2 ? 0 : k + 1][l], block.vertex[k == 0 ? 2 : k - 1][l]};
   };
-  // The triangles around a vertex are one run: each neighbour comes first in one of them and second in another, but for
-  // those at the two ends of an open run.
+  // The triangles around a vertex form one run. Each neighbour comes first in one triangle and second in another,
+  // except those at the two ends of an open run.
   VertexId ends = 0;
   for (const TriangleId slot : problem.incident_slots.row(vertex)) {
     const auto [first, second] = neighbours(slot);
@@ -39,15 +39,15 @@ void visit_neighbours(const MassProblem& problem, VertexId vertex, const Visit& 
   for (const TriangleId slot : problem.incident_slots.row(vertex)) visit(neighbours(slot)[1], true);
 }
 
-// The diffusion within one domain. Vertices are numbered as in `members`.
+// Diffusion within one domain. Vertices are numbered as in `members`.
 class Diffusion {
  public:
-  // `members` must be in their canonical order: results depend on it.
+  // `members` must be in canonical order: results depend on it.
   Diffusion(const MassProblem& problem, const IndexSet& members) : is_light_(members.size()) {
     for (const VertexId v : members.members()) {
       mass_.push_back(problem.lumped[as_index(v)]);
       floor_.push_back(problem.floor[as_index(v)]);
-      // At least the number of edges: a fan on the border has one more than triangles.
+      // Upper bound of the number of edges: a fan on the border has one more than triangles.
       degree_.push_back(static_cast<double>(problem.incident_slots.row(v).size() + 1));
       first_edge_.push_back(edges_.size());
       visit_neighbours(problem, v, [&](VertexId n, bool again) {
@@ -117,7 +117,7 @@ class Diffusion {
   std::vector<double> mass_, floor_, degree_;
   std::vector<std::size_t> first_edge_, edges_;  // edges within the domain, a row a vertex
   std::vector<bool> is_light_;
-  std::vector<std::size_t> light_;  // that are or were below their floor, in the order of becoming so
+  std::vector<std::size_t> light_;  // vertices that are or were below their floor, in the order they became so
   std::vector<Flow> flows_;
 };
 
@@ -126,7 +126,7 @@ class Diffusion {
 MassTile mass_tile(const mesh::EdgeLengths& lengths, const Eigen::Vector2d& at) {
   const double length = lengths.at(at);
   const double side = kMassTileEdges * length;
-  // Edge lengths are the mean times a power of two: its exponent tells tiles of different widths apart.
+  // Edge lengths are the mean times a power of two. The exponent distinguishes tiles of different widths.
   const auto width = static_cast<std::uint64_t>(std::ilogb(length / lengths.mean * std::sqrt(2.0)) & 0xff);
   const Eigen::Vector2d place = (at - lengths.bounds.min()) / side;
   MassTile tile;
@@ -145,7 +145,7 @@ double corner_stiffness(double gx, double gy, double area, const Eigen::Matrix3d
          (C(0, 0) * gx * gx + C(1, 1) * gy * gy + C(2, 2) * (gx * gx + gy * gy) + 2.0 * (C(0, 2) + C(1, 2)) * gx * gy);
 }
 
-// Frees a domain, if it is one and not free already, and adds its members to the region.
+// Frees a domain, if there is one that is not free already, and adds its members to the region.
 void MassPass::dissolve(std::int32_t domain) {
   if (domain == kNone || domains_[static_cast<std::size_t>(domain)].empty()) return;
   std::vector<VertexId>& members = domains_[static_cast<std::size_t>(domain)];
@@ -158,8 +158,8 @@ void MassPass::dissolve(std::int32_t domain) {
   free_domains_.push_back(domain);
 }
 
-// Fills reach_ with what lies within kReach edges, in its tile, of the region's light vertices. A domain met on the way
-// is dissolved and joins the region: then the answer is false, and the search is to be done again.
+// Fills reach_ with vertices within kReach edges, in the same tile, of the region's light vertices. Domains met on the
+// way are dissolved and join the region. Returns false if that happened; the search must then be repeated.
 bool MassPass::gather_reach(const MassProblem& problem) {
   reach_.clear();
   const std::size_t region_size = region_.size();
@@ -219,7 +219,7 @@ std::span<const VertexId> MassPass::update(const MassProblem& problem, std::span
     mass_before_.push_back(mass[as_index(v)]);
     mass[as_index(v)] = problem.lumped[as_index(v)];
   }
-  // The connected parts of what was reached.
+  // Connected parts of the reached set.
   for (const VertexId first : reach_.members()) {
     if (!parted_.insert(first)) continue;
     std::vector<VertexId> members{first};

@@ -15,28 +15,28 @@
 
 // Keeps the small triangles along a cut from dictating the explicit time step of the whole sheet.
 //
-// The step of a vertex goes with sqrt(mass / stiffness). In two dimensions the stiffness at a vertex does not depend on
-// the size of the triangles around it, its mass does: a triangle a tenth as high as the others costs ten times the
-// substeps. Along a cut, vertices that are far too light for their stiffness are therefore given mass of their
-// neighbours, which keeps total mass, linear momentum and free fall exact and moves mass by about an edge length, as
-// lumping itself does. Static equilibria see only their weight moved as far. Accuracy is traded for speed at the scale
-// of the mesh only; sheets as generated have no vertex that needs it.
+// The stable step of a vertex is proportional to sqrt(mass / stiffness). In two dimensions the stiffness at a vertex
+// does not depend on the size of the triangles around it, but its mass does. A triangle a tenth as high as the others
+// costs ten times the substeps. Vertices along a cut that are far too light for their stiffness therefore get mass from
+// their neighbours. This keeps total mass, linear momentum and free fall exact, and moves mass by about an edge length,
+// as lumping itself does. Static equilibria see only their weight moved as far. Accuracy is traded for speed at the
+// scale of the mesh only. Sheets as generated have no vertex that needs it.
 namespace kerf::fem {
 
-// A vertex at this part of its floor has enough.  -
+// Share of its floor at which a vertex has enough mass.  -
 inline constexpr double kMassReached = 0.9;
 
-// The squares that a vertex lies in, of two grids over the material plane, the second shifted by half a square both
-// ways: equal numbers, same square. Squares are kMassTileEdges edge lengths wide, as the sheet as built has them there.
+// Squares that contain a vertex, in two grids over the material plane; the second is shifted by half a square both
+// ways. Equal numbers mean the same square. Squares are kMassTileEdges edge lengths of the sheet as built wide.
 using MassTile = std::array<std::uint64_t, 2>;
 inline constexpr double kMassTileEdges = 8.0;
 MassTile mass_tile(const mesh::EdgeLengths& lengths, const Eigen::Vector2d& at);
 
-// Trace of the stiffness that a corner with shape function gradient (gx, gy), 1/m, has in a triangle of `area`, m^2,
-// under the membrane law C, N/m: A tr(B^T C B) with B the corner's strain-displacement matrix.  N/m
+// Returns the trace of the stiffness of a triangle at a corner, A tr(B^T C B), N/m. (gx, gy), 1/m, is the corner's
+// shape function gradient, B its strain-displacement matrix. `area` A is in m^2, C the membrane law in N/m.
 double corner_stiffness(double gx, double gy, double area, const Eigen::Matrix3d& C);
 
-// Lumped masses and what they are redistributed over.
+// Lumped masses and the data needed to redistribute them.
 struct MassProblem {
   const RowStore<mesh::TriangleId>& incident_slots;
   std::span<const ElementBlock> blocks;
@@ -45,22 +45,22 @@ struct MassProblem {
   std::span<const MassTile> tiles;  // length V
 };
 
-// The redistributed masses, kept up to date through edits at a cost that depends on what an edit touches.
+// One pass of the redistribution, kept up to date through edits at a cost that depends on the size of the edit.
 //
-// One pass. Light vertices and all vertices of their tile within kReach edges of one form domains: the connected parts
-// of that set, tile by tile. Inside each domain by itself mass moves along edges, towards vertices below their floor
-// from those that are further above: diffusion of mass / floor, in rounds, until every vertex has (nearly) reached its
-// floor or nothing is gained any more. So the masses of a domain are a function of the domain alone, and an edit
-// concerns the domains that it touches or that its own grow into. Tiles bound what a domain can grow to where cuts lie
-// close together all over the sheet.
+// Light vertices and all vertices of their tile within kReach edges of one form domains: the connected parts of that
+// set, tile by tile. Mass moves along edges inside each domain, towards vertices below their floor from those further
+// above. It is a diffusion of mass / floor, in rounds, until every vertex has (nearly) reached its floor or nothing
+// improves. The masses of a domain are therefore a function of the domain alone. An edit affects the domains that it
+// touches or that its own grow into. Tiles bound the growth of domains where cuts lie close together all over the
+// sheet.
 class MassPass {
  public:
   static constexpr int kReach = 3;  // edges
 
-  // grid: of MassTile that tiles are taken from. Vertices below light_below times their floor are light.
+  // `grid` selects the grid of MassTile. Vertices below light_below times their floor are light.
   MassPass(int grid, double light_below) : grid_(static_cast<std::size_t>(grid)), light_below_(light_below) {}
 
-  // As of MassRedistribution, of this pass.
+  // Updates the masses of this pass; see MassRedistribution::update.
   std::span<const mesh::VertexId> update(const MassProblem& problem, std::span<const mesh::VertexId> touched,
                                          std::span<double> mass);
   [[nodiscard]] std::span<const double> mass_before() const { return mass_before_; }
@@ -74,25 +74,25 @@ class MassPass {
   std::size_t grid_;
   double light_below_;  // -
 
-  std::vector<std::int32_t> domain_of_;               // length V; kNone: in none
-  std::vector<std::vector<mesh::VertexId>> domains_;  // members, sorted; empty: free
+  std::vector<std::int32_t> domain_of_;               // length V; kNone if in no domain
+  std::vector<std::vector<mesh::VertexId>> domains_;  // members, sorted; empty if free
   std::vector<std::int32_t> free_domains_;
   // Scratch of update().
-  IdSet region_;     // touched vertices, dissolved domains, and in the end what was reached
-  IdSet reach_;      // light vertices of the region and what is near them
-  IdSet parted_;     // of those, what is in a domain already
+  IdSet region_;     // touched vertices, dissolved domains, and finally all reached vertices
+  IdSet reach_;      // light vertices of the region and vertices near them
+  IdSet parted_;     // vertices of reach_ already assigned to a domain
   IndexSet domain_;  // one domain, in ascending order
   std::vector<double> mass_before_;
 };
 
-// The redistributed masses, kept up to date through edits at a cost that depends on what an edit touches: one pass, and
-// another over tiles shifted by half of one, for the few vertices that the borders of tiles have cut off from mass.
+// The redistributed masses, kept up to date through edits at a cost that depends on the size of the edit. A second pass
+// over tiles shifted by half a tile serves the few vertices that tile borders cut off from mass.
 class MassRedistribution {
  public:
-  // `touched`: vertices whose lumped mass, floor, tile or neighbours changed since the last call, new ones included;
-  // all of them still there; may repeat. `mass` (kg, length V) holds the result of the last call, 0 for new vertices,
-  // and is brought up to date; V may be less than before, where the last vertices are gone. Returns the vertices that
-  // were looked at, `touched` among them, unique, valid until the next call, as is mass_before(): what they had, kg.
+  // Brings `mass` up to date. `touched` lists vertices whose lumped mass, floor, tile or neighbours changed since the
+  // last call, including new ones. They must exist and may repeat. `mass` (kg, length V) holds the result of the last
+  // call, 0 for new vertices. V may have decreased, if the last vertices were removed. Returns the examined vertices,
+  // including `touched`, unique. This list and their former masses mass_before(), kg, are valid until the next call.
   std::span<const mesh::VertexId> update(const MassProblem& problem, std::span<const mesh::VertexId> touched,
                                          std::span<double> mass);
   [[nodiscard]] std::span<const double> mass_before() const { return second_.mass_before(); }
@@ -100,7 +100,7 @@ class MassRedistribution {
  private:
   MassPass first_{0, 1.0};
   MassPass second_{1, kMassReached};
-  std::vector<double> between_;                // kg, length V, after the first pass
+  std::vector<double> between_;                // kg, length V, result of the first pass
   std::vector<mesh::VertexId> touched_again_;  // scratch
 };
 

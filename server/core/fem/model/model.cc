@@ -36,7 +36,7 @@ Model::Model(const mesh::TriangleMesh& mesh, std::span<const Material> materials
   for (TriangleId t = 0; t < mesh.num_triangle_slots(); ++t) {
     everything.rewritten_triangles[static_cast<std::size_t>(t)] = t;
   }
-  // Room for a quarter more in what is large, so that the first cuts need not move all of it.
+  // Reserves a quarter more for large arrays, so that the first cuts need not move them.
   edge_length_.reserve(static_cast<std::size_t>(mesh.num_vertices()) * 5 / 4);
   const std::size_t slots = everything.rewritten_triangles.size() * 5 / 4;
   blocks_.reserve(slots / kLanes + 1);
@@ -89,7 +89,7 @@ std::vector<VertexId> Model::drop_slots(const mesh::TriangleMesh& mesh) {
   for (TriangleId slot = mesh.num_triangle_slots(); slot < num_slots_; ++slot) {
     if (!has_material(slot)) continue;
     for (const VertexId v : corners(slot)) bereft.push_back(v);
-    write_element(slot, {0, 0, 0}, Eigen::Matrix2d::Zero(), 0.0, 0);  // a lane of the last block may stay
+    write_element(slot, {0, 0, 0}, Eigen::Matrix2d::Zero(), 0.0, 0);  // clears a lane of the last block that may remain
   }
   std::erase_if(bereft, [&](VertexId v) { return v >= mesh.num_vertices(); });
   return bereft;
@@ -157,7 +157,7 @@ void Model::set_elements(const mesh::TriangleMesh& mesh, const std::vector<Trian
 void Model::set_incidence(const std::vector<TriangleId>& rewritten) {
   rewritten_.clear();
   for (const TriangleId slot : rewritten) rewritten_.insert(slot);
-  // The rewritten slots around each touched vertex, ascending: counted, then put in their places.
+  // Lists the rewritten slots around each touched vertex, ascending: counts them, then fills them in.
   std::vector<std::size_t> first(touched_.size() + 1, 0);
   const auto for_corners = [&](const auto& visit) {
     for (const TriangleId slot : rewritten) {
@@ -227,7 +227,7 @@ void Model::set_edge_length(VertexId vertex, double length) {
 }
 
 void Model::set_lumped_mass(const mesh::TriangleMesh& mesh, VertexId vertex) {
-  // What all triangles have in common is a factor of the sums.
+  // Factors common to all triangles are left out of the sums.
   const bool is_mixed = !materials_.has_one();
   double mass = 0.0;
   double floor = 0.0;

@@ -1,4 +1,4 @@
-// The part of Model that puts bending by angles together.
+// The part of Model that assembles bending by angles.
 #include <array>
 
 #include "server/core/fem/element/angle_bending.h"
@@ -10,7 +10,7 @@ namespace {
 
 using mesh::TriangleId;
 
-// m, of corner k over the edge opposite it.
+// Returns the height (m) of corner k over the edge opposite it.
 double rest_height(const std::array<Eigen::Vector2d, 3>& corners, std::size_t k) {
   return clamp_arm(corners, k).norm();
 }
@@ -20,7 +20,7 @@ double rest_height(const std::array<Eigen::Vector2d, 3>& corners, std::size_t k)
 void Model::bend_by_angles(const mesh::TriangleMesh& mesh) {
   if (angle_bending_ != nullptr || !has_bending() || mesh.is_curved()) return;
   auto made = std::make_shared<AngleBending>();
-  // Of each slot the fold at each edge, and the height of what is across it.
+  // For each slot, the fold at each edge and the height of the vertex across it.
   std::vector<std::array<int, 3>> fold_at(static_cast<std::size_t>(num_slots_), {-1, -1, -1});
   std::vector<std::array<double, 3>> reach(fold_at.size(), {0.0, 0.0, 0.0});
   const auto rest_corners = [&](TriangleId slot) {
@@ -80,7 +80,7 @@ void Model::bend_by_angles(const mesh::TriangleMesh& mesh) {
     for (const BendingEdge& edge : bending_edges_.row(slot)) {
       const TriangleId other = mesh.neighbour(slot, edge.first_edge);
       const auto first = static_cast<std::size_t>(edge.first_edge);
-      // As of join_sides(): the slopes of the triangles themselves differ by theta, their fits add to that.
+      // As in join_sides(): the slopes of the triangles themselves differ by theta, and their fits add to that.
       AngleBending::Kink joined;
       joined.add(fold_at[own][first], 1.0, 0.0);
       double penalty = 0.0;

@@ -16,9 +16,10 @@ namespace {
 using mesh::TriangleId;
 using mesh::VertexId;
 
-constexpr std::size_t kMostFitsKept = 4096;  // from one edit to the next; those of a whole sheet are not
+constexpr std::size_t kMostFitsKept = 4096;  // kept from one edit to the next; the fits of a whole sheet are not kept
 
-// Turned about the edge into the plane, where the edge is at `edge` and the triangle on its left: on its right.
+// Returns the surface point `at` turned about the edge into the plane, to the right of the edge. The plane edge is
+// `edge`, with the triangle on its left.
 Eigen::Vector2d unfolded(const std::array<Eigen::Vector2d, 2>& edge, const std::array<Eigen::Vector3d, 2>& surface,
                          const Eigen::Vector3d& at) {
   const Eigen::Vector3d along = (surface[1] - surface[0]).normalized();
@@ -29,7 +30,7 @@ Eigen::Vector2d unfolded(const std::array<Eigen::Vector2d, 2>& edge, const std::
   return edge[0] + distance * direction + height * Eigen::Vector2d(direction.y(), -direction.x());
 }
 
-// The vertex is one of the edge's.
+// Returns the place of `vertex` in the edge, which must contain it.
 std::size_t place_in(const BendingEdge& edge, VertexId vertex) {
   std::size_t place = 0;
   for (std::size_t i = 1; i < 8; ++i) place += edge.vertex[i] == vertex ? i : 0;
@@ -64,13 +65,13 @@ void Model::make_patches(const mesh::TriangleMesh& mesh, std::span<const Triangl
     if (!patched_.insert(slot)) return;
     fitted_.insert(slot);
     BendingPatch& patch = patches_[static_cast<std::size_t>(slot)];
-    // Where its triangle does not bend a patch has its vertices none the less: they are columns of the matrix.
+    // A patch whose triangle does not bend still has vertices: they are columns of the matrix.
     patch.vertex = patch_vertices(mesh, slot);
     patch.stiffness.fill(0.0);
     if (mesh.is_curved()) rest_bending_[static_cast<std::size_t>(slot)] = RestBending();
     mark_rows(patch.vertex);
   });
-  if (!mesh.is_curved()) {  // moments on kinks need those across an edge as well
+  if (!mesh.is_curved()) {  // moments on kinks also need the patches across edges
     for_each_with_neighbours(mesh, patched_.members(), [&](TriangleId slot) { fitted_.insert(slot); });
   }
   fit_patches(mesh);
@@ -149,7 +150,7 @@ void Model::make_edges(const mesh::TriangleMesh& mesh) {
 }
 
 bool Model::make_edge(const mesh::TriangleMesh& mesh, TriangleId slot, TriangleId other, int k, BendingEdge& edge) {
-  if (!law(slot).has_bending() || !law(other).has_bending()) return false;  // no moment crosses it
+  if (!law(slot).has_bending() || !law(other).has_bending()) return false;  // no moment crosses the edge
   const auto first = static_cast<std::size_t>(k);
   const std::size_t second = corner_across(mesh, other, slot);
   const std::array<std::size_t, 6> places = places_of_second(first, second);
@@ -206,7 +207,7 @@ void Model::add_patches_to_row(const Entries& entries) {
   }
 }
 
-// An edge that the vertex has a part in is one of a triangle whose patch the vertex is in.
+// An edge term that contains the vertex belongs to a triangle whose patch contains it.
 void Model::add_edges_to_row(const mesh::TriangleMesh& mesh, VertexId vertex) {
   constexpr std::size_t kFirstOfSecond = 6;  // place in BendingEdge
   row_edges_.clear();
@@ -220,7 +221,7 @@ void Model::add_edges_to_row(const mesh::TriangleMesh& mesh, VertexId vertex) {
     const TriangleId slot = patch_row / 8;
     if (std::exchange(before, slot) == slot) continue;  // across two edges
     for (const BendingEdge& edge : bending_edges_.row(slot)) note(slot, edge, place_in(edge, vertex));
-    if (patch_row % 8 < 3) continue;  // the patches of all its neighbours have the vertex
+    if (patch_row % 8 < 3) continue;  // the patches of all its neighbours contain the vertex
     for (const TriangleId other : mesh.record(slot).neighbours) {
       if (other == mesh::kNone || other > slot) continue;
       for (const BendingEdge& edge : bending_edges_.row(other)) {

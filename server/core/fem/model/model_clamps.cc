@@ -1,4 +1,4 @@
-// The part of Model that holds slopes at the border, or loads them by moments.
+// The part of Model that holds slopes at the border, or loads them with moments.
 #include <algorithm>
 #include <array>
 
@@ -85,7 +85,7 @@ void Model::sum_clamp_forces(const mesh::TriangleMesh& mesh) {
       const std::array<Eigen::Vector3d, 3> theirs = held_slopes(mesh, other);
       for (std::size_t k = 0; k < 3; ++k) {
         held[3 + k] += mine[k];
-        held[places[3 + k]] += theirs[k];  // nothing at the edge itself, where there is no clamp
+        held[places[3 + k]] += theirs[k];  // zero at the shared edge itself, which has no clamp
       }
       add_clamp_forces_of(edge.vertex, held, [&](std::size_t i, std::size_t j) { return edge.at(i, j); });
     }
@@ -146,10 +146,10 @@ EdgeMoment Model::edge_moment(const mesh::TriangleMesh& mesh, TriangleId slot, i
   if (find_clamped_edge(mesh, slot, k, held)) return made;
   patch.edges[k] = PatchEdge::kClamped;
   const BendingFit fit = fit_bending(patch, own.has_bending() ? own.inverse_bending : Eigen::Matrix3d::Identity());
-  // Of the conditions w = W x the one of the edge has the slope in it, arm x_nu - L x, and takes the value at which
-  // the energy w.law w / 2 is least, the others being what they are.
+  // Among the conditions w = W x, the one of the edge contains the slope, arm x_nu - L x. It takes the value that
+  // minimises the energy w.law w / 2 with the others fixed.
   const auto row = static_cast<Eigen::Index>(k);
-  constexpr double kLeastLaw = 1e-3;  // -; below it the others leave the slope open
+  constexpr double kLeastLaw = 1e-3;  // -; below it the other conditions leave the slope undetermined
   const bool is_coupled = fit.law(row, row) > kLeastLaw * fit.law.trace();
   if (is_coupled && is_flat) made.compliance = 1.0 / (fit.law(row, row) * made.arm * made.arm);
   for (Eigen::Index a = 0; a < 6; ++a) {

@@ -11,10 +11,10 @@
 namespace kerf::fem {
 namespace {
 
-// Of one triangle, in rest coordinates.
+// Constants of one triangle, in rest coordinates.
 struct Corners {
   std::array<mesh::VertexId, 3> vertex{};
-  std::array<Eigen::Matrix<double, 3, 2>, 3> strain;  // 1/m, of the displacement of each; in material axes
+  std::array<Eigen::Matrix<double, 3, 2>, 3> strain;  // 1/m, strain per displacement of each corner; in material axes
   const MaterialLaw* law = nullptr;
   double area = 0.0;  // m^2
 };
@@ -30,13 +30,13 @@ Corners corners_of(const StiffnessProblem& problem, mesh::TriangleId slot) {
   for (std::size_t k = 0; k < 3; ++k) {
     corners.vertex[k] = block.vertex[k][l];
     corners.strain[k] << gx[k], 0.0, 0.0, gy[k], gy[k], gx[k];
-    // Triangles of one material have its axes in common.
+    // Triangles of one material share its axes.
     if (!problem.materials.has_one()) corners.strain[k] *= corners.law->axes;
   }
   return corners;
 }
 
-// Of a 2x2 matrix: its larger singular value.
+// Returns the larger singular value of a 2x2 matrix.
 double spectral_norm(const Eigen::Matrix2d& A) {
   const double half_squares = 0.5 * A.squaredNorm();
   const double determinant = A.determinant();
@@ -44,7 +44,7 @@ double spectral_norm(const Eigen::Matrix2d& A) {
   return std::sqrt(half_squares + std::sqrt(difference));
 }
 
-// roots: 1/sqrt(kg), of the inverse masses.
+// Returns the absolute row sum of the scaled bending matrix. roots: 1/sqrt(kg), square roots of the inverse masses.
 double bending_bound(const StiffnessProblem& problem, std::span<const double> roots, mesh::VertexId row) {
   double sum = 0.0;
   for (const BendingEntry& entry : problem.bending_rows.row(row)) {
@@ -66,8 +66,8 @@ void RunningMaximum::resize(std::size_t size) {
     if (n <= 1) break;
   }
   levels_.resize(level);
-  // Where values were dropped, the last group of each level lost some of its members; a level that is new at the top
-  // has had none so far. Both have their maxima on the way from the first and the last value to the top.
+  // If values were dropped, the last group of each level lost some of its members. A new level at the top is still
+  // empty. Updating the first and the last value repairs the maxima of both up to the top.
   if (size > 0) {
     const std::array<std::int32_t, 2> ends{0, static_cast<std::int32_t>(size - 1)};
     update(ends);
@@ -77,7 +77,7 @@ void RunningMaximum::resize(std::size_t size) {
 void RunningMaximum::update(std::span<const std::int32_t> changed) {
   std::vector<std::size_t> groups(changed.begin(), changed.end());
   for (std::size_t level = 1; level < levels_.size(); ++level) {
-    // Ids come in runs: dropping repetitions in a row leaves few.
+    // Ids come in runs: dropping consecutive repetitions leaves few.
     for (std::size_t& i : groups) i /= kGroup;
     groups.erase(std::unique(groups.begin(), groups.end()), groups.end());
     const std::vector<double>& below = levels_[level - 1];

@@ -27,23 +27,23 @@ class RunningMaximum {
   // New values are 0; values beyond are dropped.
   void resize(std::size_t size);
   void set(std::size_t i, double value) { levels_.front()[i] = value; }
-  // After set() of each of `changed`.
+  // Updates the maxima after set() of each of `changed`.
   void update(std::span<const std::int32_t> changed);
 
  private:
   static constexpr std::size_t kGroup = 16;
   std::vector<std::vector<double>>
-      levels_;  // the values, maxima of kGroup of them, of kGroup of those ..., the largest
+      levels_;  // the values, maxima of groups of kGroup values, maxima of groups of those, ..., the largest
 };
 
-// What the bound is of.
+// Data that the bound depends on.
 struct StiffnessProblem {
   std::span<const ElementBlock> blocks;
   const RowStore<mesh::TriangleId>& incident_slots;
-  const RowStore<BendingEntry>& bending_rows;  // without rows where there is no bending
+  const RowStore<BendingEntry>& bending_rows;  // no rows without bending
   const MaterialTable& materials;
   std::span<const double> inverse_mass;  // 1/kg, length V
-  bool is_curved = false;                // the rest shape; see TriangleMesh::is_curved
+  bool is_curved = false;                // true for a curved rest shape; see TriangleMesh::is_curved
 };
 
 // Absolute values of a block of the membrane's stiffness at rest, in rest coordinates.
@@ -53,17 +53,17 @@ struct StiffnessBlock {
 };
 
 // Upper bound of the largest eigenvalue of M^-1 K at rest, 1/s^2, membrane and bending, kept up to date through edits.
-// Two parts, added:
-//   Membrane: no eigenvalue is larger than that of the matrix of absolute values, |A|, and that of any matrix without
+// It is the sum of two parts:
+//   Membrane: no eigenvalue is larger than that of the matrix of absolute values, |A|. That of any matrix without
 //   negative entries is at most max_i (|A| z)_i / z_i, for any z > 0 (Collatz 1942, "Einschliessungssatz fuer die
-//   charakteristischen Zahlen von Matrizen"). Of M^-1 K that is close: the fastest mode moves neighbours against each
-//   other, along the signs of K. z begins as the diagonal of M^-1/2 K M^-1 and is multiplied by |M^-1 K| kPasses times,
-//   so that it comes near the eigenvector where that matters, and depends on so many rings of neighbours only.
-//   Between triangles of a curved rest shape, which have no plane in common, norms of their blocks are summed.
+//   charakteristischen Zahlen von Matrizen"). The bound is tight for M^-1 K: the fastest mode moves neighbours against
+//   each other, along the signs of K. z begins as the diagonal of M^-1/2 K M^-1 and is multiplied by |M^-1 K| kPasses
+//   times. It thus comes near the eigenvector where that matters, and depends on so many rings of neighbours only.
+//   Triangles of a curved rest shape have no plane in common; norms of their blocks are summed.
 //   Bending: largest absolute row sum of M^-1/2 Q M^-1/2 (Gershgorin).
-// The membrane part holds at rest. Of the co-rotational law, folds lower the largest eigenvalue, by up to 5 % where the
-// sheet is crumpled, and strains of 100 % raise it by some 20 %: what the safety factor of the explicit integrator
-// (IntegratorOptions::cfl) is for, and its substeps_stretched(). For Green's strain see GreenStretch.
+// The membrane part holds at rest. With the co-rotational law, folds lower the largest eigenvalue by up to 5 % where
+// the sheet is crumpled. Strains of 100 % raise it by some 20 %. The safety factor of the explicit integrator
+// (IntegratorOptions::cfl) and its substeps_stretched() cover this. For Green's strain see GreenStretch.
 class StiffnessBound {
  public:
   static constexpr std::size_t kPasses = 2;
@@ -71,13 +71,13 @@ class StiffnessBound {
   [[nodiscard]] double value() const { return membrane_.value() + bending(); }
   [[nodiscard]] double bending() const { return bending_.value(); }
 
-  // After a change of the triangles around `touched`, of the masses of `weighed`, and of these rows of bending;
-  // vertices that the problem no longer has are dropped.
+  // Updates the bound after a change of the triangles around `touched`, of the masses of `weighed`, and of these rows
+  // of bending. Drops vertices that the problem no longer has.
   void update(const StiffnessProblem& problem, std::span<const mesh::VertexId> touched,
               std::span<const mesh::VertexId> weighed, std::span<const mesh::VertexId> rows);
 
  private:
-  using Pair = std::array<double, 2>;  // of the components in the plane
+  using Pair = std::array<double, 2>;  // in-plane components
 
   void update_membrane(const StiffnessProblem& problem, std::span<const mesh::VertexId> touched,
                        std::span<const mesh::VertexId> weighed);
@@ -88,11 +88,11 @@ class StiffnessBound {
   void update_bending(const StiffnessProblem& problem, std::span<const mesh::VertexId> weighed,
                       std::span<const mesh::VertexId> rows);
 
-  RowStore<StiffnessBlock> rows_;                 // the vertex itself among them; empty without material
+  RowStore<StiffnessBlock> rows_;                 // includes the vertex itself; empty without material
   std::array<std::vector<Pair>, kPasses + 1> z_;  // 1/(s^2 sqrt(kg)), times 1/s^2 a pass, length V
   std::vector<double> roots_;                     // 1/sqrt(kg), length V, of the inverse masses; empty without bending
-  RunningMaximum membrane_;                       // of the vertices
-  RunningMaximum bending_;                        // of the rows
+  RunningMaximum membrane_;                       // by vertex
+  RunningMaximum bending_;                        // by row
   // Scratch.
   std::vector<StiffnessBlock> row_;
   IdSet changed_;

@@ -42,14 +42,14 @@ double row_sum(const Triangle& triangle, VertexId vertex) {
   return sum;
 }
 
-// N/m, the norm of what a curved rest shape adds to the stiffness of a patch.
+// Returns the norm (N/m) of the stiffness that a curved rest shape adds to a patch.
 double excess_at(const Model& model, TriangleId slot, std::size_t a, std::size_t b) {
   const std::span<const RestBending> rest = model.rest_bending().rest;
   return rest.empty() ? 0.0 : rest[static_cast<std::size_t>(slot)].excess_at(static_cast<int>(a), static_cast<int>(b));
 }
 
-// Bounds the stiffness that a curved rest shape adds to a patch, B, by a matrix with rows that sum to 0. As B does not
-// act on a common motion, with u_a = v_a - mean(v) and r_a = sum_b |B_ab|:
+// Bounds the stiffness B that a curved rest shape adds to a patch by a matrix with rows that sum to 0. B does not act
+// on a common motion. Hence, with u_a = v_a - mean(v) and r_a = sum_b |B_ab|:
 //   v.B v = u.B u <= sum_ab |B_ab| |u_a| |u_b| <= sum_a r_a |u_a|^2.
 class CurvatureBound {
  public:
@@ -73,7 +73,8 @@ class CurvatureBound {
   double num_ = 0.0;
 };
 
-// Entry(a, b): of a part with these vertices. Negative where the vertex is none of them.
+// Returns the absolute row sum of a part with these vertices; entry(a, b) gives its entries. Negative if the part does
+// not contain the vertex.
 template <std::size_t N, typename Entry>
 double row_sum_of(const std::array<VertexId, N>& vertices, VertexId vertex, const Entry& entry) {
   double sum = 0.0;
@@ -158,7 +159,7 @@ void find_bending_at(const Model& model, VertexId vertex, std::vector<TriangleId
                      std::vector<PartAtVertex>& parts) {
   parts.clear();
   if (!model.has_bending()) return;
-  // A patch that the vertex is in is of a triangle at a neighbour, and an edge belongs to such a patch's triangle.
+  // A patch containing the vertex belongs to a triangle at a neighbour, and an edge to the triangle of such a patch.
   slots.clear();
   for (const TriangleId slot : model.incident_slots().row(vertex)) {
     for (const VertexId w : triangle_at(model, slot).vertex) {

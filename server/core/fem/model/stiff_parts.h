@@ -10,10 +10,10 @@
 
 namespace kerf::fem {
 
-// A term of a model's stiffness: a triangle of the membrane, a bending patch, or what bending has at an edge. Each is a
-// symmetric matrix over a few vertices, times the 3x3 identity, with rows that sum to 0; that of a triangle is
-// z A g_i.g_j, which bounds its stiffness in every position (see membrane_curvature.h); that of a patch is its own, and
-// on a curved rest shape a bound of what RestBending adds besides.
+// A term of a model's stiffness: a triangle of the membrane, a bending patch, or a bending term at an edge. Each is a
+// symmetric matrix over a few vertices, times the 3x3 identity, with rows that sum to 0. That of a triangle is z A
+// g_i.g_j, which bounds its stiffness in every position (see membrane_curvature.h). That of a patch is its own; on a
+// curved rest shape it also bounds the terms of RestBending.
 class StiffPart {
  public:
   static constexpr std::size_t kMaxVertices = 8;
@@ -29,13 +29,13 @@ class StiffPart {
   [[nodiscard]] mesh::TriangleId slot() const { return static_cast<mesh::TriangleId>(key_ / 8); }
   [[nodiscard]] bool is_triangle() const { return key_ % 8 == 0; }
 
-  // Its vertices, kNone in places that it does not use; a vertex may repeat. Its matrix, N/m, by these places.
+  // Vertices of the part, kNone in unused places; a vertex may repeat. The matrix, N/m, is indexed by these places.
   struct Matrix {
     std::array<mesh::VertexId, kMaxVertices> vertex{};
     std::array<std::array<double, kMaxVertices>, kMaxVertices> value{};
   };
   [[nodiscard]] Matrix matrix(const Model& model) const;
-  // Its vertices alone.
+  // Returns only the vertices.
   [[nodiscard]] std::array<mesh::VertexId, kMaxVertices> vertices(const Model& model) const;
 
  private:
@@ -45,20 +45,20 @@ class StiffPart {
   std::int64_t key_ = 0;
 };
 
-// A part at a vertex, and the sum of the absolute values of its row there, N/m.
+// A part at a vertex, and the absolute sum of its row there, N/m.
 struct PartAtVertex {
   StiffPart part;
   double row_sum = 0.0;
 };
 
-// N/m, the sum over the triangles at a vertex.
+// Returns the absolute row sum over the triangles at a vertex, N/m.
 double membrane_row_sum(const Model& model, mesh::VertexId vertex);
-// N/m, of the bending matrix, or of its bound on a curved rest shape.
+// Returns the absolute row sum of the bending matrix, or of its bound on a curved rest shape, N/m.
 double bending_row_sum(const Model& model, mesh::VertexId vertex);
 
-// All parts at a vertex, ascending.
+// Finds all membrane parts at a vertex, ascending.
 void find_triangles_at(const Model& model, mesh::VertexId vertex, std::vector<PartAtVertex>& parts);
-// All patches and edges at a vertex, ascending. `slots` is scratch.
+// Finds all patches and edges at a vertex, ascending. `slots` is scratch.
 void find_bending_at(const Model& model, mesh::VertexId vertex, std::vector<mesh::TriangleId>& slots,
                      std::vector<PartAtVertex>& parts);
 

@@ -12,7 +12,7 @@
 namespace kerf::fem {
 namespace {
 
-constexpr std::size_t kRoom = 2;  // -; places for blocks beside those there are, so that cuts need not copy them
+constexpr std::size_t kRoom = 2;  // -, capacity over the number of blocks, so that cuts need not copy them
 
 }  // namespace
 
@@ -29,10 +29,10 @@ void TangentMatrix::follow(const Model& model) {
   set_rows(model, model.changed_rows());
 }
 
-// Into columns_: what row v of the stiffness matrix reaches.
+// Sets columns_ to the columns of row v of the stiffness matrix.
 void TangentMatrix::find_columns(const Model& model, mesh::VertexId v) {
   columns_.clear();
-  // Patches reach beyond the triangles that they are of: with bending its rows have every column, and in order.
+  // Patches reach beyond their triangles: rows of the bending matrix contain every column, in order.
   if (model.has_bending()) {
     for (const BendingEntry& entry : model.bending_rows().row(v)) columns_.push_back(entry.column);
     if (!columns_.empty()) return;
@@ -235,7 +235,7 @@ void TangentMatrix::constrain(const Model& model, std::span<const Pin> pins, dou
     }
     Eigen::Matrix3d& diagonal = matrix_.block(matrix_.diagonal(pin.vertex));
     rhs.col(pin.vertex) -= diagonal * displacement;
-    // Any positive multiple of the identity decouples components; the mass keeps it of the size of the others.
+    // Any positive multiple of the identity decouples the components. The mass gives it the size of the others.
     const double m = model.mass()[static_cast<std::size_t>(pin.vertex)];
     const double scale = m > 0.0 ? m : 1.0;
     diagonal = free.asDiagonal() * diagonal * free.asDiagonal();

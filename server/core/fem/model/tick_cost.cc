@@ -7,7 +7,7 @@ namespace kerf::fem {
 namespace {
 
 // Nanoseconds on one core of 2024. Fitted to ticks of wool of 625 to 16,000 vertices, uncut and after 1 to 100 random
-// cuts, within a sixth of each; demo, cotton and silk agree.
+// cuts, within a sixth of each. Ticks of demo, cotton and silk agree.
 struct ExplicitCost {
   double per_slot;
   double per_bending_entry;
@@ -15,29 +15,28 @@ struct ExplicitCost {
 constexpr ExplicitCost kDoubleNs{4.0, 1.3};
 constexpr ExplicitCost kMixedNs{1.9, 0.63};
 constexpr double kNsPerCluster = 230.0;
-constexpr double kNsPerClusterEntry = 1.0;  // of a factor, below its diagonal
+constexpr double kNsPerClusterEntry = 1.0;  // per entry of a factor below its diagonal
 constexpr double kNsPerContactBlock = 130.0;
 constexpr double kNsPerClusterPush = 1200.0;
 constexpr double kNsPerSlotOfLoads = 28.0;
 constexpr double kNsPerVertex = 50.0;  // once a tick: reading and writing the state, strain, energy, rest
-// Dearer is what a substep goes through and a cache does not hold: fitted to 10,000 to 160,000 vertices.
+// Substeps cost more when their data exceeds the cache: fitted to 10,000 to 160,000 vertices.
 constexpr double kBytesPerSlot = 37.0;
 constexpr double kBytesPerBendingEntry = 8.0;
-constexpr double kCacheBytes = 15e6;  // going through so many costs as much again as working with them
+constexpr double kCacheBytes = 15e6;  // traversing this much memory costs as much again as the arithmetic on it
 
 constexpr double kTangentNsPerSlot = 250.0;
-// Factorisation of a planar mesh of V vertices grows as V^1.5 (George 1973, nested dissection), of which what cuts add
-// hardly makes the separators longer. A factor in float is kept while it serves, which is for the longer the more it
-// costs.
+// Factorising a planar mesh of V vertices costs V^1.5 (George 1973, nested dissection). Cuts hardly lengthen the
+// separators. A float factor is kept as long as it serves, which is longer the more it costs.
 struct SystemCost {
   double per_vertex_to_three_halves;  // of the sheet as built
   double per_new_vertex;
 };
 constexpr SystemCost kDirectNs{80.0, 800.0};
 constexpr SystemCost kKeptNs{40.0, 3200.0};
-constexpr double kMostToThreeHalves = 20'000.0;  // vertices: beyond, a factor in float that is kept grows as V
+constexpr double kMostToThreeHalves = 20'000.0;  // vertices: above, the cost of a kept float factor grows as V
 constexpr double kNsPerSlotAndIteration = 20.0;  // of conjugate gradients
-constexpr double kExpectedIterations = 50.0;     // of a system, before there was a tick
+constexpr double kExpectedIterations = 50.0;     // of a system, before the first tick
 
 }  // namespace
 

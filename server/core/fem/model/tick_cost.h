@@ -7,22 +7,22 @@
 
 namespace kerf::fem {
 
-// Parts of a tick by which its time is counted.
+// Parts of a tick to which its time is attributed.
 enum class TickPart {
   kMembrane,  // stretching and shearing, with the motion of vertices
   kBending,
   kClusters,  // of local inertia, around the tiny triangles along cuts
   kContact,   // keeping vertices out of bodies
-  kLoads,     // forces that are summed vertex by vertex: wind, follower loads, external forces
+  kLoads,     // forces summed vertex by vertex: wind, follower loads, external forces
   kSolve,     // linear systems of implicit steps
 };
 inline constexpr std::array<std::string_view, 6> kTickPartNames{"membrane", "bending", "clusters",
                                                                 "contact",  "loads",   "solve"};
 
-// Time of a tick from counts alone, the same on every machine: ns on one core of 2024, within 1.5 times of what ticks
-// take there (tests/bench/README.md, "The estimate of a tick").
+// Time of a tick estimated from counts alone, the same on every machine. It is in ns on one core of 2024, within 1.5
+// times of measured ticks (tests/bench/README.md, "The estimate of a tick").
 struct TickCost {
-  double substeps = 0.0;                           // of the tick; 0 of implicit steps
+  double substeps = 0.0;                           // per tick; 0 for implicit steps
   double bending_interval = 1.0;                   // substeps from one kick of bending to the next
   std::array<double, kTickPartNames.size()> ns{};  // by part, >= 0
 
@@ -31,16 +31,16 @@ struct TickCost {
   [[nodiscard]] double total() const { return std::accumulate(ns.begin(), ns.end(), 0.0); }
 };
 
-// Counts the work of the last tick that a model does not know. Before the first tick it holds what is expected.
+// Counts of the last tick that cannot be derived from a model. Before the first tick they hold expected values.
 struct TickCounts {
-  double contact_blocks = 0.0;     // looked at in a substep, of kVertexLanes vertices each
-  double cluster_pushes = 0.0;     // in a substep
-  double load_phases = 0.0;        // of a substep, see StepStats::load_phases
-  double more_substeps = 1.0;      // -, over what was planned of the sheet at rest, as a stretched one takes
-  double more_kicks = 1.0;         // -, of bending, over what was planned of the sheet at rest
-  bool is_double = false;          // made in double precision
-  double newton_iterations = 0.0;  // of the tick; 0: as many as may be
-  double linear_iterations = 0.0;  // of the tick; 0: as many as may be
+  double contact_blocks = 0.0;     // blocks of kVertexLanes vertices checked per substep
+  double cluster_pushes = 0.0;     // per substep
+  double load_phases = 0.0;        // per substep, see StepStats::load_phases
+  double more_substeps = 1.0;      // -, ratio to the substeps planned for the sheet at rest; stretched sheets take more
+  double more_kicks = 1.0;         // -, ratio of bending kicks to those planned for the sheet at rest
+  bool is_double = false;          // stepped in double precision
+  double newton_iterations = 0.0;  // per tick; 0 assumes the maximum
+  double linear_iterations = 0.0;  // per tick; 0 assumes the maximum
 };
 
 // Counts of an explicit step.

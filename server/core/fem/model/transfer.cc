@@ -24,7 +24,7 @@ Eigen::Vector3d interpolate(const mesh::VertexSource& source, const mesh::Vertex
   return value;
 }
 
-// Moved vertices may be sources of others: all values are taken before any is written.
+// Moved vertices may be sources of others, so all values are read before any is written.
 std::vector<Eigen::Vector3d> interpolate(const std::vector<mesh::VertexSource>& sources,
                                          const mesh::VertexField& field) {
   std::vector<Eigen::Vector3d> values;
@@ -38,7 +38,7 @@ void write(const std::vector<mesh::VertexSource>& sources, const std::vector<Eig
   for (std::size_t i = 0; i < values.size(); ++i) field.col(sources[i].vertex) = values[i];
 }
 
-// Columns of `field` for every added and moved vertex.
+// Sets the columns of `field` for every added and moved vertex.
 void transfer_field(const mesh::MeshEdit& edit, mesh::VertexField& field) {
   const std::vector<Eigen::Vector3d> moved = interpolate(edit.moved_vertices, field);
   const std::vector<Eigen::Vector3d> added = interpolate(edit.added_vertices, field);
@@ -46,7 +46,7 @@ void transfer_field(const mesh::MeshEdit& edit, mesh::VertexField& field) {
   write(edit.added_vertices, added, field);
 }
 
-// Gives the vertices the momentum that they lack.  kg m/s, kg
+// Adds the missing momentum to the vertices. Momentum in kg m/s, masses in kg.
 void shift(const std::vector<mesh::VertexId>& vertices, const Eigen::Vector3d& missing, double mass_before,
            double mass_after, State& state) {
   if (mass_after <= 0.0 || std::abs(mass_after - mass_before) > kSameMass * mass_before) return;
@@ -76,7 +76,7 @@ class MassesBefore {
   std::unordered_map<mesh::VertexId, double> changed_;  // looked up, never iterated
 };
 
-// Folds vertices that go into those that they came from.
+// Merges removed vertices into those that they came from.
 class Fold {
  public:
   Fold(const MassesBefore& mass_before, State& state) : mass_before_(mass_before), state_(state) {}
@@ -96,7 +96,8 @@ class Fold {
   }
 
  private:
-  // Places continue the shape beside; velocities are taken from the nearest of it, for continued they would grow.
+  // Positions extrapolate the adjacent shape. Velocities are interpolated within it, because extrapolated ones would
+  // grow.
   void revive(std::vector<mesh::VertexSource> sources) {
     write(sources, interpolate(sources, state_.x), state_.x);
     for (mesh::VertexSource& source : sources) {
@@ -108,14 +109,14 @@ class Fold {
 
   double& mass(mesh::VertexId v) { return mass_.try_emplace(v, mass_before_.of(v)).first->second; }
 
-  // The share of `added` in the vertex's mass once it has joined it.
+  // Adds mass to a vertex and returns the share of `added` in its total mass.
   double grow(mesh::VertexId vertex, double added) {
     double& total = mass(vertex);
     total += added;
     return total > 0.0 ? added / total : 0.0;
   }
 
-  // Lips that lie together and move together do so afterwards, bit for bit: the difference is then zero.
+  // Lips that lie together and move together still do so afterwards, bit for bit: the difference is then zero.
   void join(const mesh::VertexSource& gone) {
     const mesh::VertexId kept = gone.sources[0];
     const double part = grow(kept, mass(gone.vertex));
@@ -133,12 +134,12 @@ class Fold {
   }
 
   const MassesBefore& mass_before_;
-  // kg, as they are with those that have joined; looked up, never iterated.
+  // kg, including merged vertices; looked up, never iterated.
   std::unordered_map<mesh::VertexId, double> mass_;
   State& state_;
 };
 
-// Vertices that remain whose mass or velocity the reverts change; sorted, unique.
+// Returns the remaining vertices whose mass or velocity the reverts change; sorted, unique.
 std::vector<mesh::VertexId> touched_vertices(std::span<const mesh::RevertedEdit> reverted, const MassChange& change,
                                              std::int32_t num_vertices) {
   std::vector<mesh::VertexId> touched = change.vertices;
@@ -201,7 +202,7 @@ void revert_state(std::span<const mesh::RevertedEdit> reverted, const Model& mod
   KERF_CHECK(num_after == model.num_vertices() && mass_before.num_vertices() == state.x.cols(),
              "state, reverted edits and model are of one mesh");
   const std::vector<mesh::VertexId> touched = touched_vertices(reverted, change, num_after);
-  Eigen::Vector3d momentum = Eigen::Vector3d::Zero();  // of touched vertices and those that go, before minus after
+  Eigen::Vector3d momentum = Eigen::Vector3d::Zero();  // of touched and removed vertices, before minus after
   double total_before = 0.0;
   const auto add = [&](mesh::VertexId v) {
     const double m = mass_before.of(v);
