@@ -16,7 +16,7 @@ Hinge hinge_at(const AngleBending::Fold& fold, const VertexField& x) {
   return {at, fold.rest};
 }
 
-// Of a hinge by its vertices alone: what is held moves with the middle of the edge.
+// Returns the gradient of a hinge by its vertices alone: a held point moves with the middle of the edge.
 std::array<Vector3d, 4> gradient_of(const AngleBending::Fold& fold, const Hinge& hinge) {
   std::array<Vector3d, 4> made = hinge.gradient();
   if (fold.vertex[3] != mesh::kNone) return made;
@@ -39,7 +39,7 @@ Eigen::Matrix<double, 12, 12> hessian_of(const AngleBending::Fold& fold, const H
 struct FoldStates {
   std::vector<Hinge> hinges;
   std::vector<double> theta;                       // rad
-  std::vector<std::array<Vector3d, 4>> gradients;  // 1/m, as of gradient_of()
+  std::vector<std::array<Vector3d, 4>> gradients;  // 1/m, from gradient_of()
 };
 
 FoldStates fold_states(const std::vector<AngleBending::Fold>& folds, const VertexField& x) {
@@ -65,7 +65,7 @@ class GradientSums {
     }
   }
 
-  // matrix += sum over r, s of law_rs (sum r) (sum s)^T; law: symmetric.
+  // Adds to the matrix the sum over r, s of law_rs (sum r) (sum s)^T; law is symmetric.
   void add_products(const Eigen::Matrix<double, N, N>& law, BlockMatrix& matrix) const {
     for (std::size_t i = 0; i < size_; ++i) {
       const Sums weighed = values_[i] * law;

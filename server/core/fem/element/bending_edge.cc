@@ -33,7 +33,7 @@ bool join_sides(const BendingSide& first, const BendingSide& second, const std::
                 BendingEdge& made) {
   made.kink.fill(0.0);
   made.load.fill(0.0);
-  // Both slopes are outward ones: the jump from the first side to the second is minus their sum.
+  // Both slopes are outward: the jump from the first side to the second is minus their sum.
   for (std::size_t i = 0; i < 6; ++i) {
     made.kink[i] -= first.slope[i];
     made.load[i] += 0.5 * first.length * first.moment[i];
@@ -47,7 +47,7 @@ bool join_sides(const BendingSide& first, const BendingSide& second, const std::
   if (!(largest * first.length > kNegligibleKink)) return false;
   const double penalty = first.penalty + second.penalty;
   for (std::size_t i = 0; i < 8; ++i) made.load[i] += penalty * made.kink[i];
-  // Around an inner vertex of three triangles one vertex is across two edges.
+  // Around an inner vertex of three triangles one vertex lies across two edges.
   for (std::size_t i = has_repeated(made.vertex) ? 7 : 0; i > 0; --i) {
     const auto same = std::find(made.vertex.begin(), made.vertex.end(), made.vertex[i]);
     const auto at = static_cast<std::size_t>(same - made.vertex.begin());

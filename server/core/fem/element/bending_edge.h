@@ -9,37 +9,37 @@
 
 namespace kerf::fem {
 
-// The quadratics of two neighbouring patches meet at their edge in value but not in slope, and a moment that crosses
-// the edge does work on the kink. Without that work constant moments are out of balance on irregular meshes, where a
-// plate is then too soft by a tenth or more however fine the mesh is. The terms of the symmetric interior penalty
-// method (Engel et al. 2002, "Continuous/discontinuous finite element approximations of fourth-order elliptic
-// problems", section 3), with slopes taken in the middle of the edge of length l, set it right:
+// Term of the bending energy at an edge between two patches. Their quadratics meet in value but not in slope, and a
+// moment that crosses the edge does work on the kink. Without that work constant moments are out of balance on
+// irregular meshes. A plate is then too soft by a tenth or more, however fine the mesh is. The term is that of the
+// symmetric interior penalty method (Engel et al. 2002, "Continuous/discontinuous finite element approximations of
+// fourth-order elliptic problems", section 3), with slopes taken in the middle of the edge of length l:
 //   E = l J.{m} + p J.J,  J = jump of the slope across the edge, m = n.M n, {m} the mean of both sides,
 //   p = kKinkPenalty l^2 (n n).D (n n) (1 / A_1 + 1 / A_2) / 4.
-// Of x, y and z each. Since J is 0 for quadratics where the fit is exact, the energy of constant curvature stays what
-// it is; where all diagonals are parallel every inner J is 0, and such an edge has no term at all.
+// It holds for x, y and z each. J is 0 for quadratics where the fit is exact, so the energy of constant curvature is
+// unchanged. If all diagonals are parallel every inner J is 0, and such an edge has no term at all.
 struct BendingEdge {
-  // 0..5: the patch of the first triangle, as in BendingPatch; 6, 7: of the second one's the two vertices that the
-  // first's lacks. kNone where there is none, and where a vertex has come before.
+  // 0..5 are the patch of the first triangle, as in BendingPatch. 6 and 7 are the two vertices of the second patch that
+  // the first one lacks. kNone marks missing vertices and repeated ones.
   std::array<mesh::VertexId, 8> vertex{mesh::kNone, mesh::kNone, mesh::kNone, mesh::kNone,
                                        mesh::kNone, mesh::kNone, mesh::kNone, mesh::kNone};
-  int first_edge = 0;                      // the corner of the first triangle opposite the edge
+  int first_edge = 0;                      // corner of the first triangle opposite the edge
   std::array<std::uint8_t, 2> material{};  // of both triangles, see ElementBlock
-  // E = sum over x,y,z of (kink.x) (load.x): Q_ab = kink_a load_b + load_a kink_b.
+  // E = sum over x,y,z of (kink.x) (load.x), hence Q_ab = kink_a load_b + load_a kink_b.
   std::array<double, 8> kink{};  // 1/m; J
   std::array<double, 8> load{};  // N; l {m} + p J
 
   [[nodiscard]] double at(std::size_t a, std::size_t b) const { return kink[a] * load[b] + load[a] * kink[b]; }
 };
 
-// With it the energy of a triangle and its share of the terms at its three edges is never negative: 1/2 |l J m| <=
-// p_T J^2 + (A_T / 2 kappa.D kappa) / 3 needs 3/2.
+// Penalty factor. With it the energy of a triangle and its share of the terms at its three edges is never negative: 1/2
+// |l J m| <= p_T J^2 + (A_T / 2 kappa.D kappa) / 3 needs 3/2.
 inline constexpr double kKinkPenalty = 1.5;
 
-// Of each entry of J times l, -, below which an edge needs no term.
+// Size of the entries of J times l, -, up to which an edge needs no term.
 inline constexpr double kNegligibleKink = 1e-6;
 
-// What one patch has at one of its edges; see PatchLanes.
+// Data of one patch at one of its edges; see PatchLanes.
 struct BendingSide {
   std::array<double, 6> slope{};   // 1/m; derivative of x along the outward normal, in the middle of the edge
   std::array<double, 6> moment{};  // N/m; normal moment
@@ -47,11 +47,11 @@ struct BendingSide {
   double penalty = 0.0;            // N m; its share of p
 };
 
-// For each place in the second triangle's patch its place in BendingEdge, where the edge is opposite corner
+// Returns, for each place in the second triangle's patch, its place in BendingEdge. The edge is opposite corner
 // `first_edge` of the first and `second_edge` of the second triangle.
 std::array<std::size_t, 6> places_of_second(std::size_t first_edge, std::size_t second_edge);
 
-// kink and load from both sides of one edge; made.vertex is set. Whether the term is needed.
+// Sets kink and load from both sides of one edge; made.vertex must be set. Returns true if the term is needed.
 bool join_sides(const BendingSide& first, const BendingSide& second, const std::array<std::size_t, 6>& places,
                 BendingEdge& made);
 

@@ -7,7 +7,7 @@
 namespace kerf::fem {
 namespace {
 
-// As -scale sum_j Q_ij (v_j - v_i), exactly without resultant.
+// Adds -scale sum_j Q_ij (v_j - v_i), which is exactly without resultant.
 void add_patch_damping(const BendingPatch& patch, double scale, const mesh::VertexField& v, mesh::VertexField& f) {
   for (std::size_t a = 0; a < patch.vertex.size(); ++a) {
     for (std::size_t b = a + 1; b < patch.vertex.size(); ++b) {

@@ -13,14 +13,14 @@
 
 namespace kerf::fem {
 
-// The derivative of positions by the material coordinates (rest axes, not those of the material) that a clamp holds at
-// a vertex.
+// Clamp at a vertex: holds the derivative of positions by the material coordinates (rest axes, not those of the
+// material).
 struct Clamp {
   mesh::VertexId vertex = mesh::kNone;
   Eigen::Matrix<double, 3, 2> gradient = Eigen::Matrix<double, 3, 2>::Zero();  // -
 };
 
-// With clamped edges E = 1/2 x.Q x - sum over `forces` of x.force + energy.
+// Forces and energy of clamps: with clamped edges E = 1/2 x.Q x - sum over `forces` of x.force + energy.
 struct ClampForces {
   struct Force {
     mesh::VertexId vertex = mesh::kNone;              // may repeat
@@ -30,33 +30,33 @@ struct ClampForces {
   double energy = 0.0;  // J
 };
 
-// f (3 x V, N) += what is to be added to add_bending_forces.
+// Adds the clamp forces to f (3 x V, N), in addition to add_bending_forces.
 void add_clamp_forces(const ClampForces& clamps, mesh::VertexField& f);
-// J; to be added to bending_energy.
+// Returns the clamp energy, J, to be added to bending_energy.
 double clamp_energy(const ClampForces& clamps, const mesh::VertexField& x);
 
-// f (3 x V, N) += -Q x for x (3 x V, m), as f_i = sum_j Q_ij (x_i - x_j): equal since the rows of Q sum to zero, but
-// exactly invariant under translation and, pair by pair, exactly without resultant force. For damping beta pass
-// x + beta v: the rate of the curvature as a vector, so that, unlike membrane damping, it also brakes the rotation of a
-// sheet that is bent. Rows in order.
+// Adds -Q x to f (3 x V, N), for x (3 x V, m), as f_i = sum_j Q_ij (x_i - x_j). This is equal because the rows of Q sum
+// to zero, and exactly invariant under translation. Pair by pair it is exactly without resultant force. For damping
+// beta pass x + beta v. That uses the rate of the curvature as a vector, so unlike membrane damping it also slows the
+// rotation of a bent sheet. Rows are processed in order.
 void add_bending_forces(const RowStore<BendingEntry>& rows, const mesh::VertexField& x, mesh::VertexField& f);
 
-// The terms that Q is the sum of, by slot.
+// Terms that sum to Q, by slot.
 struct BendingTerms {
-  std::span<const ElementBlock> blocks;  // have the materials of the patches
+  std::span<const ElementBlock> blocks;  // give the materials of the patches
   std::span<const BendingPatch> patches;
   const RowStore<BendingEdge>& edges;
 };
 
-// For damping that is not the same everywhere: f (3 x V, N) += -sum over the terms of beta Q_term v. Between two
-// materials an edge has the smaller beta of both: with a larger one than that of a patch beside it the sum might gain
-// energy (see kKinkPenalty). beta: see damping_of. Slots in order.
+// Adds the damping forces -sum over the terms of beta Q_term v to f (3 x V, N), for damping that varies. An edge
+// between two materials has the smaller beta of both. A larger one than that of a patch beside it could make the sum
+// gain energy (see kKinkPenalty). For beta see damping_of. Slots are processed in order.
 void add_bending_damping(const BendingTerms& terms, std::span<const double> beta, const mesh::VertexField& v,
                          mesh::VertexField& f);
-// s, of an edge.
+// Returns the damping time of an edge, s.
 double edge_damping(std::span<const double> beta, const BendingEdge& edge);
 
-// J.
+// Returns 1/2 x.Q x, J.
 double bending_energy(const RowStore<BendingEntry>& rows, const mesh::VertexField& x);
 
 }  // namespace kerf::fem

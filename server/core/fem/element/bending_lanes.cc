@@ -54,7 +54,7 @@ HWY_INLINE V dot(const V3& a, const V3& b) {
 HWY_INLINE V3 times(const Symmetric& A, const V3& x) {
   return {dot(V3{A[0], A[1], A[2]}, x), dot(V3{A[1], A[3], A[4]}, x), dot(V3{A[2], A[4], A[5]}, x)};
 }
-// Dot products of all pairs, of which those of (i, j) and (j, i) are equal.
+// Returns the dot products of all pairs; those of (i, j) and (j, i) are equal.
 HWY_INLINE Symmetric products(const std::array<V3, 3>& a, const std::array<V3, 3>& b) {
   return {dot(a[0], b[0]), dot(a[0], b[1]), dot(a[0], b[2]), dot(a[1], b[1]), dot(a[1], b[2]), dot(a[2], b[2])};
 }
@@ -63,7 +63,7 @@ HWY_INLINE V3 quadratic_terms(const V2& d) {
   return {half * d[0] * d[0], half * d[1] * d[1], half * d[0] * d[1]};
 }
 
-// Cofactors of the first row.
+// Returns the cofactors of the first row.
 HWY_INLINE V3 cofactors(const Symmetric& G) {
   return {G[3] * G[5] - G[4] * G[4], G[2] * G[4] - G[1] * G[5], G[1] * G[4] - G[2] * G[3]};
 }
@@ -81,9 +81,9 @@ HWY_INLINE Symmetric inverse_of(const Symmetric& G) {
           scale * (G[0] * G[3] - G[1] * G[1])};
 }
 
-// Whether all eigenvalues are above kEigenvalueCutOff of the largest, of which there is a bound at most a third above
-// it where all are positive (Wolkowicz and Styan 1980, "Bounds for eigenvalues using traces": mean + sqrt(2) standard
-// deviations).
+// Returns true if all eigenvalues are above kEigenvalueCutOff of the largest. A bound replaces the largest, and is at
+// most a third above it if all are positive. It is mean + sqrt(2) standard deviations (Wolkowicz and Styan 1980,
+// "Bounds for eigenvalues using traces").
 HWY_INLINE hn::Mask<Tag> is_regular(Symmetric gram) {
   const V third = number(1.0 / 3.0);
   const V mean = third * (gram[0] + gram[3] + gram[5]);
@@ -96,9 +96,9 @@ HWY_INLINE hn::Mask<Tag> is_regular(Symmetric gram) {
   return hn::And(hn::And(gram[0] > zero, gram[0] * gram[3] > gram[1] * gram[1]), determinant(gram) > zero);
 }
 
-// A quadratic form q and barycentrics lambda of a point X obey q(X) - sum_k lambda_k q(X_k) = -sum_{j<k} lambda_j
-// lambda_k q(X_j - X_k): so P is C, products of barycentrics, times the quadratic terms of the edges. Whether
-// conditions depend on each other is a matter of C alone and stays the same when the patch is stretched.
+// Sets the conditions. A quadratic form q and barycentrics lambda of a point X obey q(X) - sum_k lambda_k q(X_k) =
+// -sum_{j<k} lambda_j lambda_k q(X_j - X_k). So P is C, products of barycentrics, times the quadratic terms of the
+// edges. Linear dependence of conditions is a matter of C alone and stays the same when the patch is stretched.
 HWY_NOINLINE void set_conditions(PatchLanes& lanes) {
   const V one = number(1.0);
   const V half = number(0.5);
@@ -108,13 +108,13 @@ HWY_NOINLINE void set_conditions(PatchLanes& lanes) {
     const V scale = one / cross(e1, e2);
     const std::array<V3, 3> edge_terms{quadratic_terms(minus(e2, e1)), quadratic_terms(e2), quadratic_terms(e1)};
     std::array<V3, 3> C;      // unit rows
-    std::array<V3, 3> terms;  // C times those of the edges
+    std::array<V3, 3> terms;  // C times the terms of the edges
     std::array<V, 3> missing;
     for (std::size_t r = 0; r < 3; ++r) {
       const V2 d = load(lanes.across[r], l);
       const V kind = load(lanes.kind[r], l);
       const auto is_free = kind == number(static_cast<double>(PatchEdge::kFree));
-      // Of a clamped edge everything is the derivative along its arm, in its middle.
+      // For a clamped edge all terms are derivatives along its arm, in its middle.
       const auto is_clamped = kind == number(static_cast<double>(PatchEdge::kClamped));
       V3 lambda;
       lambda[1] = scale * cross(d, e2);
@@ -142,7 +142,7 @@ HWY_NOINLINE void set_conditions(PatchLanes& lanes) {
     const Symmetric D_inverse = load(lanes.D_inverse, l);
     Symmetric gram = products(C, C);
     Symmetric G = products(terms, {times(D_inverse, terms[0]), times(D_inverse, terms[1]), times(D_inverse, terms[2])});
-    for (std::size_t r = 0; r < 3; ++r) {  // what is missing decides nothing, and goes again
+    for (std::size_t r = 0; r < 3; ++r) {  // removed again below; keeps missing conditions neutral
       gram[kDiagonal[r]] = gram[kDiagonal[r]] + missing[r];
       G[kDiagonal[r]] = G[kDiagonal[r]] + missing[r];
     }
@@ -153,7 +153,7 @@ HWY_NOINLINE void set_conditions(PatchLanes& lanes) {
   }
 }
 
-// What w contributes by the conditions: row vector `of_w` times the conditions.
+// Returns the coefficients by vertex of a row vector `of_w` times the conditions.
 HWY_INLINE std::array<V, 6> by_vertex(const V3& of_w, const std::array<V3, 3>& lambda) {
   std::array<V, 6> values;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -163,7 +163,7 @@ HWY_INLINE std::array<V, 6> by_vertex(const V3& of_w, const std::array<V3, 3>& l
   return values;
 }
 
-// moments: D kappa = moments w, of which this has the rows.
+// Sets a side. `moments` holds the rows of the map D kappa = moments w.
 HWY_INLINE void set_side(PatchLanes& lanes, std::size_t l, std::size_t edge, const std::array<V3, 3>& moments,
                          const std::array<V3, 3>& lambda, V over_doubled_area) {
   const std::array<V2, 3> corners{V2{hn::Zero(Tag()), hn::Zero(Tag())}, load(lanes.edges[0], l),
@@ -175,7 +175,7 @@ HWY_INLINE void set_side(PatchLanes& lanes, std::size_t l, std::size_t edge, con
   const V over_length = number(1.0) / length;
   const V2 n{over_length * b_a[1], hn::Zero(Tag()) - over_length * b_a[0]};
   const V over_height = length * over_doubled_area;
-  // Derivatives of the barycentrics along n, and what they leave of a quadratic about the middle of the edge.
+  // Derivatives of the barycentrics along n, and the remainder of a quadratic about the middle of the edge.
   const V foot = over_length * over_length * dot(b_a, c_a);  // of the height, from a to b
   V3 rate;
   rate[edge] = hn::Zero(Tag()) - over_height;
@@ -210,7 +210,7 @@ HWY_NOINLINE void set_results(PatchLanes& lanes) {
     const std::array<V3, 3> lambda{load(lanes.lambda[0], l), load(lanes.lambda[1], l), load(lanes.lambda[2], l)};
     const std::array<V3, 3> terms{load(lanes.terms[0], l), load(lanes.terms[1], l), load(lanes.terms[2], l)};
     V3 over_size = load(lanes.over_size, l);
-    for (std::size_t r = 0; r < 3; ++r) {  // 0 where there is no condition, and so what is made with it
+    for (std::size_t r = 0; r < 3; ++r) {  // 0 for missing conditions, and thus for all that is derived from them
       const auto is_free = load(lanes.kind[r], l) == number(static_cast<double>(PatchEdge::kFree));
       over_size[r] = hn::IfThenZeroElse(is_free, over_size[r]);
     }
@@ -274,8 +274,8 @@ Eigen::Matrix3d symmetric(const PatchLanes::Symmetric3& from, std::size_t lane) 
   };
 }
 
-// The inverse of G on what the conditions that are nearly dependent on others leave: those whose Gram matrix `gram`, of
-// unit rows, has eigenvalues below the cut-off.
+// Returns the pseudo-inverse of G, without the conditions that are nearly dependent on others. These are eigenvectors
+// of their Gram matrix `gram`, of unit rows, with eigenvalues below the cut-off.
 Eigen::Matrix3d pseudo_inverse(const Eigen::Matrix3d& G, const Eigen::Matrix3d& gram) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(gram);
   const Eigen::Vector3d& values = eigen.eigenvalues();  // ascending

@@ -12,22 +12,22 @@
 namespace kerf::fem {
 
 // The fits of kBlockLanes patches, see bending.h and bending_edge.h, in vector code chosen for the processor at run
-// time. Lanes never mix and nothing is contracted: the same bits on every processor, whatever is in the other lanes.
-// Symmetric matrices are upper triangles by rows.
+// time. Lanes never mix and no multiply-add is fused. Results have the same bits on every processor, whatever the other
+// lanes hold. Symmetric matrices are upper triangles by rows.
 struct PatchLanes {
   using Value = Lanes16<double>;
   using Vector2 = std::array<Value, 2>;
   using Vector3 = std::array<Value, 3>;
   using Symmetric3 = std::array<Value, 6>;
 
-  // D: plate law, N m, for the penalty of the sides alone.
+  // Sets a lane. D is the plate law, N m, used only for the penalty of the sides.
   void set(std::size_t lane, const PatchGeometry& patch, const Eigen::Matrix3d& D, const Eigen::Matrix3d& D_inverse);
-  // Of the lanes below `count`, once they are set.
+  // Fits the lanes below `count`, which must be set.
   void fit(std::size_t count);
 
   [[nodiscard]] BendingFit fit_of(std::size_t lane) const;
   [[nodiscard]] std::array<double, 21> stiffness_of(std::size_t lane) const;  // as in BendingPatch
-  // What the patch has at the edge opposite corner `edge`.
+  // Returns the data of the patch at the edge opposite corner `edge`.
   [[nodiscard]] BendingSide side_of(std::size_t lane, std::size_t edge) const;
 
   // Input.
@@ -37,12 +37,12 @@ struct PatchLanes {
   Symmetric3 D{};                   // N m
   Symmetric3 D_inverse{};           // 1/(N m)
 
-  // Between the two halves of the fit.
-  std::array<Vector3, 3> lambda{};  // -; 0 where there is no condition
-  Vector3 over_size{};              // 1 over the size of each condition
-  std::array<Vector3, 3> terms{};   // m^2; of conditions of unit size
+  // Intermediate results between the two halves of the fit.
+  std::array<Vector3, 3> lambda{};  // -; 0 for a missing condition
+  Vector3 over_size{};              // reciprocal size of each condition
+  std::array<Vector3, 3> terms{};   // m^2; for conditions of unit size
   Symmetric3 gram{}, G{}, inverse{};
-  Value is_regular{};  // 1 or 0: then the inverse is to be made again
+  Value is_regular{};  // 1 if `inverse` is the true inverse, 0 if it must be replaced by the pseudo-inverse
 
   // Output; see BendingFit and BendingSide.
   Symmetric3 law{};

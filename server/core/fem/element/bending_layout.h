@@ -14,22 +14,23 @@
 
 namespace kerf::fem {
 
-// One entry each of four neighbouring rows of the bending matrix, for vector code. A row that has fewer than the
-// longest of the four meets its own vertex with 0.
+// One entry in each of four neighbouring rows of the bending matrix, for vector code. Rows shorter than the longest of
+// the four are padded with 0 at their own vertex.
 template <typename T>
 struct FourEntries {
   static constexpr std::size_t kRows = 4;
-  std::array<std::int32_t, kRows> place{};  // 4 x column: of its x, y, z, 0 in an array of such
+  std::array<std::int32_t, kRows> place{};  // 4 x column: index of its x, y, z, 0 in an array of such
   std::array<T, kRows> value{};             // N/m
 };
 
-// The bending matrix without its diagonal as vector code multiplies by it, block of vertices by block. Entries that
-// several rows of a block have at one distance in vertex ids meet contiguous positions: they are kept as diagonals of
-// the block. The others are kept by rows, of four vertices side by side. The layout follows from the matrix alone.
+// The bending matrix without its diagonal, arranged for multiplication in vector code, by blocks of vertices. Entries
+// that several rows of a block have at one distance in vertex ids meet contiguous positions. They are stored as
+// diagonals of the block. The others are stored by rows, four vertices side by side. The layout follows from the matrix
+// alone.
 template <typename T>
 class BendingLayout {
  public:
-  // Fewer entries than this at one distance cost less by rows.
+  // Least number of entries for a diagonal; fewer entries at one distance cost less by rows.
   static constexpr std::uint32_t kLeastInDiagonal = 7;
   static constexpr int kRowsInGroup = static_cast<int>(FourEntries<T>::kRows);
   static constexpr int kGroupsInBlock = static_cast<int>(kBlockLanes) / kRowsInGroup;
@@ -47,13 +48,13 @@ class BendingLayout {
   // Entries in no diagonal, in the order of their columns.
   [[nodiscard]] std::span<const FourEntries<T>> rest(int group) const { return rest_.row(group); }
 
-  // Drops all entries and keeps their room.
+  // Drops all entries and keeps the storage.
   void clear() {
     offsets_.clear();
     diagonals_.clear();
     rest_.clear();
   }
-  // Makes room for what `like` has, so that setting it does not allocate.
+  // Reserves storage for the content of `like`, so that setting it does not allocate.
   template <typename U>
   void make_room_as(const BendingLayout<U>& like) {
     offsets_.make_room(like.offsets_.num_rows(), like.offsets_.num_entries());
@@ -64,7 +65,7 @@ class BendingLayout {
     seen_.reserve(like.seen_.capacity());
     others_.reserve(like.others_.capacity());
   }
-  // New blocks are empty until they are set.
+  // Changes the number of vertices. New blocks are empty until they are set.
   void resize(int num_vertices) {
     constexpr auto kLanesInBlock = static_cast<int>(kBlockLanes);
     const int num_blocks = (num_vertices + kLanesInBlock - 1) / kLanesInBlock;
@@ -74,7 +75,7 @@ class BendingLayout {
     place_of_.resize(2 * static_cast<std::size_t>(num_vertices));
   }
 
-  // Takes rows of as many vertices as resize() was called with.
+  // Sets a block from rows of as many vertices as resize() was called with.
   void set_block(const RowStore<BendingEntry>& rows, std::size_t block) {
     const auto first = static_cast<mesh::VertexId>(block * kBlockLanes);
     const mesh::VertexId last = std::min(first + static_cast<mesh::VertexId>(kBlockLanes), rows.num_rows());
@@ -84,7 +85,7 @@ class BendingLayout {
     const std::span<Lanes16<T>> diagonals = diagonals_.resize_row(static_cast<int>(block), found_.size());
     std::fill(diagonals.begin(), diagonals.end(), Lanes16<T>{});
     others_.clear();
-    std::array<std::size_t, kBlockLanes + 1> ends{};  // in others_, of what comes before each row
+    std::array<std::size_t, kBlockLanes + 1> ends{};  // ends in others_ of the entries before each row
     for (mesh::VertexId v = first; v < last; ++v) {
       const auto lane = static_cast<std::size_t>(v - first);
       for (const BendingEntry& entry : rows.row(v)) {
@@ -108,14 +109,14 @@ class BendingLayout {
  private:
   template <typename U>
   friend class BendingLayout;
-  static constexpr std::uint32_t kFirstPlace = 1000;  // counts are below
+  static constexpr std::uint32_t kFirstPlace = 1000;  // greater than any count
 
-  // Counts rows of the block with this distance column - row, or is kFirstPlace and the place of its diagonal.
+  // Number of rows of the block with this distance column - row, or kFirstPlace plus the index of its diagonal.
   std::uint32_t& place_of(const RowStore<BendingEntry>& rows, std::int32_t offset) {
     return place_of_[static_cast<std::size_t>(offset + rows.num_rows())];
   }
 
-  // Sets found_ and seen_, and the places of both.
+  // Sets found_ and seen_, and place_of() of both.
   void find_diagonals(const RowStore<BendingEntry>& rows, mesh::VertexId first, mesh::VertexId last) {
     found_.clear();
     seen_.clear();
@@ -133,7 +134,7 @@ class BendingLayout {
     }
   }
 
-  // Sets rows of four vertices from v on, of what others_ has of them.
+  // Sets the rows of four vertices from v on to their entries in others_.
   void set_rest(mesh::VertexId v, std::span<const std::size_t> ends) {
     std::size_t longest = 0;
     for (std::size_t r = 0; r + 1 < ends.size(); ++r) longest = std::max(longest, ends[r + 1] - ends[r]);
@@ -159,7 +160,7 @@ class BendingLayout {
   // Scratch of set_block().
   std::vector<std::int32_t> found_;      // distances of the block's diagonals, ascending
   std::vector<std::int32_t> seen_;       // all distances
-  std::vector<std::uint32_t> place_of_;  // by distance + number of vertices; 0 outside of it
+  std::vector<std::uint32_t> place_of_;  // by distance + number of vertices; 0 outside of set_block()
   std::vector<BendingEntry> others_;     // entries in no diagonal, row by row
 };
 

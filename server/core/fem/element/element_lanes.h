@@ -10,8 +10,8 @@
 
 namespace kerf::fem {
 
-// Loops over the lanes of one block. Each is short, of a fixed number of turns, without branches, so that the compiler
-// turns it into vector code; what needs a branch (a collapsed triangle) is mended afterwards, lane by lane.
+// Loops over the lanes of one block. Each is short, of fixed length and without branches, so that the compiler turns it
+// into vector code. Lanes that need a branch (a collapsed triangle) are repaired afterwards, one by one.
 using Lane = std::array<double, kLanes>;
 using Lane3 = std::array<Lane, 3>;  // [component][lane]
 
@@ -40,7 +40,7 @@ inline void gather_edges(const ElementBlock& block, const mesh::VertexField& x, 
   }
 }
 
-// f1, f2: columns of [d1, d2] Dm^-1.
+// Sets f1, f2 to the columns of [d1, d2] Dm^-1.
 inline void multiply_by_dm_inverse(const ElementBlock& block, const LaneEdges& d, Lane3& f1, Lane3& f2) {
   for (std::size_t c = 0; c < 3; ++c) {
     for (std::size_t l = 0; l < kLanes; ++l) {
@@ -50,10 +50,10 @@ inline void multiply_by_dm_inverse(const ElementBlock& block, const LaneEdges& d
   }
 }
 
-// Frame of a triangle collapsed to a line (any unit vector across the line serves as normal) or to a point.
+// Sets the frame of a triangle collapsed to a line (any unit vector across the line serves as normal) or to a point.
 void repair_collapsed_lane(const Lane3& f1, const Lane3& f2, std::size_t lane, LaneFrames& frames);
 
-// Of one lane: n = f1 x f2 with its square, and F^T F.
+// Quantities of one lane: n = f1 x f2, its square, and F^T F.
 struct LaneMetric {
   double n1, n2, n3, d_squared, c11, c22, c12;
 };
@@ -68,7 +68,7 @@ inline LaneMetric metric_of(const Lane3& f1, const Lane3& f2, std::size_t l) {
 }
 
 inline void polar_decomposition(const Lane3& __restrict f1, const Lane3& __restrict f2, LaneFrames& __restrict frames) {
-  // Below this ratio of |f1 x f2| to |f1|^2 + |f2|^2, squared, the normal is all rounding; the second term catches
+  // Squared ratio of |f1 x f2| to |f1|^2 + |f2|^2 below which the normal is all rounding. The second term catches
   // triangles shrunk to 1e-15 of their size.
   constexpr double kCollapsedSquared = 1e-24;
   constexpr double kPointSquared = 1e-60;

@@ -15,7 +15,7 @@ using Eigen::Vector3d;
 
 constexpr double kLeastArm = 0.05;  // -, of the arm at rest; see EdgeMoment
 
-// visit(slot, block, lane) of every triangle that pressure acts on.
+// Calls visit(pressure, block, lane) for every triangle under pressure.
 template <typename Visit>
 void for_pressed(std::span<const ElementBlock> blocks, const Loads& loads, const Visit& visit) {
   const std::size_t size = std::min(loads.pressure.size(), blocks.size() * kLanes);
@@ -26,7 +26,7 @@ void for_pressed(std::span<const ElementBlock> blocks, const Loads& loads, const
   }
 }
 
-// m^2, twice the area times the normal.
+// Returns twice the area times the normal, m^2.
 Vector3d doubled_area(const ElementBlock& block, std::size_t lane, const mesh::VertexField& x) {
   const Vector3d corner = x.col(block.vertex[0][lane]);
   const Vector3d first = x.col(block.vertex[1][lane]) - corner;
@@ -34,7 +34,8 @@ Vector3d doubled_area(const ElementBlock& block, std::size_t lane, const mesh::V
   return first.cross(second);
 }
 
-// How the sheet lies at the edge of a moment: v = arm x t is across both, as long as the arm is away from the edge.
+// Geometry of the sheet at the edge of a moment. v = arm x t is perpendicular to both, as long as the arm is not along
+// the edge.
 struct Slope {
   Vector3d arm = Vector3d::Zero();  // m, the slope across the edge times the height of the triangle, outward
   Vector3d edge = Vector3d::Zero();
@@ -99,7 +100,7 @@ double edge_moment_energy(const Loads& loads) {
 double follower_work(std::span<const ElementBlock> blocks, const Loads& loads, const mesh::VertexField& from,
                      const mesh::VertexField& to) {
   double work = 0.0;
-  // The force is quadratic along the way: Simpson's rule is exact.
+  // The force is quadratic along the path, so Simpson's rule is exact.
   for_pressed(blocks, loads, [&](double pressure, const ElementBlock& block, std::size_t lane) {
     std::array<Vector3d, 3> start;
     std::array<Vector3d, 3> way;
@@ -135,7 +136,7 @@ Matrix3d pressure_stiffness(double pressure, const std::array<Vector3d, 3>& corn
 EdgeMomentTangent::EdgeMomentTangent(const EdgeMoment& moment, const mesh::VertexField& x) : moment_(moment) {
   const Slope slope(moment, x);
   if (!(slope.length > 0.0)) return;
-  // Of the force m v / |v|^2 by v = arm x t.
+  // Derivative of the force m v / |v|^2 by v = arm x t.
   Matrix3d by_v = Matrix3d::Identity();
   if (!slope.is_short) by_v -= (2.0 / slope.squared) * slope.v * slope.v.transpose();
   by_v *= moment.moment / slope.squared;

@@ -16,7 +16,7 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Matrix12d = Eigen::Matrix<double, 12, 12>;
 
-// Of both corners: normals point the same way though the second one is on the right.
+// Signs of both corners: normals point the same way although the second corner is on the right.
 constexpr std::array<double, 2> kSign{1.0, -1.0};
 
 }  // namespace
@@ -33,11 +33,11 @@ Hinge::Hinge(const std::array<Vector3d, 4>& x, const HingeSize& rest) : edge_(x[
   for (std::size_t i = 0; i < 2; ++i) {
     wings_[i] = make_wing(x[2 + i] - x[0], kSign[i], kLeastArea * rest.length * rest.height[i]);
   }
-  // The same share of both, without which their torques would not cancel.
+  // Both wings get the same product of shares; otherwise their torques would not cancel.
   for (std::size_t i = 0; i < 2; ++i) wings_[i].share = wings_[1 - i].own_share;
   for (Wing& wing : wings_) wing.rate *= wing.share;
   if (wings_[0].unit.isZero(0.0) || wings_[1].unit.isZero(0.0)) return;
-  // Exact at small angles and near pi, where an arc cosine is not.
+  // Exact at small angles and near pi, unlike an arc cosine.
   theta_ = 2.0 * std::atan2((wings_[0].unit - wings_[1].unit).norm(), (wings_[0].unit + wings_[1].unit).norm());
   if (wings_[0].unit.dot(wings_[1].corner) < 0.0) theta_ = -theta_;
 }
@@ -69,14 +69,14 @@ std::array<Vector3d, 4> Hinge::gradient() const {
   return made;
 }
 
-// Of rate weight^T.
+// Adds the derivatives of rate weight^T.
 void Hinge::add_second_derivatives(const Wing& wing, double sign, std::size_t corner, Matrix12d& sum) const {
   const Vector3d direction = length_ > 0.0 ? Vector3d(edge_ / length_) : Vector3d(Vector3d::Zero());
   Matrix3d by_normal = Matrix3d::Identity();
   if (!wing.has_collapsed) by_normal -= 2.0 * wing.unit * wing.unit.transpose();
   by_normal *= wing.share * length_ * wing.over_squared;
   const Matrix3d by_length = wing.share * wing.over_squared * wing.normal * direction.transpose();
-  // By the edge and by the corner, both from the beginning of the edge.
+  // Derivatives by the edge and by the corner, both relative to the beginning of the edge.
   const Matrix3d rate_by_edge = by_length - sign * by_normal * cross_matrix(wing.corner);
   const Matrix3d rate_by_corner = sign * by_normal * cross_matrix(edge_);
   const double foot = -wing.weight[1];
@@ -98,7 +98,7 @@ void Hinge::add_second_derivatives(const Wing& wing, double sign, std::size_t co
 Matrix12d Hinge::hessian() const {
   Matrix12d sum = Matrix12d::Zero();
   for (std::size_t i = 0; i < 2; ++i) add_second_derivatives(wings_[i], kSign[i], 2 + i, sum);
-  // Symmetric but for rounding, and for triangles that have collapsed.
+  // Symmetric except for rounding and collapsed triangles.
   return 0.5 * (sum + sum.transpose());
 }
 

@@ -6,43 +6,44 @@
 
 namespace kerf::fem {
 
-// What a hinge is at rest, which decides from where on a triangle counts as collapsed.
+// Size of a hinge at rest, which defines when a triangle counts as collapsed.
 struct HingeSize {
   double length = 0.0;             // m, of the edge
   std::array<double, 2> height{};  // m, of both triangles over it
 };
 
-// Two triangles that share an edge: the angle theta from one plane to the other, in (-pi, pi], positive where they fold
-// towards the side that their normals are on. Its gradient and second derivative: Tamstorf and Grinspun 2013, "Discrete
-// bending forces and their Jacobians", section 3, put together here from how each triangle turns about the edge.
-// Where a triangle has collapsed to less than kLeastArea of its area (rest_bending.h), or the edge to less than that of
-// its length, the gradient is the true one times the square of what is left of that, so that all numbers stay finite
-// and forces keep their balance, without a resultant or a torque; the second derivative counts those factors in part.
-// The angle is the true one, 0 where a triangle has no plane at all. At pi, of a sheet that is folded onto itself, it
+// Two triangles that share an edge. theta is the angle from one plane to the other, in (-pi, pi], positive if they fold
+// towards the side of their normals. For its gradient and second derivative see Tamstorf and Grinspun 2013, "Discrete
+// bending forces and their Jacobians", section 3. Here they are assembled from the rotation of each triangle about the
+// edge.
+// A triangle has collapsed below kLeastArea of its rest area (rest_bending.h), the edge below that fraction of its
+// length. The gradient is then the true one times the square of the remaining ratio. All numbers stay finite, and
+// forces keep their balance, without resultant or torque. The second derivative includes these factors only in part.
+// The angle is the true one, or 0 if a triangle has no plane at all. At pi, where a sheet is folded onto itself, it
 // jumps.
 class Hinge {
  public:
-  // x: both ends of the edge, then the corner on its left and that on its right, m.
+  // x, m: both ends of the edge, then the corner on its left and that on its right.
   Hinge(const std::array<Eigen::Vector3d, 4>& x, const HingeSize& rest);
 
   [[nodiscard]] double theta() const { return theta_; }  // rad
-  // 1/m, by the four points.
+  // Gradient of theta by the four points, 1/m.
   [[nodiscard]] std::array<Eigen::Vector3d, 4> gradient() const;
-  // 1/m^2; rows and columns 3 i + c of point i, coordinate c. Symmetric.
+  // Second derivatives of theta, 1/m^2. Rows and columns are 3 i + c for coordinate c of point i. Symmetric.
   [[nodiscard]] Eigen::Matrix<double, 12, 12> hessian() const;
 
  private:
-  // One of the triangles, turning about the edge: theta changes by rate . sum_k weight_k dx_k, k over both ends of the
-  // edge and the corner.
+  // One of the triangles, rotating about the edge: theta changes by rate . sum_k weight_k dx_k, with k over both ends
+  // of the edge and the corner.
   struct Wing {
-    Eigen::Vector3d corner = Eigen::Vector3d::Zero();  // m, from the beginning of the edge
-    Eigen::Vector3d normal = Eigen::Vector3d::Zero();  // m^2; twice the area
+    Eigen::Vector3d corner = Eigen::Vector3d::Zero();  // m, relative to the beginning of the edge
+    Eigen::Vector3d normal = Eigen::Vector3d::Zero();  // m^2; its length is twice the area
     Eigen::Vector3d unit = Eigen::Vector3d::Zero();    // -
     Eigen::Vector3d rate = Eigen::Vector3d::Zero();    // 1/m
-    std::array<double, 3> weight{};                    // -, of sum 0
-    double over_squared = 0.0;                         // 1/m^4; of the normal
-    double own_share = 1.0;                            // -, below 1 where it has collapsed, and
-    double share = 1.0;                                // that of the other wing
+    std::array<double, 3> weight{};                    // -, sums to 0
+    double over_squared = 0.0;                         // 1/m^4; reciprocal square of the normal
+    double own_share = 1.0;                            // -, below 1 if it has collapsed
+    double share = 1.0;                                // own_share of the other wing
     bool has_collapsed = false;
   };
   [[nodiscard]] Wing make_wing(const Eigen::Vector3d& corner, double sign, double least) const;
@@ -51,8 +52,8 @@ class Hinge {
 
   Eigen::Vector3d edge_;  // m
   double length_ = 0.0;   // m, of the edge
-  double squared_ = 0.0;  // m^2, of the edge, or the least that counts
-  double share_ = 1.0;    // -, below 1 where the edge has collapsed
+  double squared_ = 0.0;  // m^2, of the edge, at least that of the least length
+  double share_ = 1.0;    // -, below 1 if the edge has collapsed
   bool is_short_ = false;
   std::array<Wing, 2> wings_;
   double theta_ = 0.0;

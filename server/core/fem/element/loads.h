@@ -11,8 +11,8 @@
 namespace kerf::fem {
 
 // Air drag of each triangle, quadratic in the velocity u of the air relative to it (n unit normal, A current area):
-//   f = 1/2 rho A (normal_drag |u.n| (u.n) n + tangential_drag |u_t| u_t),   u_t = u - (u.n) n,
-// a third of f to each corner. Acts on the air's one velocity and density everywhere; density 0 switches it off.
+//   f = 1/2 rho A (normal_drag |u.n| (u.n) n + tangential_drag |u_t| u_t),   u_t = u - (u.n) n.
+// Each corner gets a third of f. Velocity and density of the air are the same everywhere; density 0 switches drag off.
 struct Wind {
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // m/s
   double air_density = 0.0;                            // kg/m^3, >= 0; air is 1.2
@@ -20,23 +20,24 @@ struct Wind {
   double tangential_drag = 0.02;                       // -, >= 0; skin friction
 };
 
-// Dirichlet condition: the `fixed` components of the vertex are at `target` with `velocity` when the step ends, and on
-// the straight line target - velocity * (time left) within it; the others are free. A pin at rest has velocity 0.
+// Dirichlet condition. The `fixed` components of the vertex reach `target` with `velocity` when the step ends. Within
+// the step they are on the straight line target - velocity * (time left). The other components are free. A pin at rest
+// has velocity 0.
 struct Pin {
   mesh::VertexId vertex = mesh::kNone;
-  Eigen::Vector3d target = Eigen::Vector3d::Zero();    // m, where the vertex is when the step ends
+  Eigen::Vector3d target = Eigen::Vector3d::Zero();    // m, position when the step ends
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // m/s
   std::array<bool, 3> fixed{true, true, true};         // x, y, z
 
   [[nodiscard]] bool is_whole() const { return fixed[0] && fixed[1] && fixed[2]; }
-  // `value` in the fixed components, the others of `free`.
+  // Returns `value` in the fixed components and `free` in the others.
   [[nodiscard]] Eigen::Vector3d held(const Eigen::Vector3d& value, const Eigen::Vector3d& free) const {
     return {fixed[0] ? value.x() : free.x(), fixed[1] ? value.y() : free.y(), fixed[2] ? value.z() : free.z()};
   }
 };
 
 // A stiff spring from the point sum_k weights[k] x(vertices[k]) to a moving target, treated implicitly by every
-// integrator: any stiffness is stable, an infinite one would put the point onto the target within a substep.
+// integrator. Any stiffness is stable; an infinite one would put the point onto the target within a substep.
 struct Grab {
   std::array<mesh::VertexId, 3> vertices{mesh::kNone, mesh::kNone, mesh::kNone};  // corners of one triangle; kNone for
                                                                                   // an unused one, with weight 0
@@ -45,33 +46,33 @@ struct Grab {
       Eigen::Vector3d::Zero();  // m, when the step ends; moves along target - velocity * (time left)
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // m/s, of the target
   double stiffness = 0.0;                              // N/m, >= 0
-  double damping = 0.0;                                // N s/m, >= 0, against the target's velocity
+  double damping = 0.0;                                // N s/m, >= 0, relative to the target's velocity
 };
 
-// A moment along a border edge that turns with it: Model::edge_moment makes it, for the triangles there are. It does
-// the work M dphi on the slope of the sheet across the edge, the slope that a clamp would hold and that a free edge
-// takes as its bending patch wants: forces of no resultant on the vertices of the patch, whose moment about the edge is
-// M however the sheet lies. Where what is left of the arm has shrunk to less than a twentieth, they grow no further.
+// A moment along a border edge that turns with it. Model::edge_moment makes it, for the current triangles. It does the
+// work M dphi on the slope of the sheet across the edge. That is the slope that a clamp would hold, and that a free
+// edge takes from its bending patch. Its forces on the vertices of the patch have no resultant, and their moment about
+// the edge is M in any position. They grow no further once the remaining arm is below a twentieth.
 struct EdgeMoment {
   std::array<mesh::VertexId, 6> vertex{mesh::kNone, mesh::kNone, mesh::kNone,
                                        mesh::kNone, mesh::kNone, mesh::kNone};  // of the patch: see BendingPatch
-  std::array<double, 6> weight{};  // -, sum 0: sum_a weight[a] x(vertex[a]) is the slope across the edge times `arm`
+  std::array<double, 6> weight{};  // -, sum 0; sum_a weight[a] x(vertex[a]) is the slope across the edge times `arm`
   std::size_t edge = 0;            // 0..2, opposite that corner
   double arm = 0.0;                // m, > 0, height of the triangle over the edge at rest
-  // 1/(N m), >= 0: how far the slope gives way to the moment by itself, whatever the vertices do. The border triangle,
-  // of which the vertices alone say that nothing bends it there, has the energy compliance moment^2 / 2, but for what
-  // two moments on one triangle, at a corner of the sheet, do to each other. 0 where the rest shape is curved.
+  // 1/(N m), >= 0: rotation of the slope per moment with fixed vertices. By its vertices alone the border triangle has
+  // no bending moment at the edge; it stores the additional energy compliance moment^2 / 2. The interaction of two
+  // moments on one triangle, at a corner of the sheet, is neglected. 0 on a curved rest shape.
   double compliance = 0.0;
   double moment = 0.0;  // N m; > 0 turns the outside of the edge toward the triangle's normal
 };
 
-// Everything that acts on the sheet from outside during one step.
+// All external actions on the sheet during one step.
 struct Loads {
   Eigen::Vector3d gravity{0.0, 0.0, -9.81};  // m/s^2
   Wind wind;
   mesh::VertexField external_forces;  // N, 3 x V, or 3 x 0 for none
-  // Pa, one a triangle slot or none at all: pushes along the normal (x1 - x0) x (x2 - x0) of the triangle as it is now,
-  // with the force p (x1 - x0) x (x2 - x0) / 2, a third to each corner.
+  // Pa, one a triangle slot, or empty. Pressure p pushes along the normal (x1 - x0) x (x2 - x0) of the deformed
+  // triangle. Its force is p (x1 - x0) x (x2 - x0) / 2, a third to each corner.
   std::vector<double> pressure;
   std::vector<EdgeMoment> edge_moments;
   std::vector<Pin> pins;    // each vertex at most once

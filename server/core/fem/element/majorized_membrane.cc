@@ -7,7 +7,7 @@
 namespace kerf::fem {
 namespace {
 
-// C e of a symmetric e, both as matrices.
+// Returns C e of a symmetric e, both as matrices.
 Eigen::Matrix2d stress_of(const Eigen::Matrix3d& C, const Eigen::Matrix2d& e) {
   const Eigen::Vector3d sigma = C * Eigen::Vector3d(e(0, 0), e(1, 1), 2.0 * e(0, 1));
   return Eigen::Matrix2d{
@@ -16,7 +16,7 @@ Eigen::Matrix2d stress_of(const Eigen::Matrix3d& C, const Eigen::Matrix2d& e) {
   };
 }
 
-// z, N/m.
+// Returns z, N/m; see the header.
 double least_pull(const Eigen::Matrix3d& C, const Eigen::Matrix2d& V) {
   const double k = 4.0 * C(2, 2) + 2.0 * C(0, 1) - C(0, 0) - C(1, 1);
   const double a = 0.5 * std::max(0.0, k);
@@ -57,7 +57,7 @@ MajorizedTriangle::MajorizedTriangle(const ElementBlock& block, std::size_t lane
     for (int j = 0; j < 2; ++j) H(i, j) /= v[i] + v[j];
   }
   H_ = Q * H * Q.transpose();
-  // Of q(R V) = W(R V).
+  // From q(R V) = W(R V).
   constant_ = 0.5 * sigma.cwiseProduct(strain).sum() - H_.cwiseProduct(V * V).sum() + z_ * V.trace();
 }
 

@@ -47,7 +47,7 @@ std::string number(double value) {
   return text.data();
 }
 
-// nu12 nu21 = nu12^2 E2 / E1: must stay below 1 for C to be positive definite.
+// Returns nu12 nu21 = nu12^2 E2 / E1, which must be below 1 for C to be positive definite.
 double poisson_product(const Material& m) {
   return m.poissons_ratio_12 * m.poissons_ratio_12 * m.youngs_modulus_2 / m.youngs_modulus_1;
 }
@@ -60,10 +60,10 @@ Status check_range(double value, const Range& range, const std::string& path) {
       path);
 }
 
-// Of stiffnesses that are given in part, or that do not go together.
+// Rejects bending stiffnesses that are given only in part, or that are inconsistent.
 Status check_bending(const Material& m, const std::string& prefix) {
   bool has_given = false;
-  const OptionalField* absent = nullptr;  // of those that must not be 0
+  const OptionalField* absent = nullptr;  // among those that must not be 0
   for (const OptionalField& field : kBendingFields) {
     const std::optional<double>& value = m.*field.member;
     if (!value && field.member != &Material::bending_coupling) absent = &field;

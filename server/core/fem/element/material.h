@@ -10,22 +10,23 @@
 
 namespace kerf::fem {
 
-// Closed.
+// A closed interval.
 struct Range {
   double low = 0.0;
   double high = 0.0;
 };
 
-// Of the fields of Material, in their units; requests keep to them too.
+// Ranges of the fields of Material, in their units; requests use them too.
 struct MaterialRanges {
   static constexpr Range kYoungsModulus{1e-6, 1e12};
-  static constexpr Range kPoissonsRatio12{-1e3, 1e3};  // what limits it is the rule beside the field
-  static constexpr Range kShearModulus{1e-7, 1e13};    // that of an isotropic sheet, nearly up to nu = -1, included
+  static constexpr Range kPoissonsRatio12{-1e3, 1e3};  // further limited by the rule beside the field
+  static constexpr Range kShearModulus{1e-7, 1e13};    // includes that of an isotropic sheet, nearly up to nu = -1
   static constexpr Range kDirection{-6.283185307179587, 6.283185307179587};
   static constexpr Range kThickness{1e-6, 1.0};
   static constexpr Range kDensity{1e-2, 1e5};
   static constexpr Range kBendingScale{0.0, 1e3};
-  // From those of the softest and thinnest solid plate to the hardest and thickest one, at the largest bending_scale.
+  // From the stiffness of the softest and thinnest solid plate to the hardest and thickest one, at the largest
+  // bending_scale.
   static constexpr Range kBendingStiffness{1e-25, 1e14};
   static constexpr Range kBendingCoupling{-1e14, 1e14};
   static constexpr Range kMassDamping{0.0, 1e3};
@@ -33,12 +34,12 @@ struct MaterialRanges {
   static constexpr Range kStrainLimit{1e-6, 1e3};
 };
 
-// How the strain of the membrane is measured that stress is linear in; formulas in membrane.h. One for a whole sheet:
-// its materials give the moduli. For small strains both are the same.
+// Strain measure of the membrane in which stress is linear; formulas in membrane.h. One law holds for a whole sheet;
+// its materials give the moduli. For small strains both laws are the same.
 enum class MembraneLaw {
   kCorotational,  // Biot strain U - I, F = R U: a strip under tension is linear at any stretch
-  kGreen,  // Green strain (F^T F - I) / 2: the Saint Venant-Kirchhoff material. Cheaper; a strip stretched to lambda of
-           // its length pulls lambda (lambda + 1) / 2 times as hard, and below 0.58 it resists ever less
+  kGreen,  // Green strain (F^T F - I) / 2: the Saint Venant-Kirchhoff material. Cheaper; a strip stretched to lambda
+           // times its length pulls lambda (lambda + 1) / 2 times as hard, and below 0.58 it resists ever less
 };
 
 // Orthotropic plane-stress sheet material with an independent shear modulus (Jones, Mechanics of Composite Materials,
@@ -52,15 +53,15 @@ struct Material {
   double direction = 0.0;           // rad, angle of axis 1 against rest x
   double thickness = 5.0e-4;        // m
   double density = 400.0;           // kg/m^3
-  double bending_scale = 1.0;       // -; 1 is the plate value C t^2 / 12, 0 switches bending off. Woven
-                                    // cloth bends far more easily than a plate of its membrane stiffness: ~0.01
+  double bending_scale = 1.0;       // -; 1 is the plate value C t^2 / 12, 0 switches bending off. Woven cloth bends far
+                                    // more easily than a plate of its membrane stiffness: ~0.01
   double mass_damping = 0.0;        // 1/s, Rayleigh alpha: force -alpha m v
-  double stiffness_damping = 0.0;   // s, Rayleigh beta: stress C (e + beta de/dt). The explicit integrator
-                                    // limits it to what its step can carry (see integrator.h)
-  double strain_limit = 0.5;        // -, largest |principal strain| that the material bears; changes nothing but what
-                                    // is reported as beyond it
-  // N m: of the plate law M11 = D11 k11 + D12 k22, M22 = D12 k11 + D22 k22, M12 = D66 2 k12, in material axes, as
-  // measured; each one that is absent is that of C t^2 / 12 times bending_scale.
+  double stiffness_damping = 0.0;   // s, Rayleigh beta: stress C (e + beta de/dt). The explicit integrator limits it by
+                                    // its step (see integrator.h)
+  double strain_limit = 0.5;        // -, largest |principal strain| that the material bears; affects only what is
+                                    // reported as beyond it
+  // N m: entries of the plate law in material axes, as measured. M11 = D11 k11 + D12 k22, M22 = D12 k11 + D22 k22, M12
+  // = D66 2 k12. An absent entry is that of C t^2 / 12 times bending_scale.
   std::optional<double> bending_stiffness_1{};  // D11
   std::optional<double> bending_stiffness_2{};  // D22
   std::optional<double> bending_coupling{};     // D12, D12^2 < D11 D22
@@ -69,25 +70,25 @@ struct Material {
   bool operator==(const Material&) const = default;
 };
 
-// E1 = E2 = E, G = E / (2 (1 + nu)); no damping, full plate bending.
+// Returns a material with E1 = E2 = E, G = E / (2 (1 + nu)), no damping and full plate bending.
 Material isotropic(double youngs_modulus, double poissons_ratio, double thickness, double density);
 
-// Every field in its range of MaterialRanges, else INVALID_ARGUMENT with the field path below `prefix`, e.g.
+// Checks every field against MaterialRanges. Returns INVALID_ARGUMENT with the field path below `prefix`, e.g.
 // "material.youngs_modulus_pa".
 Status validate(const Material& material, std::string_view prefix = "material");
 
-// Membrane law C in N/m (thickness included), in material axes, for Voigt strain (e11, e22, 2 e12). Symmetric positive
-// definite for a valid material.
+// Returns the membrane law C in N/m (thickness included), in material axes, for Voigt strain (e11, e22, 2 e12). It is
+// symmetric positive definite for a valid material.
 Eigen::Matrix3d membrane_law(const Material& material);
 
-// Plate law D in N m, for Voigt curvature (k11, k22, 2 k12): what is given, else of bending_scale C t^2 / 12. Symmetric
-// positive definite, or 0, for a valid material.
+// Returns the plate law D in N m, for Voigt curvature (k11, k22, 2 k12): given entries, otherwise those of
+// bending_scale C t^2 / 12. It is symmetric positive definite, or 0, for a valid material.
 Eigen::Matrix3d bending_law(const Material& material);
 
-// The same membrane, which does not resist bending.
+// Returns a material with the same membrane and no bending stiffness.
 Material without_bending(Material material);
 
-// Declared materials by name; NOT_FOUND lists the names. Values and their sources: material_presets.cc.
+// Finds a declared material by name; NOT_FOUND lists the names. For values and their sources see material_presets.cc.
 Result<Material> find_preset(std::string_view name);
 std::span<const std::string_view> preset_names();
 

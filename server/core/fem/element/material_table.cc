@@ -20,7 +20,7 @@ Eigen::Matrix2d rotation_into_material_axes(double direction) {
   };
 }
 
-// With p = cos^2 of the angle of n: a parabola over 0..1.
+// Returns the least stiffness over directions n. With p = cos^2 of the angle of n it is a parabola over 0..1.
 double least_stiffness(const Eigen::Matrix3d& C) {
   const double mixed = C(0, 1) + 2.0 * C(2, 2);
   const double curvature = C(0, 0) + C(1, 1) - 2.0 * mixed;
@@ -40,7 +40,7 @@ MaterialLaw::MaterialLaw(const Material& of)
       least_membrane(least_stiffness(membrane)),
       curvature_bound(membrane_curvature_bound(membrane)),
       surface_density(of.density * of.thickness) {
-  // Mass, for edges of 1 m, and stiffness of an inner vertex of a uniform grid: six triangles of half a square each.
+  // Mass and stiffness of an inner vertex of a uniform grid with edges of 1 m: six triangles, each half a square.
   const double typical_stiffness = 2.0 * (membrane(0, 0) + membrane(1, 1) + 2.0 * membrane(2, 2));
   unit_floor = kMassFloor * surface_density / typical_stiffness;
 }

@@ -11,22 +11,22 @@
 
 namespace kerf::fem {
 
-inline constexpr std::size_t kMaxMaterials = 16;  // of one sheet
+inline constexpr std::size_t kMaxMaterials = 16;  // per sheet
 
-// mass_redistribution.h brings every vertex towards this part of the mass / stiffness of an inner vertex of a uniform
-// grid with the edge length that the sheet as built has there.  -
+// Target (-) of mass_redistribution.h: every vertex should have this part of the mass / stiffness of a regular inner
+// vertex. That is one in a uniform grid with the edge length that the sheet as built has there.
 inline constexpr double kMassFloor = 0.25;
 
-// What elements need to know of a material.
+// Constants of a material used by elements.
 struct MaterialLaw {
   explicit MaterialLaw(const Material& of);
 
   Material material;
   Eigen::Matrix3d membrane;         // N/m, in material axes, Voigt (e11, e22, 2 e12)
-  Eigen::Matrix3d bending;          // N m, likewise, for (k11, k22, 2 k12); 0 without bending
+  Eigen::Matrix3d bending;          // N m, in material axes, Voigt (k11, k22, 2 k12); 0 without bending
   Eigen::Matrix3d inverse_bending;  // 1/(N m); 0 without bending
   Eigen::Matrix2d axes;             // rotation of rest coordinates into material axes
-  double least_membrane = 0.0;      // N/m, of n n : C : n n over all directions n in the plane
+  double least_membrane = 0.0;      // N/m, least n n : C : n n over all directions n in the plane
   double curvature_bound = 0.0;     // N/m, z of membrane_curvature.h
   double surface_density = 0.0;     // kg/m^2
   double unit_floor = 0.0;          // kg/m^2 / (N/m); mass floor of a vertex over its stiffness, for edges of 1 m
@@ -37,7 +37,7 @@ struct MaterialLaw {
 // The materials of a sheet, 1..kMaxMaterials, by ElementBlock::material.
 class MaterialTable {
  public:
-  // All of them valid (see validate).
+  // All materials must be valid (see validate).
   explicit MaterialTable(std::span<const Material> materials, MembraneLaw law = MembraneLaw::kCorotational);
 
   [[nodiscard]] MembraneLaw membrane_law() const { return membrane_law_; }
@@ -50,7 +50,7 @@ class MaterialTable {
   [[nodiscard]] auto begin() const { return laws_.begin(); }
   [[nodiscard]] auto end() const { return laws_.end(); }
 
-  [[nodiscard]] bool has_bending() const { return has_bending_; }  // any of them
+  [[nodiscard]] bool has_bending() const { return has_bending_; }  // true if any material bends
   [[nodiscard]] bool has_one_mass_damping() const { return has_one_mass_damping_; }
   [[nodiscard]] double largest_membrane_trace() const { return largest_membrane_trace_; }  // N/m
   // s, one a material.
@@ -65,7 +65,7 @@ class MaterialTable {
   bool has_one_mass_damping_ = true;
 };
 
-// Damping times by material, s, >= 0; none: 0 everywhere.
+// Returns the damping time of a material, s, >= 0; an empty `beta` means 0 everywhere.
 inline double damping_of(std::span<const double> beta, std::size_t material) {
   return beta.empty() ? 0.0 : beta[material];
 }

@@ -53,8 +53,8 @@ struct LaneForces {
   Lane3 corner1, corner2;  // N; corner 0 has minus their sum
 };
 
-// The triangles of a block at x as each law sees them. Their forces are those of T g by way of two columns,
-// T = [[sigma1, sigma3 - a], [sigma3 + a, sigma2]].
+// The triangles of a block at x in the form that each law needs. Their forces are those of T g through two columns, T =
+// [[sigma1, sigma3 - a], [sigma3 + a, sigma2]].
 class CorotationalTriangles {
  public:
   void set(const ElementBlock& block, const mesh::VertexField& x) { frames_at(block, x, frames_); }
@@ -65,8 +65,8 @@ class CorotationalTriangles {
       e.e3[l] = 2.0 * frames_.S12[l];
     }
   }
-  // e += beta dS/dt. M = R^T dF/dt = dS/dt + w S with the spin w = [[0, -omega], [omega, 0]], hence omega = (M21 - M12)
-  // / tr S: the rate of a rigid rotation is exactly zero however the triangle is strained.
+  // Adds beta dS/dt to e. M = R^T dF/dt = dS/dt + w S with the spin w = [[0, -omega], [omega, 0]]. Hence omega = (M21 -
+  // M12) / tr S: the rate of a rigid rotation is exactly zero however the triangle is strained.
   template <typename Number>
   void add_strain_rate(const ElementBlock& block, const mesh::VertexField& v, const Number& beta, LaneStrain& e) const {
     LaneEdges dv;
@@ -112,7 +112,7 @@ class GreenTriangles {
       e.e3[l] = dot(f1_, f2_, l);
     }
   }
-  // e += beta (F^T dF/dt + dF/dt^T F) / 2.
+  // Adds beta (F^T dF/dt + dF/dt^T F) / 2 to e.
   template <typename Number>
   void add_strain_rate(const ElementBlock& block, const mesh::VertexField& v, const Number& beta, LaneStrain& e) const {
     GreenTriangles rate;
@@ -175,7 +175,7 @@ void scatter(const ElementBlock& block, const LaneForces& forces, mesh::VertexFi
   }
 }
 
-// visit(law) of the lanes of a block.
+// Calls visit(law) with the law of the lanes of a block.
 template <typename Visit>
 void with_law(const ElementBlock& block, const MaterialTable& materials, std::span<const double> beta,
               const Visit& visit) {
@@ -239,7 +239,7 @@ void repair_collapsed_lane(const Lane3& f1, const Lane3& f2, std::size_t lane, L
   const double length = line.norm();
   frames.inverse_trace[lane] = 1.0;
   if (length > 1e-15) {
-    // Across the line: perpendicular to it and to the coordinate axis it is least aligned with, the first such.
+    // The normal is perpendicular to the line and to the first coordinate axis that is least aligned with it.
     int axis = 0;
     const Eigen::Vector3d size = line.cwiseAbs();
     if (size[1] < size[axis]) axis = 1;
@@ -298,8 +298,8 @@ GreenStretch green_stretch(std::span<const ElementBlock> blocks, const MaterialT
   return largest;
 }
 
-// Principal stretches are (s +- q / s) / 2 with c = F^T F, s = tr S = sqrt(tr c + 2 det F) and
-// q = sqrt((c11 - c22)^2 + 4 c12^2): of their distances from 1 the larger is |s / 2 - 1| + q / (2 s).
+// Principal stretches are (s +- q / s) / 2 with c = F^T F, s = tr S = sqrt(tr c + 2 det F) and q = sqrt((c11 - c22)^2 +
+// 4 c12^2). The larger of their distances from 1 is |s / 2 - 1| + q / (2 s).
 StrainExtent measure_strain(std::span<const ElementBlock> blocks, const MaterialTable& materials,
                             const mesh::VertexField& x) {
   constexpr double kTiny = 1e-150;

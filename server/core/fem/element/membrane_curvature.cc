@@ -10,7 +10,7 @@
 namespace kerf::fem {
 namespace {
 
-// Voigt strain of a symmetric matrix given in axes that are turned by the rotation Q against those of the material.
+// Returns the Voigt strain of a symmetric matrix given in axes that the rotation Q turns against those of the material.
 Eigen::Vector3d voigt(const Eigen::Matrix2d& Q, const Eigen::Matrix2d& in_axes) {
   const Eigen::Matrix2d e = Q * in_axes * Q.transpose();
   return {e(0, 0), e(1, 1), 2.0 * e(0, 1)};
@@ -68,7 +68,7 @@ double membrane_curvature_bound(const Eigen::Matrix3d& C) {
   const bool is_convex = 2.0 * (kMostStretch - 1.0) * C(0, 1) <= 2.0 * C(2, 2);  // of d2 tr U, see the header
   if (C(0, 1) >= 0.0 && is_convex && off < kIsotropic * C(0, 0)) return std::max(C(0, 0), C(1, 1)) + C(0, 1) + off;
   constexpr std::array<double, 5> kStretches{1e-3, kLeastStretch, 0.6, 1.0, kMostStretch};
-  constexpr int kAngles = 8;  // in a quarter turn
+  constexpr int kAngles = 8;  // per quarter turn
   constexpr double kBetween = 1.05;
   double largest = 0.0;
   for (const double first : kStretches) {

@@ -8,7 +8,7 @@
 namespace kerf::fem {
 namespace {
 
-// Nearest positive semidefinite matrix to a symmetric 2x2 one: eigenvalues cut at 0, in closed form.
+// Returns the nearest positive semidefinite matrix to a symmetric 2x2 one: eigenvalues are cut at 0, in closed form.
 Eigen::Matrix2d positive_part(const Eigen::Matrix2d& A) {
   const double mean = 0.5 * (A(0, 0) + A(1, 1));
   const double half = 0.5 * (A(0, 0) - A(1, 1));
@@ -80,7 +80,7 @@ Eigen::Vector3d MembraneTangent::predicted_stress(const ElementVector& dx) const
 }
 
 MembraneTangent::Geometric MembraneTangent::corotational_part(const Eigen::Vector3d& sigma) const {
-  constexpr double kCollapsed = 1e-12;  // -, of det S against (tr S)^2: then S has no inverse worth using
+  constexpr double kCollapsed = 1e-12;  // -, det S over (tr S)^2 below which S has no useful inverse
   Geometric result;
   const double a = (S_(0, 1) * (sigma[0] - sigma[1]) + sigma[2] * (S_(1, 1) - S_(0, 0))) * inverse_trace_;
   const Eigen::Matrix2d T{

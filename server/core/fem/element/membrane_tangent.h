@@ -18,28 +18,28 @@ using ElementVector = Eigen::Matrix<double, 9, 1>;
 // R, (gx, gy) = g_k:
 //   spin      w = (-gy, gx) / tr S
 //   strain    B = [gx + wu S12, wv S12; -wu S12, gy - wv S12; gy + wu (S22 - S11), gx + wv (S22 - S11)]
-//   in plane  K_in = B^T C B + gamma w^T w + (w^T (c B) + (c B)^T w) / 2,
-//             gamma = sigma1 S11 + sigma2 S22 + 2 sigma3 S12,   c = (-2 T21, 2 T12, T11 - T22)
+//   in plane  K_in = B^T C B + gamma w^T w + (w^T (c B) + (c B)^T w) / 2, gamma = sigma1 S11 + sigma2 S22 + 2 sigma3
+//             S12,   c = (-2 T21, 2 T12, T11 - T22)
 //   out       k_n = g_i^T Sigma g_j,   Sigma = S^-1 T (second Piola-Kirchhoff stress)
 //   K_ij = A (R K_in R^T + k_n n n^T).
-// The terms with gamma, c and Sigma are the geometric stiffness; B^T C B alone is positive semidefinite.
-// Of Green's strain, with F = R S and sigma = Sigma:
+// The terms with gamma, c and Sigma are the geometric stiffness; B^T C B alone is positive semidefinite. For Green's
+// strain, with F = R S and sigma = Sigma:
 //   B = [S11 gx, S12 gx; S12 gy, S22 gy; S11 gy + S12 gx, S12 gy + S22 gx],
 //   K_in = B^T C B + g_i^T Sigma g_j I,   k_n as above.
 class MembraneTangent {
  public:
-  // x relative: frames of the lane's triangle.
+  // `frames` holds the frames of the lane's triangle.
   MembraneTangent(const ElementBlock& block, std::size_t lane, const LaneFrames& frames,
                   const MaterialTable& materials);
 
-  // sigma = C e, N/m: conjugate to the strain of the law.
+  // Returns sigma = C e, N/m, conjugate to the strain of the law.
   [[nodiscard]] Eigen::Vector3d stress() const { return C_ * e_; }
-  // C (e + B dx): what the stress becomes to first order, dx in world axes (m).
+  // Returns C (e + B dx), the stress to first order after a displacement dx in world axes (m).
   [[nodiscard]] Eigen::Vector3d predicted_stress(const ElementVector& dx) const;
 
-  // K (N/m) = material_scale A B^T C B + geometric_scale (the rest for the stress sigma). With `project` the geometric
-  // part is changed so that the whole is positive semidefinite for material_scale >= geometric_scale: gamma and the
-  // eigenvalues of Sigma are cut at 0 and c is shortened as far as needed.
+  // Sets K (N/m) = material_scale A B^T C B + geometric_scale (the rest for the stress sigma). `project` changes the
+  // geometric part so that the whole is positive semidefinite for material_scale >= geometric_scale. It cuts gamma and
+  // the eigenvalues of Sigma at 0 and shortens c as far as needed.
   void stiffness(const Eigen::Vector3d& sigma, double material_scale, double geometric_scale, bool project,
                  ElementMatrix& K) const;
 
@@ -67,11 +67,11 @@ class MembraneTangent {
   double inverse_trace_;
   Eigen::Matrix<double, 2, 3> g_;  // column k: gradient of corner k, 1/m
   Matrix36 B_;                     // columns: corner * 2 + frame axis
-  Eigen::Matrix<double, 1, 6> w_;  // 0 of Green's strain
+  Eigen::Matrix<double, 1, 6> w_;  // 0 with Green's strain
 };
 
-// sigma of every lane, N/m, as a step (3 x V, m) from x (3 x V, m) makes it to first order. Lanes without material are
-// left alone.
+// Sets sigma of every lane, N/m, to the stress after a step (3 x V, m) from x (3 x V, m), to first order. Leaves lanes
+// without material unchanged.
 void predict_stress(std::span<const ElementBlock> blocks, const MaterialTable& materials, const mesh::VertexField& x,
                     const mesh::VertexField& step, std::span<Eigen::Vector3d> sigma);
 

@@ -15,13 +15,13 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// The triangle's frame and how it turns with the corners.
+// The triangle's frame and its rotation with the corners.
 struct Frame {
   std::array<Vector3d, 3> opposite;  // edge opposite each corner over twice the area, 1/m
   double over_length = 0.0;          // 1 / |first edge|, 1/m
   Matrix3d axes;                     // columns t1, t2, n
 
-  bool is_valid = true;  // false where the corners lie on a line
+  bool is_valid = true;  // false if the corners lie on a line
 
   Frame(const std::array<Vector3d, 3>& corners, double rest_doubled_area) {
     const Vector3d first = corners[1] - corners[0];
@@ -37,14 +37,14 @@ struct Frame {
     axes.col(1) = axes.col(2).cross(axes.col(0));
   }
 
-  // Rate of turn for given rates of the corners.
+  // Returns the angular velocity for given velocities of the corners.
   [[nodiscard]] Vector3d spin(const std::array<Vector3d, 3>& rates) const {
     Vector3d turn = (over_length * axes.col(1).dot(rates[1] - rates[0])) * axes.col(2);
     for (std::size_t k = 0; k < 3; ++k) turn += axes.col(2).dot(rates[k]) * opposite[k];
     return turn;
   }
 
-  // What corner k feels of a torque: the transpose of spin.
+  // Returns the force on corner k from a torque: the transpose of spin().
   [[nodiscard]] Vector3d force(std::size_t k, const Vector3d& torque) const {
     Vector3d f = opposite[k].dot(torque) * axes.col(2);
     if (k < 2) f += ((k == 1 ? 1.0 : -1.0) * over_length * axes.col(2).dot(torque)) * axes.col(1);
@@ -56,7 +56,7 @@ std::array<Vector3d, 3> corners_at(const BendingPatch& patch, const mesh::Vertex
   return {field.col(patch.vertex[0]), field.col(patch.vertex[1]), field.col(patch.vertex[2])};
 }
 
-// Of the stiffness at rest, the Gauss-Newton matrix of w - F w0, which is exact there, less that of w alone.
+// Returns the stiffness at rest minus Q. The Gauss-Newton matrix of w - F w0 is exact there.
 std::array<double, 21> excess_stiffness(const BendingFit& fit, const Frame& frame, const Matrix3d& w0) {
   std::array<std::array<Matrix3d, 6>, 3> gradient;  // of condition r by vertex
   for (int r = 0; r < 3; ++r) {
@@ -65,7 +65,7 @@ std::array<double, 21> excess_stiffness(const BendingFit& fit, const Frame& fram
       Matrix3d& block = gradient[static_cast<std::size_t>(r)][i];
       block = fit.conditions(r, static_cast<Eigen::Index>(i)) * Matrix3d::Identity();
       if (i > 2) continue;
-      Matrix3d spin;  // its column c: for a unit rate of coordinate c
+      Matrix3d spin;  // column c is for a unit rate of coordinate c
       for (int c = 0; c < 3; ++c) {
         std::array<Vector3d, 3> rates{Vector3d::Zero(), Vector3d::Zero(), Vector3d::Zero()};
         rates[i] = Vector3d::Unit(c);
@@ -77,7 +77,7 @@ std::array<double, 21> excess_stiffness(const BendingFit& fit, const Frame& fram
   const Eigen::Matrix<double, 6, 6> Q = fit.conditions.transpose() * (fit.law * fit.conditions);
   std::array<double, 21> excess{};
   std::size_t at = 0;
-  // No spin comes from the vertices beyond the corners: there is no excess between two of these.
+  // Vertices beyond the corners cause no spin: there is no excess between two of them.
   for (std::size_t i = 0; i < 3; ++i) {
     std::array<Matrix3d, 3> stress;  // law times the gradients by vertex i
     for (int r = 0; r < 3; ++r) {

@@ -13,22 +13,22 @@
 
 namespace kerf::fem {
 
-// One row of a matrix while it is summed, entries of a column in the order in which they are added.
+// One row of a matrix while it is summed. Entries of a column are summed in the order in which they are added.
 class RowSum {
  public:
-  // For columns below n; never shrinks.
+  // Makes room for columns below n; never shrinks.
   void resize(std::size_t n) {
     if (place_.size() > n) return;
     place_.resize(n + 1, kNew);
     place_[0] = kNowhere;
   }
 
-  // Columns may repeat; an entry of column kNone is left out.
+  // Adds entries. Columns may repeat; entries of column kNone are ignored.
   template <std::size_t N>
   void add(const std::array<mesh::VertexId, N>& columns, const std::array<double, N>& entries) {
     if (values_.size() < size_ + N) values_.resize(2 * (size_ + N)), columns_.resize(2 * (size_ + N));
-    // Hardly any branch could be predicted, hence none is made; and what is written is no member, so that the compiler
-    // need not read it again.
+    // Branches would be unpredictable here, so there are none. Written values are no members, so that the compiler need
+    // not reload them.
     std::int32_t* const place_of = place_.data() + 1;
     double* const values = values_.data();
     mesh::VertexId* const met = columns_.data();

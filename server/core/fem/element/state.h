@@ -6,14 +6,14 @@
 
 namespace kerf::fem {
 
-// All that a step changes, and all that it needs to know of the past: no integrator keeps history between steps, so a
-// snapshot of this is enough to continue bit for bit.
+// The complete state of a sheet between steps. No integrator keeps history, so a snapshot of this is enough to continue
+// bit for bit.
 struct State {
   mesh::VertexField x;  // 3 x V, world positions, m
   mesh::VertexField v;  // 3 x V, world velocities, m/s
 };
 
-// Whether every position and velocity is finite.
+// Returns true if every position and velocity is finite.
 inline bool is_finite(const State& state) {
   return state.x.allFinite() && state.v.allFinite();
 }

@@ -9,10 +9,10 @@
 namespace kerf::fem {
 namespace {
 
-// Of sums of first tangents, second tangents and normals.
+// Returns an orthonormal frame from the sums of first tangents, second tangents and normals.
 Eigen::Matrix3d orthonormal(const Eigen::Matrix3d& sums) {
   const Eigen::Vector3d normal = sums.col(2).stableNormalized();
-  // Both tangents say where the first one is.
+  // Both tangents determine the direction of the first one.
   const Eigen::Vector3d along = sums.col(0) + sums.col(1).cross(normal);
   const Eigen::Vector3d tangent = (along - along.dot(normal) * normal).stableNormalized();
   Eigen::Matrix3d frame;

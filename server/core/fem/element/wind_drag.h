@@ -12,12 +12,12 @@
 
 namespace kerf::fem {
 
-// Whether the air does anything.
+// Returns true if the air exerts drag.
 [[nodiscard]] bool has_wind_drag(const Wind& wind);
 
-// f (3 x V, N) += air drag at x (3 x V, m) and v (3 x V, m/s); see Wind. `materials` have the mass per area at rest.
-// The force acts over a kick of `duration` (s). Where the drag rate r of a triangle is so high that the kick would
-// carry it past the velocity of the air, it is divided by sqrt(1 + (r duration)^2). Slots in order.
+// Adds the air drag at x (3 x V, m) and v (3 x V, m/s) to f (3 x V, N); see Wind. `materials` have the mass per area at
+// rest. The force acts over a kick of `duration` (s). If the drag rate r of a triangle would carry it past the velocity
+// of the air, it is divided by sqrt(1 + (r duration)^2). Slots are processed in order.
 void add_wind_drag(std::span<const ElementBlock> blocks, const MaterialTable& materials, const Wind& wind,
                    double duration, const State& state, mesh::VertexField& f);
 

@@ -35,12 +35,11 @@ struct InertiaTerms {
 // This is selective mass scaling by stiffness (Olovsson, Simonsson, Unosson 2005, "Selective mass scaling for explicit
 // finite element analyses"). Here the matrix is scalar and bounds the stiffness in every position. It need not turn
 // with the sheet and persists from cut to cut.
-//   Stable: let b = beta / h, h^2 (1 + 2 b) K <= 4 M for the rest, and K <= z L + Q for the stiff parts. Then
-//   h^2 (1 + 2 b) (K + K_stiff) <= 4 M' if alpha >= (1 + 2 b) / 4. Twice that is taken.
+//   Stable: let b = beta / h, h^2 (1 + 2 b) K <= 4 M for the rest, and K <= z L + Q for the stiff parts. Then h^2 (1 +
+//     2 b) (K + K_stiff) <= 4 M' if alpha >= (1 + 2 b) / 4. Twice that is taken.
 //   Conserved: L 1 = Q 1 = 0, so that total momentum and free fall are those of M. M' is symmetric and the same for x,
-//     y
-//   and z, so that leapfrog keeps sum x_i x (M' v)_i and v.M' v / 2 + V as usual. Statics do not change. Only motion
-//   inside a cluster is slowed: its added radius of gyration is sqrt(alpha z / surface density) h.
+//     y and z, so that leapfrog keeps sum x_i x (M' v)_i and v.M' v / 2 + V as usual. Statics do not change. Only
+//     motion inside a cluster is slowed: its added radius of gyration is sqrt(alpha z / surface density) h.
 // The stiff parts at a vertex are those with the largest rows: as many as needed until the rest sums to at most the
 // limit times its mass. A part is stiff as a whole, and stiff parts connect the vertices of a cluster. Clusters are
 // derived from the model and the terms alone, whatever edits led to them.

@@ -67,12 +67,10 @@ struct MassChange {
 //            unfolded along its edges, and kappa is measured from the rest curvature (see rest_bending.h). Kinks are
 //            left out there. For equilibria and vibrations see bend_by_angles().
 //   Mass: a third of each triangle's mass to each corner. Vertices far too light for their stiffness, as along a cut,
-//     get
-//         mass from their neighbours (see mass_redistribution.h).
+//         get mass from their neighbours (see mass_redistribution.h).
 //   Materials: a triangle has the material with the number region(t) of the mesh. No edit moves the borders between
 //         regions, so cuts keep the material at each place. A bending patch has the law of its own triangle. Mass
-//           damping
-//         at a vertex is the mean over its triangles, weighted with their masses.
+//         damping at a vertex is the mean over its triangles, weighted with their masses.
 // A model is derived from mesh and materials alone. Two models of equal mesh and materials are equal bit for bit,
 // whatever edits led to them.
 class Model {
