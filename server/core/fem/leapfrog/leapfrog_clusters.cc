@@ -5,7 +5,7 @@
 #include "server/core/fem/leapfrog/leapfrog_sweep.h"
 #include "server/core/fem/leapfrog/leapfrog_vertices.h"
 
-// Members of LeapfrogSweep for what has local inertia, and for points that are grabbed.
+// Members of LeapfrogSweep for clusters of local inertia and for grabbed points.
 namespace kerf::fem {
 
 using mesh::VertexId;

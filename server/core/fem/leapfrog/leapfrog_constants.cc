@@ -1,4 +1,4 @@
-// What LeapfrogSweep has of a model.
+// Members of LeapfrogSweep that set up the constants of a model.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -12,7 +12,7 @@ namespace {
 using mesh::TriangleId;
 using mesh::VertexId;
 
-// Of a slot, its corners from the lowest vertex on; of kNone all 0.
+// Constants of a slot, its corners from the lowest vertex on; all 0 for kNone.
 struct TurnedConstants {
   std::array<std::array<double, 2>, 3> g{};  // 1/m, of each corner
   double area = 0.0;                         // m^2
@@ -43,10 +43,10 @@ void set_triangle(const Model& model, TriangleId slot, double unit, TriangleLane
   to.minus_area.lane[l] = static_cast<T>(-turned.area / unit);
 }
 
-// Edge k is as long as the gradient of the corner opposite it times twice the area.
+// Edge k is as long as twice the area times the gradient of the opposite corner.
 template <typename T>
 void set_edges(const Model& model, TriangleId slot, double unit, EdgeLanes<T>& to, std::size_t l) {
-  constexpr std::array<std::array<std::size_t, 3>, 3> kEnds{{{0, 1, 2}, {0, 2, 1}, {1, 2, 0}}};  // and the one opposite
+  constexpr std::array<std::array<std::size_t, 3>, 3> kEnds{{{0, 1, 2}, {0, 2, 1}, {1, 2, 0}}};  // and the opposite one
   const TurnedConstants turned = turned_constants(model, slot);
   Eigen::Matrix3d N;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -79,7 +79,7 @@ void change_unit(TriangleLanes<T>& triangles, T by) {
 }
 template <typename T>
 void change_unit(EdgeLanes<T>& edges, T by) {
-  // One factor at a time: the cube of a unit may be too small for floats where what it scales is not.
+  // Scales in several factors: the cube of a unit may be too small for floats even if the result is not.
   for (Lanes16<T>& length_squared : edges.length_squared) {
     for (int i = 0; i < 2; ++i) scale(length_squared, 1 / by);
   }

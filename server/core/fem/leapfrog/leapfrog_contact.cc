@@ -92,7 +92,7 @@ bool LeapfrogSweep<T>::enforce_block(ContactConstraint& contact, const LeapfrogA
   return store_vertices(vertices, changed, frame(), b, arrays) <= kReach;
 }
 
-// Vertices in clusters stay as they are for push_clusters().
+// Records pushes. Vertices in clusters stay unchanged until push_clusters().
 template <typename T>
 void LeapfrogSweep<T>::gather_pushes(std::size_t block, std::uint32_t changed) {
   mesh::VertexLanes& vertices = contact_.vertices;
@@ -115,13 +115,13 @@ void LeapfrogSweep<T>::gather_pushes(std::size_t block, std::uint32_t changed) {
       vertices.v[c][l] = given.v[c][l];
       vertices.x[c][l] = given.x[c][l];
     }
-    // The body counts its distances from where it wanted the vertex.
+    // The body measures distances from the position it required.
     contact_.moved = std::max(contact_.moved, std::sqrt(squared));
     contact_.pushes.push_back(push);
   }
 }
 
-// As leapfrog_kernels.cc does.
+// Adds with compensation as in leapfrog_kernels.cc.
 template <typename T>
 void LeapfrogSweep<T>::add_velocity(std::size_t v, std::size_t component, T change) {
   T& velocity = at(v_[component], v);
@@ -188,13 +188,14 @@ bool LeapfrogSweep<T>::move_cluster(std::span<const VertexId> vertices, const T*
   return is_inside;
 }
 
-// A vertex pushed by its mass alone would hardly stop its cluster, and one moved alone would strain it. A cluster at
-// rest on a body moves as far as its velocity changes in the drift, one that arrives less far.
+// Moves pushed clusters as a whole. A vertex pushed by its mass alone would hardly stop its cluster, and one moved
+// alone would strain it. A cluster at rest on a body moves by its change of velocity during the drift, an arriving one
+// less far.
 template <typename T>
 bool LeapfrogSweep<T>::push_clusters(double drift) {
   constexpr auto kLeft = static_cast<T>(0.25);  // -, of the largest wanted displacement, left to the next substep
   bool is_inside = true;
-  double farthest = 0.0;  // m, that a vertex travels
+  double farthest = 0.0;  // m, largest travel of a vertex
   num_cluster_pushes_ += static_cast<int>(contact_.slots.size());
   for (const std::int32_t slot : contact_.slots) {
     const InertiaCluster& cluster = inertia_->cluster_in(slot);

@@ -1,4 +1,4 @@
-// Steps of LeapfrogSweep by displacements since they began.
+// Members of LeapfrogSweep for steps by displacements since their beginning.
 #include <algorithm>
 #include <cmath>
 
@@ -13,7 +13,7 @@ using mesh::VertexId;
 
 template <typename T>
 bool LeapfrogSweep<T>::set_start(const Model& model, const State& state) {
-  constexpr double kMostStrained = 0.25;  // -, of F^T F - I, beyond which its own rounding counts
+  constexpr double kMostStrained = 0.25;  // -, of F^T F - I; beyond it, its own rounding matters
   KERF_DCHECK(model.materials().membrane_law() == MembraneLaw::kCorotational, "Green's has no displacements");
   start_.setZero();
   for (VertexId v = 0; v < layout_->num_vertices(); ++v) {

@@ -1,4 +1,4 @@
-// Members of LeapfrogSweep that choose where positions count from, and their unit.
+// Members of LeapfrogSweep that choose the origin and the unit of positions.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -12,31 +12,31 @@ namespace {
 using mesh::TriangleId;
 using mesh::VertexId;
 
-// -, unit over edge length, and over the height of any triangle, above which strains of fixed-point positions are too
+// -, unit over edge length, and over the height of any triangle. Above these, strains of fixed-point positions are too
 // coarse.
 constexpr double kCoarsest = 1.0 / (1 << 20);
 constexpr double kCoarsestAcross = 1e-5;
-// -, room for what a sheet may travel, over its own size: triangles too flat for a unit so many times as large are
-// fine.
+// -, travel of a sheet over its own size for which units have room. Triangles too flat for such a unit are fine
+// (FineTriangles).
 constexpr double kRoomToTravel = 2.0;
 
-// m, mean.
+// Returns the mean edge length, m.
 double edge_length(const Model& model, std::int64_t num_triangles) {
   return std::sqrt(2.0 * model.rest_area() / static_cast<double>(num_triangles));
 }
 
-// m. `reach`: how far from the origin positions may come.
+// Returns the unit, m, for positions up to `reach` (m) from the origin.
 double unit_of_positions(double reach, double edge) {
   constexpr double kUnits = 1 << 30;
   return std::exp2(std::ceil(std::log2(std::max(reach, edge) / kUnits)));
 }
 
-// -, of its size that a sheet may travel besides what its speed takes it, as one that springs back gets faster.
+// -, travel over the sheet's size in addition to that by its speed, as a sheet that springs back gets faster.
 constexpr double kSpring = 1.0;
-// The same of pieces, whose room is what is left before double precision.
+// -, the same for pieces; their range is all that is left before double precision.
 constexpr double kSpringOfPieces = 0.25;
 
-// m, that what moves so fast may travel.
+// Returns the distance (m) that the sheet or piece may travel.
 template <class Extent>
 double travel_of(const Extent& extent, double spring, const LeapfrogTerms& terms, double duration) {
   return spring * extent.size() + 4.0 * duration * (extent.speed + duration * terms.gravity.norm());
@@ -61,7 +61,7 @@ bool LeapfrogSweep<T>::set_frame(const Model& model, const LeapfrogTerms& terms,
   const auto is_fine = [&] { return unit_ <= kCoarsest * edge && unit_ * coarsest_gradient(model) <= kCoarsestAcross; };
   origin_ = all.middle();
   if (is_by_displacements()) {
-    // A vertex that lies on a body falls by what gravity gives in a substep, and is stopped.
+    // A vertex lying on a body falls by gravity for one substep and is stopped.
     const double hardly = std::max(all.speed, displacement_speed_) + terms.h * terms.gravity.norm();
     room_ = 4.0 * duration * hardly;
     unit_ = unit_of_positions(room_, 0.0);
@@ -70,7 +70,7 @@ bool LeapfrogSweep<T>::set_frame(const Model& model, const LeapfrogTerms& terms,
   room_ = travel_of(all, kSpring, terms, duration);
   unit_ = unit_of_positions(0.5 * all.size() + room_, edge);
   if (is_fine()) return true;
-  // Pieces that have come far apart each count from a place of their own, and have no more room than they need.
+  // Pieces far apart each have an origin of their own, and only as much range as they need.
   const double reach = set_frames_of_pieces(terms, duration, state);
   unit_ = unit_of_positions(reach, edge);
   return is_fine();
@@ -135,7 +135,7 @@ void LeapfrogSweep<T>::find_pieces() {
 
 template <typename T>
 bool LeapfrogSweep<T>::may_hold(const Model& model) {
-  const double edge = edge_length(model, model.num_slots());  // as near as an estimate needs it
+  const double edge = edge_length(model, model.num_slots());  // accurate enough for an estimate
   return unit_of_positions(1.5 * std::sqrt(model.rest_area()), edge) <= kCoarsest * edge;
 }
 

@@ -1,5 +1,5 @@
-// Forces of leapfrog_kernels.cc from what lies anywhere in memory: those of irregular triangles, and of the bending
-// matrix by rows. Compiled once for each instruction set.
+// Forces of leapfrog_kernels.cc that access scattered memory: those of irregular triangles, and of the bending matrix
+// by rows. Compiled once for each instruction set.
 #if defined(KERF_FEM_LEAPFROG_GATHER_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef KERF_FEM_LEAPFROG_GATHER_INL_H
 #undef KERF_FEM_LEAPFROG_GATHER_INL_H
@@ -28,10 +28,10 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-constexpr std::size_t kBlocksAtOnce = 4;  // of irregular triangles, whose corners are fetched together
+constexpr std::size_t kBlocksAtOnce = 4;  // irregular blocks whose corners are fetched together
 
-// Fetches the rows of a group, of four vertices, before they are needed, where they do not begin where the rows of the
-// group before end: cuts have made them grow then. The processor sees the others coming.
+// Number of groups (of four vertices) by which rows are prefetched, if they do not begin where the rows of the previous
+// group end. Cuts cause that when rows grow. The processor itself prefetches the others.
 inline constexpr std::size_t kGroupsAhead = 4;
 
 template <typename T>
@@ -41,8 +41,8 @@ HWY_INLINE void fetch_moved(std::span<const FourEntries<T>> before, std::span<co
   for (std::size_t i = 0; i < entries.size(); i += kInLine) hwy::Prefetch(entries.data() + i);
 }
 
-// Bending forces of the vertices of a block. Adds entries in no diagonal, four rows side by side, to the sums of those
-// in diagonals where these are gathered.
+// Computes bending forces of the vertices of a block. Adds entries in no diagonal, four rows side by side, to the sums
+// of diagonals if `is_gathered`.
 template <typename T>
 HWY_NOINLINE void bending_by_rows(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, std::size_t block,
                                   bool is_gathered) {
@@ -73,7 +73,8 @@ HWY_NOINLINE void bending_by_rows(const LeapfrogArrays<T>& arrays, const Leapfro
   }
 }
 
-// To what is gathered of the vertices of a block, or else to 0: forces of irregular corners around them, and others.
+// Adds forces of irregular corners around the vertices of a block, and extra forces. They are added to the gathered
+// forces if `is_gathered`, otherwise to 0.
 template <typename T>
 HWY_NOINLINE void add_corners(const LeapfrogArrays<T>& arrays, std::size_t block, bool is_gathered) {
   constexpr std::size_t kVertices = CornerPlaces().size();
@@ -96,7 +97,7 @@ HWY_NOINLINE void add_corners(const LeapfrogArrays<T>& arrays, std::size_t block
 }
 
 #if HWY_TARGET != HWY_SCALAR
-// Columns of the 4x4 matrix in each four lanes of four vectors; the last one is left out.
+// Returns the columns of the 4x4 matrix in each four lanes of four vectors, without the last one.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE Vec3<V> columns(D d, V a, V b, V c, V e) {
   const hn::RepartitionToWide<D> pairs;
@@ -108,7 +109,7 @@ HWY_INLINE Vec3<V> columns(D d, V a, V b, V c, V e) {
           hn::BitCast(d, hn::InterleaveUpper(pairs, lower_ab, lower_ce)),
           hn::BitCast(d, hn::InterleaveLower(pairs, upper_ab, upper_ce))};
 }
-// What columns() was made from, with a last column of 0.
+// Inverts columns(), with a last column of 0.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE std::array<V, 4> rows(D d, const Vec3<V>& columns) {
   const hn::RepartitionToWide<D> pairs;
@@ -124,8 +125,8 @@ HWY_INLINE std::array<V, 4> rows(D d, const Vec3<V>& columns) {
 }
 #endif
 
-// Positions of the corners of irregular triangles, of some blocks at once: what was just written piece by piece cannot
-// be read in one yet.
+// Positions of the corners of irregular triangles, for some blocks at once: data just written piece by piece cannot be
+// read as one vector yet.
 template <typename P>
 class CornerPositions {
  public:
@@ -139,7 +140,7 @@ class CornerPositions {
       }
     }
   }
-  // Corner k of the triangles in lanes l, l + 1, ... of the block `b` after the first.
+  // Returns corner k of the triangles in lanes l, l + 1, ... of block `b` after the first.
   template <class DP>
   HWY_INLINE Vec3<hn::Vec<DP>> load(DP dp, std::size_t b, std::size_t k, std::size_t l) const {
     Vec3<hn::Vec<DP>> x;
@@ -179,7 +180,7 @@ class CornerPositions<std::int32_t> {
   const IrregularBlock<float>* blocks_ = nullptr;
 };
 
-// Of the triangles in lanes l, l + 1, ... of a block, of which `to` is the first place.
+// Stores forces of the triangles in lanes l, l + 1, ... of a block whose first place is `to`.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE void store_corner(D d, const Vec3<V>& force, std::size_t l, hn::TFromD<D>* to) {
   using T = hn::TFromD<D>;

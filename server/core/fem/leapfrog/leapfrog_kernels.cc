@@ -58,7 +58,7 @@ HWY_INLINE std::array<Vec3<V>, 3> quad_edges(D d, const LeapfrogArrays<hn::TFrom
           edge(d, load3(dp, arrays.x, at + arrays.offsets[2]), x0)};
 }
 
-// Of the two triangles of each quad.
+// Sets the gradients of the two triangles of each quad.
 template <typename T>
 HWY_NOINLINE void set_quad_gradients(const LeapfrogArrays<T>& arrays, std::size_t block, StretchLanes<T>* to) {
   const LanesOf<T> d;
@@ -118,7 +118,7 @@ HWY_NOINLINE void set_quad_forces(const LeapfrogArrays<T>& arrays, const Leapfro
   }
 }
 
-// Of blocks first to last, kQuadBlocksAhead at most.
+// Computes quad forces of blocks first to last, at most kQuadBlocksAhead.
 template <MembraneLaw kLaw, typename T>
 void quad_forces(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, std::size_t first, std::size_t last) {
   StretchLanes<T> stretches[2 * kQuadBlocksAhead];
@@ -144,7 +144,7 @@ void quad_forces(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, s
   }
 }
 
-// Gathers bending forces of the vertices of a block, not yet scaled, by the diagonals of their rows.
+// Gathers bending forces of the vertices of a block by the diagonals of their rows, unscaled.
 template <typename T>
 HWY_NOINLINE void sum_bending_diagonals(const LeapfrogArrays<T>& arrays, std::size_t block) {
   const LanesOf<T> d;
@@ -166,7 +166,7 @@ HWY_NOINLINE void sum_bending_diagonals(const LeapfrogArrays<T>& arrays, std::si
   }
 }
 
-// Bending forces of the vertices of the block, forces of irregular corners around them and others.
+// Gathers bending forces of the vertices of the block, forces of irregular corners around them, and extra forces.
 template <typename T>
 HWY_INLINE void gather(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, std::size_t block) {
   const bool bends = arrays.bending != nullptr;
@@ -195,7 +195,7 @@ template <class D>
 HWY_INLINE hn::Vec<D> kicked(D /*d*/, hn::Vec<D> v, hn::Vec<D> change, double* /*remainder*/) {
   return hn::Add(v, change);
 }
-// Compensated: what rounding takes off the sum is added to the next change.
+// Adds with compensation: the rounding error of the sum is added to the next change.
 template <class D>
 HWY_INLINE hn::Vec<D> kicked(D d, hn::Vec<D> v, hn::Vec<D> change, float* remainder) {
   const auto all = hn::Add(change, hn::Load(d, remainder));
@@ -204,7 +204,7 @@ HWY_INLINE hn::Vec<D> kicked(D d, hn::Vec<D> v, hn::Vec<D> change, float* remain
   return after;
 }
 
-// x + beta v.
+// Sets bending_x to x + beta v.
 template <typename T>
 HWY_NOINLINE void set_bending_positions(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step) {
   const LanesOf<T> d;
@@ -227,7 +227,7 @@ HWY_NOINLINE void set_bending_positions(const LeapfrogArrays<T>& arrays, const L
   }
 }
 
-// Forces of the vertices from i on, with what is gathered where `has_gathered`.
+// Returns forces of the vertices from i on, including gathered ones if `has_gathered`.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE std::array<V, 3> forces_at(D d, const LeapfrogArrays<hn::TFromD<D>>& arrays, bool has_gathered,
                                       std::size_t i) {
@@ -248,7 +248,7 @@ HWY_INLINE std::array<V, 3> forces_at(D d, const LeapfrogArrays<hn::TFromD<D>>& 
   return {sum[0], sum[1], sum[2]};
 }
 
-// Kick and drift of the vertices from i on.
+// Kicks and drifts the vertices from i on.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE void move_at(D d, const LeapfrogArrays<hn::TFromD<D>>& arrays, const LeapfrogStep<hn::TFromD<D>>& step,
                         std::size_t i, const std::array<V, 3>& forces, hn::TFromD<D>* speed) {
@@ -289,7 +289,7 @@ HWY_INLINE bool has_cluster(const LeapfrogArrays<T>& arrays, std::size_t block) 
   return arrays.has_cluster != nullptr && arrays.has_cluster[block] != 0;
 }
 
-// Blocks with clusters only leave their forces.
+// Moves blocks of vertices. Blocks with clusters only store their forces.
 template <typename T>
 HWY_NOINLINE void move(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, bool gathered, std::size_t first,
                        std::size_t last, T* speed) {
@@ -316,8 +316,8 @@ HWY_INLINE void move_blocks_with_clusters(const LeapfrogArrays<T>& arrays, const
   }
 }
 
-// A triangle belongs to its lowest vertex: once the forces of a block of quads are made, no later one asks where its
-// vertices are, and they can be moved.
+// A triangle belongs to its lowest vertex. Once the forces of a block of quads are computed, no later quad reads its
+// vertices, so they can be moved.
 template <MembraneLaw kLaw, typename T>
 void substep(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, T* speed) {
   irregular_forces<kLaw>(arrays, step);
@@ -338,7 +338,7 @@ void substep(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, T* sp
   }
 }
 
-// Lanes without material have strains of -1.
+// Returns the larger of `largest` and the principal strains. Lanes without material have strains of -1.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE V larger_strain(D d, const StrainLanes<hn::TFromD<D>>& strains, V largest) {
   const V half = hn::Set(d, hn::TFromD<D>{0.5});

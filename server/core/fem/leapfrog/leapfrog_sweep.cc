@@ -40,7 +40,7 @@ LeapfrogArrays<T> LeapfrogSweep<T>::arrays() {
   arrays.mass_damping = entries(mass_damping_);
   arrays.has_cluster = has_cluster_.empty() ? nullptr : has_cluster_.data();
   arrays.corner_x = entries(corner_x_);
-  arrays.corner_force = entries(corner_force_) + kBlockLanes;  // after that of kNoCorner
+  arrays.corner_force = entries(corner_force_) + kBlockLanes;  // after the entry of kNoCorner
   arrays.gathered = entries(gathered_);
   arrays.bending_x = entries(bending_x_, 1);
   arrays.bending_fours = entries(bending_fours_);
@@ -70,7 +70,7 @@ bool LeapfrogSweep<T>::begin(const Model& model, const Loads& loads, const Leapf
   if (!set_frame(model, terms, duration, state)) return false;
   set_unit_of_constants();
   if (is_by_displacements() && !set_start(model, state)) return false;
-  // One substep back, so that the rate of strain in the first kick is that of the velocities.
+  // Loads positions one substep back, so that the rate of strain in the first kick is that of the velocities.
   for (VertexId v = 0; v < layout_->num_vertices(); ++v) {
     if (takes_part_[static_cast<std::size_t>(v)] == 0) continue;
     if (!set_position(v, state.x.col(v) - terms.h * state.v.col(v))) return false;
@@ -162,7 +162,7 @@ void LeapfrogSweep<T>::substep(const Model& model, const LeapfrogTerms& terms, c
 
 template <typename T>
 bool LeapfrogSweep<T>::set_position(VertexId v, const Eigen::Vector3d& position) {
-  // Added and taken off again, rounds to the nearest whole number.
+  // Adding and subtracting this rounds to the nearest whole number.
   constexpr double kRounding = 0x1.8p52;
   const auto i = static_cast<std::size_t>(v);
   const double per_metre = 1.0 / unit_;  // exact, a power of two

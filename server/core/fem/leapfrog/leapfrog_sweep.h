@@ -28,10 +28,10 @@
 
 namespace kerf::fem {
 
-// What is the same in all substeps of a step.
+// Terms that are the same in all substeps of a step.
 struct LeapfrogTerms {
   Eigen::Vector3d gravity = Eigen::Vector3d::Zero();  // m/s^2
-  std::span<const double> damping;                    // s, Kelvin-Voigt, of the membrane, one a material
+  std::span<const double> damping;                    // s, Kelvin-Voigt, of the membrane, by material
   double bending_damping = 0.0;                       // s
   double h = 0.0;                                     // s
 };
@@ -40,72 +40,72 @@ struct LeapfrogTerms {
 struct LeapfrogKick {
   double duration = 0.0;                      // s
   double drift = 0.0;                         // s
-  double bending = 0.0;                       // s, duration of the kick by bending forces; 0: none
-  const mesh::VertexField* forces = nullptr;  // N, 3 x V, others than those of membrane and bending rows; may be null
+  double bending = 0.0;                       // s, duration of the kick by bending forces; 0 for none
+  const mesh::VertexField* forces = nullptr;  // N, 3 x V, all but membrane and bending rows; may be null
 };
 
-// C11, C22, C33, C12, N/m: in material axes the others are 0.
+// Returns C11, C22, C33, C12, N/m; in material axes the other entries are 0.
 inline std::array<double, 4> law_entries(const MaterialLaw& law) {
   const Eigen::Matrix3d& C = law.membrane;
   return {C(0, 0), C(1, 1), C(2, 2), C(0, 1)};
 }
 
-// Positions, velocities and the constants of a model in the arrays that leapfrog_kernels.h works on.
-// T = float: arithmetic and velocities are floats. Positions are 32-bit integers, multiples of a power of two of a
-// metre from the middle of the sheet, or of each piece where pieces are far apart, so that edges are exact to that unit
-// wherever the sheet is, with a float remainder so that motion slower than a unit a substep is not lost; velocities
-// have one too (Kahan 1965), or thousands of short substeps would round what gravity adds to all of them the same way.
+// Positions, velocities and the constants of a model in the arrays of leapfrog_kernels.h. With T = float, arithmetic
+// and velocities are floats, and positions are 32-bit integers. Their unit is a power of two of a metre. Their origin
+// is the middle of the sheet, or of each piece if pieces are far apart. Edges are thus exact to that unit wherever the
+// sheet is. A float remainder keeps motion slower than a unit a substep. Velocities have one too (Kahan 1965). Without
+// it thousands of short substeps would round the gravity increment of all of them the same way.
 template <typename T>
 class LeapfrogSweep {
  public:
-  // Clusters of `inertia` move by its inertia.
+  // Sets up everything for a model. Clusters of `inertia` move by its inertia.
   void rebuild(const Model& model, const MembraneLayout& layout, const LocalInertia& inertia);
-  // After layout.follow(), where that did not rebuild, and inertia.follow().
+  // Updates after layout.follow(), if that did not rebuild, and inertia.follow().
   void follow(const Model& model, const MembraneLayout& layout, const LocalInertia& inertia);
-  // Room for a rebuild() that does not allocate, where `like` is up to date with the model.
+  // Reserves memory so that rebuild() does not allocate. `like` must be up to date with the model.
   template <typename U>
   void reserve(const Model& model, const MembraneLayout& layout, const LeapfrogSweep<U>& like);
 
-  // Makes positions of steps to come displacements since a step began, and strains those of then and what is added to
-  // them: of floats, and of a sheet that hardly moves, this rounds far less. `speed`: m/s, > 0, for which units have
-  // room; 0: positions as ever. Of the co-rotational law.
+  // Makes positions in later steps displacements since the step began, and strains the sum of the initial ones and
+  // those added. With floats, and a sheet that hardly moves, this rounds far less. `speed`: m/s, > 0, for which units
+  // have room; 0 restores plain positions. Co-rotational law only.
   void step_by_displacements(double speed) { displacement_speed_ = speed; }
-  // Takes over the state for a step of this length. False: this precision cannot hold it, or has no displacements of a
-  // sheet that is strained so much.
+  // Loads the state for a step of this length. Returns false if this precision cannot hold it, or if displacements
+  // cannot represent a sheet strained so much.
   bool begin(const Model& model, const Loads& loads, const LeapfrogTerms& terms, double duration, const State& state);
-  // -, largest principal strain, at least 0, one substep before the state that begin() took over; 0 of
-  // Green's.
+  // -, largest principal strain, at least 0, one substep before the state that begin() loaded; 0 with Green's strain.
   [[nodiscard]] double tension() const { return tension_; }
   void substep(const Model& model, const LeapfrogTerms& terms, const LeapfrogKick& kick);
-  // Whether no vertex can have left what positions can hold in a step of this length.
+  // Returns true if no vertex can have left the range of positions in a step of this length.
   [[nodiscard]] bool stayed_inside(double duration) const;
-  // Whether floats can hold the model's sheet at all: lying still, as a square of its size.
+  // Returns true if floats can hold the model's sheet at all: at rest, as a square of its size.
   [[nodiscard]] static bool may_hold(const Model& model);
-  // 1/m, of the flattest triangles that T is used for.
+  // 1/m, gradient of the flattest triangles that T is used for.
   [[nodiscard]] static double flattest(const Model& model);
 
   // Moves vertices out of bodies after a substep that drifted for `drift`, s. Clusters move as a whole, by their
-  // inertia. The next substep moves what that leaves inside. Looks at blocks that may touch alone. False: see read().
+  // inertia. The next substep moves vertices that remain inside. Checks only blocks that may touch. For the result see
+  // read().
   bool enforce(ContactConstraint& contact, double drift);
-  // The same of the last substep: what may touch is found after the drift, and moved after the kick that closes the
-  // step, so that what leaves the step respects the bodies.
+  // Do the same for the last substep. Contacts are found after the drift, and vertices are moved after the kick that
+  // closes the step, so that the final state respects the bodies.
   void find_touching(ContactConstraint& contact, double drift);
   bool enforce_found(ContactConstraint& contact);
-  // Returns whether a body has moved a vertex since begin().
+  // Returns true if a body has moved a vertex since begin().
   [[nodiscard]] bool touched() const { return touched_; }
-  // Times that bodies pushed a cluster since begin().
+  // Number of times that bodies pushed a cluster since begin().
   [[nodiscard]] int num_cluster_pushes() const { return num_cluster_pushes_; }
 
-  // Of what has mass or is held. False: outside of what positions can hold.
+  // Loads the vertices that have mass or are held. Returns false if positions are out of range.
   bool read(const State& state);
   void write(State& state) const;
-  // m, m/s.
+  // Position (m) and velocity (m/s) of a vertex.
   [[nodiscard]] Eigen::Vector3d position(mesh::VertexId v) const;
   [[nodiscard]] Eigen::Vector3d velocity(mesh::VertexId v) const;
-  // A point sum_k weights[k] x(vertices[k]) of a grab. 1/kg by component, what an impulse there moves it by; 0 where it
-  // is held.
+  // Velocity per impulse (1/kg, by component) at a grab's point sum_k weights[k] x(vertices[k]); 0 in held components.
   [[nodiscard]] Eigen::Array3d mobility(const Grab& grab);
-  // Gives it an impulse, N s, and moves what that moves for `drift`, s. False: see read().
+  // Applies an impulse, N s, to the grab's point, and moves the affected vertices for `drift`, s. Returns false as
+  // read().
   bool push(const Grab& grab, const Eigen::Array3d& impulse, double drift);
 
  private:
@@ -114,7 +114,7 @@ class LeapfrogSweep {
   using Position = PositionOf<T>;
   template <typename U>
   using Field = std::array<std::vector<Lanes16<U>>, 3>;
-  // Positions of floats reach this far from their origin, in units, so that differences still fit into 32 bits.
+  // Largest distance of float positions from their origin, in units, so that differences still fit into 32 bits.
   static constexpr double kReach = 1 << 30;
 
   // Bounds of the positions and speeds of some vertices.
@@ -128,13 +128,13 @@ class LeapfrogSweep {
       high = high.max(state.x.col(v).array());
       speed = std::max(speed, state.v.col(v).cwiseAbs().maxCoeff());
     }
-    [[nodiscard]] double size() const { return (high - low).maxCoeff(); }  // m; negative where nothing was added
+    [[nodiscard]] double size() const { return (high - low).maxCoeff(); }  // m; negative if nothing was added
     [[nodiscard]] Eigen::Vector3d middle() const { return 0.5 * (low + high).matrix(); }
   };
-  // A change that a body wants of a vertex in a cluster.
+  // A change of a vertex in a cluster that a body requires.
   struct Push {
     mesh::VertexId vertex = mesh::kNone;
-    std::int32_t next = mesh::kNone;  // of the same cluster
+    std::int32_t next = mesh::kNone;  // next push of the same cluster
     std::array<T, 3> velocity{};      // m/s, change
     std::array<T, 3> position{};      // m, change
   };
@@ -142,15 +142,15 @@ class LeapfrogSweep {
   struct Contact {
     mesh::VertexLanes vertices, given;
     double drift = 0.0;  // s, of the substep of find_touching()
-    // The blocks that find_touching() found, and positions of their vertices before; longer than there are.
+    // Blocks that find_touching() found, and earlier positions of their vertices. The arrays may be longer.
     std::size_t num_blocks = 0;
     std::vector<std::int32_t> blocks;
     std::vector<std::array<mesh::VertexLanes::Lanes, 3>> before;
     std::vector<Push> pushes;
-    std::vector<std::int32_t> first_push;  // by slots of clusters; kNone: not pushed
-    std::vector<std::int32_t> slots;       // of clusters that are pushed
+    std::vector<std::int32_t> first_push;  // by slots of clusters; kNone if not pushed
+    std::vector<std::int32_t> slots;       // slots of clusters that are pushed
     ClusterPush<T> push;
-    double moved = 0.0;  // m, the most that a vertex is off where its body saw it last
+    double moved = 0.0;  // m, upper bound of the distance of vertices from the positions their body last saw
 
     void reserve(const LocalInertia& inertia) {
       push.reserve(inertia.largest());
@@ -165,58 +165,61 @@ class LeapfrogSweep {
   void for_arrays(const Model& model, const MembraneLayout& layout, const Set& set);  // set(array, size)
   void resize(const Model& model, const MembraneLayout& layout);
   [[nodiscard]] double coarsest_gradient(const Model& model);
-  // Sets the arrays of the lanes that are fine by now.
+  // Sets the arrays of the lanes that are fine.
   void set_fine_constants(const Model& model, const MembraneLayout& layout);
   void set_fine_positions();
   [[nodiscard]] LeapfrogStep<double> fine_step(const Model& model, const LeapfrogTerms& terms) const;
   void set_quads(const Model& model, const MembraneLayout& layout, mesh::VertexId v);
   void set_lane(const Model& model, const MembraneLayout& layout, std::size_t lane);
   void set_mobility(const Model& model, const Loads& loads);
-  // Chooses where positions count from, and their unit. False: see begin().
+  // Chooses the origin and the unit of positions. Returns false as begin().
   bool set_frame(const Model& model, const LeapfrogTerms& terms, double duration, const State& state);
-  // The same for each piece by itself. Returns how far positions may come from there, m.
+  // Chooses the origin for each piece. Returns the largest distance of positions from it, m.
   double set_frames_of_pieces(const LeapfrogTerms& terms, double duration, const State& state);
   void find_pieces();
   [[nodiscard]] bool is_by_displacements() const { return displacement_speed_ > 0.0; }
   [[nodiscard]] bool has_starts() const { return is_by_displacements() || is_by_pieces_; }
-  // Sets what displacements are added to. False: see begin().
+  // Sets the state that displacements are added to. Returns false as begin().
   bool set_start(const Model& model, const State& state);
-  // m, of the place that the position of a vertex counts from.
+  // Returns the origin of the position of a vertex, m.
   [[nodiscard]] Eigen::Vector3d base(mesh::VertexId v) const {
     return has_starts() ? Eigen::Vector3d(start_.col(v)) : origin_;
   }
-  // Into extra_: those of a kick, and of bending what does not depend on displacements. False: none.
+  // Sets extra_ to the forces of a kick, and to the part of bending that does not depend on displacements. Returns
+  // false if there are none.
   bool set_extra_forces(const Model& model, const LeapfrogKick& kick);
-  // Those of triangles and edges in the unit of positions: exact, as units are powers of two.
+  // Converts the constants of triangles and edges to the unit of positions. This is exact, as units are powers of two.
   void set_unit_of_constants();
   void set_laws(const Model& model, const LeapfrogTerms& terms);
   void follow_bending(const Model& model);
-  // Puts what vertices of clusters are accelerated by beside gravity, m/s^2, in the place of the forces on them.
-  // forces: N, of the kick, which are among them, or null.
+  // Replaces the forces on vertices of clusters by their accelerations other than gravity, m/s^2. `forces`: N, those of
+  // the kick, which are included, or null.
   void accelerate_clusters(const Model& model, const LeapfrogStep<T>& step, const mesh::VertexField* forces);
-  // Into cluster_values_: what an impulse of 1 N s at the part of the grab's point that is in this cluster moves.
+  // Sets cluster_values_ to the response of a cluster to an impulse of 1 N s on the part of the grab's point inside it.
   void set_response(const Grab& grab, const InertiaCluster& cluster);
-  // at_vertex(v, weight) of those outside of clusters, at_cluster(cluster), with its response, of each cluster once.
+  // Calls at_vertex(v, weight) for vertices outside clusters. Calls at_cluster(cluster) once for each cluster, with its
+  // response set.
   template <typename AtVertex, typename AtCluster>
   void for_each_grabbed(const Grab& grab, const AtVertex& at_vertex, const AtCluster& at_cluster);
-  // m, no vertex moved farther in the last substep.
+  // Returns an upper bound of the motion of vertices in the last substep, m.
   [[nodiscard]] double farthest_moved(double drift) const;
   bool enforce_block(ContactConstraint& contact, const LeapfrogArrays<T>& arrays, std::int32_t block);
   void gather_pushes(std::size_t block, std::uint32_t changed);
-  // Moves clusters of which bodies push vertices, after a substep that drifted for `drift`, s.
+  // Moves pushed clusters after a substep that drifted for `drift`, s.
   bool push_clusters(double drift);
-  // Moves each vertex by its change, x 4, times the factor, m. Adds how far the farthest goes to `travel`, m.
+  // Moves each vertex by its change, x 4, times the factor, m. Adds the largest distance to `travel`, m.
   bool move_cluster(std::span<const mesh::VertexId> vertices, const T* change, double factor, double& travel);
-  // Sets a change of each vertex of a cluster that a body wants, by `change` of a push, and 0 of the others.
+  // Sets the change that a body requires of each pushed vertex of a cluster, by `change` of its push, and 0 for the
+  // others.
   void set_wanted(std::int32_t slot, std::array<T, 3> Push::*change);
-  // Moves what push_clusters() left inside, vertex by vertex.
+  // Moves vertices that push_clusters() left inside, one by one.
   bool enforce_rest(ContactConstraint& contact);
   void add_velocity(std::size_t v, std::size_t component, T change);  // m/s
-  bool add_position(std::size_t v, const Eigen::Vector3d& change);    // m; false: see read()
+  bool add_position(std::size_t v, const Eigen::Vector3d& change);    // m; returns false as read()
   [[nodiscard]] PositionFrame frame() const {
     return {{origin_.x(), origin_.y(), origin_.z()}, has_starts() ? start_.data() : nullptr, unit_};
   }
-  // m, that rounding may take a vertex farther than its velocity does in a substep.
+  // m, additional motion of a vertex in a substep by rounding.
   [[nodiscard]] double unit_of_rounding() const { return std::is_same_v<T, float> ? unit_ : 0.0; }
   bool set_position(mesh::VertexId v, const Eigen::Vector3d& position);
   void set_velocity(mesh::VertexId v, const Eigen::Vector3d& velocity);
@@ -227,41 +230,41 @@ class LeapfrogSweep {
   const LocalInertia* inertia_ = nullptr;
   Field<Position> x_;
   Field<T> v_, remainder_, v_remainder_, mobility_;
-  std::vector<Lanes16<T>> mass_damping_;                 // of several
-  std::vector<LawLanes<T>> quad_laws_, irregular_laws_;  // of several materials
-  std::vector<std::uint8_t> takes_part_;                 // has mass, or is held
+  std::vector<Lanes16<T>> mass_damping_;                 // for several materials
+  std::vector<LawLanes<T>> quad_laws_, irregular_laws_;  // for several materials
+  std::vector<std::uint8_t> takes_part_;                 // by vertex: has mass, or is held
   std::vector<TriangleLanes<T>> quads_;
-  std::vector<EdgeLanes<T>> quad_edges_, irregular_edges_;  // of Green's strain
+  std::vector<EdgeLanes<T>> quad_edges_, irregular_edges_;  // with Green's strain
   std::vector<StrainLanes<T>> quads_before_;                // as quads_ or quad_edges_
   std::vector<IrregularBlock<T>> irregular_;
-  std::size_t pad_ = 0;  // blocks that offsets reach; three times that are before the first vertex in x_
+  std::size_t pad_ = 0;  // blocks that offsets reach; three times as many precede the first vertex in x_
   std::array<Field<T>, 4> quad_force_;
   std::vector<Lanes16<Position>> corner_x_, bending_fours_;
-  Field<Position> bending_x_;  // a block before the first vertex, and one behind the last
+  Field<Position> bending_x_;  // has a block before the first vertex, and one behind the last
   std::vector<Lanes16<T>> corner_force_, gathered_, extra_;
   BendingLayout<T> bending_;
   IdSet bending_blocks_;                     // scratch
-  FineTriangles fine_;                       // of floats
-  std::optional<double> coarsest_gradient_;  // 1/m, of the other triangles; absent: to be found
+  FineTriangles fine_;                       // for floats
+  std::optional<double> coarsest_gradient_;  // 1/m, of the other triangles; empty until computed
   IndexSet fine_vertices_;                   // scratch
-  std::vector<std::uint8_t> has_cluster_;    // of each block of vertices; empty without clusters
+  std::vector<std::uint8_t> has_cluster_;    // by block of vertices; empty without clusters
   std::vector<Lanes16<T>> cluster_values_;   // x 4, of one cluster, scratch
   Contact contact_;
   bool touched_ = false;
   int num_cluster_pushes_ = 0;
   double displacement_speed_ = 0.0;  // m/s, see step_by_displacements()
   std::vector<StartLanes<T>> quad_start_, irregular_start_;
-  bool is_by_pieces_ = false;                         // each piece counts from a place of its own in this step
-  std::vector<mesh::VertexId> piece_of_;              // lowest vertex of its piece; empty: to be found
+  bool is_by_pieces_ = false;                         // each piece has its own origin in this step
+  std::vector<mesh::VertexId> piece_of_;              // lowest vertex of its piece; empty until computed
   std::vector<Extent> extents_;                       // scratch, of pieces by their lowest vertices
-  mesh::VertexField start_;                           // m, of all lanes, where positions count from by has_starts()
-  mesh::VertexField bending_start_;                   // N, 3 x V, forces of bending then
-  Lanes16<T> speed_;                                  // m/s, largest components of velocities in the last substep
-  T fastest_ = 0;                                     // m/s, the same of the substeps before
+  mesh::VertexField start_;                           // m, by lane, origins of positions if has_starts()
+  mesh::VertexField bending_start_;                   // N, 3 x V, forces of bending at these positions
+  Lanes16<T> speed_;                                  // m/s, largest velocity components in the last substep
+  T fastest_ = 0;                                     // m/s, the same in earlier substeps
   Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();  // m
   double unit_ = 1.0;                                 // m
   double unit_of_constants_ = 1.0;                    // m
-  double room_ = 0.0;                                 // m, that the sheet can travel
+  double room_ = 0.0;                                 // m, distance that the sheet can travel
   double tension_ = 0.0;                              // -
 };
 

@@ -44,7 +44,7 @@ template <class V>
 HWY_INLINE Vec3<V> minus(const Vec3<V>& a, const Vec3<V>& b) {
   return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
 }
-// a s + b t
+// Returns a s + b t.
 template <class V>
 HWY_INLINE V combine(V a, V s, V b, V t) {
   return hn::Add(hn::Mul(a, s), hn::Mul(b, t));
@@ -58,7 +58,7 @@ HWY_INLINE V dot(const Vec3<V>& a, const Vec3<V>& b) {
   return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
 }
 
-// A difference of positions, in their unit.
+// Converts a difference of positions to T, in their unit.
 template <class D>
 HWY_INLINE hn::Vec<D> converted(D d, hn::Vec<hn::Rebind<std::int32_t, D>> difference) {
   return hn::ConvertTo(d, difference);
@@ -95,17 +95,17 @@ HWY_INLINE hn::Vec<D> damping_of(D d, const LawLanes<hn::TFromD<D>>& lanes, std:
 }
 
 template <typename T>
-using TriangleValues = std::array<T, kBlockLanes>;  // of kBlockLanes triangles; not initialised
+using TriangleValues = std::array<T, kBlockLanes>;  // of kBlockLanes triangles; uninitialised
 
-// Between the stages in which forces are made, each for some blocks at a time: in one go, each block would wait for its
-// own square roots, one after the other. Formulas in membrane.h, with F = R S, c = F^T F, d = det S, s = tr S.
+// Intermediate values of force computation, which runs in stages of several blocks each. In a single pass, each block
+// would wait for its own square roots. Formulas in membrane.h, with F = R S, c = F^T F, d = det S, s = tr S.
 template <typename T>
 struct alignas(64) StretchLanes {
   std::array<TriangleValues<T>, 3> f1, f2;       // columns of F
   TriangleValues<T> c11, c22, c12, det_squared;  // det S squared
   TriangleValues<T> inverse_trace, inverse_det;  // 1 / s, 1 / d
 
-  // What set_strains() puts in place of what it needs no longer: S - I and S12.
+  // Results of set_strains(), which overwrite values it no longer needs: S - I and S12.
   TriangleValues<T>& strain1() { return c11; }
   TriangleValues<T>& strain2() { return c22; }
   TriangleValues<T>& S12() { return c12; }
@@ -123,7 +123,7 @@ HWY_INLINE void store3(D d, const Vec3<hn::Vec<D>>& value, std::array<TriangleVa
   hn::Store(value.z, d, &to[2][l]);
 }
 
-// First stage, of triangles with edges d1, d2 from corner 0.
+// First stage: triangles with edges d1, d2 from corner 0.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE void set_gradients(D d, const TriangleLanes<hn::TFromD<D>>& lanes, std::size_t l, const Vec3<V>& d1,
                               const Vec3<V>& d2, StretchLanes<hn::TFromD<D>>& to) {
@@ -140,8 +140,8 @@ HWY_INLINE void set_gradients(D d, const TriangleLanes<hn::TFromD<D>>& lanes, st
   hn::Store(dot(normal, normal), d, &to.det_squared[l]);
 }
 
-// The same where edges are those of displacements since the step began. Stores F^T F - I in place of c, and det S
-// squared - 1: what is small is never the difference of what is not.
+// First stage for edges of displacements since the step began. Stores F^T F - I in place of c, and det S squared - 1:
+// small values are never differences of large ones.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE void set_gradients(D d, const TriangleLanes<hn::TFromD<D>>& lanes, const StartLanes<hn::TFromD<D>>& start,
                               std::size_t l, const Vec3<V>& d1, const Vec3<V>& d2, StretchLanes<hn::TFromD<D>>& to) {
@@ -164,7 +164,7 @@ HWY_INLINE void set_gradients(D d, const TriangleLanes<hn::TFromD<D>>& lanes, co
   hn::Store(hn::Add(hn::Add(e11, e22), product), d, &to.det_squared[l]);
 }
 
-// Second stage. The differences in S - I = (c + (d - s) I) / s are exact where strains are small.
+// Second stage. The differences in S - I = (c + (d - s) I) / s are exact for small strains.
 template <typename T>
 HWY_INLINE void set_strains(StretchLanes<T>* blocks, std::size_t num_blocks) {
   const LanesOf<T> d;
@@ -189,8 +189,8 @@ HWY_INLINE void set_strains(StretchLanes<T>* blocks, std::size_t num_blocks) {
   }
 }
 
-// The same of what set_gradients() made from displacements: with F^T F = I + E, d = 1 + p and s = 2 + q,
-// S - I = (E + (p - q) I) / s.
+// Second stage after set_gradients() from displacements. S - I = (E + (p - q) I) / s with F^T F = I + E, d = 1 + p and
+// s = 2 + q.
 template <typename T>
 HWY_INLINE void set_strains_from_start(StretchLanes<T>* blocks, std::size_t num_blocks) {
   const LanesOf<T> d;
@@ -224,8 +224,8 @@ struct CornerForces {
   Vec3<V> force1, force2;
 };
 
-// What of a strain of the substep before is to be added to that of now for damping: beta times the rate of strain
-// between them, which is when velocities are. Keeps the strain for the next.
+// Adds damping to a strain: beta times the rate of strain since the previous substep, centred at the time of
+// velocities. Keeps the strain for the next substep.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE V damped(D d, V damping, V strain, hn::TFromD<D>* before) {
   const V change = hn::Sub(strain, hn::Load(d, before));
@@ -233,7 +233,7 @@ HWY_INLINE V damped(D d, V damping, V strain, hn::TFromD<D>* before) {
   return hn::Add(strain, hn::Mul(damping, change));
 }
 
-// In the second Piola-Kirchhoff form: R T = F N, and N = S^-1 T is symmetric for any symmetric sigma.
+// Returns corner forces in second Piola-Kirchhoff form: R T = F N, and N = S^-1 T is symmetric for any symmetric sigma.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE CornerForces<V> corner_forces(D d, const Law<V>& law, const TriangleLanes<hn::TFromD<D>>& lanes,
                                          std::size_t l, StretchLanes<hn::TFromD<D>>& stretch,
@@ -244,7 +244,7 @@ HWY_INLINE CornerForces<V> corner_forces(D d, const Law<V>& law, const TriangleL
   const V S12 = hn::Load(d, &stretch.S12()[l]);
   const V S11 = hn::Add(strain1, one);
   const V S22 = hn::Add(strain2, one);
-  // From here on times the factor that forces have: -A / det S.
+  // All values below include the factor of forces, -A / det S.
   const V factor = hn::Mul(hn::Load(d, &lanes.minus_area.lane[l]), hn::Load(d, &stretch.inverse_det[l]));
   const V e1 = hn::Mul(damped(d, law.damping, strain1, &before[0].lane[l]), factor);
   const V e2 = hn::Mul(damped(d, law.damping, strain2, &before[1].lane[l]), factor);
@@ -269,7 +269,7 @@ HWY_INLINE CornerForces<V> corner_forces(D d, const Law<V>& law, const TriangleL
   return {force(lanes.g1), force(lanes.g2)};
 }
 
-// Of triangles with Green's strain; see EdgeLanes.
+// Returns forces of triangles with Green's strain; see EdgeLanes.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE CornerForces<V> edge_forces(D d, V damping, const EdgeLanes<hn::TFromD<D>>& lanes, std::size_t l,
                                        const Vec3<V>& d1, const Vec3<V>& d2, StrainLanes<hn::TFromD<D>>& before) {

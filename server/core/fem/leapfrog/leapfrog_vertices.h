@@ -10,7 +10,7 @@
 #include "server/core/linear/lanes16.h"
 #include "server/core/mesh/ids.h"
 
-// Single vertices in the arrays of a LeapfrogSweep, for the files that its members are defined in.
+// Access to single vertices in the arrays of a LeapfrogSweep, for the files that define its members.
 namespace kerf::fem {
 
 template <typename T>

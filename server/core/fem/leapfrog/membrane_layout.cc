@@ -70,7 +70,7 @@ bool MembraneLayout::follow(const Model& model) {
   changed_lanes_.clear();
   touched_.clear();
   touched_.resize(static_cast<std::size_t>(std::max(num_vertices_, model.num_vertices())));
-  if (model.num_vertices() < num_vertices_) touched_.insert(group_of(model.num_vertices()));  // loses some of its four
+  if (model.num_vertices() < num_vertices_) touched_.insert(group_of(model.num_vertices()));  // one group shrinks
   const std::span<const TriangleId> changed = model.changed_slots();
   for (const TriangleId slot : changed) remove(slot);
   resize(model);
@@ -78,7 +78,7 @@ bool MembraneLayout::follow(const Model& model) {
     if (slot < model.num_slots()) add(model, slot);
   }
   num_changes_ += static_cast<std::int64_t>(changed.size());
-  // While more than a third of the triangles have each pair of a pattern, no other pair can have.
+  // While each pair of a pattern has more than a third of the triangles, no other pair can.
   const bool is_same = has_pattern() ? 3 * std::min(num_regular_[0], num_regular_[1]) > num_solid_
                                      : 4 * num_changes_ < changes_to_pattern_;
   if (!is_same) {
@@ -112,7 +112,7 @@ void MembraneLayout::find_pattern(const Model& model) {
   changes_to_pattern_ = std::abs(excess);
   offsets_ = {};
   if (excess <= 0) return;
-  // Which of the two comes first must not depend on which is the more frequent.
+  // The order of the two must not depend on which is more frequent.
   OffsetPair a = std::min(most[0].second, most[1].second);
   OffsetPair b = std::max(most[0].second, most[1].second);
   if (a.second != b.first) std::swap(a, b);
