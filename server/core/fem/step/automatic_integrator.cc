@@ -11,11 +11,11 @@
 namespace kerf::fem {
 namespace {
 
-// Explicit steps are by far the more accurate at equal cost. After cuts stiff sheets should not become slower by them.
+// Explicit steps are by far the more accurate at equal cost. Cuts should not make stiff sheets slower.
 constexpr double kPreferenceForExplicit = 4.0;
 constexpr double kPreferenceWithClusters = 1.5;
 constexpr double kSecondOrderCondition = 1e9;  // 1 + dt^2 lambda_max
-constexpr int kLeastForFactorCg = 2000;        // vertices: below, a factor in double takes no longer
+constexpr int kLeastForFactorCg = 2000;        // vertices; a double-precision factor is as fast for fewer
 
 IntegratorOptions with_kind(IntegratorOptions options, IntegratorKind kind) {
   options.kind = kind;
@@ -32,7 +32,7 @@ IntegratorOptions with_tr_bdf2(const Model& model, const IntegratorOptions& opti
   return of_stages;
 }
 
-// Estimates with explicit steps already planned, as kAutomatic takes them.
+// Estimates a tick with explicit steps already planned, as kAutomatic does.
 TickEstimate estimate_planned(const Model& model, const ExplicitIntegrator& planned, const IntegratorOptions& options) {
   TickEstimate estimate;
   estimate.substeps = planned.planned_substeps(options.tick);

@@ -9,27 +9,27 @@
 
 namespace kerf::fem {
 
-// Cost of a tick of IntegratorOptions::tick seconds, from counts alone, without contact and loads on vertices, for
-// which implicit steps pay as well.
+// Cost of a tick of IntegratorOptions::tick seconds, from counts alone. It leaves out contact and loads on vertices,
+// which cost implicit steps as well.
 struct TickEstimate {
   double substeps = 0.0;     // explicit
   double explicit_ns = 0.0;  // ns on one core of 2024
-  double implicit_ns = 0.0;  // the same, of TR-BDF2
+  double implicit_ns = 0.0;  // ns, for TR-BDF2
   bool is_explicit = true;   // as options.kind says, or as kAutomatic chooses
 };
-// Plans explicit steps of the model as it is, and makes none.
+// Plans explicit steps of the model as it is, without making any.
 TickEstimate estimate_tick(const Model& model, const IntegratorOptions& options);
 
-// Chooses at each rebuild, from the model and IntegratorOptions::tick alone: estimates in nanoseconds, no clock, so the
-// choice is the same on every machine.
-//  - Explicit, unless TR-BDF2 is estimated at less than a quarter of its cost: at equal cost it is by far the more
-//    accurate. With clusters of local inertia, unless TR-BDF2 is estimated at less than two thirds of it.
+// Chooses an integrator at each rebuild, from the model and IntegratorOptions::tick alone. Costs are estimated in
+// nanoseconds without a clock, so the choice is the same on every machine.
+//  - Explicit, unless TR-BDF2 is estimated at less than a quarter of its cost: at equal cost explicit is by far the
+//    more accurate. With clusters of local inertia the limit is two thirds.
 //  - TR-BDF2: of the implicit schemes on the front of error against time (tests/accuracy/PLOTS.md).
-//  - Implicit Euler above a condition number of kSecondOrderCondition, where the forces at the start of a step, which
-//    the trapezoidal rule follows, are mostly rounding.
-// With TR-BDF2 the float factor from kLeastForFactorCg vertices on, where it takes 0.3 to 0.9 of the direct solver's
-// time; the direct solver on smaller sheets, which only slivers make that stiff, and with implicit Euler, as floats
-// lose such matrices.
+//  - Implicit Euler above a condition number of kSecondOrderCondition. There the forces at the start of a step, which
+//    the trapezoidal rule uses, are mostly rounding.
+// TR-BDF2 uses the float factor from kLeastForFactorCg vertices on, where it takes 0.3 to 0.9 of the direct solver's
+// time. Smaller sheets, which only slivers make that stiff, use the direct solver. So does implicit Euler, because
+// floats lose such matrices.
 class AutomaticIntegrator final : public Integrator {
  public:
   explicit AutomaticIntegrator(const IntegratorOptions& options);
@@ -51,13 +51,13 @@ class AutomaticIntegrator final : public Integrator {
   }
 
  private:
-  // Whether the integrator chosen is another one, which knows nothing of the model yet.
+  // Returns true if the chosen integrator is a new one, which has not been rebuilt for the model yet.
   bool choose(const Model& model, bool follows);
   Integrator& chosen() { return implicit_ ? *implicit_ : explicit_; }
 
   IntegratorOptions options_;
   ExplicitIntegrator explicit_;
-  std::unique_ptr<Integrator> implicit_;                 // null while the explicit integrator is the choice
+  std::unique_ptr<Integrator> implicit_;                 // null while the explicit integrator is chosen
   LinearSolverKind solver_ = LinearSolverKind::kDirect;  // of implicit_
   std::string explanation_;
 };

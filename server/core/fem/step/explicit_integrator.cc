@@ -17,7 +17,7 @@
 namespace kerf::fem {
 namespace {
 
-constexpr int kMaxRetries = 3;  // of a step that ended not finite, each with twice the substeps
+constexpr int kMaxRetries = 3;  // for a step that ended not finite, each with twice the substeps
 
 void set_pins(const Loads& loads, double time_left, State& state) {
   for (const Pin& pin : loads.pins) {
@@ -35,13 +35,13 @@ bool has_loads_on_vertices(const Loads& loads) {
   return loads.has_external_forces() || has_wind_drag(loads.wind) || has_follower_loads(loads);
 }
 
-// Tells whether there are forces that act with bending and are not in the bending matrix.
+// Returns true if there are forces that act with bending and are not in the bending matrix.
 bool has_bending_on_vertices(const Model& model, std::span<const double> bending_beta) {
   return model.has_bending() &&
          (!model.clamp_forces().forces.empty() || !model.rest_bending().rest.empty() || !is_uniform(bending_beta));
 }
 
-// What has no mass and is not held keeps its velocity.
+// Moves vertices without mass that are not held at constant velocity.
 void drift_massless(const Model& model, double duration, State& state) {
   for (std::size_t v = 0; v < model.inverse_mass().size(); ++v) {
     if (model.inverse_mass()[v] > 0.0) continue;
@@ -86,7 +86,7 @@ void ExplicitIntegrator::set_sweeps(const Model& model, bool follows) {
   };
   const bool is_mixed = options_.precision == Precision::kMixed;
   if (is_mixed) set(mixed_sweep_);
-  // Of mixed precision: where the sheet is in double now, it will be in the next step as well.
+  // A mixed-precision sheet that is in double now will be so in the next step as well.
   is_double_current_ = !is_mixed || (follows && is_double_current_ && was_in_double_);
   if (is_double_current_) {
     set(double_sweep_);
@@ -135,7 +135,8 @@ double ExplicitIntegrator::mean_acceleration(const Model& model, const Loads& lo
 
 StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, double dt, ContactConstraint* contact,
                                    State& state) {
-  // Substeps that strains at the end ask for, over those taken. A flake that a ball had torn apart asked for 350 times.
+  // Largest ratio of the substeps that the final strains need to those taken. A flake torn apart by a ball needed 350
+  // times as many.
   constexpr int kMostOutrun = 2;
   KERF_CHECK(state.x.cols() == scratch_.force.cols() && model.num_vertices() == scratch_.force.cols(),
              "rebuild() was called for this model");
@@ -167,7 +168,7 @@ StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, doubl
     if (is_mixed) {
       mixed_sweep_.step_by_displacements(quiet);
       is_mixed = advance(model, loads, plan, contact, mixed_sweep_, state) || !is_finite(state);
-      // A sheet that leaves the room of displacements is not at rest, and is stepped as ever.
+      // A sheet that leaves the range of displacements is not at rest, and is stepped as usual.
       if (quiet > 0.0 && (is_mixed ? !is_finite(state) : !mixed_sweep_.stayed_inside(plan.duration))) {
         quiet = 0.0;
         mixed_sweep_.step_by_displacements(quiet);
@@ -194,13 +195,13 @@ StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, doubl
       stats.max_strain = strain.largest;
       stats.strained_share = strain.beyond_limit;
       const bool is_kept = plan.touched || keeps_energy(model, loads, stats, state);
-      // What stretches faster than the cfl number leaves room for has outrun its substeps.
+      // A sheet that stretches faster than the cfl number allows has outrun its substeps.
       const bool is_stable = plan.h() <= critical_step(stretch_at(model, state.x).stiffening) &&
                              substeps_stretched(plan.duration, stats.max_strain) <= kMostOutrun * plan.substeps;
       if ((is_kept && is_stable) || retry == kMaxRetries) break;
     }
     go_back(state);
-    stats.flags &= ~kEnergyLimited;  // of the attempt that is thrown away
+    stats.flags &= ~kEnergyLimited;  // clears the flag of the discarded attempt
     if (retry == kMaxRetries) {
       if (is_calmed) state.v = scratch_.given;
       stats.flags |= kFrozen;
@@ -220,9 +221,9 @@ StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, doubl
 }
 
 bool ExplicitIntegrator::keeps_energy(const Model& model, const Loads& loads, StepStats& stats, State& state) const {
-  // The stable step is that of the sheet at rest; what strains it little is resolved by it.
+  // The stable step is that of the sheet at rest, and resolves small strains.
   constexpr double kSmallStrain = 0.1;  // -
-  // Verlet swings about the energy it keeps by what its step resolves of the fastest modes.
+  // The energy of Verlet oscillates, because its step does not fully resolve the fastest modes.
   constexpr double kAllowedGain = 1e-5;  // -
   if (stats.max_strain <= kSmallStrain) return true;
   const EnergyGuard::Verdict verdict =
@@ -232,7 +233,7 @@ bool ExplicitIntegrator::keeps_energy(const Model& model, const Loads& loads, St
 }
 
 bool ExplicitIntegrator::calm_clusters(const Model& model, State& state) {
-  // Swinging sheets after 5 to 100 random cuts have up to 0.001.
+  // Swinging sheets after 5 to 100 random cuts reach 0.001.
   constexpr double kMostAdded = 0.005;  // -, of the kinetic energy by the masses
   if (inertia_.empty()) return false;
   double kinetic = 0.0;
@@ -267,7 +268,7 @@ bool ExplicitIntegrator::advance(const Model& model, const Loads& loads, Plan& p
   const bool has_loads = has_loads_on_vertices(loads);
   const bool has_bending = has_bending_on_vertices(model, bending_beta_);
   if (contact != nullptr) contact->begin(state.x);
-  // Rounding of floats adds up over substeps to a drift that double does not have.
+  // Float rounding accumulates over substeps to a drift that double does not have.
   std::optional<FreeFlight> flight;
   if (std::is_same_v<T, float> && FreeFlight::holds(model, loads)) flight.emplace(model, inertia_, state);
   set_pins(loads, duration, state);
@@ -337,13 +338,13 @@ void ExplicitIntegrator::set_forces(const Model& model, const Loads& loads, cons
   add_follower_forces(model.element_blocks(), loads, state.x, f);
 }
 
-// One implicit Euler step of the spring alone, over the kick and the drift of h that follows: impulse
+// Makes one implicit Euler step of the spring alone, over the kick and the drift of h after it, with the impulse
 //   j = tau (k (target - p - h (v - v_target)) - c (v - v_target)) / (1 + w tau (h k + c)),  w = sum weight^2 / m.
 template <typename T>
 bool ExplicitIntegrator::kick_grabs(const Loads& loads, const LeapfrogKick& kick, double h, double time_left,
                                     LeapfrogSweep<T>& sweep) {
   for (const Grab& grab : loads.grabs) {
-    Eigen::Array3d p = Eigen::Array3d::Zero();  // when the drift ends
+    Eigen::Array3d p = Eigen::Array3d::Zero();  // at the end of the drift
     Eigen::Array3d v = Eigen::Array3d::Zero();
     const Eigen::Array3d w = sweep.mobility(grab);
     for (std::size_t k = 0; k < 3; ++k) {

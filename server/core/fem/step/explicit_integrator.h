@@ -13,37 +13,41 @@
 
 namespace kerf::fem {
 
-// Velocity Verlet in leapfrog form: half kick, then {drift, force, full kick}, the last kick half again, so that a step
-// begins and ends with x and v at one time. Second order, symplectic, conserves linear and angular momentum to
-// round-off where no load acts.
+// Velocity Verlet in leapfrog form: half kick, then {drift, force, full kick}. The last kick is half again, so that a
+// step begins and ends with x and v at one time. Second order, symplectic, conserves linear and angular momentum to
+// round-off if no load acts.
 //
-// Substep: h = dt / n, n >= dt / (cfl h_crit), no more above than a whole number of bending kicks asks for, h_crit = 2
-// / omega (sqrt(1 + xi^2) - xi), omega^2 = Model::stiffness_bound(); Kelvin-Voigt damping beta = 2 xi / omega with xi
-// between highest_mode_damping and kMaxModeDamping, whichever lets the material's own stiffness_damping through; of
-// several materials each has its xi, and the largest bounds the step: with K and C the sums of the elements' stiffness
-// and damping and any mode of the step, u.C u <= beta_max u.K u. Mass damping by the midpoint rule. Bending acts more
-// slowly than the membrane and kicks once in several substeps (impulse method: Grubmueller et al. 1991, "Generalized
-// Verlet algorithm for efficient molecular dynamics simulations with long-range interactions"; Tuckerman, Berne,
-// Martyna 1992): see bending_interval(). The bound is that of the sheet at rest. Stretched with Green's strain it is
-// stiffer, see GreenStretch: of that law a step begins with the substep of the sheet as it is, and is made again with
-// shorter ones where the sheet ends so stretched that they were too long. In mixed precision a step of a sheet that is
-// nearly at rest as it begins goes by displacements, or is made in double: else a stiff sheet would not come to rest.
-// A calm sheet on bodies takes kCalmSubsteps times as many substeps, and bending kicks in each: else it would creep.
-// Contact is enforced after each drift, in the last substep after the closing kick, so that what leaves the step
-// respects it.
+// Substep: h = dt / n with n >= dt / (cfl h_crit). n is no larger than needed for a whole number of bending kicks.
+//   h_crit = 2 / omega (sqrt(1 + xi^2) - xi),   omega^2 = Model::stiffness_bound().
+// Stiffness damping: Kelvin-Voigt with beta = 2 xi / omega. xi is between highest_mode_damping and kMaxModeDamping, and
+// admits the material's own stiffness_damping in that range. Each material has its own xi, and the largest bounds the
+// step. With K and C the sums of the elements' stiffness and damping, u.C u <= beta_max u.K u for any mode of the step.
+// Mass damping: midpoint rule.
+// Bending acts more slowly than the membrane and kicks once in several substeps, see bending_interval(). This is the
+// impulse method (Grubmueller et al. 1991, "Generalized Verlet algorithm for efficient molecular dynamics simulations
+// with long-range interactions"; Tuckerman, Berne, Martyna 1992).
+// Stretch: the bound holds for the sheet at rest. A sheet stretched with Green's strain is stiffer, see GreenStretch.
+// Its step starts with the substep of the sheet as it is. It is repeated with shorter substeps if the sheet ends too
+// stretched for them.
+// Mixed precision: a step of a sheet nearly at rest works on displacements or in double. Otherwise a stiff sheet would
+// not come to rest.
+// Calm sheets on bodies take kCalmSubsteps times as many substeps, and bending kicks in each. Otherwise they would
+// creep.
+// Contact is enforced after each drift, in the last substep after the closing kick, so that the final state respects
+// it.
 class ExplicitIntegrator final : public Integrator {
  public:
-  // Damping ratio of the fastest mode, -, above which the stable step shrinks faster than damping is worth.
+  // Largest damping ratio of the fastest mode, -. Above it the stable step shrinks faster than damping is worth.
   static constexpr double kMaxModeDamping = 0.3;
-  // -, substeps of a calm sheet on bodies, over those of others. The fastest modes swing at the pace of the substeps at
-  // the edge of stability. Bodies, which push once in each, keep them going, and friction lets go. Measured: drapes
-  // that crept or trembled for good with 1 and 1.25 come to rest with 1.5.
+  // -, ratio of the substeps of a calm sheet on bodies to those of others. At the edge of stability the fastest modes
+  // swing at the pace of the substeps. Bodies, which push once in each, keep them going, and friction lets go.
+  // Measured: drapes that crept or trembled for good with 1 and 1.25 come to rest with 1.5.
   static constexpr double kCalmSubsteps = 1.5;
 
   explicit ExplicitIntegrator(const IntegratorOptions& options) : options_(options) {}
 
-  // Stable step, damping and clusters alone, for planned_substeps(); `follows`: after one Model::follow since the call
-  // before. To be completed by set_up() before a step.
+  // Computes only the stable step, damping and clusters, for planned_substeps(). `follows` is true after exactly one
+  // Model::follow since the previous call. set_up() must complete it before a step.
   void plan(const Model& model, bool follows);
   void set_up(const Model& model, bool follows);
   void rebuild(const Model& model) override;
@@ -55,15 +59,15 @@ class ExplicitIntegrator final : public Integrator {
   [[nodiscard]] std::optional<LocalInertiaStats> local_inertia(double dt) const override;
   [[nodiscard]] TickCost expected_cost(const Model& model, double dt, const TickCounts& last) const override;
 
-  // Substeps a step of dt takes at least.
+  // Returns the least number of substeps of a step of dt.
   [[nodiscard]] double planned_substeps(double dt) const;
-  // Substeps of h from one kick of the bending forces to the next, n <= kMaxBendingInterval, in a sheet of which the
-  // largest strain in tension is as given, -. Kicks are stable by themselves where n h omega_b < 2, omega_b^2 =
-  // Model::bending_stiffness_bound(), or the bending limit of clusters. A mode that oscillates with Omega between them
-  // is in resonance where n h Omega is a multiple of pi, and then grows by up to (n h omega_b)^2 / (2 n h Omega) a
-  // kick: most by half a swing, Omega = pi / (n h). Modes of the membrane lose n h xi Omega^2 / omega to damping, which
-  // is to be twice that. Those that tension alone swings, Omega^2 <= strain omega^2, are not damped, and must not come
-  // near half a swing.
+  // Returns the number n <= kMaxBendingInterval of substeps of h from one kick of the bending forces to the next.
+  // `strain`, -, is the largest strain in tension. Let omega_b^2 be Model::bending_stiffness_bound(), or the bending
+  // limit of clusters. Kicks are stable by themselves if n h omega_b < 2. A mode that oscillates with Omega between
+  // kicks is in resonance if n h Omega is a multiple of pi. It then grows by up to (n h omega_b)^2 / (2 n h Omega) a
+  // kick. Growth is largest at half a swing, Omega = pi / (n h). Modes of the membrane lose n h xi Omega^2 / omega to
+  // damping, which must be twice the growth. Modes driven by tension alone, Omega^2 <= strain omega^2, are not damped,
+  // and must stay away from half a swing.
   [[nodiscard]] int bending_interval(double h, double strain) const;
   [[nodiscard]] const LocalInertia& inertia() const { return inertia_; }
 
@@ -72,13 +76,13 @@ class ExplicitIntegrator final : public Integrator {
 
   struct Scratch {
     mesh::VertexField force;  // 3 x V, N
-    State start;              // to go back to
+    State start;              // for go_back()
     mesh::VertexField given;  // 3 x V, m/s, before calm_clusters()
   };
   struct Plan {
     double duration = 0.0;  // s
     int substeps = 0;
-    double tension = 0.0;  // -, of Green's strain: see GreenStretch; else 0, what it is is seen as the step begins
+    double tension = 0.0;  // -, of Green's strain: see GreenStretch; otherwise 0, and measured as the step begins
     int load_phases = 0;   // see StepStats
     int cluster_pushes = 0;
     int bending_interval = 0;
@@ -88,84 +92,87 @@ class ExplicitIntegrator final : public Integrator {
     [[nodiscard]] double h() const { return duration / substeps; }  // s
   };
 
-  // -, (0, 1), of the stable step. Less where nothing takes from the fastest modes what others of a sheet that strains
-  // a little everywhere put into them.
+  // -, (0, 1), fraction of the stable step. It is smaller if the fastest modes have no damping, because other modes of
+  // a sheet strained a little everywhere feed them.
   [[nodiscard]] double cfl() const;
-  // s, of a sheet so many times as stiff as at rest; infinite without material.
+  // s, for a sheet `stiffening` times as stiff as at rest; infinite without material.
   [[nodiscard]] double critical_step(double stiffening) const;
-  // Frequencies of the fastest modes that the sheet had as built, from its edges and materials alone.
+  // Frequencies of the fastest modes of the sheet as built, from its edges and materials alone.
   struct Reference {
     double omega = 0.0;          // 1/s, of the membrane and bending
     double bending_omega = 0.0;  // 1/s, of bending
   };
   [[nodiscard]] static Reference reference(const Model& model);
-  // Sets beta_, xi_ and the like for omega_; damping_ratio: see IntegratorOptions::highest_mode_damping.
+  // Sets beta_, xi_ and related members for omega_. For `damping_ratio` see IntegratorOptions::highest_mode_damping.
   void set_damping(const Model& model, double damping_ratio);
-  // Lengthens the step to what clusters allow, and returns their terms, or nothing where none are wanted. Both follow
-  // from the model alone, so that an undo gives them back.
+  // Lengthens the step to what clusters allow and returns their terms, or nothing if no clusters are needed. Both
+  // follow from the model alone, so an undo restores them.
   [[nodiscard]] std::optional<InertiaTerms> inertia_terms(const Model& model);
-  // Lets bending act in every third substep in spite of a few small triangles, where the membrane needs no clusters.
+  // Returns terms that let bending act in every third substep despite a few small triangles. Applies if the membrane
+  // needs no clusters.
   [[nodiscard]] std::optional<InertiaTerms> inertia_terms_of_bending(const Model& model, const Reference& built);
-  // Adds what kicks of bending want in steps of up to h, s, and sets bending_omega_; adds nothing where bending is to
-  // act in every substep. built_omega: 1/s, of the bending of what need not be stiff.
+  // Adds the terms for kicks of bending in steps of up to h, s, and sets bending_omega_. Adds nothing if bending acts
+  // in every substep. built_omega: 1/s, of the bending outside the stiff parts.
   void add_terms_of_kicks(double h, double built_omega, InertiaTerms& terms);
   void resize(const Model& model);
   void set_sweeps(const Model& model, bool follows);
   void go_back(State& state) const;
-  // Gives clusters the momentum that their vertices have by the masses alone, where relative motion inside of them
-  // adds a share to the kinetic energy that swinging sheets do not have: noise of single vertices. That energy would
-  // else come out as motion of the masses. Returns whether it did; the velocities given are then in scratch_.given.
+  // Sets the velocities of clusters to those given by the momentum of the masses alone, if their relative motion is
+  // noise of single vertices. It is noise if it adds a larger share to the kinetic energy than in swinging sheets. Its
+  // energy would otherwise turn into motion of the masses. Returns true if it did so; the original velocities are then
+  // in scratch_.given.
   bool calm_clusters(const Model& model, State& state);
-  // What step() returns where it was ended.
+  // Returns the result of a step that was interrupted.
   StepStats interrupt(bool is_calmed, State& state) const;
-  // m/s, below which motion is not far above the noise of mixed precision: strains of that noise make waves, which move
-  // at the strain times the speed of waves, however fine the mesh is. 0 where the sheet is faster. A sheet that lies
-  // still counts as fast where its mean acceleration makes it so within dt, s.
+  // m/s, speed below which motion is not far above the noise of mixed precision. Strains of that noise make waves,
+  // which move at the strain times the wave speed, however fine the mesh is. Returns 0 if the sheet is faster. A sheet
+  // at rest counts as fast if its mean acceleration makes it so within dt, s.
   [[nodiscard]] double quiet_speed(const Model& model, const Loads& loads, double dt, const State& state);
-  // m/s^2, magnitude of all forces on what is not held over the mass of the sheet. Grabs and contact are left out.
+  // m/s^2, magnitude of all forces on free components over the mass of the sheet. Leaves out grabs and contact.
   // Overwrites scratch_.force.
   [[nodiscard]] double mean_acceleration(const Model& model, const Loads& loads, double dt, const State& state);
-  // Whether the substeps resolved the motion well enough; else its energy is limited.
+  // Returns true if the substeps resolved the motion well enough; otherwise limits its energy.
   bool keeps_energy(const Model& model, const Loads& loads, StepStats& stats, State& state) const;
-  // Of the co-rotational law: what the step takes of a sheet that is stretched, -, so much that irregular meshes are
-  // stiffer than at rest; 0 where it is not.
+  // Returns the substeps for a sheet with the co-rotational law and this strain, -, at which irregular meshes are
+  // stiffer than at rest. Returns 0 for smaller strains.
   [[nodiscard]] int substeps_stretched(double duration, double strain) const;
-  // Substeps of the plan that would be `substeps` of a sheet that is not calm.
+  // Returns the substeps of the plan; `substeps` is the number for a sheet that is not calm.
   [[nodiscard]] int with_calm_share(const Plan& plan, int substeps) const;
-  // The longest interval, no longer than `longest`, of which a step can have a whole number at the cost of a twentieth
-  // more substeps: the last one of a step, if it were shorter, would beat with modes of the step's own pace.
+  // Returns the longest interval, at most `longest`, of which a step can have a whole number for at most a twentieth
+  // more substeps. A shorter last interval in each step would beat with modes at the pace of the steps.
   [[nodiscard]] int even_interval(int substeps, int longest) const;
-  // -, steps of dt below `longest`, s; at least 1.
+  // -, number of steps of dt below `longest`, s; at least 1.
   [[nodiscard]] static double substeps_below(double longest, double dt);
-  // At least so many, of a sheet with that tension, -, as many as bending kicks of one length want. Returns the
+  // Plans at least so many substeps for a sheet with that tension, -, and makes bending kicks equally long. Returns the
   // interval of these kicks.
   int set_substeps(const Model& model, int least, double tension, Plan& plan) const;
-  // Of at least the plan's substeps: those made are put into it. False: the precision of the sweep does not do.
+  // Makes at least the plan's substeps and stores their number in the plan. Returns false if the precision of the sweep
+  // is not sufficient.
   template <typename T>
   bool advance(const Model& model, const Loads& loads, Plan& plan, ContactConstraint* contact, LeapfrogSweep<T>& sweep,
                State& state);
-  // Into scratch_.force, those of bending as their impulse wants.
+  // Sets scratch_.force to the forces of a kick, those of bending scaled for their impulse.
   void set_forces(const Model& model, const Loads& loads, const LeapfrogKick& kick, const State& state);
   template <typename T>
   static bool kick_grabs(const Loads& loads, const LeapfrogKick& kick, double h, double time_left,
                          LeapfrogSweep<T>& sweep);
 
   IntegratorOptions options_;
-  // Of the model of the last rebuild, at rest.
+  // For the model of the last rebuild, at rest.
   double omega_ = 0.0;                // 1/s
   double largest_xi_ = 0.0;           // -
   double critical_step_ = 0.0;        // s, > 0
-  double plain_step_ = 0.0;           // s, > 0, the longest without clusters
-  double fastest_wave_ = 0.0;         // m/s, of stretching, in the stiffest material that a triangle has
+  double plain_step_ = 0.0;           // s, > 0, longest step without clusters
+  double fastest_wave_ = 0.0;         // m/s, of stretching, in the stiffest material of any triangle
   std::vector<double> beta_;          // s, of the membrane, one a material
-  std::vector<double> bending_beta_;  // s, the materials' own alone: see bending_forces.h
-  double xi_ = 0.0;                   // -, the least
-  double bending_omega_ = 0.0;        // 1/s, of bending, of what is not stiff where there are clusters
+  std::vector<double> bending_beta_;  // s, damping times of the materials only: see bending_forces.h
+  double xi_ = 0.0;                   // -, the smallest
+  double bending_omega_ = 0.0;        // 1/s, of bending; with clusters, outside the stiff parts
   LocalInertia inertia_;
   MembraneLayout layout_;
-  LeapfrogSweep<double> double_sweep_;  // of mixed precision: where that does not do
+  LeapfrogSweep<double> double_sweep_;  // for steps that mixed precision cannot hold
   bool is_double_current_ = false;
-  bool was_in_double_ = false;  // the last step
+  bool was_in_double_ = false;  // the last step was in double
   LeapfrogSweep<float> mixed_sweep_;
   Scratch scratch_;
   std::string explanation_;

@@ -10,19 +10,19 @@
 #include <utility>
 #include <vector>
 
-// Members of ExplicitIntegrator that derive from a model, before any step, the stable step, damping, clusters and the
-// intervals of bending.
+// Members of ExplicitIntegrator that derive plans from a model before any step: the stable step, damping, clusters and
+// the intervals of bending.
 namespace kerf::fem {
 namespace {
 
 constexpr double kLongestKick = 1.4;  // rad, of bending
 
-// m/s, of stretching.
+// Returns the speed of stretching waves, m/s.
 double wave_speed(const MaterialLaw& law) {
   return std::sqrt(law.membrane.diagonal().maxCoeff() / law.surface_density);
 }
 
-// visit(law) of each material that a triangle has.
+// Calls visit(law) for each material of any triangle.
 template <typename Visit>
 void for_each_material(const Model& model, const Visit& visit) {
   const MaterialTable& materials = model.materials();
@@ -36,14 +36,14 @@ void for_each_material(const Model& model, const Visit& visit) {
   }
 }
 
-// In the stiffest material that a triangle has.
+// Returns the wave speed in the stiffest material of any triangle.
 double fastest_wave(const Model& model) {
   double fastest = 0.0;
   for_each_material(model, [&](const MaterialLaw& law) { fastest = std::max(fastest, wave_speed(law)); });
   return fastest;
 }
 
-// s, of all materials; 0 where there is none.
+// Returns the largest damping time of all materials, s; 0 if there is none.
 double longest(const std::vector<double>& beta) {
   return beta.empty() ? 0.0 : *std::max_element(beta.begin(), beta.end());
 }
@@ -51,7 +51,7 @@ double longest(const std::vector<double>& beta) {
 }  // namespace
 
 ExplicitIntegrator::Reference ExplicitIntegrator::reference(const Model& model) {
-  // Sums of absolute values of a row at an inner vertex of a grid of squares with parallel diagonals.
+  // Absolute row sums at an inner vertex of a grid of squares with parallel diagonals.
   constexpr double kMembraneRow = 8.0;  // of L
   constexpr double kBendingRow = 64.0;  // of Q, over D / length^2
   const double edge = model.typical_edge_length();
@@ -87,21 +87,21 @@ void ExplicitIntegrator::plan(const Model& model, bool follows) {
 }
 
 std::optional<InertiaTerms> ExplicitIntegrator::inertia_terms(const Model& model) {
-  // -, frequencies of the shortest step over those of the sheet as built. Longer steps err more, above all once cuts
-  // cross: see "Random cuts" in tests/bench/README.md.
+  // -, ratio of the frequencies of the shortest step to those of the sheet as built. Longer steps err more, above all
+  // once cuts cross: see "Random cuts" in tests/bench/README.md.
   constexpr double kNominal = 2.3;
-  // -, of curved rest shapes, whose cuts make larger clusters: the facets' edges are sharp bends of tiny triangles.
+  // -, for curved rest shapes. Their cuts make larger clusters: the facets' edges are sharp bends of tiny triangles.
   constexpr double kCurved = 3.5;
-  // -, least damping ratio of the fastest mode as built: without damping slivers that crumple gain energy.
+  // -, least damping ratio of the fastest mode as built. Slivers that crumple gain energy without damping.
   constexpr double kLeastDamping = 0.05;
-  constexpr double kTwice = 0.5;  // alpha without damping, twice the least stable one
+  constexpr double kTwice = 0.5;  // alpha without damping, twice the smallest stable one
   const Reference built = reference(model);
   if (!options_.has_local_inertia || !(built.omega > 0.0)) return std::nullopt;
   const double nominal = model.rest_bending().rest.empty() ? kNominal : kCurved;
   if (omega_ <= nominal * built.omega) return inertia_terms_of_bending(model, built);
 
   omega_ = nominal * built.omega;
-  // The damping time is that of the sheet as built, not that of modes so many times as fast.
+  // The damping time is that of the sheet as built, not that of the much faster modes.
   const double damping_ratio = nominal * std::max(options_.highest_mode_damping, kLeastDamping);
   set_damping(model, std::min(damping_ratio, kMaxModeDamping));
   critical_step_ = critical_step(1.0);
@@ -114,12 +114,12 @@ std::optional<InertiaTerms> ExplicitIntegrator::inertia_terms(const Model& model
 }
 
 std::optional<InertiaTerms> ExplicitIntegrator::inertia_terms_of_bending(const Model& model, const Reference& built) {
-  // Steps for which the terms are made are these times apart, so that most cuts leave the terms as they are.
+  // Ratio of consecutive steps for which terms are made, so that most cuts leave the terms as they are.
   constexpr double kApart = 1.2;
-  // -, frequencies of bending that are not stiff, over those of the sheet as built.
+  // -, ratio of the frequencies of bending outside the stiff parts to those of the sheet as built.
   constexpr double kHeadroom = 2.3;
   if (!model.has_bending() || !(omega_ > 0.0) || bending_interval(plain_step_, 0.0) > 1) return std::nullopt;
-  double pace = 1.0;  // of the fastest modes in that step, over those of the sheet as built
+  double pace = 1.0;  // ratio of the fastest modes in that step to those of the sheet as built
   while (pace * built.omega > omega_) pace /= kApart;
   while (pace * kApart * built.omega <= omega_) pace *= kApart;
   InertiaTerms terms;
@@ -134,7 +134,7 @@ std::optional<InertiaTerms> ExplicitIntegrator::inertia_terms_of_bending(const M
 
 void ExplicitIntegrator::add_terms_of_kicks(double h, double built_omega, InertiaTerms& terms) {
   constexpr double kBelow = 0.999;  // -
-  // Substeps between kicks of bending. With more, clusters become larger, and a tick hardly cheaper.
+  // Substeps between kicks of bending. More of them enlarge the clusters, and a tick hardly becomes cheaper.
   constexpr int kMostWithClusters = 3;
   const double bound = bending_omega_;
   bending_omega_ = built_omega;
@@ -142,7 +142,7 @@ void ExplicitIntegrator::add_terms_of_kicks(double h, double built_omega, Inerti
   bending_omega_ = bound;
   if (interval == 1) return;
   const double kick = interval * h;
-  // Kicks are stable by themselves, and damped where modes swing at their pace: see bending_interval().
+  // Kicks are stable by themselves, and damped if modes swing at their pace: see bending_interval().
   const double damped = std::pow(std::numbers::pi, 3) * xi_ / (kick * omega_);
   terms.bending_limit = kBelow * std::min(kLongestKick * kLongestKick, damped) / (kick * kick);
   terms.added.bending = (1.0 + 2.0 * longest(bending_beta_) / kick) / terms.bending_limit;
@@ -175,9 +175,9 @@ double ExplicitIntegrator::critical_step(double stiffening) const {
 }
 
 double ExplicitIntegrator::cfl() const {
-  // A sheet shaken until it held 360 J of waves, undamped, then left alone, blew up with 0.95 and 0.92, gained 2 % of
-  // its energy a second with 0.85, 0.5 % with 0.78 and 0.2 % with 0.7; with 0.95 and a damping ratio of 0.002 it came
-  // to rest.
+  // Measured on an undamped sheet, shaken until it held 360 J of waves, then left alone. It blew up with 0.95 and 0.92.
+  // It gained 2 % of its energy a second with 0.85, 0.5 % with 0.78 and 0.2 % with 0.7. With 0.95 and a damping ratio
+  // of 0.002 it came to rest.
   constexpr double kUndampedCfl = 0.7;     // -
   constexpr double kDampingRatio = 0.002;  // -
   return xi_ < kDampingRatio ? std::min(options_.cfl, kUndampedCfl) : options_.cfl;
@@ -213,7 +213,7 @@ TickCost ExplicitIntegrator::expected_cost(const Model& model, double dt, const 
 }
 
 int ExplicitIntegrator::bending_interval(double h, double strain) const {
-  constexpr double kLongestSwing = 2.2;  // rad: with kicks of 1.4, modes swung by tension are stable up to here
+  constexpr double kLongestSwing = 2.2;  // rad: with kicks of 1.4, modes driven by tension are stable up to here
   constexpr double kPi = std::numbers::pi;
   for (int interval = kMaxBendingInterval; interval > 1; --interval) {
     const double bending_angle = interval * h * bending_omega_;
@@ -227,7 +227,7 @@ int ExplicitIntegrator::bending_interval(double h, double strain) const {
 }
 
 int ExplicitIntegrator::substeps_stretched(double duration, double strain) const {
-  constexpr double kLittle = 0.25;         // -: up to here the cfl number has room for it
+  constexpr double kLittle = 0.25;         // -; the cfl number has enough margin up to here
   constexpr double kStiffening = 1.0 / 8;  // -, of omega per strain: 0.5 and 1 take 1.06 and 1.09 times, 2 takes 1.19
   if (strain <= kLittle) return 0;
   const double wanted = substeps_below(cfl() * critical_step_ / (1.0 + kStiffening * strain), duration);

@@ -12,8 +12,8 @@
 namespace kerf::fem {
 namespace {
 
-// See EnergyGuard::enforce: what the tolerance of solves may leave in a step, little enough that a thousand steps with
-// as much still keep within 1e-4; and how far the one scheme that damps nothing swings.
+// Returns the allowed gain of EnergyGuard::enforce. The tolerance of solves may leave 1e-7 in a step; even a thousand
+// such steps stay within 1e-4. The trapezoidal rule, which does not damp, oscillates further.
 double allowed_gain(IntegratorKind kind) {
   return kind == IntegratorKind::kTrapezoidal ? 1e-2 : 1e-7;
 }
@@ -116,10 +116,10 @@ StepStats ImplicitIntegrator::step(const Model& model, const Loads& loads, doubl
       stats.interrupted = true;
       return stats;
     }
-    const bool is_taken = i == last || attempt.is_majorized;  // whatever it has gained
+    const bool is_taken = i == last || attempt.is_majorized;  // regardless of its gain
     if (done && contact == nullptr) done = keep_energy(model, loads, attempt.kind, state, stats) || is_taken;
     if (done) break;
-    stats.flags &= ~(kEnergyLimited | kNotConverged);  // of the attempt that is thrown away
+    stats.flags &= ~(kEnergyLimited | kNotConverged);  // clears the flags of the discarded attempt
     state.x = scratch_.start.x;
     state.v = scratch_.start.v;
   }
@@ -164,7 +164,7 @@ bool ImplicitIntegrator::try_step(const Model& model, const Loads& loads, const 
   return true;
 }
 
-// False: another attempt may do better.
+// Returns false if another attempt may do better.
 bool ImplicitIntegrator::keep_energy(const Model& model, const Loads& loads, IntegratorKind kind, State& state,
                                      StepStats& stats) const {
   const EnergyGuard::Verdict verdict =
@@ -188,12 +188,13 @@ bool ImplicitIntegrator::advance(const Model& model, const Loads& loads, const S
   }
 }
 
-// From `start` on for t (s), gravity making t2 (s^2) times itself of way.
+// Sets the ballistic end of a stage that leaves `start` for t (s). t2 (s^2) is the factor of gravity in the
+// displacement.
 void ImplicitIntegrator::set_ballistic(const State& start, double t, double t2, const Eigen::Vector3d& gravity) {
   scratch_.stage.ballistic = (start.x + t * start.v).colwise() + t2 * gravity;
 }
 
-// The stage of the trapezoidal rule that begins at `start`, scratch_.stage.d being half of its length.
+// Sets the stage of the trapezoidal rule that begins at `start`; scratch_.stage.d is half of its length.
 void ImplicitIntegrator::begin_trapezoidal(const Model& model, const Loads& loads, double time_left,
                                            const State& start) {
   Stage& stage = scratch_.stage;
@@ -286,7 +287,7 @@ bool ImplicitIntegrator::advance_bdf2(const Model& model, const Loads& loads, co
     stage.momentum = model.momentum(stage.base).linear;
     set_ballistic(stage.base, stage.d, stage.d * stage.d, loads.gravity);
     stage.time_left = substep.time_left;
-    evaluate_constant_force(model, loads, stage.d, stage.base, stats);  // drag is limited by what it acts on
+    evaluate_constant_force(model, loads, stage.d, stage.base, stats);  // drag is limited by the masses it acts on
     if (!solver_.solve(model, loads, scratch_.constant, stage, state, stats)) return false;
   }
   before.x = start.x;

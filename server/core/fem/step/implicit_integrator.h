@@ -8,19 +8,21 @@
 
 namespace kerf::fem {
 
-// Counts a tick of steps by these options, whose kind is an implicit one, after a tick like `last`.
+// Estimates the cost of a tick with these options, whose kind is implicit, after a tick like `last`.
 TickCost implicit_cost(const Model& model, const IntegratorOptions& options, const TickCounts& last);
 
-// Implicit Euler, TR-BDF2 (Bank et al. 1985, gamma = 2 - sqrt 2: both stages share one d = gamma h / 2), the
-// trapezoidal rule, all of one substep a step, or BDF2 of kBdf2Substeps. A step that finds no finite solution, or ends
-// with too much energy (see EnergyGuard), is thrown away: one of second order, where its fast iteration failed too, is
-// made by implicit Euler, which damps, and one of implicit Euler in twice the substeps. Where no number of them does,
-// one linear step on a bound of the energy takes their place (StageSolver::solve_majorized), which cannot gain any, but
-// damps far more; where that does not hold, with contact among others, the last attempt is taken, stopped by the guard.
-// Wind drag is taken at the start of each substep, everything else at its end.
+// Implicit Euler, TR-BDF2 (Bank et al. 1985, gamma = 2 - sqrt 2: both stages share one d = gamma h / 2) and the
+// trapezoidal rule, with one substep a step. BDF2 has kBdf2Substeps. A step fails if it finds no finite solution or
+// ends with too much energy (see EnergyGuard). A failed step is discarded and repeated:
+//   - A step of second order, which also fails if its fast iteration does, becomes an implicit Euler step, which damps.
+//   - An implicit Euler step is made in twice the substeps.
+//   - If no number of substeps succeeds, one linear step on a bound of the energy replaces them
+//     (StageSolver::solve_majorized). It cannot gain energy, but damps far more.
+//   - If that does not apply, with contact among others, the last attempt is accepted, stopped by the guard.
+// Wind drag is evaluated at the start of each substep, everything else at its end.
 class ImplicitIntegrator final : public Integrator {
  public:
-  // options.kind: neither kAutomatic nor kExplicit.
+  // options.kind must be neither kAutomatic nor kExplicit.
   explicit ImplicitIntegrator(const IntegratorOptions& options);
 
   void rebuild(const Model& model) override;
@@ -37,7 +39,7 @@ class ImplicitIntegrator final : public Integrator {
   struct Scratch {
     State start;  // of the step
     State substep_start;
-    State before;                // where the substep before began; BDF2 alone
+    State before;                // start of the previous substep; BDF2 only
     mesh::VertexField force;     // 3 x V, N
     mesh::VertexField constant;  // 3 x V, N: external forces and wind
     mesh::VertexField damped;    // 3 x V, m
@@ -47,13 +49,13 @@ class ImplicitIntegrator final : public Integrator {
   struct Attempt {
     IntegratorKind kind;
     int substeps;
-    bool is_majorized = false;  // the whole step at once
+    bool is_majorized = false;  // the whole step in one solve
   };
   struct Substep {
     IntegratorKind kind;
     int index = 0;           // from 0
     double h = 0.0;          // s
-    double time_left = 0.0;  // s, of the step after it
+    double time_left = 0.0;  // s, from the end of the substep to the end of the step
     bool is_majorized = false;
   };
 
@@ -61,11 +63,12 @@ class ImplicitIntegrator final : public Integrator {
   [[nodiscard]] int num_attempts() const {
     return options_.max_halvings + (options_.kind == IntegratorKind::kImplicitEuler ? 1 : 2);
   }
-  // After the last of num_attempts() the majorised one; should that fail, the last once more.
+  // Returns the attempt after so many failures. The one after the last of num_attempts() is majorised; if that fails,
+  // the last is made once more.
   [[nodiscard]] Attempt attempt_after(int failures) const;
   bool try_step(const Model& model, const Loads& loads, const Attempt& attempt, double dt, ContactConstraint* contact,
                 State& state, StepStats& stats);
-  // How many substeps a step has before it is divided.
+  // Number of substeps of a step before it is divided.
   [[nodiscard]] int num_substeps() const { return options_.kind == IntegratorKind::kBdf2 ? kBdf2Substeps : 1; }
   bool keep_energy(const Model& model, const Loads& loads, IntegratorKind kind, State& state, StepStats& stats) const;
   bool advance(const Model& model, const Loads& loads, const Substep& substep, State& state, StepStats& stats);
@@ -77,7 +80,7 @@ class ImplicitIntegrator final : public Integrator {
                            StepStats& stats);
   bool advance_bdf2(const Model& model, const Loads& loads, const Substep& substep, State& state, StepStats& stats);
   void evaluate_constant_force(const Model& model, const Loads& loads, double h, const State& state, StepStats& stats);
-  // Into scratch_.force: acceleration at `state`, m/s^2, 0 where the mass is 0.
+  // Sets scratch_.force to the acceleration at `state`, m/s^2, 0 where the mass is 0.
   void evaluate_acceleration(const Model& model, const Loads& loads, double time_left, const State& state);
 
   IntegratorOptions options_;

@@ -18,27 +18,27 @@ namespace kerf::fem {
 
 enum StepFlags : std::uint32_t {
   kNoFlags = 0,
-  kNotConverged = 1U << 0,  // Newton or the linear solver stopped above its tolerance; the step was still accepted
-  kSubstepped = 1U << 1,    // more substeps than planned: a bad trial was thrown away and the step divided
-  kSubstepLimit = 1U << 2,  // stability asks for more than max_substeps: the step covers less time than dt was asked to
-  kFrozen = 1U << 3,        // no finite step was found: the state is as it was before
-  kRepaired = 1U << 4,      // the fast nonlinear iteration failed; a line-searched one took its place
+  kNotConverged = 1U << 0,   // Newton or the linear solver stopped above its tolerance; the step was still accepted
+  kSubstepped = 1U << 1,     // more substeps than planned: a failed attempt was discarded and the step divided
+  kSubstepLimit = 1U << 2,   // stability needs more than max_substeps: the step covers less time than dt
+  kFrozen = 1U << 3,         // no finite step was found: the state is as it was before
+  kRepaired = 1U << 4,       // the fast nonlinear iteration failed; a line-searched one replaced it
   kEnergyLimited = 1U << 5,  // the step would have ended with more energy than it began with: see EnergyGuard
-  kWidened = 1U << 6,  // the sheet was too large, too fast or a triangle too flat for mixed precision: made in double
-  kDamped = 1U << 7,   // a step of second order failed: implicit Euler's took its place
+  kWidened = 1U << 6,        // too large, too fast or too flat for mixed precision: made in double
+  kDamped = 1U << 7,         // a step of second order failed: implicit Euler replaced it
   kMajorized =
-      1U << 8,  // no attempt was finite and kept the energy: one linear step that cannot gain any took their place
+      1U << 8,  // no attempt was finite and kept the energy: one linear step that cannot gain any replaced them
   kInsideBody =
-      1U << 9,  // the step began with vertices inside a body, deeper than the sheet is thick: brought out slowly
+      1U << 9,  // the step began with vertices inside a body, deeper than the sheet is thick: moved out slowly
 };
 
-// In the order of their bits; what metrics and results call them.
+// Names of the flags in metrics and results, in the order of their bits.
 inline constexpr std::array<std::string_view, 10> kStepFlagNames{
     "not_converged",  "substepped", "substep_limit", "frozen",    "repaired",
     "energy_limited", "widened",    "damped",        "majorized", "inside_body"};
 static_assert(kInsideBody == 1U << (kStepFlagNames.size() - 1));
 
-// Steps that reported each flag, by bit.
+// Number of steps that reported each flag, by bit.
 using FlagCounts = std::array<std::int64_t, kStepFlagNames.size()>;
 inline void count_flags(std::uint32_t flags, FlagCounts& counts) {
   for (std::size_t bit = 0; bit < counts.size(); ++bit) counts[bit] += flags >> bit & 1U;
@@ -46,26 +46,26 @@ inline void count_flags(std::uint32_t flags, FlagCounts& counts) {
 
 inline constexpr double kWorstLinearResidual = 1e6;
 
-// What a step did. Degradation is a value: the caller decides what it means.
+// Statistics of a step. Degradation is reported as a value, and the caller decides how to treat it.
 struct StepStats {
   std::uint32_t flags = kNoFlags;
   int substeps = 0;
   int newton_iterations = 0;  // summed over substeps
   int linear_iterations = 0;  // summed over Newton iterations
-  // Largest relative residual |b - A x| / |b| of a linear solve, recomputed from x; kWorstLinearResidual stands for
-  // anything beyond.
+  // Largest relative residual |b - A x| / |b| of a linear solve, recomputed from x; at most kWorstLinearResidual.
   double linear_residual = 0.0;
   double residual = 0.0;    // largest final Newton residual of a substep, relative (see IntegratorOptions); 0: explicit
   double max_strain = 0.0;  // -, largest |principal strain| at the end of the step
-  double strained_share = 0.0;  // -, share of the area beyond Material::strain_limit then: see StrainExtent
-  double simulated = 0.0;       // s, time the state advanced: dt, 0 when frozen, less than dt with kSubstepLimit
-  // Times that forces on vertices were summed that are neither of the membrane nor linear in positions: external ones,
-  // wind, follower loads, clamps, a curved rest shape. Of implicit integrators, of wind alone. 0 where there are none.
+  double strained_share = 0.0;  // -, share of the area beyond Material::strain_limit at the end: see StrainExtent
+  double simulated = 0.0;       // s, time the state advanced: dt, 0 if frozen, less than dt with kSubstepLimit
+  // Number of evaluations of forces on vertices that are neither of the membrane nor linear in positions. These are
+  // external forces, wind, follower loads, clamps and a curved rest shape. Implicit integrators count wind only. 0
+  // without such forces.
   int load_phases = 0;
-  int cluster_pushes = 0;    // times that bodies pushed a cluster of local inertia
+  int cluster_pushes = 0;    // number of times that bodies pushed a cluster of local inertia
   int bending_interval = 0;  // explicit: substeps from one kick of bending to the next
   bool is_double = false;    // explicit: made in double precision
-  bool interrupted = false;  // ended early, see Integrator::heed: the state is as it was before, nothing else holds
+  bool interrupted = false;  // stopped early, see Integrator::heed: the state is unchanged, all else is invalid
 };
 
 // Clusters of vertices that cuts made stiff: see LocalInertia.
@@ -73,7 +73,7 @@ struct LocalInertiaStats {
   int clusters = 0;  // >= 1
   int vertices = 0;  // of all clusters
   int largest = 0;   // vertices of one cluster
-  // Substeps a step takes at least, and how many it would take without clusters, whatever the limit is.
+  // Least number of substeps of a step with clusters and without them, regardless of the limit.
   double planned_substeps = 0.0;
   double plain_substeps = 0.0;
 };
@@ -83,12 +83,12 @@ enum class IntegratorKind {
   kExplicit,       // velocity Verlet (leapfrog) with stable substeps: second order, symplectic, hardly any damping
   kImplicitEuler,  // first order, strongly damped, robust
   kTrBdf2,         // trapezoidal rule + BDF2, second order, L-stable; two solves a step
-  kTrapezoidal,  // second order, conserves the energy of a linear sheet, damps nothing: what it does not resolve rings
-  kBdf2,         // second order, L-stable; kBdf2Substeps solves a step. Begins anew each step, no state having history:
-                 // the first substep is of the trapezoidal rule
+  kTrapezoidal,    // second order, conserves the energy of a linear sheet, no damping: unresolved modes ring
+  kBdf2,  // second order, L-stable; kBdf2Substeps solves a step. Restarts each step with a trapezoidal substep,
+          // because the state has no history
 };
 
-inline constexpr int kBdf2Substeps = 4;  // a step
+inline constexpr int kBdf2Substeps = 4;  // per step
 
 enum class Precision {
   kDouble,
@@ -97,64 +97,65 @@ enum class Precision {
 
 struct IntegratorOptions {
   IntegratorKind kind = IntegratorKind::kAutomatic;
-  double tick = 1.0 / 60.0;  // s, the dt that step() will be called with; kAutomatic's estimate only
+  double tick = 1.0 / 60.0;  // s, the dt that step() will be called with; only for kAutomatic's estimate
 
-  // Explicit. Substep <= cfl * stable step; at most 0.7 of it without damping.
+  // Explicit. Substep <= cfl * stable step, and at most 0.7 of it without damping.
   double cfl = 0.95;                   // -, (0, 1)
-  double highest_mode_damping = 0.05;  // -, [0, 0.5]: damping ratio of the fastest mode, added as Kelvin-Voigt damping;
-                                       // no less than 0.05 of the sheet as built where cuts have made clusters.
-                                       // Upper limit of the material's own stiffness_damping as well. Without any, the
+  double highest_mode_damping = 0.05;  // -, [0, 0.5]: damping ratio of the fastest mode, added as Kelvin-Voigt damping.
+                                       // It is at least 0.05 of the sheet as built if cuts have made clusters. It also
+                                       // limits the material's own stiffness_damping from above. Without damping the
                                        // scheme may gain energy in a crumpled sheet
-  int max_substeps = 20000;            // a step
-  bool has_local_inertia = true;       // of what cuts leave much stiffer than the sheet as built: see LocalInertia
-  Precision precision = Precision::kMixed;  // kMixed: a step that floats cannot hold is made in double (kWidened), and
-                                            // one of a sheet nearly at rest near bodies
+  int max_substeps = 20000;            // per step
+  bool has_local_inertia = true;       // for parts that cuts leave much stiffer than the sheet as built: see
+                                       // LocalInertia
+  Precision precision = Precision::kMixed;  // kMixed: a step that floats cannot hold is made in double (kWidened), as
+                                            // is one of a sheet nearly at rest near bodies
 
   // Implicit.
-  int newton_iterations = 5;       // a substep, >= 1
-  double newton_tolerance = 1e-4;  // -, stop when |r| <= tolerance * scale, r the residual M dx - h^2 f of the step
-                                   // (kg m), scale the same for ballistic motion, but no less than 1e-3 of that of
-                                   // standing still, nor than what rounding leaves
-  LinearSolverKind linear_solver = LinearSolverKind::kBlockJacobiCg;  // kAutomatic chooses for itself
-  CovarianceRootOptions covariance_root;                              // of kEsCgm and kAsCgm
+  int newton_iterations = 5;       // per substep, >= 1
+  double newton_tolerance = 1e-4;  // -, stop when |r| <= tolerance * scale, with r the residual M dx - h^2 f of the
+                                   // step (kg m). The scale is |r| for ballistic motion, at least 1e-3 of that for
+                                   // standing still, and at least the rounding error
+  LinearSolverKind linear_solver = LinearSolverKind::kBlockJacobiCg;  // kAutomatic makes its own choice
+  CovarianceRootOptions covariance_root;                              // for kEsCgm and kAsCgm
   double linear_tolerance = 1e-4;                                     // -, see linear_solver.h
-  int max_linear_iterations = 1000;                                   // of one solve by conjugate gradients, >= 1
-  int max_halvings = 6;                                               // of a step that fails
+  int max_linear_iterations = 1000;                                   // per solve by conjugate gradients, >= 1
+  int max_halvings = 6;                                               // for a step that fails
 };
 
-// Advances a state. Not thread-safe; one a sheet.
+// Advances a state. Not thread-safe; one for each sheet.
 class Integrator {
  public:
   virtual ~Integrator() = default;
 
-  // To be called before the first step and after every Model::apply or follow. Allocates what step() needs.
+  // Must be called before the first step and after every Model::apply or follow. Allocates the memory of step().
   virtual void rebuild(const Model& model) = 0;
-  // The same where the last Model::follow is all that has changed since the call before, of either: what that left
-  // alone need not be looked at.
+  // Updates after exactly one Model::follow since the previous call of rebuild() or follow(). Unchanged parts need not
+  // be visited.
   virtual void follow(const Model& model) { rebuild(model); }
-  // To be called between follow() and the next step, once for however many: what follow() put off till then, because
-  // further cuts would undo it. Allocates what step() needs.
+  // Must be called once between any number of follow() calls and the next step. Does work that follow() deferred
+  // because further cuts would undo it. Allocates the memory of step().
   virtual void prepare() {}
-  // Steps to come ask `goes_on` once a substep, iteration and front of a factorisation, and end early, with
-  // StepStats::interrupted, where it says so. Null, as at first: they ask nobody.
+  // Sets the stop condition of later steps, polled once a substep, iteration and front of a factorisation. A stopped
+  // step ends early with StepStats::interrupted. Null, the default, means none.
   void heed(const GoesOn* goes_on) { heed_.set(goes_on); }
 
-  // Advances `state` by dt (s, > 0). Never allocates, throws or logs; on failure (kFrozen) `state` is left as it was.
-  // The result depends on the arguments alone, not on earlier calls. `contact` may be null.
+  // Advances `state` by dt (s, > 0). Never allocates, throws or logs; on failure (kFrozen) `state` is unchanged. The
+  // result depends on the arguments alone, not on earlier calls. `contact` may be null.
   virtual StepStats step(const Model& model, const Loads& loads, double dt, ContactConstraint* contact,
                          State& state) = 0;
 
-  // 1/kg, what an impulse at the grab's point moves it by, the largest of its components: sum of weight^2 / m, but
-  // where vertices have another inertia.
+  // 1/kg, velocity of the grab's point per impulse on it, the largest of its components. It is sum of weight^2 / m,
+  // unless vertices have another inertia.
   [[nodiscard]] virtual double mobility(const Model& model, const Grab& grab) const;
 
-  // What steps here and why, for people; valid until the next rebuild.
+  // Explains for people which integrator runs and why; valid until the next rebuild.
   [[nodiscard]] virtual std::string_view explanation() const = 0;
-  // What runs: never kAutomatic.
+  // Integrator that runs; never kAutomatic.
   [[nodiscard]] virtual IntegratorKind kind() const = 0;
-  // Clusters and substeps of steps of dt, s. Nothing where there are no clusters, as of implicit integrators.
+  // Clusters and substeps of steps of dt, s. Empty without clusters, as for implicit integrators.
   [[nodiscard]] virtual std::optional<LocalInertiaStats> local_inertia(double /*dt*/) const { return std::nullopt; }
-  // Counts what a step of dt, s, of the model of the last rebuild takes after one like `last`; 0 where unknown.
+  // Estimates the cost of a step of dt, s, of the model of the last rebuild, after one like `last`; 0 if unknown.
   [[nodiscard]] virtual TickCost expected_cost(const Model& /*model*/, double /*dt*/,
                                                const TickCounts& /*last*/) const {
     return {};

@@ -12,17 +12,17 @@
 namespace kerf::fem {
 namespace {
 
-// The rest is left to contact, cuts and ticks at rest.
+// The rest of the tick is left to contact, cuts and ticks of a sheet at rest.
 constexpr double kShareOfTick = 0.8;
 
-// Largest distances to the exact sheet after 0.3 s over the sheet's side, of wool, paper and foil that hardly stretch.
+// Largest distance to the exact sheet after 0.3 s over the sheet's side, for wool, paper and foil that hardly stretch.
 struct MeasuredError {
   int factor;
   double error;  // -
 };
 constexpr std::array<MeasuredError, 5> kMeasured{{{1, 0.0}, {2, 0.8e-3}, {4, 0.8e-3}, {8, 1.1e-3}, {16, 2.0e-3}}};
 
-// m, the larger side of the sheet in material coordinates.
+// Returns the larger side of the sheet in material coordinates, m.
 double size_of(const mesh::TriangleMesh& mesh) {
   Eigen::AlignedBox2d box;
   for (mesh::VertexId v = 0; v < mesh.num_vertices(); ++v) box.extend(mesh.rest_position(v));
@@ -50,7 +50,7 @@ double expected_error(int factor, std::span<const Material> materials, double si
   double stretch = 0.0;
   for (const Material& m : materials) {
     const double stiffness = std::min(m.youngs_modulus_1, m.youngs_modulus_2);
-    // Twice that of a strip at rest under its own weight.
+    // Twice the stretch of a strip at rest under its own weight.
     stretch = std::max(stretch, m.density * gravity * size * size / stiffness);
   }
   return measured->error * size + (factor - 1) * stretch;

@@ -17,7 +17,7 @@ void StageContact::resize(int num_vertices) {
   entries_.clear();
   const std::size_t room = ContactConstraint::kMaxGaps * static_cast<std::size_t>(num_vertices);
   if (room <= entries_.capacity()) return;
-  entries_.reserve(room + room / 2);  // a large block that nothing was written to takes no memory
+  entries_.reserve(room + room / 2);  // a large block that is never written takes no memory
   before_.reserve(entries_.capacity());
 }
 
@@ -90,7 +90,7 @@ void StageContact::detect(const mesh::VertexField& x, Update update) {
       entry.vertex = i;
       entry.surface = gaps[k];
       entry.stiffness = stiffness(i);
-      // The first penetration is that of a step which knew nothing of the surface: no measure for friction.
+      // The first penetration results from a step without the surface and is no measure for friction.
       const double limit =
           is_known || update == Update::kAll ? gaps[k].friction * entry.stiffness * std::max(0.0, -gaps[k].gap) : 0.0;
       update_friction(tangential(gaps[k], x.col(i) - start_->col(i)), limit, entry);
@@ -101,7 +101,7 @@ void StageContact::detect(const mesh::VertexField& x, Update update) {
 }
 
 void StageContact::update_friction(const Eigen::Vector3d& slid, double limit, Entry& entry) {
-  constexpr double kFollow = 0.5;  // of a change of the limit: to follow all of it swings on a curved surface
+  constexpr double kFollow = 0.5;  // of a change of the limit; following all of it oscillates on a curved surface
   const double limit_before = entry.limit;
   Eigen::Vector3d predicted(0.0, 0.0, 0.0);
   if (limit_before > 0.0) {
@@ -157,7 +157,7 @@ double StageContact::potential(const mesh::VertexField& x) const {
   }
   for (const Entry& entry : entries_) {
     const double slid = tangential(entry.surface, x.col(entry.vertex) - start_->col(entry.vertex)).norm();
-    const double reach = entry.limit / entry.stiffness;  // m, how far a vertex that sticks gives way
+    const double reach = entry.limit / entry.stiffness;  // m, largest displacement of a vertex that sticks
     potential += slid <= reach ? 0.5 * entry.stiffness * slid * slid : entry.limit * (slid - 0.5 * reach);
   }
   return potential;

@@ -17,9 +17,9 @@ namespace {
 
 constexpr int kRepairIterations = 30;
 constexpr int kMaxBacktracks = 30;
-constexpr int kContactIterations = 8;  // at least, where vertices touch
-constexpr double kSettled = 1e-2;      // relative residual below which forces tell which vertices let go
-constexpr double kNearly = 0.1;        // relative residual above which an iteration with contact found nothing
+constexpr int kContactIterations = 8;  // at least, if vertices touch
+constexpr double kSettled = 1e-2;      // relative residual below which forces decide which vertices let go
+constexpr double kNearly = 0.1;        // relative residual above which an iteration with contact has failed
 
 using Update = StageContact::Update;
 
@@ -140,11 +140,11 @@ bool StageSolver::solve_majorized(const Model& model, const Loads& loads, const 
   follows_loads_ = false;
   is_predicted_ = false;
   state.x = stage.base.x;
-  // A free sheet begins where its momentum carries it: moved there afterwards it could gain energy after a solve that
-  // stopped early. The bound and bending do not change with it.
+  // A free sheet starts at the position given by its momentum. Moving it there afterwards could gain energy if the
+  // solve stopped early. The bound and bending do not change with the translation.
   if (is_free(exact)) restore_momentum(exact, state.x);
   const double reference = evaluate_residual(problem, state.x);
-  if (!std::isfinite(reference)) return false;  // solvers that stop at once would leave the state as if it were solved
+  if (!std::isfinite(reference)) return false;  // solvers that stop at once would report an unsolved state as solved
   solve_next(problem, state.x, false, stats);
   ++stats.newton_iterations;
   state.x += step_;
@@ -157,7 +157,7 @@ bool StageSolver::solve_majorized(const Model& model, const Loads& loads, const 
   return true;
 }
 
-// True where it converged, or ended below the potential it began at.
+// Returns true if it converged, or ended below the potential it began at.
 bool StageSolver::iterate(const Problem& problem, mesh::VertexField& x, StepStats& stats) {
   double scale = 0.0;
   double relative = 0.0;
@@ -224,8 +224,8 @@ bool StageSolver::leave_out_loads() {
   return true;
 }
 
-// The unknown is the departure from ballistic motion that ends at the surfaces it meets, so that tolerances are
-// relative to what forces do and not to the momentum a moving sheet has anyway, and free fall is exact.
+// The unknown is the departure from ballistic motion that ends at the surfaces it meets. Tolerances are thus relative
+// to the effect of forces, not to the momentum of a moving sheet, and free fall is exact.
 double StageSolver::solve_first(const Problem& problem, const mesh::VertexField& x, StepStats& stats) {
   const double d = problem.stage.d;
   rhs_ = residual_;
@@ -244,7 +244,7 @@ double StageSolver::solve_first(const Problem& problem, const mesh::VertexField&
   increment_.setZero();
   solve_linear(*solver_, stats, increment_);
   step_ += increment_;
-  // Of internal and of inertial forces.
+  // Rounding of internal and of inertial forces.
   const std::span<const double> mass = problem.model.mass();
   const double stiffness = d * d * problem.model.materials().largest_membrane_trace();
   const double rounding = std::numeric_limits<double>::epsilon() * x.cwiseAbs().maxCoeff() *
@@ -278,7 +278,7 @@ bool StageSolver::repair(const Problem& problem, const mesh::VertexField& start,
   return true;
 }
 
-// Armijo backtracking along step_; false where no step lowers the potential any more.
+// Armijo backtracking along step_. Returns false if no step lowers the potential any more.
 bool StageSolver::search_line(const Problem& problem, double value, mesh::VertexField& x) {
   constexpr double kSufficientDecrease = 1e-4;
   double slope = 0.0;
@@ -341,7 +341,7 @@ void StageSolver::restore_momentum(const Problem& problem, mesh::VertexField& x)
   Eigen::Vector3d missing = stage.d * stage.momentum;
   missing += stage.d * stage.d * follower_resultant(model.element_blocks(), problem.loads, x);
   double mass = 0.0;
-  double inert_mass = 0.0;  // kg, times the inertia of each
+  double inert_mass = 0.0;  // kg, masses times the inertia factor of each
   for (Eigen::Index i = 0; i < x.cols(); ++i) {
     const double m = model.mass()[static_cast<std::size_t>(i)];
     const double inertia = 1.0 + stage.d * model.mass_damping(static_cast<int>(i));
