@@ -13,23 +13,24 @@
 namespace kerf::fem {
 namespace {
 
-// Shifts, over the largest eigenvalue of M^-1 K: the first that is tried, how they grow, and below which there is none.
+// Shifts, relative to the largest eigenvalue of M^-1 K: the first tried, their growth, and the one below which there is
+// none.
 constexpr double kFirstShift = 1e-9;
 constexpr double kShiftGrowth = 10.0;
 constexpr double kLargestExactShift = 1e-5;
 constexpr double kShiftDecay = 0.1;
 constexpr double kLeastShift = 1e-13;
-constexpr double kRounding = 1e-12;  // of eigenvalues of M^-1 K, likewise: those of free motions are as far from 0
+constexpr double kRounding = 1e-12;  // relative rounding of eigenvalues of M^-1 K, that of free motions
 constexpr double kLargestShift = 1e3;
 constexpr double kLinearTolerance = 1e-6;
 constexpr int kMaxVenture = 6;         // steps
-constexpr double kVentureDecay = 0.5;  // of the energy above that where it began, from step to step, at least
+constexpr double kVentureDecay = 0.5;  // largest ratio of the rises of the energy in consecutive steps
 constexpr double kLinearDecrease =
-    0.9;  // of the energy, over that of the slope: where it is convex a full step has 0.5
+    0.9;  // of the energy, over that of the slope; a full step has 0.5 if the energy is convex
 constexpr int kMaxLengthenings = 20;
 constexpr int kMaxLineHalvings = 40;
 constexpr double kSufficientDecrease = 1e-4;
-constexpr double kDiscernible = 100.0;  // decrease of the energy, over what rounding leaves of it
+constexpr double kDiscernible = 100.0;  // decrease of the energy, over its rounding error
 constexpr int kMaxBlindSteps = 10;      // without a better residual
 
 }  // namespace
@@ -59,7 +60,7 @@ EquilibriumStats EquilibriumSolver::solve(const Model& model, const Loads& loads
   const double first_shift = kFirstShift * model.stiffness_bound();
   used_shift_ = 0.0;
   projects_ = false;
-  // A load that rounding of the forces hides may move the sheet all the same, and one step does.
+  // A load hidden by rounding of the forces may still move the sheet; one step is enough.
   bool is_hidden = stats.residual <= options_.tolerance && unbalanced_ > options_.tolerance;
   while ((is_hidden || !(stats.residual <= options_.tolerance)) && stats.iterations < options_.max_iterations) {
     if (!std::isfinite(stats.residual)) break;
@@ -88,7 +89,7 @@ EquilibriumStats EquilibriumSolver::solve(const Model& model, const Loads& loads
   }
   stats.converged = stats.residual <= options_.tolerance;
   stats.shift = used_shift_;
-  // The last step says whether the place that it began at was stable.
+  // The last step shows whether its start was stable, so the end is tested separately.
   if (stats.converged) stats.shift = is_stable(model, loads, x) ? 0.0 : std::max(used_shift_, first_shift);
   return stats;
 }
@@ -128,7 +129,7 @@ double EquilibriumSolver::evaluate(const Model& model, const Loads& loads, const
   }
   double sum = 0.0;
   for (Eigen::Index i = 0; i < x.cols(); ++i) sum += residual_.col(i).squaredNorm();
-  constexpr double kTriangles = 8.0;  // about as many meet at a vertex
+  constexpr double kTriangles = 8.0;  // approximate number of triangles at a vertex
   const double rounding = kTriangles * std::numeric_limits<double>::epsilon() *
                           model.materials().largest_membrane_trace() * x.cwiseAbs().maxCoeff() *
                           std::sqrt(static_cast<double>(x.cols()));
@@ -186,7 +187,7 @@ bool EquilibriumSolver::find_step(const Model& model, const Loads& loads, const 
   const auto solve = [&] {
     return solver_.solve(matrix_.blocks(), rhs_, kLinearTolerance, step_).converged && step_.allFinite();
   };
-  // As many masses as buckling asks for; what is slack, or far too short, would ask for more than it is worth.
+  // Adds as much mass as buckling needs. Slack or far too short sheets would need more than is useful.
   for (;;) {
     assemble(model, loads, x, predicted, false, stats.shift);
     used_shift_ = stats.shift;
@@ -263,7 +264,7 @@ EquilibriumSolver::Progress EquilibriumSolver::venture(const Model& model, const
       if (stats.shift < kLeastShift * model.stiffness_bound()) stats.shift = 0.0;
       return Progress::kDescended;
     }
-    // Where it leads somewhere, each step takes away nearly all the false stretch of the one before.
+    // In a successful sequence each step removes nearly all false stretch of the previous one.
     if (i > 0 && !(rise <= kVentureDecay * last_rise)) break;
     last_rise = rise;
   }
@@ -294,7 +295,7 @@ EquilibriumSolver::Progress EquilibriumSolver::search_line(const Model& model, c
   const double largest = model.stiffness_bound();
   const double before = energy(model, loads, x, x);
   const double noise = rounding(model, x, before);
-  // Where no difference of energies can tell, Newton's step is as good as any.
+  // If rounding hides differences of energies, Newton's step is as good as any.
   if (slope <= kDiscernible * noise) {
     x += step_;
     stats.residual = evaluate(model, loads, x);
@@ -308,7 +309,7 @@ EquilibriumSolver::Progress EquilibriumSolver::search_line(const Model& model, c
     if (!(after <= before - kSufficientDecrease * scale * slope + noise)) continue;
     x = trial_;
     stats.residual = evaluate(model, loads, x);
-    // A full step says that the quadratic model holds this far.
+    // A full step shows that the quadratic model holds this far.
     if (i == 0) {
       stats.shift *= kShiftDecay;
       if (stats.shift < kLeastShift * largest) stats.shift = 0.0;

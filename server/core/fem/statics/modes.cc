@@ -18,18 +18,19 @@
 namespace kerf::fem {
 namespace {
 
-// Below all eigenvalues of a stable state, and so near 0 that the lowest stay apart from the next; over the largest.
+// Shift relative to the largest eigenvalue. It is below all eigenvalues of a stable state, and so near 0 that the
+// lowest stay apart from the next.
 constexpr double kShift = -1e-9;
-// The same over the highest that is asked for: nearer to 0, what rounding leaves of rigid motions, 1 / shift, is too
-// much beside the others.
+// Shift relative to the highest eigenvalue wanted. Nearer to 0 the rounding error of rigid motions, 1 / shift, is too
+// large beside the others.
 constexpr double kShiftOfHighest = -1e-3;
 constexpr int kMaxRestarts = 1000;
 constexpr double kTolerance = 1e-10;           // -, relative
 constexpr double kSeparation = 1e-6;           // -, relative; eigenvalues closer together count as one
-constexpr double kEigenvalueRounding = 1e-12;  // over the largest: rigid motions' are as far from 0
+constexpr double kEigenvalueRounding = 1e-12;  // relative to the largest; those of rigid motions are as far from 0
 constexpr int kMaxSearches = 8;
 
-// Numbers of the components that nothing holds, 3 a vertex; -1 for the others.
+// Numbers the components that nothing holds, 3 a vertex; -1 for the others.
 std::vector<int> number_free(const Model& model, const Loads& loads, int& count) {
   std::vector<int> numbers(3 * static_cast<std::size_t>(model.num_vertices()), 0);
   for (const Pin& pin : loads.pins) {
@@ -54,7 +55,7 @@ Matrix assembled(const Entries& entries, int count) {
   return matrix;
 }
 
-// N/m
+// Returns the stiffness matrix of the free components, N/m.
 Matrix stiffness_matrix(const Model& model, const Loads& loads, const mesh::VertexField& x,
                         const std::vector<int>& numbers, int count) {
   TangentMatrix tangent;
@@ -83,9 +84,10 @@ Matrix stiffness_matrix(const Model& model, const Loads& loads, const mesh::Vert
   return assembled(entries, count);
 }
 
-// kg. Lumped masses make waves slower and consistent ones (rho A / 12, twice that on the diagonal) faster, both by
-// O(h^2). Across the sheet their mean is right to a higher order (Hughes, The Finite Element Method, section 7.3.2);
-// within it triangles of constant strain are stiffer than the sheet by about what lumped masses make up for.
+// Returns the mass matrix, kg. Lumped masses make waves slower and consistent ones (rho A / 12, twice that on the
+// diagonal) faster, both by O(h^2). Across the sheet their mean is correct to a higher order (Hughes, The Finite
+// Element Method, section 7.3.2). Within it triangles of constant strain are too stiff by about as much as lumped
+// masses compensate.
 Matrix mass_matrix(const Model& model, const mesh::VertexField& x, const std::vector<int>& numbers, int count) {
   Entries entries;
   const auto add = [&](mesh::VertexId v, mesh::VertexId w, const Eigen::Matrix3d& m) {
@@ -121,11 +123,12 @@ Matrix mass_matrix(const Model& model, const mesh::VertexField& x, const std::ve
 
 struct Stopped {};
 
-// (K - shift M)^-1 on what is M-orthogonal to the vectors already found: as Spectra wants it.
+// The operator (K - shift M)^-1 on the M-orthogonal complement of the vectors already found, in the form Spectra
+// requires.
 class DeflatedInverse {
  public:
   using Scalar = double;
-  // Throws Stopped where `goes_on` says false: there is no other way out of Spectra.
+  // Throws Stopped if `goes_on` returns false: Spectra can only be left by an exception.
   DeflatedInverse(const Matrix& stiffness, const Matrix& mass, const Eigen::MatrixXd& found,
                   const std::function<bool()>& goes_on)
       : inverse_(stiffness, mass), found_(found), weighted_(mass * found), goes_on_(goes_on) {}
@@ -152,7 +155,7 @@ struct Pairs {
   bool converged = false;
 };
 
-// The `count` eigenvalues next to the shift of those whose vectors are not among `found`.
+// Returns the `count` eigenvalues next to the shift, excluding those whose vectors are among `found`.
 Pairs lanczos(const Matrix& stiffness, const Matrix& mass, const Eigen::MatrixXd& found, int count, double shift,
               int search, const std::function<bool()>& goes_on) {
   using Product = Spectra::SparseSymMatProd<double>;
@@ -162,7 +165,7 @@ Pairs lanczos(const Matrix& stiffness, const Matrix& mass, const Eigen::MatrixXd
   const int num_vectors = std::min(size, std::max(2 * count + 1, 20));
   Spectra::SymGEigsShiftSolver<DeflatedInverse, Product, Spectra::GEigsMode::ShiftInvert> solver(
       inverse, product, count, num_vectors, shift);
-  // Not the default start, which is drawn at random: the same state gives the same modes.
+  // Replaces the default random start, so that the same state gives the same modes.
   Eigen::VectorXd start(size);
   for (int i = 0; i < size; ++i) start[i] = std::cos(1.0 + (1.7 + 0.3 * search) * i) + 0.5;
   start -= found * (found.transpose() * (mass * start));
@@ -173,7 +176,7 @@ Pairs lanczos(const Matrix& stiffness, const Matrix& mass, const Eigen::MatrixXd
           solver.info() == Spectra::CompInfo::Successful && num_found == count};
 }
 
-// The lowest of both.
+// Returns the lowest `count` of both.
 Pairs merged(const Pairs& a, const Pairs& b, int count) {
   std::vector<std::pair<double, Eigen::VectorXd>> all;
   for (const Pairs* pairs : {&a, &b}) {
@@ -189,25 +192,24 @@ Pairs merged(const Pairs& a, const Pairs& b, int count) {
   return pairs;
 }
 
-// How many eigenvalues are below `value`: as many as pivots of K - value M are negative (Sylvester's law of inertia). 0
-// where it cannot be told.
+// Returns the number of eigenvalues below `value`. It is the number of negative pivots of K - value M (Sylvester's law
+// of inertia). Returns 0 if the factorisation fails.
 int num_below(const Matrix& stiffness, const Matrix& mass, double value) {
   const Eigen::SimplicialLDLT<Matrix> factor(stiffness - value * mass);
   if (factor.info() != Eigen::Success) return 0;
   return static_cast<int>((factor.vectorD().array() < 0.0).count());
 }
 
-// Below all eigenvalues, of a state that is not stable too: those next to it are the lowest.
+// Returns a shift below all eigenvalues, also for an unstable state, so that the eigenvalues next to it are the lowest.
 double shift_below(const Matrix& stiffness, const Matrix& mass, double unit) {
   double shift = kShift * unit;
   while (shift > -unit && num_below(stiffness, mass, shift) > 0) shift *= 10.0;
   return shift;
 }
 
-// How many of the lowest `count` eigenvalues are not among those found, of which there is one more: a Krylov space
-// holds one vector of an eigenvalue that several share, and rounding need not bring the others. Counted in the middle
-// of the highest gap between those found, as pivots without a choice of order are no exact matter close to an
-// eigenvalue.
+// Returns how many of the lowest `count` eigenvalues are missing; `values` has one more. A Krylov space holds one
+// vector of a multiple eigenvalue, and rounding need not bring the others. They are counted in the middle of the
+// highest gap between the values found. Close to an eigenvalue, pivots in a fixed order are inexact.
 int num_missed(const Matrix& stiffness, const Matrix& mass, const Eigen::VectorXd& values, int count, double unit) {
   for (Eigen::Index k = count; k > 0; --k) {
     const double gap = values[k] - values[k - 1];
@@ -217,7 +219,8 @@ int num_missed(const Matrix& stiffness, const Matrix& mass, const Eigen::VectorX
   return 0;
 }
 
-// The lowest `count` eigenvalues and vectors. Throws Stopped, and what Spectra throws where a factor cannot be had.
+// Finds the lowest `count` eigenvalues and vectors. Throws Stopped, and the exceptions of Spectra if a factorisation
+// fails.
 Pairs lowest(const Matrix& stiffness, const Matrix& mass, double unit, int count,
              const std::function<bool()>& goes_on) {
   const Eigen::MatrixXd none(stiffness.rows(), 0);
@@ -233,7 +236,7 @@ Pairs lowest(const Matrix& stiffness, const Matrix& mass, double unit, int count
   };
   int missing = count_missed();
   for (int search = 1; search < kMaxSearches && missing > 0; ++search) {
-    // There may be hundreds, of a sheet in many pieces; the lowest `count` of them are all that is asked for.
+    // A sheet in many pieces may miss hundreds; only the lowest `count` are needed.
     const int sought = std::min(missing, count);
     found = merged(found, lanczos(stiffness, mass, found.vectors, sought, shift, search, goes_on), count);
     missing = count_missed();
@@ -264,7 +267,7 @@ Modes find_modes(const Model& model, const Loads& loads, const mesh::VertexField
   } catch (const Stopped&) {
     modes.stopped = true;
     return modes;
-  } catch (const std::exception&) {  // Spectra's, of a matrix without a factor
+  } catch (const std::exception&) {  // Spectra's, for a matrix without a factor
     return modes;
   }
   modes.converged = found.converged;

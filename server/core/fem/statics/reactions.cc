@@ -8,7 +8,7 @@
 namespace kerf::fem {
 namespace {
 
-// f += all loads at x but wind and what depends on velocities.
+// Adds all loads at x to f, except wind and forces that depend on velocities.
 void add_loads(const Model& model, const Loads& loads, const mesh::VertexField& x, mesh::VertexField& f) {
   if (loads.external_forces.cols() > 0) f += loads.external_forces;
   add_follower_forces(model.element_blocks(), loads, x, f);
@@ -22,7 +22,7 @@ void add_loads(const Model& model, const Loads& loads, const mesh::VertexField& 
   for (Eigen::Index i = 0; i < f.cols(); ++i) f.col(i) += model.mass()[static_cast<std::size_t>(i)] * loads.gravity;
 }
 
-// From what acts on the vertices beside the pins.
+// Turns the forces on the vertices other than those of the pins into reactions.
 void turn_into_reactions(const Loads& loads, mesh::VertexField& f) {
   mesh::VertexField reactions = Eigen::Matrix3Xd::Zero(3, f.cols());
   for (const Pin& pin : loads.pins) reactions.col(pin.vertex) = pin.held(-f.col(pin.vertex), Eigen::Vector3d::Zero());

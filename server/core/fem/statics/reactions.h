@@ -7,18 +7,18 @@
 
 namespace kerf::fem {
 
-// What the pins do to the sheet: `reactions` (3 x V, N), overwritten, 0 in all components that no pin holds. What a
-// clamp does beside them is the couple of the slope it holds, which has no resultant; what a grab does is its own
-// force. A pin's part of a load that acts on its own vertex, its weight among them, goes into it at once, and belongs
-// to it.
+// Forces of the pins on the sheet. `reactions` (3 x V, N) is overwritten, and 0 in all components that no pin holds.
+// Forces that a clamp exerts besides them form the couple of the slope it holds, which has no resultant. The force of a
+// grab is its own. A pin takes up directly the part of a load on its own vertex, including its weight, and this belongs
+// to the reaction.
 
-// At rest at x (3 x V, m): minus elastic forces and loads, without wind. Exactly what holds the sheet in an
-// equilibrium; elsewhere what would hold the held components, were the others held too.
+// Finds the reactions at rest at x (3 x V, m): minus elastic forces and loads, without wind. In an equilibrium they
+// hold the sheet exactly. Elsewhere they would hold the held components if the others were held too.
 void find_reactions(const Model& model, const Loads& loads, const mesh::VertexField& x, mesh::VertexField& reactions);
 
-// In motion at the end of a step, with the damping of the material (its own, not what the explicit integrator adds for
-// its fastest modes), wind and inertia. acceleration: 3 x V, m/s^2, read in held components alone: that of the pins'
-// own motion, 0 for those at rest or at a constant velocity.
+// Finds the reactions in motion at the end of a step. They include wind, inertia and the damping of the material, but
+// not the damping that the explicit integrator adds for its fastest modes. acceleration: 3 x V, m/s^2, read in held
+// components only. It is that of the pins' own motion, 0 for those at rest or at a constant velocity.
 void find_reactions(const Model& model, const Loads& loads, const State& state, const mesh::VertexField& acceleration,
                     mesh::VertexField& reactions);
 

@@ -24,7 +24,7 @@ Matrix2d symmetric(double a11, double a22, double a12) {
   };
 }
 
-// In material axes, as a tensor.
+// Returns the field of a triangle as a tensor in material axes.
 Matrix2d tensor_in_lane(const LaneFrames& frames, std::size_t lane, const MaterialLaw& law, MembraneLaw membrane_law,
                         MembraneField field) {
   const Matrix2d S = symmetric(frames.S11[lane], frames.S22[lane], frames.S12[lane]);
@@ -49,7 +49,7 @@ Matrix2d tensor_in_lane(const LaneFrames& frames, std::size_t lane, const Materi
   return det > 0.0 ? Matrix2d(T * S / det) : Matrix2d::Zero();
 }
 
-// Where the corners of a slot are from that at `vertex`: m, rest axes.
+// Returns the corners of a slot relative to that at `vertex`: m, rest axes.
 std::array<Vector2d, 3> corners_from(const Model& model, const ElementBlock& block, std::size_t lane,
                                      mesh::VertexId vertex) {
   const Matrix2d Dm_inv{
@@ -66,7 +66,7 @@ std::array<Vector2d, 3> corners_from(const Model& model, const ElementBlock& blo
   return from;
 }
 
-// visit(slot, block, lane) of the triangles around a vertex.
+// Calls visit(slot, block, lane) for the triangles around a vertex.
 template <typename Visit>
 void for_around(const Model& model, mesh::VertexId vertex, const Visit& visit) {
   for (const mesh::TriangleId slot : model.incident_slots().row(vertex)) {
@@ -75,7 +75,7 @@ void for_around(const Model& model, mesh::VertexId vertex, const Visit& visit) {
   }
 }
 
-// Whether triangles of one material are all around the vertex: each neighbour is in two of them.
+// Returns true if triangles of one material surround the vertex: each neighbour is then in two of them.
 bool is_inside(const Model& model, mesh::VertexId vertex) {
   std::vector<mesh::VertexId> others;
   bool has_one_material = true;
@@ -130,7 +130,7 @@ Vector3d mean_around(const Model& model, mesh::VertexId vertex, std::span<const 
   return area > 0.0 ? Vector3d(sum / area) : sum;
 }
 
-// visit(vertex, where it is from `vertex`) of the corners of the triangles around a vertex.
+// Calls visit(vertex, offset from `vertex`) for the corners of the triangles around a vertex.
 template <typename Visit>
 void for_corners(const Model& model, mesh::VertexId vertex, const Visit& visit) {
   for_around(model, vertex, [&](std::size_t /*slot*/, const ElementBlock& block, std::size_t lane) {
@@ -141,7 +141,7 @@ void for_corners(const Model& model, mesh::VertexId vertex, const Visit& visit) 
   });
 }
 
-// The same of the corners across the edges of these triangles that are opposite the vertex.
+// Calls visit() for the corners across the edges of these triangles that are opposite the vertex.
 template <typename Visit>
 void for_corners_across(const Model& model, mesh::VertexId vertex, const Visit& visit) {
   for_around(model, vertex, [&](std::size_t slot, const ElementBlock& block, std::size_t lane) {
