@@ -69,7 +69,7 @@ double sign_of(double value) {
   return value < 0.0 ? -1.0 : 1.0;
 }
 
-// Unit vector at right angles to `direction` (not zero): across its smallest component, the first of equals.
+// Returns a unit vector at right angles to `direction` (not zero): across its smallest component, the first of equals.
 Eigen::Vector3d perpendicular(const Eigen::Vector3d& direction) {
   int smallest = 0;
   for (int k = 1; k < 3; ++k) {
@@ -79,7 +79,8 @@ Eigen::Vector3d perpendicular(const Eigen::Vector3d& direction) {
   return across.stableNormalized();
 }
 
-// Distance from a point at `offset` from the axis or centre of a round body; `fallback` where the offset is zero.
+// Returns the proximity of a point at `offset` from the axis or centre of a round body. The normal is `fallback` if the
+// offset is zero.
 Proximity round_proximity(const Eigen::Vector3d& offset, double radius, const Eigen::Vector3d& fallback) {
   const double length = offset.stableNorm();
   if (length == 0.0) return {-radius, fallback};

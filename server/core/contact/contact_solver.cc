@@ -218,7 +218,7 @@ void ContactSolver::leave_notch(double thickness, Eigen::Vector3d& x, Eigen::Vec
     stop_approach(first.normal, v);
     const Penetration second = deepest(thickness, x);
     if (second.collider == nullptr) return;
-    // Along the first surface, out of the second.
+    // Moves along the first surface, out of the second.
     const Eigen::Vector3d along = second.normal - second.normal.dot(first.normal) * first.normal;
     const double sine_squared = along.squaredNorm();
     if (sine_squared < kLeastSineSquared) return;

@@ -78,7 +78,7 @@ struct Near {
   Vec3 normal;  // -
 };
 
-// Distance from a point at `offset` from the axis or centre of a round body.
+// Returns the proximity of points at `offset` from the axis or centre of a round body.
 HWY_INLINE Near round(const Vec3& offset, double radius, const Eigen::Vector3d& fallback) {
   const V square = dot(offset, offset);
   const auto has_direction = hn::Ge(square, set(kTinySquare));

@@ -37,14 +37,14 @@ class BlockMatrix {
     const Row& row = rows_[static_cast<std::size_t>(i)];
     return row.begin + row.diagonal;
   }
-  // Position of block (i, j), or -1 where the pattern has none. Binary search.
+  // Returns the position of block (i, j), or -1 if the pattern has none. Binary search.
   [[nodiscard]] int find(int i, int j) const;
 
   [[nodiscard]] Eigen::Matrix3d& block(int position) { return block_[static_cast<std::size_t>(position)]; }
   [[nodiscard]] const Eigen::Matrix3d& block(int position) const { return block_[static_cast<std::size_t>(position)]; }
 
   void set_zero();
-  // y = A x; x, y: 3 x N, y must not alias x.
+  // Computes y = A x. x and y are 3 x N; y must not alias x.
   void multiply(const mesh::VertexField& x, mesh::VertexField& y) const;
 
  private:

@@ -48,7 +48,7 @@ Tile scaled_transpose(const Eigen::MatrixXd& L, const Eigen::VectorXd& d, Eigen:
 void covariance(const BlockMatrix& A, Eigen::MatrixXd& M, Eigen::VectorXd& mean) {
   M.setZero();
   mean.setZero();
-  // The square multiplied out, as rows are sparse and their mean is not: sum a^T a - n mean^T mean.
+  // Computes sum a^T a - n mean^T mean, the expanded square, because rows are sparse and their mean is not.
   for (int row = 0; row < A.num_rows(); ++row) {
     for (int i = A.row_begin(row); i < A.row_end(row); ++i) {
       const Eigen::Index at = 3 * A.column(i);

@@ -25,7 +25,7 @@ struct LinearSolverName {
   bool solves_different_system = false;
 };
 
-// In the order of the enumeration.
+// Names of the solvers, in the order of the enumeration.
 inline constexpr std::array<LinearSolverName, 8> kLinearSolverNames{{
     {LinearSolverKind::kPlainCg, "cg", "plain conjugate gradients"},
     {LinearSolverKind::kJacobiCg, "jacobi-cg", "Jacobi-preconditioned conjugate gradients"},
@@ -42,7 +42,7 @@ constexpr const LinearSolverName& name_of(LinearSolverKind kind) {
 }
 
 enum class EigenvalueNorm {
-  kPower,  // lambda^p (eq. 3.25 of what CovarianceRoot cites)
+  kPower,  // lambda^p (eq. 3.25 of the thesis CovarianceRoot cites)
   kLog,    // log10 lambda (eq. 3.24; base 10 as in the example beside it): negative below 1, the matrix then indefinite
 };
 

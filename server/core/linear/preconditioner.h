@@ -21,7 +21,7 @@ class Preconditioner {
   virtual void analyse(const BlockMatrix& A) = 0;
   // Prepares solves with A. Returns false if there is no P for it.
   virtual bool prepare(const BlockMatrix& A) = 0;
-  // z = P^-1 r; 3 x N.
+  // Sets z = P^-1 r; both are 3 x N.
   virtual void apply(const mesh::VertexField& r, mesh::VertexField& z) = 0;
 
   // Number of iterations up to which the factor of an earlier matrix is good enough. If a solve takes more, renew()

@@ -35,7 +35,7 @@ class ContactConstraint {
   [[nodiscard]] virtual int num_inside() const = 0;
   // True if the sheet rests on bodies, undisturbed for seconds and hardly moving. Friction must then hold it.
   [[nodiscard]] virtual bool is_calm() const { return false; }
-  // Moves all vertices, after a substep of `dt`, s.
+  // Moves vertices out of surfaces after a substep of `dt`, s.
   virtual void enforce(double dt, State& state) = 0;
   // Finds the blocks of vertices that may touch a surface, ascending, after a substep of `dt`, s. No vertex moved
   // farther than `travel`, m, in it. The result is valid until the next call.

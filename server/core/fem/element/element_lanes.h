@@ -100,7 +100,7 @@ inline void polar_decomposition(const Lane3& __restrict f1, const Lane3& __restr
   }
 }
 
-// Frames of the block's triangles at x (3 x V, m).
+// Sets the frames of the triangles of the block at x (3 x V, m).
 inline void frames_at(const ElementBlock& block, const mesh::VertexField& x, LaneFrames& frames) {
   LaneEdges dx;
   Lane3 f1;

@@ -58,8 +58,8 @@ struct Material {
   double mass_damping = 0.0;        // 1/s, Rayleigh alpha: force -alpha m v
   double stiffness_damping = 0.0;   // s, Rayleigh beta: stress C (e + beta de/dt). The explicit integrator limits it by
                                     // its step (see integrator.h)
-  double strain_limit = 0.5;        // -, largest |principal strain| that the material bears; affects only what is
-                                    // reported as beyond it
+  double strain_limit = 0.5;        // -, largest |principal strain| that the material bears; larger ones are only
+                                    // reported
   // N m: entries of the plate law in material axes, as measured. M11 = D11 k11 + D12 k22, M22 = D12 k11 + D22 k22, M12
   // = D66 2 k12. An absent entry is that of C t^2 / 12 times bending_scale.
   std::optional<double> bending_stiffness_1{};  // D11

@@ -10,7 +10,7 @@
 namespace kerf::fem {
 namespace {
 
-// The same number in all lanes.
+// A number that is the same in all lanes.
 struct Uniform {
   double value;
   double operator[](std::size_t /*lane*/) const { return value; }

@@ -46,7 +46,7 @@ class RowSum {
     size_ = static_cast<std::size_t>(size);
   }
 
-  // Into `rows`, by ascending column. Empty again.
+  // Moves the sum to a row of `rows`, by ascending column, and empties this.
   void move_to(RowStore<BendingEntry>& rows, int row) {
     const std::span<const mesh::VertexId> columns(columns_.data() + 1, size_ - 1);
     place_in_order(columns, order_);
@@ -60,7 +60,7 @@ class RowSum {
 
  private:
   static constexpr std::int32_t kNew = -1;
-  static constexpr std::int32_t kNowhere = 0;  // the place of what column kNone has
+  static constexpr std::int32_t kNowhere = 0;  // place of entries of column kNone
 
   std::size_t size_ = 1;                 // places taken
   std::vector<std::int32_t> place_;      // by column + 1

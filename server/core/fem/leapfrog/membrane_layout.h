@@ -60,7 +60,7 @@ class MembraneLayout {
   // longest of the four lists.
   [[nodiscard]] const RowStore<CornerPlaces>& corners() const { return corners_; }
 
-  // Vertices whose quads, and the irregular lanes, that the last follow() wrote; may repeat.
+  // Vertices whose quads the last follow() wrote, and irregular lanes that it wrote; may repeat.
   [[nodiscard]] std::span<const mesh::VertexId> changed_quads() const { return changed_quads_; }
   [[nodiscard]] std::span<const std::int32_t> changed_lanes() const { return changed_lanes_; }
 

@@ -87,7 +87,7 @@ class Diffusion {
     return worst;
   }
 
-  // One round. An edge carries at most 1 / (2 degree) of what its donor has, so nothing becomes negative.
+  // Makes one round. An edge carries at most 1 / (2 degree) of the mass of its donor, so nothing becomes negative.
   void pull() {
     flows_.clear();
     for (const std::size_t i : light_) {
