@@ -108,14 +108,15 @@ struct IntegratorOptions {
   int max_substeps = 20000;            // per step
   bool has_local_inertia = true;       // for parts that cuts leave much stiffer than the sheet as built: see
                                        // LocalInertia
-  Precision precision = Precision::kMixed;  // kMixed: a step that floats cannot hold is made in double (kWidened), as
-                                            // is one of a sheet nearly at rest near bodies
+  Precision precision = Precision::kMixed;  // kMixed: steps that floats cannot hold are made in double (kWidened). So
+                                            // are those of a sheet nearly at rest that displacements cannot represent,
+                                            // as with Green's strain
 
   // Implicit.
   int newton_iterations = 5;       // per substep, >= 1
   double newton_tolerance = 1e-4;  // -, stop when |r| <= tolerance * scale, with r the residual M dx - h^2 f of the
                                    // step (kg m). The scale is |r| for ballistic motion, at least 1e-3 of that for
-                                   // standing still, and at least the rounding error
+                                   // standing still, and so large that rounding is below the tolerance
   LinearSolverKind linear_solver = LinearSolverKind::kBlockJacobiCg;  // kAutomatic makes its own choice
   CovarianceRootOptions covariance_root;                              // for kEsCgm and kAsCgm
   double linear_tolerance = 1e-4;                                     // -, see linear_solver.h
