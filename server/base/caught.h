@@ -15,9 +15,9 @@ inline Error out_of_memory() {
                             "the server has too little memory left for this; delete sheets, or try a smaller one");
 }
 
-// What `work`, which makes a Result, returns; or the error that tells of an exception that comes out of it:
-// kResourceExhausted OUT_OF_MEMORY, kAborted INTERRUPTED (see interruption_point()), kInternal INTERNAL. For work whose
-// memory is as large as a client's sheet: what one of them is too large for must not end the server of all.
+// Calls `work`, which returns a Result, and turns an exception into an error: kResourceExhausted OUT_OF_MEMORY,
+// kAborted INTERRUPTED (see interruption_point()) or kInternal INTERNAL. Guards work whose memory grows with a client's
+// sheet: one sheet too large must not end the server for all.
 template <typename Work>
 std::invoke_result_t<Work> caught(Work&& work) {
   try {

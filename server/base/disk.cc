@@ -114,7 +114,7 @@ Result<std::string> RealDisk::read_file(const std::string& path, std::size_t max
 }
 
 Status RealDisk::write_file(const std::string& named, std::string_view content) {
-  // What a link leads to, so that it stays one.
+  // Writes to the target of a symbolic link, so that the link stays one.
   std::error_code broken;
   const std::filesystem::path meant =
       std::filesystem::is_symlink(named) ? std::filesystem::canonical(named, broken) : std::filesystem::path(named);

@@ -17,7 +17,7 @@ class AppendFile {
   virtual ~AppendFile() = default;
   // Appends all of `bytes` or none: after an error the file ends where it did, at the latest with the next append.
   virtual Status append(std::string_view bytes) = 0;
-  // What was appended survives a loss of power.
+  // Makes everything appended so far survive a loss of power.
   virtual Status sync() = 0;
 };
 

@@ -5,9 +5,9 @@
 
 namespace kerf {
 
-// Bytes that this process may have: the least of the machine's memory, the limits of its control groups (cgroups of
-// version 1 and 2, as containers have) and that of its address space. 0 where nothing says. `root`: where /proc and
-// /sys are.
+// Returns the bytes that this process may use; 0 if unknown. This is the least of the machine's memory, the address
+// space limit and the limits of its control groups (cgroup versions 1 and 2, as in containers). `root`: directory that
+// holds /proc and /sys.
 std::int64_t memory_limit(const std::filesystem::path& root = "/");
 
 }  // namespace kerf

@@ -2,7 +2,7 @@
 
 namespace kerf {
 
-// Told as an operation goes from one phase to the next, so that its caller can time them: what does the work reads no
+// Receives the phase changes of an operation, so that its caller can time them: the code that does the work reads no
 // clock.
 class PhaseObserver {
  public:

@@ -10,9 +10,9 @@ struct ProcessUsage {
   std::int64_t resident_bytes = 0;  // memory
 };
 
-// Of a process of this machine, from /proc; nothing if there is none of that number.
+// Reads the usage of a process of this machine from /proc; nothing if no process has that id.
 [[nodiscard]] std::optional<ProcessUsage> usage_of(std::int64_t pid);
-// Of this process.
+// Reads the usage of this process.
 [[nodiscard]] ProcessUsage own_usage();
 // Bytes of memory that this process has; 0 where /proc does not say.
 [[nodiscard]] std::int64_t resident_bytes();

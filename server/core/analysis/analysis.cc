@@ -16,7 +16,7 @@ namespace kerf::analysis {
 
 namespace {
 
-// Of the distance between two loads that were asked for; below it a load is given up.
+// Smallest load step, as a fraction of the distance between two requested loads; below it a load is given up.
 constexpr double kSmallestStep = 1.0 / 4096.0;
 
 std::string text(const char* format, double a, double b) {
@@ -59,7 +59,7 @@ std::string describe(const sheet::UnheldPiece& unheld, std::int32_t num_pieces) 
   return line.data();
 }
 
-// What of the scene a static analysis leaves out.
+// Lists the parts of the scene that a static analysis leaves out.
 std::vector<std::string> left_out_of(const sheet::Sheet& sheet) {
   std::vector<std::string> names;
   if (sheet.wind().air_density > 0.0 && !sheet.wind().velocity.isZero(0.0)) names.emplace_back("wind");

@@ -9,7 +9,7 @@
 #include "server/core/scene/analysis_request.h"
 #include "server/core/sheet/sheet.h"
 
-// What can be done with a scene besides living it: equilibria, vibrations, and numbers over time or load.
+// Analyses of a scene: equilibria, vibrations, and measurements over time or load.
 namespace kerf::analysis {
 
 struct Table {
@@ -32,7 +32,7 @@ struct StaticStats {
   double residual = 0.0;                   // -, at the last load that converged; see fem::EquilibriumStats
   std::int64_t iterations = 0;             // Newton steps in all, those of attempts in vain included
   std::int64_t solves = 0;                 // loads approached, those between included
-  bool is_stable = true;                   // the stiffness at the last load is positive definite, but for rounding
+  bool is_stable = true;                   // the stiffness at the last load is positive definite, up to rounding
   std::string reason = {};                 // why it did not converge, where that is known: for people
   std::vector<std::string> left_out = {};  // of what acts on the sheet: "wind", "colliders", "grabs"
 };

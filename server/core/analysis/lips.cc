@@ -11,8 +11,7 @@ namespace {
 
 constexpr double kReach = 1.0e-3;  // -, of the larger side of the material bounding box
 
-// Whether the cut goes on the left of this lip when it goes right, or, if it is vertical, up: a lip has its material on
-// the left.
+// Returns true if the lip runs to the right or, where it is vertical, up. A lip has its material on the left.
 bool goes_right(const Eigen::Vector2d& along) {
   return along.x() != 0.0 ? along.x() > 0.0 : along.y() > 0.0;
 }

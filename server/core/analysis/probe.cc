@@ -20,7 +20,7 @@ using sheet::Quantity;
 using sheet::Reduce;
 using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 5, 1>;  // of the components of a quantity
 
-// How far a point that names the side of a cut draws the place that is looked up towards itself.
+// Shift of the looked-up place towards the point that names the side of a cut.
 constexpr double kNudge = 1.0e-7;  // -, of the larger side of the material bounding box
 // A point this near to a vertex, in barycentric coordinates, is there.
 constexpr double kAtVertex = 1.0e-6;
@@ -87,7 +87,7 @@ bool is_zero(const std::vector<double>& weights) {
   return std::all_of(weights.begin(), weights.end(), [](double weight) { return weight == 0.0; });
 }
 
-// Of sums, means and extremes of rows of equal length.
+// Accumulates the sum, mean or extreme of rows of equal length.
 class Reduction {
  public:
   Reduction(Reduce how, Eigen::Index size) : how_(how), sum_(Vector::Zero(size)) {
@@ -129,7 +129,7 @@ mesh::VertexField reactions(const sheet::Sheet& sheet, const mesh::VertexField& 
   return reaction;
 }
 
-// Of strain or stress, in a triangle or at a vertex, along material x and y: xx, yy, xy.
+// Components xx, yy, xy of strain or stress along material x and y, in a triangle or at a vertex.
 class InPlane {
  public:
   explicit InPlane(fem::MembraneField field) : field_(field) {}
@@ -197,7 +197,7 @@ bool is_global(const Probe& probe) {
 
 }  // namespace
 
-// What measuring one row needs, once for all probes.
+// Holds the inputs for measuring one row, shared by all probes.
 struct Probes::Context {
   const sheet::Sheet& sheet;
   const mesh::VertexField& v_before;

@@ -15,12 +15,12 @@
 
 namespace kerf::analysis {
 
-// What the probes of a scene measure on its sheet; follows its cuts.
+// Measures the probes of a scene on its sheet; follows its cuts.
 class Probes {
  public:
   // `requests`: valid. Errors: kInvalidArgument with the field of kerf.v1.Scene: POINT_OUTSIDE, UNKNOWN_VERTEX,
-  // REGION_EMPTY. A point of an opening may lie on a cut that is still to come, and a region have its vertices from one
-  // that is scheduled.
+  // REGION_EMPTY. A point of an opening may lie on a cut still to come. A region may get its vertices from a scheduled
+  // cut.
   static Result<Probes> create(std::vector<sheet::Probe> requests, const sheet::Sheet& sheet);
 
   // "name.x", "name[3].xx", ...; as many as measure() appends.
@@ -32,7 +32,7 @@ class Probes {
   void measure(const sheet::Sheet& sheet, const mesh::VertexField& v_before, double dt, std::vector<double>& row);
 
  private:
-  // Where one point lies on the mesh of a topology version.
+  // Location of one point on the mesh of a topology version.
   struct Place {
     sheet::MaterialPoint point;
     mesh::TriangleId slot = mesh::kNone;              // of strain and stress; or
