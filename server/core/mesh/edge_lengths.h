@@ -13,9 +13,9 @@ struct TriangleRecord;
 struct PointRecord;
 struct Lattice;
 
-// How long the edges of a sheet as built are, place by place: a grid of cells over its bounding box, each with the mean
-// of sqrt(2 area) over the triangles near it, rounded to the mean of the whole sheet times a power of two. So a sheet
-// of nearly equal triangles has one length everywhere. Cuts leave it alone.
+// Local edge lengths of a sheet as built, on a grid of cells over its bounding box. Each cell has the mean of sqrt(2
+// area) over the triangles near it, rounded to the sheet's mean times a power of two. So a sheet of nearly equal
+// triangles has one length everywhere. Cuts do not change it.
 struct EdgeLengths {
   Eigen::AlignedBox2d bounds;          // m
   double mean = 0.0;                   // m, > 0; of the whole sheet
@@ -23,7 +23,7 @@ struct EdgeLengths {
   std::vector<std::int8_t> exponents;  // rows x columns, row by row from the lower left: length = mean * 2^exponent
   std::int8_t least_exponent = 0;      // of them
 
-  // Of the triangles of a mesh as built, with the sheet's bounding box.
+  // Measures the triangles of a mesh as built; `bounds` is the sheet's bounding box.
   static EdgeLengths of(std::span<const TriangleRecord> triangles, std::span<const PointRecord> points,
                         const Lattice& lattice, const Eigen::AlignedBox2d& bounds);
 

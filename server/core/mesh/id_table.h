@@ -37,7 +37,7 @@ class IdTable {
   };
   static constexpr std::size_t kFirstSize = 256;
 
-  // Of `id`, or the free one where it would be.
+  // Returns the place of `id`, or the free place where it would be inserted.
   [[nodiscard]] std::size_t place_of(std::int32_t id) const {
     const std::size_t mask = places_.size() - 1;
     // Ids come in runs; multiplying by 2^64 / golden ratio spreads them (Knuth, vol. 3, 6.4).

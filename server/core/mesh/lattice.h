@@ -8,8 +8,8 @@
 namespace kerf::mesh {
 
 // The fixed-point lattice that rest space is quantised to, once, when a mesh is built: position = origin + spacing *
-// (x, y). With S the least power of two that is no less than either side of the sheet's bounding box, spacing = S *
-// 2^-51 and origin = the box's centre rounded to a multiple of S (so 0 for most sheets near the origin). Hence the
+// (x, y). Let S be the least power of two that is no less than either side of the sheet's bounding box. Then spacing =
+// S * 2^-51, and origin = the box's centre rounded to a multiple of S (so 0 for most sheets near the origin). Hence the
 // sheet lies within |x|, |y| <= 2^51, and the domain, where points may be inserted, reaches to 2^52: at least S of room
 // on every side. Rounding moves a position by at most S * 2^-52, about one unit in the last place of a double of size
 // S.
@@ -28,7 +28,7 @@ struct Lattice {
     return {origin.x() + spacing * static_cast<double>(point.x), origin.y() + spacing * static_cast<double>(point.y)};
   }
 
-  // Whether position (m, finite) lies strictly inside the domain.
+  // Returns true if position (m, finite) lies strictly inside the domain.
   [[nodiscard]] bool contains(const Eigen::Vector2d& position) const;
 
   // Nearest lattice point; position (m) must lie in the domain.

@@ -9,7 +9,7 @@
 namespace kerf::mesh {
 
 // Sharp corners between fixed edges (lips, border, region borders): points where two of them meet at less than 60
-// degrees with material in between. No refinement can widen such an angle, and without care it goes on for ever there.
+// degrees with material in between. No refinement can widen such an angle; without a guard it would never end there.
 class LipCorners {
  public:
   explicit LipCorners(const TriangleMesh& mesh) : mesh_(mesh) {}
@@ -21,14 +21,14 @@ class LipCorners {
   [[nodiscard]] double sharpest(PointId p);
   [[nodiscard]] bool is_sharp(PointId p) { return sharpest(p) > kCosSharp; }
 
-  // Where p and q lie equally far from a sharp corner, one on either of its two lips, so that the corner forces an edge
-  // pq (Miller, Pav and Walkington's "seditious" edge): the number of lip edges from the corner to the farther of
-  // the two, at least 1. Else 0.
+  // Returns the number of lip edges (>= 1) from a sharp corner to the farther of p and q, if the corner forces edge pq;
+  // else 0. It does where they lie equally far from it, one on each of its lips (the "seditious" edge of Miller, Pav
+  // and Walkington).
   [[nodiscard]] int edges_to_sharp_corner(PointId p, PointId q);
 
-  // Where to split the fixed edge ab of this length (lattice units), as a fraction from a, in [1/3, 2/3]: in the
-  // middle, or with a sharp corner at one end at a power of two from it, so that the parts of both its lips come to
-  // match.
+  // Returns the place to split the fixed edge ab of this length (lattice units), as a fraction from a, in [1/3, 2/3].
+  // This is the middle or, with a sharp corner at one end, a power of two from that corner. So the parts of both lips
+  // of the corner match.
   [[nodiscard]] double split_fraction(PointId a, PointId b, double length);
 
  private:

@@ -10,7 +10,7 @@
 
 namespace kerf::mesh {
 
-// Where a vertex's fields come from: any field f of `vertex` becomes sum_k weights[k] * f(sources[k]), with every f
+// Interpolates the fields of a vertex: any field f of `vertex` becomes sum_k weights[k] * f(sources[k]), with every f
 // read as it was before the edit.
 struct VertexSource {
   VertexId vertex = kNone;
@@ -18,16 +18,16 @@ struct VertexSource {
   Eigen::Vector3d weights{1.0, 0.0, 0.0};                // >= 0, sum 1
 };
 
-// What one edit of the mesh did, in ids that stay valid: the one record that cut writes, fem carries state over with,
-// stream sends topology from and tests check invariants on. Nobody compares two meshes to find out what happened.
+// Records one edit of the mesh, in ids that stay valid. cut writes it, fem carries state over with it, stream sends
+// topology from it and tests check invariants on it. So two meshes are never compared to find their differences.
 struct MeshEdit {
   std::vector<VertexSource> added_vertices;     // ids consecutive from the former num_vertices()
   std::vector<VertexSource> moved_vertices;     // existed before; their rest position changed (relaxation)
   std::vector<TriangleId> rewritten_triangles;  // slots whose vertices, rest shape or solidity changed, or whose
                                                 // neighbours did; new slots included; sorted, unique
   std::vector<VertexId> removed_vertices;       // lost all of their material; sorted, unique
-  // Of each new piece, numbers consecutive from the former num_pieces(): the number of the piece that it was part of
-  // before the edit, which goes on in one of its parts.
+  // For each new piece, numbered consecutively from the former num_pieces(): the number of the piece that it was part
+  // of before the edit. One part of that piece keeps its number.
   std::vector<std::int32_t> split_from;
   // Numbers of pieces all of whose material was removed, after the splits and in descending order: one by one each is
   // given up, and the piece with the highest number takes it over.

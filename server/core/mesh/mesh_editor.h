@@ -42,7 +42,7 @@ struct CommittedEdit {
   UndoLog undo;
 };
 
-// How an attempt to recover an edge ended.
+// Outcome of an attempt to recover an edge.
 struct Recovery {
   enum class Status {
     kRecovered,  // edge `corner` of `triangle` joins the two points now
@@ -64,8 +64,8 @@ struct Recovery {
 class MeshEditor {
  public:
   static constexpr std::int32_t kDefaultMaxSlots = 4'000'000;
-  // A point closer than this to a locked edge of its triangle cannot be told from a point on it once that edge is split
-  // and rounded; split_triangle refuses it. Lattice units.
+  // Least distance (lattice units) of a new point from a locked edge of its triangle; split_triangle refuses a closer
+  // one. Once that edge is split and rounded, such a point could not be distinguished from one on it.
   static constexpr std::int64_t kLockClearance = 16;
 
   // `max_triangle_slots`: the element budget; an operation that would go beyond it changes nothing and fails.
@@ -75,7 +75,7 @@ class MeshEditor {
   MeshEditor& operator=(const MeshEditor&) = delete;
 
   [[nodiscard]] const TriangleMesh& mesh() const { return mesh_; }
-  // Whether an operation failed for want of slots.
+  // Returns true if an operation failed because no slots were left.
   [[nodiscard]] bool budget_exhausted() const { return budget_exhausted_; }
   [[nodiscard]] bool is_new(PointId p) const { return p >= log_.num_points; }
 
@@ -114,8 +114,8 @@ class MeshEditor {
   //       \u/               \|/
   //        m                 m
   //
-  // False (nothing changed) where the edge is fixed or the quad is not strictly convex. On success the new edge is the
-  // edge opposite the corner a in t, whichever number that has.
+  // Returns false (nothing changed) if the edge is fixed or the quad is not strictly convex. On success the new edge is
+  // the edge opposite the corner a in t, whichever number that has.
   bool flip_edge(TriangleId t, int k);
 
   // Adds lock bits to edge k of t on both sides. kLockCut also sets kLockFresh where the edge was not cut yet. Returns
@@ -128,29 +128,29 @@ class MeshEditor {
   // left without one. At least one solid slot must stay.
   void remove_triangles(const std::vector<TriangleId>& slots);
 
-  // Moves p, which must exist already, to `to`. False (nothing changed) where p is on a locked edge, on an edge between
-  // regions or on the rim, or where a triangle of its star would not stay strictly positive.
+  // Moves p, which must exist already, to `to`. Returns false (nothing changed) if p is on a locked edge, on an edge
+  // between regions or on the rim. The same holds if a triangle of its star would not stay strictly positive.
   bool move_point(PointId p, const LatticePoint& to);
 
   // Lawson flips around p until every quad that p is a corner of is locally Delaunay or its edge is fixed. Cocircular
   // quads are left alone, so an untouched regular grid stays as it is. Returns the number of flips.
   int legalise(PointId p);
 
-  // Makes edge pq by flips (Sloan 1993, "A fast algorithm for generating constrained Delaunay triangulations"), adds
-  // `locks` to it if there are any (as lock_edge), and then flips those of the edges made on the way that are not
-  // locally Delaunay. On failure some flips may have been done; they are valid, and rolled back with the edit.
+  // Makes edge pq by flips (Sloan 1993, "A fast algorithm for generating constrained Delaunay triangulations"). Adds
+  // `locks`, if any, as lock_edge does. Then flips those of the edges made on the way that are not locally Delaunay. On
+  // failure some flips may have been done; they are valid, and rolled back with the edit.
   Recovery recover_edge(PointId p, PointId q, LockBits locks);
 
   // Brings the corner -> vertex map up to date at new points and at the ends of freshly cut edges: one vertex for each
   // connected sector of solid triangles around a point. Of the sectors that shared a vertex, the one with the lowest
-  // slot keeps it. Then renumbers pieces: of the parts of a piece, the one that is not exhausted first keeps the
-  // number, and numbers that nothing is left of are taken over by the highest. May be called more than once; commit()
-  // calls it for what is left.
+  // slot keeps it. Then renumbers pieces: the part whose flood fill is not exhausted keeps the piece's number. The
+  // highest numbers replace those of pieces without any material left. May be called more than once; commit() calls it
+  // for the remaining changes.
   void open();
 
-  // Ends the edit. Locks that belong to one edit are cleared. Weights in the record are barycentric in the triangle,
-  // of the mesh before the edit, that holds the vertex's final position on the side of its sector; on an edge that was
-  // locked before, both sides use their own two vertices. Call once.
+  // Ends the edit. Locks that belong to one edit are cleared. Weights in the record are barycentric in a triangle of
+  // the mesh before the edit: the one that holds the vertex's final position, on the side of its sector. On an edge
+  // that was locked before, both sides use their own two vertices. Call once.
   CommittedEdit commit();
 
   // Restores the mesh to what it was before the edit, sizes included.
@@ -162,7 +162,7 @@ class MeshEditor {
     TriangleId triangle = kNone;  // kNone: the point is not on such an edge
     int corner = 0;
   };
-  // What a new vertex inherits from, known when it is made; weights follow at commit, from final positions.
+  // Ancestry of a new vertex, known when it is made; weights follow at commit, from final positions.
   struct Birth {
     VertexId vertex = kNone;
     VertexId origin = kNone;  // vertex before the edit at the same point, or kNone for a new point
@@ -219,7 +219,7 @@ class MeshEditor {
   std::int32_t max_slots_;
   bool budget_exhausted_ = false;
   bool finished_ = false;
-  // Where their entries are in the log.
+  // Positions of their entries in the log.
   IdTable triangle_entry_, point_entry_, vertex_entry_;
   std::vector<TriangleId> parents_;       // of new slots: the slot before the edit that they were split from
   std::vector<Lip> lips_;                 // of new points
@@ -227,7 +227,7 @@ class MeshEditor {
   std::vector<PointId> moved_;            // old points that move_point was called on, may repeat
   std::vector<Birth> births_;             // by VertexId - log_.num_vertices
   std::vector<std::int32_t> split_from_;  // see MeshEdit
-  // Of slots removed: their vertices and pieces, in any order, repeated; and then what of those is gone, see MeshEdit.
+  // Vertices and pieces of removed slots, in any order, repeated; then those left without material, see MeshEdit.
   std::vector<VertexId> bereft_vertices_;
   std::vector<std::int32_t> bereft_pieces_;
   std::vector<VertexId> removed_vertices_;

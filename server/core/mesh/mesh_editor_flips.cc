@@ -8,7 +8,7 @@
 namespace kerf::mesh {
 namespace {
 
-// Whether edge k of t is not locally Delaunay: the corner across lies strictly inside the circle of t.
+// Returns true if edge k of t is not locally Delaunay: the corner across lies strictly inside the circumcircle of t.
 bool is_encroached(const TriangleMesh& mesh, TriangleId t, int k) {
   const PointId across = mesh.points(mesh.welded_neighbour(t, k))[mesh.mirror_corner(t, k)];
   return mesh.is_in_circle(t, mesh.at(across));

@@ -47,7 +47,7 @@ std::vector<MeshEditor::Sector> MeshEditor::sectors_around(PointId p, std::vecto
   const auto ends_sector = [&](TriangleId t) {
     return (mesh_.locks(t, next_corner(mesh_.corner_of(t, p))) & kLocksThatOpen) != 0;
   };
-  // Turned so that no sector goes on past the end.
+  // Rotates the fan so that no sector wraps around the end.
   const auto last = std::find_if(fan.rbegin(), fan.rend(), ends_sector);
   if (last != fan.rend()) std::rotate(fan.begin(), last.base(), fan.end());
   const Lip lip = is_new(p) ? lips_[p - log_.num_points] : Lip{};
@@ -79,9 +79,9 @@ MeshEditor::Lip MeshEditor::across(const Lip& lip) const {
   return {mirror, previous_corner(static_cast<int>(at_end - points.begin()))};
 }
 
-// For a new point on an edge that was locked before the edit: which triangles of its fan lie to the left of that edge.
-// Told by the edge's two halves at the point, not by position: the point was rounded. A half on whose both sides
-// material was removed is gone, and the void is in its place; where both halves are, position decides after all.
+// Finds the triangles in the fan of a new point that lie to the left of its edge, which was locked before the edit. The
+// edge's two halves at the point decide, not positions, as the point was rounded. A half is gone, with void in its
+// place, where material was removed on both sides of it. Positions decide where both halves are gone.
 std::vector<bool> MeshEditor::left_of_lip(PointId p, const Lip& lip, const std::vector<TriangleId>& fan) const {
   const TriangleRecord& record = old_record(lip.triangle);
   const LatticePoint& a = old_at(record.points[next_corner(lip.corner)]);
@@ -108,7 +108,7 @@ std::vector<bool> MeshEditor::left_of_lip(PointId p, const Lip& lip, const std::
     }
     return is_left;
   }
-  // With one bound alone, the run goes on to the void.
+  // With one bound alone, the run extends to the void.
   for (std::size_t step = 0; step < n; ++step) {
     const std::size_t i = first ? (*first + step) % n : (*last + n - step) % n;
     if (!(first && last) && !mesh_.is_solid(fan[i])) break;

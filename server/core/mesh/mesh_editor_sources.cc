@@ -1,4 +1,4 @@
-// What new and moved vertices inherit from: weights in the mesh before the edit, read through the undo log.
+// Interpolation sources of new and moved vertices: weights in the mesh before the edit, read through the undo log.
 
 #include <algorithm>
 #include <cmath>
@@ -91,8 +91,8 @@ std::vector<VertexSource> MeshEditor::moved_sources() const {
   return sources;
 }
 
-// Logged slots that look different from outside (a piece's number alone does not count), new slots, and the stars of
-// moved points, whose rest shape changed.
+// Returns logged slots that look different from outside, new slots, and the stars of moved points, whose rest shape
+// changed. A change of a piece's number alone does not count.
 std::vector<TriangleId> MeshEditor::rewritten_triangles() const {
   std::vector<TriangleId> rewritten;
   for (const auto& [t, old] : log_.triangles) {

@@ -9,9 +9,9 @@
 namespace kerf::mesh {
 namespace {
 
-// Where the fields at `p` are read from in the mesh with the edit in it. Only a point that no locked edge ends at is
-// ever moved, and no lock lies in the polygon that it is moved in: the slot that holds `p` is on its side of every lip.
-// Where rounding put it elsewhere the vertex keeps its fields.
+// Finds the interpolation source of the fields at `p` in the mesh that still has the edit. Only a point that no locked
+// edge ends at is ever moved, and no lock lies in the polygon that it is moved in: the slot that holds `p` is on its
+// side of every lip. Where rounding put it elsewhere the vertex keeps its fields.
 VertexSource source_at(const TriangleMesh& mesh, VertexId vertex, const LatticePoint& p) {
   struct View {
     const TriangleMesh& mesh;

@@ -9,7 +9,7 @@
 
 namespace kerf::mesh {
 
-// What taking back one edit did, the counterpart of MeshEdit. Ids from num_vertices and num_slots on are gone.
+// Records the undo of one edit; the counterpart of MeshEdit. Ids from num_vertices and num_slots on are gone.
 struct RevertedEdit {
   std::int32_t num_vertices = 0;  // after
   std::int32_t num_slots = 0;     // after
@@ -18,13 +18,14 @@ struct RevertedEdit {
   std::vector<VertexSource> removed_vertices;
   // Vertices whose old rest position is back: fields as sources say, with every field read as it was before the revert.
   std::vector<VertexSource> moved_vertices;
-  // Vertices whose removed material is back, fields as sources say, read likewise: the shape of the material that they
-  // were next to, continued, so weights may be below 0. Where nothing of their piece was left, themselves.
+  // Vertices whose removed material is back, with the sources of their fields, read in the same way. They extrapolate
+  // the material next to them, so weights may be below 0. The source is the vertex itself if nothing of its piece was
+  // left.
   std::vector<VertexSource> revived_vertices;
   std::vector<TriangleId> rewritten_triangles;  // as in MeshEdit, of the slots that remain; sorted, unique
 };
 
-// Whether the vertex was a copy of one other, as a lip's is, and not a point of its own.
+// Returns true if the vertex was a copy of one other, as on a lip, and not a point of its own.
 [[nodiscard]] inline bool is_copy(const VertexSource& source) {
   return source.sources[0] == source.sources[1] && source.sources[0] == source.sources[2];
 }

@@ -6,9 +6,9 @@
 
 namespace kerf::mesh {
 
-// The remembering stochastic walk of Devillers, Pion and Teillaud (2001): from slot `start`, steps across an edge that
-// separates the slot from p, the first edge tried being chosen by a hash of slot and step, so that the walk ends with
-// probability one in any triangulation and is the same every time. `View` offers triangle(t) and at(point). Returns the
+// Finds p by the remembering stochastic walk of Devillers, Pion and Teillaud (2001), which steps from slot `start`
+// across edges that separate the slot from p. A hash of slot and step chooses the first edge tried. So the walk ends
+// with probability one in any triangulation and is deterministic. `View` offers triangle(t) and at(point). Returns the
 // slot that holds p, or kNone after `max_steps` or on leaving the domain.
 template <typename View>
 TriangleId walk_to(const View& view, const LatticePoint& p, TriangleId start, std::int64_t max_steps) {

@@ -61,12 +61,13 @@ int in_circle(const LatticePoint& a, const LatticePoint& b, const LatticePoint& 
 // The exact half of in_circle, without the filter; for tests of the filter.
 int in_circle_exact(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c, const LatticePoint& d);
 
-// Whether the open segments ab and cd cross at one point interior to both (touching and overlapping do not count).
+// Returns true if the open segments ab and cd cross at one point interior to both (touching and overlapping do not
+// count).
 bool segments_cross(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c, const LatticePoint& d);
 
-// The lattice point nearest to the crossing of line ab with line cd, each coordinate rounded to nearest (ties away from
-// a), so at most half a unit off in x and in y. The lines must not be parallel and the crossing must lie between a and
-// b (inclusive).
+// Returns the lattice point nearest to the crossing of lines ab and cd. Each coordinate is rounded to nearest (ties
+// away from a), so at most half a unit off. The lines must not be parallel and the crossing must lie between a and b
+// (inclusive).
 LatticePoint rounded_crossing(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c,
                               const LatticePoint& d);
 

@@ -18,7 +18,8 @@ struct Facet {
   Eigen::Matrix<double, 3, 2> axes = Eigen::Matrix<double, 3, 2>::Zero();
   std::int32_t region = 0;  // label given at import, >= 0
 
-  // Of triangle (a, b, c) in the material plane and where its corners lie on the surface, m. Neither is degenerate.
+  // Makes the facet of a triangle from its corners in the material plane and on the surface, m. Neither triangle is
+  // degenerate.
   static Facet of(const std::array<Eigen::Vector2d, 3>& material, const std::array<Eigen::Vector3d, 3>& surface,
                   std::int32_t region);
 
@@ -26,8 +27,8 @@ struct Facet {
   [[nodiscard]] Eigen::Vector3d at(const Eigen::Vector2d& material) const {
     return origin + axes * (material - anchor);
   }
-  // The same in the facet's own plane, whose first axis is the image of material x and whose second is on the side of
-  // that of y: the upper triangular factor of `axes` = Q R, of positive diagonal. m per m.
+  // Returns the same map in the facet's own plane, m per m: the upper triangular factor R of `axes` = Q R, with
+  // positive diagonal. The plane's first axis is the image of material x; the second is on the side of the image of y.
   [[nodiscard]] Eigen::Matrix2d stretch() const;
   // m^2 of the surface per m^2 of the material plane, > 0.
   [[nodiscard]] double area_ratio() const;

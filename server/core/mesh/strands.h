@@ -9,8 +9,8 @@
 
 namespace kerf::mesh {
 
-// How close strands lie: lips, or lips and the border, that face each other or cross. Lengths where edges are
-// EdgeLengths::mean long, elsewhere in proportion.
+// Distances below which strands (lips, or lips and the border, that face each other or cross) count as close. Lengths
+// hold where edges are EdgeLengths::mean long, elsewhere in proportion.
 struct StrandWidths {
   double near = 0.0;    // lattice units, >= 0; strands closer than this are near each other; 0: none are
   double narrow = 0.0;  // lattice units, in [0, near]; gaps below this are spanned by needles
@@ -22,7 +22,7 @@ class Strands {
  public:
   enum class Place {
     kElsewhere,
-    // Two strands face each other across the middle of the triangle's shortest edge, closer than `near`, or a lip of
+    // Two strands face each other across the middle of the triangle's shortest edge, closer than `near`. Or a lip of
     // one cut meets another within `near` of that middle.
     kNear,
     // The shortest edge joins two fixed edges without being one, and is shorter than `narrow`.
@@ -37,8 +37,8 @@ class Strands {
   [[nodiscard]] Place place_of(TriangleId t, const TriangleShape& shape);
 
  private:
-  // Returns true where strands face each other closer than `reach` (lattice units) across the middle of the edge of t
-  // opposite corner c, or lips cross within `reach` of it.
+  // Returns true if strands face each other closer than `reach` (lattice units) across the middle of an edge, or lips
+  // cross within `reach` of it. The edge is that of t opposite corner c.
   [[nodiscard]] bool has_strands(TriangleId t, int c, double reach);
   // Takes note of a point of lips or border at this offset from the middle. True where lips cross in it.
   bool note_end(PointId p, const Eigen::Vector2d& offset);

@@ -18,7 +18,7 @@ namespace kerf::mesh {
 // Vertices (of the opened mesh) that a sheet may have: importers refuse more, and so does a cut that would lead there.
 inline constexpr std::int32_t kMaxVertices = 500'000;
 
-// Where a lattice point lies in the welded mesh. Independent of how it was searched for.
+// Location of a lattice point in the welded mesh. Independent of how it was searched for.
 struct Location {
   enum class Kind { kOutside, kFace, kEdge, kPoint };
   Kind kind = Kind::kOutside;
@@ -27,7 +27,7 @@ struct Location {
   PointId point = kNone;        // kPoint only
 };
 
-// What a straight segment that starts at a mesh point meets first.
+// First encounter of a straight segment that starts at a mesh point.
 struct SegmentWalk {
   enum class Kind {
     kEdgeExists,  // the segment is an edge of the mesh: edge `corner` of `triangle`
@@ -47,9 +47,9 @@ struct SegmentWalk {
 // along, across or into an older cut is no special case, and two lips always match. Void triangles surround the sheet
 // and fill its holes up to a square domain, so that the fan of every point of the sheet is closed.
 //
-// Slots, points and vertices are never deleted and ids never reused, but that an undo takes back the last ones: where
-// material is removed, slots become void and vertices stay behind without a triangle. A mesh as built has its solid
-// triangles in slots 0..T-1 and its vertices 0..V-1, both in input order, the void slots after them.
+// Slots, points and vertices are never deleted and ids never reused, except that an undo takes back the last ones.
+// Where material is removed, slots become void and vertices stay behind without a triangle. A mesh as built has its
+// solid triangles in slots 0..T-1 and its vertices 0..V-1, both in input order, the void slots after them.
 //
 // A plain value: a copy is an exact snapshot. All changes go through MeshEditor.
 //
@@ -104,7 +104,8 @@ class TriangleMesh {
   [[nodiscard]] Eigen::Vector2d rest_position(VertexId v) const {
     return records_.lattice.position(records_.points[records_.vertices[v].point].at);
   }
-  // Whether any triangle has a corner at v: false for good, but for an undo, once the material around it was removed.
+  // Returns true if any triangle has a corner at v. Once the material around v was removed, only an undo makes it true
+  // again.
   [[nodiscard]] bool has_material(VertexId v) const { return triangle_at(v) != kNone; }
   // One solid triangle with a corner at v; kNone where it has no material.
   [[nodiscard]] TriangleId triangle_at(VertexId v) const { return records_.vertices[v].triangle; }
@@ -128,9 +129,9 @@ class TriangleMesh {
   // --- The rest shape, where it is curved: material coordinates are then a chart of it, and lengths of a cut, as in
   // edge_lengths(), are lengths there.
   [[nodiscard]] bool is_curved() const { return records_.surface != nullptr; }
-  // Whether both are flat, or of equal surfaces.
+  // Returns true if both are flat, or have equal surfaces.
   [[nodiscard]] bool has_surface_of(const TriangleMesh& other) const;
-  // What a solid triangle is a part of; null where the rest shape is flat, and in the void.
+  // Returns the facet that a solid triangle is part of; null if the rest shape is flat, and in the void.
   [[nodiscard]] const Facet* facet(TriangleId t) const {
     return is_curved() && is_solid(t) ? &records_.surface->facets[static_cast<std::size_t>(record(t).region)] : nullptr;
   }
@@ -142,8 +143,8 @@ class TriangleMesh {
     const Facet* const on = facet(t);
     return on != nullptr ? Eigen::Vector2d(on->stretch() * vector) : vector;
   }
-  // Whether p lies strictly inside the circle of t in the rest shape, its plane continued: exactly where it is flat,
-  // else by more than rounding, so that flips end.
+  // Returns true if p lies strictly inside the circumcircle of t in the rest shape, its plane continued. Exact if the
+  // rest shape is flat; else p must be inside by more than rounding, so that flips end.
   [[nodiscard]] bool is_in_circle(TriangleId t, const LatticePoint& p) const;
 
   // --- The welded mesh (for cutting and checking).
@@ -159,7 +160,7 @@ class TriangleMesh {
   // Across edge k whatever its locks; kNone at the rim of the domain only.
   [[nodiscard]] TriangleId welded_neighbour(TriangleId t, int k) const { return record(t).neighbours[k]; }
   [[nodiscard]] LockBits locks(TriangleId t, int k) const { return record(t).locks[k]; }
-  // Whether flips may not remove edge k: locked, on the rim of the domain, or between two regions.
+  // Returns true if flips may not remove edge k: it is locked, on the rim of the domain, or between two regions.
   [[nodiscard]] bool is_fixed(TriangleId t, int k) const {
     const TriangleRecord& r = record(t);
     return r.locks[k] != 0 || r.neighbours[k] == kNone || record(r.neighbours[k]).region != r.region;
@@ -178,14 +179,15 @@ class TriangleMesh {
   void fan_around(PointId p, std::vector<TriangleId>& fan) const;
   // The union of the locks of the edges at p. O(degree).
   [[nodiscard]] LockBits locks_at_point(PointId p) const;
-  // Whether any of them is fixed. O(degree).
+  // Returns true if any edge at p is fixed. O(degree).
   [[nodiscard]] bool has_fixed_edge(PointId p) const;
   // Finds edge {p, q}: its slot and the corner opposite; the slot is the one that has p before q counter-clockwise
   // (kNone if there is no such edge). O(degree of p).
   [[nodiscard]] TriangleId find_edge(PointId p, PointId q, int& corner) const;
 
-  // Locates by walking (Devillers, Pion, Teillaud 2001, "Walking in a triangulation", remembering stochastic walk with
-  // the first edge chosen by a hash of slot and step); `hint` is any slot near, or kNone to start from a coarse grid.
+  // Locates p by walking (Devillers, Pion, Teillaud 2001, "Walking in a triangulation"). It is their remembering
+  // stochastic walk, with the first edge chosen by a hash of slot and step. `hint` is any slot near, or kNone to start
+  // from a coarse grid.
   [[nodiscard]] Location locate(const LatticePoint& p, TriangleId hint = kNone) const;
 
   // Follows the segment from point p to point q != p up to what it meets first.

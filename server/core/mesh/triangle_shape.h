@@ -25,7 +25,7 @@ inline double quality_of(double doubled_area, double squared_edges) {
 TriangleShape shape_of(const std::array<LatticePoint, 3>& corners);
 // From the squared lengths of the edges opposite each corner.
 TriangleShape shape_of(const std::array<double, 3>& squared, double doubled_area);
-// Of a solid triangle in the rest shape: where that is curved, on the surface.
+// Returns the shape of a solid triangle in the rest shape: on the surface if that is curved.
 TriangleShape rest_shape_of(const TriangleMesh& mesh, TriangleId t);
 
 inline std::array<LatticePoint, 3> corners_of(const TriangleMesh& mesh, TriangleId t) {

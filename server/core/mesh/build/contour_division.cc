@@ -10,7 +10,7 @@ namespace {
 constexpr double kSnap = 0.1;  // -; how near a point of the contour is very near, as a fraction of the parts' length
 constexpr int kSteps = 8;      // of the integral of 1 / size along an edge of that size
 
-// How many edges there are up to a station.
+// Number of edges up to a station.
 struct Count {
   double station = 0.0;
   double edges = 0.0;

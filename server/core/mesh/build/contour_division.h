@@ -19,10 +19,10 @@ struct EdgeCounts {
   double most = 0.0;   // parts beyond which none are made
 };
 
-// Appends the stations that divide a stretch into parts of the lengths that `sizes` (m) asks for, none of which turns
-// by more than kMaxTurnOfEdge on average: equal parts of the integral of 1 / size, or of the turn. The ends of the
-// stretch are left out. False where that takes more than counts.most parts. Stations go to points of the contour that
-// are very near: those lie on the curve that it stands for.
+// Appends the stations that divide a stretch into parts of the lengths given by `sizes` (m). Parts are equal in the
+// integral of 1 / size, or in the turn, and turn by at most kMaxTurnOfEdge on average. The ends of the stretch are left
+// out. Returns false if that takes more than counts.most parts. Stations go to points of the contour that are very
+// near: those lie on the curve that it stands for.
 bool divide_stretch(const Contour& contour, const Stretch& stretch, const SizeField& sizes, const EdgeCounts& counts,
                     std::vector<double>& stations);
 

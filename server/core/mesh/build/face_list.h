@@ -16,14 +16,14 @@ namespace kerf::mesh {
 inline constexpr std::size_t kMaxMeshFileBytes = 64u << 20;
 inline constexpr std::size_t kMaxFaceCorners = 64;
 
-// What of a mesh file is the rest shape.
+// Selects the part of a mesh file that gives the rest shape.
 enum class RestShape {
   kAutomatic,  // kFlat where there are texture coordinates or the positions lie in one plane, else kSurface
   kFlat,       // the texture coordinates, metres; without any the positions, which must lie in one plane
   kSurface,    // the positions, however curved; texture coordinates, where there are some, only say where cuts go
 };
 
-// What a mesh file says, for import_mesh and for the state to start from.
+// Contents of a mesh file: input of import_mesh, and the state to start from.
 struct ImportedSheet {
   IndexedMesh sheet;                         // rest shape, m, `rest` empty where material coordinates are to be made
   Eigen::Matrix3Xd world;                    // 3 x V, m, where the vertices start

@@ -32,7 +32,7 @@ Error refuse(std::string reason, std::string message) {
   return invalid_argument(std::move(reason), std::move(message), "surface");
 }
 
-// One connected part, its vertices numbered anew.
+// One connected part, with its own vertex numbers.
 struct Component {
   std::vector<int> vertices;                  // by number here: the number in the whole
   std::vector<std::array<int, 3>> triangles;  // numbers here

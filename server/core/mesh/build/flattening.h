@@ -13,16 +13,16 @@ enum class Flattening {
   // Least-squares conformal maps (Levy, Petitjean, Ray, Maillot 2002): angles are kept as well as can be, the border is
   // free. Triangles may overlap where the surface is far from flat.
   kConformal,
-  // Tutte's embedding: the longest border on a circle, all others and the inside at weighted means of their neighbours
-  // (cotangent weights, at least a twentieth, so that all are positive). Never overlaps (Floater 2003, "One-to-one
-  // piecewise linear mappings over triangulations"); angles are kept less well.
+  // Tutte's embedding: the longest border lies on a circle, all other vertices at weighted means of their neighbours.
+  // Weights are cotangents, but at least a twentieth, so that all are positive. Never overlaps (Floater 2003,
+  // "One-to-one piecewise linear mappings over triangulations"); angles are kept less well.
   kConvex,
 };
 
-// Material coordinates (2 x V, m) for a surface in space: surface 3 x V, m, finite; triangles 3 x T, vertex ids in
-// range, all vertices used. Each component is of the same area in the plane as in space, and turned and put so that it
-// is as near as can be to its own projection along its mean normal, material x along world x (or y, where it faces x);
-// several components lie side by side. Refused, field = `surface`:
+// Returns material coordinates (2 x V, m) for a surface in space. surface: 3 x V, m, finite; triangles: 3 x T, vertex
+// ids in range, all vertices used. Each component keeps its area. It is rotated and moved to lie as near as possible to
+// its own projection along its mean normal. Material x lies along world x (or y, where the component faces x); several
+// components lie side by side. Errors, field = `surface`:
 //   MESH_NON_MANIFOLD_EDGE, MESH_NON_MANIFOLD_VERTEX, MESH_INCONSISTENT_ORIENTATION,
 //   MESH_NOT_FLATTENABLE: closed (no border), with handles, or of no area,
 //   MESH_TOO_LARGE: more than kMaxFlattenedVertices.

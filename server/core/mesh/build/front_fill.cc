@@ -132,7 +132,8 @@ class FrontFill {
     return true;
   }
 
-  // Whether no point and no fixed edge of the cavity of `at` (the triangles whose circles hold it) is too close.
+  // Returns true if no point and no fixed edge of the cavity of `at` (the triangles whose circumcircles contain it) is
+  // too close.
   bool has_room(TriangleId start, const LatticePoint& at, double size) {
     cavity_.assign(1, start);
     for (std::size_t i = 0; i < cavity_.size() && i < kMaxFrontCavity; ++i) {

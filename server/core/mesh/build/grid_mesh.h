@@ -14,10 +14,10 @@ struct GridConfig {
   double height = 1.0;      // m, in [1e-6, 1e4]
 };
 
-// A rectangle from (0, 0) to (width, height). Vertex j * num_x + i lies at (i width / (num_x - 1), j height /
+// Makes a rectangle from (0, 0) to (width, height). Vertex j * num_x + i lies at (i width / (num_x - 1), j height /
 // (num_y - 1)). Triangles 2 q and 2 q + 1, q = j * (num_x - 1) + i, halve cell (i, j) along its diagonal from lower
-// left to upper right. Refusals: GRID_SIZE, GRID_EXTENT; MESH_DEGENERATE_TRIANGLE where its cells are too long for
-// their height.
+// left to upper right. Errors: GRID_SIZE, GRID_EXTENT; MESH_DEGENERATE_TRIANGLE if its cells are too long for their
+// height.
 Result<TriangleMesh> make_grid(const GridConfig& config);
 
 // The same vertices, those inside displaced by up to 0.3 of the cell in x and in y, chosen by `seed`, and triangulated

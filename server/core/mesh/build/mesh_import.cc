@@ -59,7 +59,7 @@ class SheetImport {
     return mesh;
   }
 
-  // Of what the triangulation does not depend on.
+  // Checks the input that the triangulation does not depend on.
   Status check() {
     return check_arrays();
   }

@@ -27,15 +27,15 @@ struct IndexedMesh {
   Eigen::Matrix3Xd surface;
 };
 
-// Triangles of a rest surface whose corners a common affine map from the material plane meets as closely as this, as a
-// fraction of their longest edge, make one facet.
+// Tolerance for joining triangles of a rest surface into one facet, as a fraction of their longest edge. One affine map
+// from the material plane must meet all their corners this closely.
 inline constexpr double kSameFacet = 1e-7;
 
 // Builds a mesh from a sheet of one or several components, with or without holes. Components may touch at points and
-// along whole edges: vertices of equal rest position are welded there, so a sheet that was cut before keeps its cuts (a
-// cut of a single edge inside doubles no vertex and leaves no trace in arrays). A
-// component whose triangles are all clockwise is turned over (corners 1 and 2 swapped). Refused, the offending
-// triangles or vertices listed in the message, field = `rest`, `triangles` or `regions`:
+// along whole edges. Vertices of equal rest position are welded there, so a sheet that was cut before keeps its cuts.
+// (A cut of a single edge inside doubles no vertex and leaves no trace in arrays.) A component whose triangles are all
+// clockwise is turned over (corners 1 and 2 swapped). Errors list the offending triangles or vertices in the message;
+// field = `rest`, `triangles` or `regions`:
 //   MESH_EMPTY, MESH_TOO_LARGE, MESH_NOT_FINITE, MESH_OUT_OF_RANGE, MESH_INDEX, MESH_REGIONS, MESH_UNUSED_VERTEX,
 //   MESH_DEGENERATE_TRIANGLE (flatter than kMinFlatness, or a sheet of no size), MESH_NON_MANIFOLD_EDGE,
 //   MESH_NON_MANIFOLD_VERTEX, MESH_INCONSISTENT_ORIENTATION, MESH_OVERLAP (triangles overlap, or a vertex lies inside

@@ -31,7 +31,7 @@ class ObjReader {
   }
 
  private:
-  // What FaceList or this reader refuses, with the place.
+  // Adds the place in the file to an error of FaceList or of this reader.
   [[nodiscard]] Error here(Error error) const {
     error.reason = "OBJ_" + error.reason;
     error.field = "obj";

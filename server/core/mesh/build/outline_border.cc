@@ -28,7 +28,7 @@ std::string place_of(const Lattice& lattice, const LatticePoint& at) {
   return text;
 }
 
-// Whether the closed segments have a point in common.
+// Returns true if the closed segments have a point in common.
 bool meet(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c, const LatticePoint& d) {
   const int ac = orient2d(a, b, c), ad = orient2d(a, b, d), ca = orient2d(c, d, a), cb = orient2d(c, d, b);
   if (ac != 0 || ad != 0 || ca != 0 || cb != 0) return ac * ad <= 0 && ca * cb <= 0;
@@ -36,7 +36,7 @@ bool meet(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c, c
   return std::max(std::min(a, b), std::min(c, d)) <= std::min(std::max(a, b), std::max(c, d));
 }
 
-// Of two segments that meet: where they cross, or an end of one on the other.
+// Returns the crossing of two segments that meet, or an end of one on the other.
 LatticePoint common_point(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c, const LatticePoint& d) {
   if (segments_cross(a, b, c, d)) return rounded_crossing(a, b, c, d);
   for (const LatticePoint& end : {c, d}) {
@@ -45,7 +45,7 @@ LatticePoint common_point(const LatticePoint& a, const LatticePoint& b, const La
   return meet(c, d, a, a) ? a : b;
 }
 
-// Whether `at` lies inside the polygon or on it; even-odd.
+// Returns true if `at` lies inside the polygon or on it (even-odd rule).
 bool surrounds(const std::vector<LatticePoint>& polygon, const LatticePoint& at) {
   bool inside = false;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
@@ -157,7 +157,7 @@ bool OutlineBorder::are_neighbours(const Chord& a, const Chord& b) const {
   return (a.index + 1) % size == b.index || (b.index + 1) % size == a.index;
 }
 
-// Whether two different chords have more in common than the end that neighbours share.
+// Returns true if two different chords have more in common than the end that neighbours share.
 bool OutlineBorder::conflict(const Chord& a, const Chord& b) const {
   if (!are_neighbours(a, b)) return meet(a.from, a.to, b.from, b.to);
   const bool is_in_order = a.to == b.from;
@@ -194,7 +194,7 @@ LatticePoint OutlineBorder::at(std::int32_t contour, double station) const {
   return lattice_.nearest(contours_[contour].at(station));
 }
 
-// Whether an edge may stand for this part of a contour: nothing else lies between the two.
+// Returns true if an edge may replace this part of a contour, as nothing else lies between the two.
 bool OutlineBorder::stands_for(const Span& span) const {
   const Contour& contour = contours_[span.contour];
   const std::size_t first = contour.chord_at(span.from);

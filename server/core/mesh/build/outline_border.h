@@ -48,7 +48,7 @@ class OutlineBorder : public BorderCurves {
   // `max_vertices`.
   bool divide(const SizeField& sizes, std::int64_t max_vertices);
 
-  // What refinement adds from here on is of a mesh on this lattice, whose points 0..n-1 are the vertices.
+  // Starts to follow the refinement of a mesh on this lattice, whose points 0..n-1 are the vertices.
   void follow(const Lattice& mesh_lattice);
   [[nodiscard]] LatticePoint between(PointId p, PointId q, double distance) override;
   void add(PointId p, PointId q, PointId added) override;

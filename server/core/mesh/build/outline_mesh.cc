@@ -86,7 +86,7 @@ class OutlineMesher {
 
   Result<TriangleMesh> run() {
     KERF_TRY(check_lengths());
-    // What the longest edges would take, before any vertex is made.
+    // Estimates the vertices that the longest edges would take, before any vertex is made.
     const double area = border_.area();
     if (area / (kAreaOfVertex * edge_length_ * edge_length_) > kEstimateMargin * config_.max_vertices ||
         !border_.divide(sizes(), config_.max_vertices)) {
@@ -211,7 +211,7 @@ class OutlineMesher {
     return inside;
   }
 
-  // Of a contour that is met from `depth` contours inside.
+  // Checks a contour that is nested inside `depth` others.
   [[nodiscard]] Status check_nesting(std::int32_t contour, int depth) const {
     const std::string& field = border_.field(contour);
     if (contour == 0 || depth == 1) return Nothing{};

@@ -41,21 +41,21 @@ struct OutlineConfig {
 };
 
 // Meshes what lies inside the border and outside the holes. Vertices on the contours lie on the given polygons, spaced
-// as the sizes ask, at least 16 on what turns once around, closer where contours come near each other; triangles are as
-// large as asked for, graded away from shorter edges by 0.25 of the distance, and near equilateral. No angle is below
-// min_angle_deg but where the outline forces one: at its own corners, and where it is narrower than floating point lets
-// be resolved. The same every time.
+// as the sizes ask, and closer where contours come near each other. A full turn has at least 16 of them. Triangles are
+// as large as requested, graded away from shorter edges by 0.25 of the distance, and near equilateral. No angle is
+// below min_angle_deg except where the outline forces one. It does so at its own corners, and where it is too narrow
+// for floating point to resolve. The result is deterministic.
 //
-// Steps: the contours are divided; what is between them is triangulated (constrained Delaunay) and refined, see
-// refinement.h, which tells how much closer their vertices must be for the angle; triangulated anew, the inside is
-// filled from the contours inwards (front_fill.h); points inside are moved to where the worst triangle around them is
-// best (relaxation.h); what is still below the angle is refined.
+// Steps: 1. The contours are divided. 2. The inside is triangulated (constrained Delaunay) and refined (refinement.h),
+// to find how much closer the vertices of the contours must be for the angle. 3. It is triangulated again and filled
+// from the contours inwards (front_fill.h). 4. Points inside move to where the worst triangle around them is best
+// (relaxation.h). 5. Triangles still below the angle are refined.
 //
 // Errors: kInvalidArgument OUTLINE_DEGENERATE (fewer than three different points, or smaller than 1e-9 m),
 // OUTLINE_CROSSES (a contour crosses or touches itself or another), OUTLINE_NESTING (a hole outside the border, or in
 // another hole), OUTLINE_EDGE_LENGTH (an edge length below kMinOutlineEdge); kResourceExhausted OUTLINE_TOO_FINE: more
-// than max_vertices, by an estimate before anything that large is made, or as it turns
-// out. Fields: those of the contours and sizes, `edge_length`.
+// than max_vertices, by an estimate made beforehand or while meshing. Fields: those of the contours and sizes,
+// `edge_length`.
 Result<TriangleMesh> mesh_outline(const OutlineConfig& config);
 
 }  // namespace kerf::mesh

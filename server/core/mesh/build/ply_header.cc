@@ -79,7 +79,7 @@ class HeaderReader {
     const std::string line = std::to_string(std::max<std::int64_t>(line_, 1));
     return invalid_argument("PLY_" + reason, "line " + line + ": " + what, "ply:" + line);
   }
-  // Whether this was the last line.
+  // Returns true if this was the last line of the header.
   Result<bool> read_line(std::string_view line) {
     const std::string_view keyword = next_word(line);
     if (keyword == "comment" || keyword == "obj_info") return false;
@@ -168,7 +168,7 @@ class HeaderReader {
     return Nothing{};
   }
 
-  // The places below are told as those of the header's last line.
+  // Reports the errors below at the header's last line.
   Status assign_roles() {
     PlyElement* const vertex = find_named(header_.elements, "vertex");
     PlyElement* const face = find_named(header_.elements, "face");

@@ -18,7 +18,7 @@ enum class PlyType { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat32, 
 // Bytes of a number of this type.
 std::size_t size_of(PlyType type);
 
-// What a property is to a sheet.
+// Use that a sheet makes of a property.
 enum class PlyRole { kSkipped, kX, kY, kZ, kTextureX, kTextureY, kCorners };
 
 struct PlyProperty {

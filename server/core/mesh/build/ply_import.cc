@@ -79,7 +79,7 @@ class PlyReader {
  private:
   [[nodiscard]] bool is_text() const { return header_.format == PlyFormat::kAscii; }
 
-  // What FaceList or this reader refuses, with the place.
+  // Adds the place in the file to an error of FaceList or of this reader.
   [[nodiscard]] Error here(Error error) const {
     error.reason = "PLY_" + error.reason;
     error.field = "ply";

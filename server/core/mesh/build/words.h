@@ -31,7 +31,7 @@ inline std::string_view next_line(std::string_view& text, char end) {
   return line;
 }
 
-// Whether the whole word is a number of this type, with or without a sign.
+// Parses a number of this type, with or without a sign; returns true if it is the whole word.
 template <typename Number>
 bool parse_number(std::string_view word, Number& value) {
   if (!word.empty() && word.front() == '+') word.remove_prefix(1);

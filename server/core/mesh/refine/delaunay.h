@@ -14,9 +14,9 @@ TriangleMesh make_empty_domain(const Lattice& lattice);
 // Position along a Hilbert curve of 2^20 x 2^20 cells over the domain: points near each other mostly have near ones.
 std::uint64_t hilbert_index(const LatticePoint& p);
 
-// Inserts points, all different and strictly inside the domain, and keeps the triangulation (constrained) Delaunay. In
-// biased randomised order (Amenta, Choi, Rote 2003, "Incremental constructions con BRIO"), so in O(n log n) expected
-// whatever the order given, and the same every time. Returns the id of each point.
+// Inserts points, all different and strictly inside the domain, and keeps the triangulation (constrained) Delaunay.
+// Uses a biased randomised order (Amenta, Choi, Rote 2003, "Incremental constructions con BRIO"): O(n log n) expected
+// for any given order, and deterministic. Returns the id of each point.
 std::vector<PointId> insert_delaunay(MeshEditor& editor, std::span<const LatticePoint> points);
 
 }  // namespace kerf::mesh

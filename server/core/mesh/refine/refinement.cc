@@ -23,11 +23,11 @@ using Eigen::Vector2d;
 namespace {
 
 constexpr std::size_t kMaxCavity = 256;  // triangles searched for fixed edges that a new point encroaches on
-// Ungor's off-centre pulled in by 5 %, so that rounding does not leave the new triangle just below the angle
-// (the factor of Shewchuk's Triangle 1.6).
+// Pulls Ungor's off-centre in by 5 % (the factor of Shewchuk's Triangle 1.6). So rounding does not leave the new
+// triangle just below the angle.
 constexpr double kOffCentreFactor = 0.475;
-// How far a new point keeps from a lip it encroaches on and that must not be split, as a fraction of the shortest edge
-// of the triangle that it is to remove.  -
+// Least distance of a new point from a lip that it encroaches on and that must not be split. -, as a fraction of the
+// shortest edge of the triangle that the point is to remove
 constexpr double kLeastRoom = 0.3;
 
 // An ill-shaped triangle waiting. It is looked at again only if the slot still holds the same corners.
@@ -81,8 +81,8 @@ class Refinement {
   }
 
  private:
-  // What is refined in turn: all but what a sharp corner forces; between the lips of sharp corners, beyond the first
-  // ring.
+  // Stages of refinement, in order: all triangles except those that a sharp corner forces; those between the lips of
+  // sharp corners, beyond the first ring.
   enum class Stage { kPlain, kWedges };
 
   // A triangle left for a later stage. Stale where the slot holds other corners now.
@@ -167,8 +167,8 @@ class Refinement {
     return true;
   }
 
-  // Where the place for a new point is taken, t is not Delaunay: a sheet need not have been, and moving points can
-  // leave edges at them that are not.
+  // Flips an edge of t that is not Delaunay, if the place for a new point is taken. A sheet as built need not be
+  // Delaunay, and moved points can leave edges that are not.
   bool flip_away(TriangleId t) {
     for (int k = 0; k < 3; ++k) {
       if (mesh_.is_fixed(t, k)) continue;
@@ -200,14 +200,15 @@ class Refinement {
     return rounded(p, facet != nullptr ? Vector2d(facet->stretch().inverse() * offset) : offset);
   }
 
-  // How the lengths of the configuration are scaled at p.
+  // Returns the factor on the lengths of the configuration at p.
   [[nodiscard]] double scale_at(PointId p) const {
     const EdgeLengths& lengths = *config_.lengths;
     return lengths.is_uniform() ? 1.0 : lengths.at(mesh_.point_position(p)) / lengths.mean;
   }
 
-  // Of the fixed edges that bound the cavity of `at` (the triangles whose circles hold it), the one whose diametral
-  // circle holds it deepest. One that must not be split any more does not count if it is farther than `room` from it.
+  // Finds the fixed edge on the border of the cavity of `at` (the triangles whose circumcircles contain it) whose
+  // diametral circle contains it deepest. One that must not be split any more does not count if it is farther than
+  // `room` from it.
   std::optional<MeshSide> find_encroached(TriangleId start, const LatticePoint& at, double room) {
     std::optional<MeshSide> worst;
     double worst_cos = 0.0;
@@ -257,7 +258,7 @@ class Refinement {
     return true;
   }
 
-  // Whether a lip must not be split any more because it ends at a sharp corner.
+  // Returns true if a lip must not be split any more because it ends at a sharp corner.
   [[nodiscard]] bool is_frozen(const MeshSide& edge) {
     if (stage_ == Stage::kPlain) return false;
     const auto& p = mesh_.points(edge.triangle);
@@ -278,7 +279,8 @@ class Refinement {
     return true;
   }
 
-  // Of fixed edge ab of this length, about this fraction from a to b; at a sharp corner exactly as far from it.
+  // Returns a place on the fixed edge ab of this length, about this fraction from a to b; at a sharp corner exactly as
+  // far from it.
   [[nodiscard]] LatticePoint split_place(PointId a, PointId b, double fraction, double length) {
     if (config_.border == nullptr) return rounded(mesh_.at(a), fraction * difference(mesh_.at(a), mesh_.at(b)));
     if (fraction != 0.5 && corners_.is_sharp(b)) return config_.border->between(b, a, (1.0 - fraction) * length);

@@ -23,11 +23,11 @@ struct TipGrading {
 class BorderCurves {
  public:
   virtual ~BorderCurves() = default;
-  // The place on the curve between p and q, joined by a fixed edge, at this distance from p (lattice units, less than
-  // that of q).
+  // Returns the place on the curve between p and q at this distance from p (lattice units, less than that of q). A
+  // fixed edge joins p and q.
   [[nodiscard]] virtual LatticePoint between(PointId p, PointId q, double distance) = 0;
-  // Told what became of the place last asked for: it is a point, or it cannot be, since the mesh is too fine there for
-  // the edge to give way to the curve.
+  // Report the outcome of the last call of between(). add(): the place is a point now. miss(): it cannot be one, since
+  // the mesh is too fine there for the edge to give way to the curve.
   virtual void add(PointId p, PointId q, PointId added) = 0;
   virtual void miss(PointId p, PointId q) = 0;
 };
@@ -38,7 +38,7 @@ struct RefinementConfig {
   StrandWidths strands;            // where triangles are near strands, which are refined less
   double strand_angle_deg = 20.0;  // degrees, in [0, min_angle_deg]; smallest angle near strands
   std::int64_t max_insertions = 0;
-  // Where edges are `lengths->mean` long the lengths above are as given, elsewhere in proportion. Not null.
+  // Scales the lengths above in proportion: they hold as given where edges are `lengths->mean` long. Not null.
   const EdgeLengths* lengths = nullptr;
   TipGrading grading;
   BorderCurves* border = nullptr;  // null: fixed edges are what they stand for
@@ -49,16 +49,16 @@ struct RefinementCounts {
   bool stopped = false;  // max_insertions reached
 };
 
-// Delaunay refinement of the solid triangles in `seeds`, and of those it rewrites, until no angle is below
-// min_angle_deg but where the input forces one, and no edge is longer than the grading around tips allows. After
-// Ruppert (1995, "A Delaunay refinement algorithm for quality 2-dimensional mesh generation") with off-centres (Ungor
-// 2004, "Off-centers: a new type of Steiner points"), fixed edges split where encroached or in the way, and two guards
-// for sharp input corners: concentric shells around corners below 60 degrees (Ruppert, sec. 7) and no refinement of
-// triangles whose shortest edge joins two lips of such a corner (Miller, Pav, Walkington 2003, "When and why Ruppert's
-// algorithm works"). Near strands (see Strands) no angle is below strand_angle_deg: triangles between lips are no
-// higher than their gap, however many triangles fill it. In narrow gaps none is asked for: there lips are only split
-// opposite each other, and needles span them. The void is never refined. Ends early where the editor's budget is
-// exhausted.
+// Refines the solid triangles in `seeds`, and those it rewrites, until no angle is below min_angle_deg except where the
+// input forces one. Also no edge is then longer than the grading around tips allows. The method is Delaunay refinement
+// after Ruppert (1995, "A Delaunay refinement algorithm for quality 2-dimensional mesh generation"). Points are
+// off-centres (Ungor 2004, "Off-centers: a new type of Steiner points"); fixed edges are split where encroached or in
+// the way. There are two guards for sharp input corners: concentric shells around corners below 60 degrees (Ruppert,
+// sec. 7) and no refinement of triangles whose shortest edge joins two lips of such a corner (Miller, Pav, Walkington
+// 2003, "When and why Ruppert's algorithm works"). Near strands (see Strands) no angle is below strand_angle_deg:
+// triangles between lips are no higher than their gap, however many triangles fill it. In narrow gaps none is asked
+// for: there lips are only split opposite each other, and needles span them. The void is never refined. Ends early
+// where the editor's budget is exhausted.
 RefinementCounts refine(MeshEditor& editor, std::span<const TriangleId> seeds, const RefinementConfig& config);
 
 }  // namespace kerf::mesh

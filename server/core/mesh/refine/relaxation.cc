@@ -75,7 +75,7 @@ class Relaxation {
   Relaxation(MeshEditor& editor, std::span<const VertexId> fixed_vertices, double well_shaped)
       : editor_(editor), mesh_(editor.mesh()), fixed_vertices_(fixed_vertices), well_shaped_(well_shaped) {}
 
-  // Whether p was moved.
+  // Moves p where that improves its triangles; returns true if p was moved.
   bool improve(PointId p, double reach) {
     if (!gather(p)) return false;
     const Vector2d here = Vector2d::Zero();

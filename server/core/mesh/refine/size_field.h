@@ -9,8 +9,8 @@
 
 namespace kerf::mesh {
 
-// An edge length wanted along the segment from a to b (a point where both are equal), and away from it
-// length + growth * distance. Any unit of length, the same for all.
+// Asks for an edge length along the segment from a to b (a point where both are equal). Away from it the wanted length
+// is length + growth * distance. Any unit of length, the same for all.
 struct SizeSource {
   Eigen::Vector2d a{0.0, 0.0};
   Eigen::Vector2d b{0.0, 0.0};
@@ -27,7 +27,7 @@ class SizeField {
 
   [[nodiscard]] double at(const Eigen::Vector2d& position) const;
   [[nodiscard]] double largest() const { return largest_; }
-  // Of all sources; 0 without any.
+  // Largest growth of all sources; 0 without any.
   [[nodiscard]] double steepest_growth() const { return steepest_growth_; }
 
  private:
