@@ -40,8 +40,8 @@ constexpr std::int64_t kInsertionsPerPathPoint = 60;
 constexpr std::int64_t kInsertionsBeside = 2'000;
 
 constexpr double kLengthFloor = 0.25;  // -; as a fraction of the snap distance, see RefinementConfig
-// Around tips: insertions for a gradient of 1 and edges as long as wanted, and up to where, in edge lengths of the
-// sheet, the grading is looked for.
+// Around tips: insertions for a gradient of 1 and edges as long as wanted, and the radius of the search for graded
+// triangles, in edge lengths of the sheet.
 constexpr double kInsertionsPerTip = 400.0;
 constexpr double kGradedReach = 3.0;
 
@@ -137,7 +137,7 @@ class Cutter {
     editor_.remove_triangles(strip_);
   }
 
-  // Of what snapping may do to the distance between the two sides of a strip.
+  // Returns the deviation by snapping as a share of that allowed to the distance between the two sides of a strip.
   [[nodiscard]] double deviation_of_width() const {
     return has_width() ? insertion_.counts().deviation * spacing_ / (0.5 * kToleranceOfWidth * *plan_.options.width_m)
                        : 0.0;
@@ -267,7 +267,7 @@ class Cutter {
     std::vector<TriangleId> found;
     mesh::IdTable seen;
     for (const LatticePoint& tip : grading.tips) {
-      // Of the triangles at a point, not the one that the search happened on.
+      // Takes a triangle that depends on the point alone, not the one where the search ended.
       const mesh::Location location = mesh_.locate(tip);
       found.push_back(location.point != kNone ? mesh_.triangle_at_point(location.point) : location.triangle);
     }
@@ -331,8 +331,9 @@ class Cutter {
   std::vector<PointId> path_, corridor_, moved_;  // sorted, unique
 };
 
-// Where older lips lie dense, a path can be laid on one and from there on the next, ever farther from where it should
-// be, or into a corner where nothing can be rounded to: then it is tried again with less snapping.
+// Returns true if the cut should be tried again with less snapping. Among dense older lips a path can be laid on one
+// and from there on the next, ever farther from its place. Or it runs into a corner without any lattice point to round
+// to.
 bool calls_for_less_snapping(const Result<CutOutcome>& outcome) {
   return !outcome.ok() && outcome.error().code == ErrorCode::kFailedPrecondition &&
          outcome.error().reason != "STRIP_COVERS_SHEET";

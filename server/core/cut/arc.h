@@ -7,7 +7,7 @@
 #include "server/core/cut/curve.h"
 
 // Ellipses and their arcs as rational quadratic Bezier segments, which represent them exactly (Farin, "Curves and
-// Surfaces for CAGD", 5th ed., ch. 12): an arc of the unit circle between the unit vectors u and v, at most 90 degrees
+// Surfaces for CAGD", 5th ed., ch. 12). An arc of the unit circle between the unit vectors u and v, at most 90 degrees
 // apart, has the control point (u + v) / (1 + u.v) and the weights 1, sqrt((1 + u.v) / 2), 1.
 namespace kerf::cut {
 

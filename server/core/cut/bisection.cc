@@ -93,7 +93,7 @@ class Bisection {
     for (const TriangleId u : fan_) consider(u);
   }
 
-  // Whether t is an element as it was, with an edge that is not fixed.
+  // Returns true if t is an element as it was, with an edge that is not fixed.
   [[nodiscard]] bool is_untouched(TriangleId t) const {
     if (t == kNone || !mesh_.is_solid(t)) return false;
     const std::array<PointId, 3>& p = mesh_.points(t);

@@ -89,8 +89,8 @@ struct Path {
   std::vector<Subpath> subpaths;  // at least 1; at most kMaxPathSegments segments in all
 };
 
-// What a client draws, in material coordinates. Each alternative is turned into Strokes by flatten(); nothing behind
-// that function knows which it was.
+// A curve drawn by a client, in material coordinates. flatten() turns each alternative into Strokes; later stages do
+// not distinguish them.
 using Curve = std::variant<CubicBezier, Polyline, Circle, Ellipse, Path>;
 
 // One connected stretch of a flattened curve. Closed where the last point equals the first, bit for bit.

@@ -139,7 +139,7 @@ Status check(const ArcTo& arc, const std::string& path) {
   return check_rotation(arc.rotation, field + ".rotation_rad");
 }
 
-// Whether a segment leaves the point it starts from.
+// Returns true if a segment leaves the point it starts from.
 bool moves(const Vector2d& from, const Segment& segment) {
   return std::visit(
       [&from](const auto& each) {

@@ -43,33 +43,33 @@ inline constexpr double kMaxWidth = 1.0e4;                   // m
 // The two sides of a cut with a width lie where they should beside each other to within this part of it.  -
 inline constexpr double kToleranceOfWidth = 0.125;
 
-// How the mesh around the path is made.
+// Method of meshing around the path.
 enum class Method {
   // Delaunay triangulation of the whole neighbourhood of the path, free old points moved away from it (see
   // CutOptions::relax), then Delaunay refinement to a smallest angle. Keeps the quality contract.
   kNeighbourhood,
-  // Each crossed element by itself: its edges stay, Delaunay inside, then bisection of longest edges until no triangle
-  // has l_max / l_min > 3 or is below 3 % of the elements' area (ACDM). Promises no angle, ignores min_angle_deg and
-  // relax. For comparison.
+  // Each crossed element by itself: its edges stay, and its inside is Delaunay. Then longest edges are bisected until
+  // each triangle has l_max / l_min <= 3 or at most 3 % of the elements' area (ACDM). Promises no angle, ignores
+  // min_angle_deg and relax. For comparison.
   kElement,
 };
 
-// What a cut asks for beside its curve.
+// Options of a cut beside its curve.
 struct CutOptions {
   // Distance asked for between curve and lips, as a fraction of the sheet's edge length there (mesh::EdgeLengths).  -,
   // in [kMinTolerance, kMaxTolerance]
   double tolerance = 0.02;
   // The same in metres; replaces `tolerance` where given.  m, in [1e-9, 1e4]
   std::optional<double> tolerance_m;
-  // Triangles touched by the cut are refined until no angle is smaller, except in corners between lips that are
-  // narrower than 60 degrees and near strands (StrandQuality).  degrees, in [0, kMaxMinAngle]; 0 refines nothing
+  // Refines triangles touched by the cut until no angle is smaller. Exceptions are corners between lips narrower than
+  // 60 degrees, and near strands (StrandQuality). degrees, in [0, kMaxMinAngle]; 0 refines nothing
   double min_angle_deg = 20.0;
   // Moves free old points of the touched ring away from the path in rest space before refining, where that improves
   // the worst triangle around them. Needs far fewer and far less flat triangles; see MeshEdit::moved_vertices.
   bool relax = true;
   // New triangle slots one cut may take.  -, in [1, kMaxNewTriangles]
   std::int32_t max_new_triangles = 200'000;
-  // Where the curve is placed before it is cut; absent: where it is.
+  // Placement of the curve before it is cut; absent: the curve stays where it is.
   std::optional<Fit> fit;
   // Perforation: which lengths of the curve are cut; all of it without any.
   DashPattern dash;
@@ -113,12 +113,12 @@ struct CutRequest {
   const mesh::VertexField* positions = nullptr;
   // Vertices of the opened mesh after the cut.  -, in [1, mesh::kMaxVertices]
   std::int32_t max_vertices = mesh::kMaxVertices;
-  // The path is laid on points and lips closer than this fraction of the edge length there, but never farther than a
-  // tenth of the tolerance.  -, in [1e-6, 0.1]
+  // Snap distance: the path is laid on points and lips closer than this fraction of the local edge length. It is never
+  // above a tenth of the tolerance. -, in [1e-6, 0.1]
   double snap = 1.0e-3;
 };
 
-// What apply() will do: the curve flattened and clipped to the neighbourhood of the sheet. A plain value.
+// Input of apply(): the curve, flattened and clipped to the neighbourhood of the sheet. A plain value.
 struct CutPlan {
   std::vector<Stroke> strokes;     // m, material coordinates; empty where the curve is nowhere near the sheet. Of a cut
                                    // with a width: its outline
@@ -141,8 +141,8 @@ struct CutPlan {
 
 enum class CutStatus {
   kApplied,
-  kNoIntersection,  // the curve misses the sheet, only retraces border and lips that are already there, or is no
-                    // larger than the snap distance, which makes it a point: mesh untouched, edit empty
+  kNoIntersection,  // the curve misses the sheet or only retraces existing border and lips. Or it is no larger than the
+                    // snap distance, which makes it a point. Mesh untouched, edit empty
 };
 
 // Near strands vertices cost more than their angles gain. The smallest angle there is this part of

@@ -22,11 +22,11 @@ struct DashPattern {
 // Errors, kInvalidArgument: DASH_OUT_OF_RANGE ("cut.dash[2]", "cut.dash_offset"), DASH_TOO_LONG ("cut.dash").
 Status validate(const DashPattern& pattern);
 
-// What of the strokes is cut, by arc length along the polylines, through their corners; each stroke begins the pattern
-// anew at its own start, and so does a closed one, whose last dash and first dash meet at the seam where both reach it.
-// Without lengths everything is. Corners inside dashes are kept bit for bit; ends of dashes lie on their segments but
-// for rounding, by which the bound grows. The bound then holds between each dash and the stretch of curve it stands
-// for.
+// Returns the parts of the strokes that are cut, by arc length along the polylines, through their corners. Each stroke
+// restarts the pattern at its own start. So does a closed one, whose last dash and first dash meet at the seam if both
+// reach it. A pattern without lengths cuts everything. Corners inside dashes are kept bit for bit. Ends of dashes lie
+// on their segments up to rounding, by which the bound grows. The bound then holds between each dash and the stretch of
+// curve it stands for.
 // Error: kResourceExhausted TOO_MANY_DASHES, before anything is made of it.
 Result<FlatCurve> dashed(const FlatCurve& curve, const DashPattern& pattern);
 

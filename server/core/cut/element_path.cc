@@ -38,7 +38,7 @@ class Crossings {
   }
 
   [[nodiscard]] const std::vector<Vector2d>& points() const { return points_; }
-  // Of those, the ends of the chords, ascending.
+  // Returns the indices of the points that end chords, ascending.
   [[nodiscard]] std::vector<std::size_t> kept() const {
     std::vector<std::size_t> kept = kept_;
     kept.insert(kept.end(), bends_.begin(), bends_.end());

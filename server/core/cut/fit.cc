@@ -64,7 +64,7 @@ class Placing {
   double scale_;
 };
 
-// Whether a control point lies outside the box; the piece, in their convex hull, does not where none does.
+// Returns true if a control point lies outside the box. If none does, the piece, in their convex hull, lies inside.
 bool reaches_out(const Eigen::AlignedBox2d& box, const RationalPiece& piece, int axis) {
   for (int i = 1; i < piece.degree; ++i) {
     const double at = projected(piece.points[static_cast<std::size_t>(i)])[axis];
@@ -148,7 +148,7 @@ Status fit_into(const Box& box, Curve& curve) {
   }
   double scale = std::numeric_limits<double>::infinity();
   for (int axis = 0; axis < 2; ++axis) {
-    // A straight line along one axis fits in the other whatever the scale; so does what is that flat but for rounding.
+    // A straight line along one axis fits in the other whatever the scale; so does a curve that is flat up to rounding.
     if (size[axis] > 1.0e-12 * size.maxCoeff()) {
       scale = std::min(scale, (box.high[axis] - box.low[axis]) / size[axis]);
     }

@@ -8,7 +8,7 @@
 
 namespace kerf::cut {
 
-// Where a curve is to be placed, whatever its own size and place.
+// Target placement of a curve, independent of its own size and place.
 struct Fit {
   std::optional<Box>
       box;  // m, each side > 0; absent: the sheet's bounding box less kFitMargin of each side at each end
@@ -23,9 +23,8 @@ Status validate(const Fit& fit);
 // Smallest axis-aligned box round a valid curve, from its ends and from where its pieces turn back in x or y.
 Box extent(const Curve& curve);
 
-// Scales the curve alike in both directions and moves it, so that its extent touches two opposite sides of the box from
-// inside and is centred in it. `box`: m, each side > 0. Error: CURVE_DEGENERATE where the extent is below
-// kMinFitExtentM.
+// Scales the curve equally in both directions and centres it in the box. Its extent then touches two opposite sides of
+// the box from inside. `box`: m, each side > 0. Error: CURVE_DEGENERATE where the extent is below kMinFitExtentM.
 Status fit_into(const Box& box, Curve& curve);
 
 }  // namespace kerf::cut

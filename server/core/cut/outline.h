@@ -16,11 +16,11 @@ inline constexpr std::int64_t kMaxStripPairs = 300'000;
 // 0.1 to 0.2 us.
 inline constexpr std::int64_t kMaxStripPoints = 5'000'000;
 
-// The border of a strip: closed strokes with the strip on their left, so those around holes run clockwise, that neither
-// cross themselves nor each other, but for rounding.
+// The border of a strip: closed strokes with the strip on their left, so those around holes run clockwise. Up to
+// rounding, they cross neither themselves nor each other.
 struct Outline {
-  FlatCurve curve;  // its bound: no point of the strip is farther than half the width plus that from the curve, and
-                    // all closer than half the width minus that are in it
+  FlatCurve curve;  // its bound: no point of the strip is farther from the curve than half the width plus the bound.
+                    // All points closer than half the width minus the bound are in it
   double area_m2 = 0.0;  // m^2, of the strip
 };
 
@@ -31,7 +31,7 @@ struct Outline {
 // kMaxStripPoints.
 Result<Outline> outline(const FlatCurve& curve, double width, double tolerance);
 
-// Whether `at` (m) is inside the outline, by its winding number. O(points of the outline).
+// Returns true if `at` (m) is inside the outline, by its winding number. O(points of the outline).
 bool contains(const std::vector<Stroke>& outline, const Eigen::Vector2d& at);
 
 }  // namespace kerf::cut

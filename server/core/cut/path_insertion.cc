@@ -102,7 +102,7 @@ Status PathInsertion::split_lone_edges() {
   return Nothing{};
 }
 
-// Whether only one lip, and no border, ends at `point`.
+// Returns true if only one lip, and no border, ends at `point`.
 bool PathInsertion::is_tip(PointId point) const {
   std::vector<TriangleId> fan;
   mesh_.fan_around(point, fan);
@@ -145,7 +145,7 @@ void PathInsertion::note_met(PointId point) {
   note_point(point);
 }
 
-// From the present segment, lattice units; 0 on its line, but for what lies beyond its ends, exactly then.
+// Returns the distance from the current segment, lattice units; 0 exactly on its line, except beyond its ends.
 double PathInsertion::distance_to_path(PointId point) const {
   const LatticePoint& at = mesh_.at(point);
   const double doubled_area = std::abs(mesh::to_double(mesh::doubled_area(segment_start_, segment_end_, at)));
@@ -164,7 +164,7 @@ void PathInsertion::note_gap(double width) {
   counts_.widest_gap = std::max(counts_.widest_gap, width);
 }
 
-// Whether `at`, on the present segment, lies on an edge with both ends on the segment too, all within the snap
+// Returns true if `at`, on the current segment, lies on an edge with both ends on the segment too, all within the snap
 // distance.
 bool PathInsertion::runs_along_edge(const LatticePoint& at) const {
   const TriangleId t = mesh_.locate(at, hint_).triangle;
@@ -199,8 +199,8 @@ bool PathInsertion::is_near_older_lip(const LatticePoint& at) const {
   return false;
 }
 
-// Everything within the snap distance is reached over edges within it, so a search outwards from the triangle that
-// holds the place finds all of it.
+// Searches outwards from the triangle that holds the place. This finds everything within the snap distance, as it is
+// reached over edges within it.
 PathInsertion::Snap PathInsertion::find_snap(const LatticePoint& at, TriangleId start) const {
   Snap best;
   double best_point = snap_;
@@ -362,7 +362,7 @@ Status PathInsertion::secure_edge(PointId p, PointId q) {
   return Nothing{};
 }
 
-// Whether a lip or the border runs through the point.
+// Returns true if a lip or the border runs through the point.
 bool PathInsertion::is_on_lip(PointId point) const {
   return (mesh_.locks_at_point(point) & mesh::kLocksThatOpen) != 0;
 }

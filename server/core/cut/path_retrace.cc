@@ -11,8 +11,8 @@ using mesh::LatticePoint;
 using mesh::Location;
 using mesh::PointId;
 
-// Goes along lips that are there to the point nearest to `at` that they lead to, unless there is one at it exactly that
-// they do not.
+// Follows existing lips to the point nearest to `at` that they lead to. Does not if a point lies exactly at `at` that
+// they do not lead to.
 bool PathInsertion::retrace(PathPosition& position, const LatticePoint& at) {
   if (position.point == kNone) return false;
   const Location location = mesh_.locate(at, hint_);
@@ -22,7 +22,7 @@ bool PathInsertion::retrace(PathPosition& position, const LatticePoint& at) {
   if (!found) return false;
   run_along_chain(position.point);
   if (!trace_.chain().empty()) position = {mesh_.at(trace_.chain().back()), trace_.chain().back(), kNone};
-  // What is left of the segment, or all of it, is dust.
+  // Notes the rest of the segment, or all of it, as dust.
   const LatticePoint reached = mesh::rounded_projection(segment_start_, segment_end_, position.at);
   if (trace_.chain().empty() || reached != at) note_dust();
   if (position.at != at) ++counts_.snapped_points;

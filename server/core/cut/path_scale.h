@@ -13,14 +13,14 @@ namespace kerf::cut {
 // and a lip is halved fewer than 64 times before the length floor.  lattice units
 inline constexpr double kRoundingUnits = 64.0;
 
-// The lengths that a cut keeps to, place by place: fractions of the edge length of the sheet as built, so that they are
-// the same for every cut on it and a second identical cut meets the lips of the first exactly. All in m; positions in
-// material coordinates. Refers to the mesh and the options.
+// Local length scales of a cut: fractions of the edge length of the sheet as built. So they are the same for every cut
+// on it, and a second identical cut meets the lips of the first exactly. All in m; positions in material coordinates.
+// Refers to the mesh and the options.
 class PathScale {
  public:
   PathScale(const mesh::TriangleMesh& mesh, const CutOptions& options, double snap);
 
-  // Whether all lengths are the same everywhere.
+  // Returns true if all lengths are the same everywhere.
   [[nodiscard]] bool is_uniform() const { return lengths_.is_uniform(); }
   [[nodiscard]] double edge_length(const Eigen::Vector2d& at) const { return lengths_.at(at); }
   // Largest distance allowed between curve and lips.
@@ -38,7 +38,7 @@ class PathScale {
     return snap(lattice_.position(at)) / lattice_.spacing;
   }
   [[nodiscard]] double mean_snap() const { return snap_for(lengths_.mean); }
-  // What snapping leaves of the tolerance for flattening: the least anywhere, and in a box.
+  // Return the part of the tolerance that snapping leaves for flattening: the least anywhere, and in a box.
   [[nodiscard]] double least_flattening() const { return flattening_for(lengths_.least()); }
   [[nodiscard]] double least_flattening_in(const Eigen::AlignedBox2d& box) const {
     return flattening_for(lengths_.least_in(box));

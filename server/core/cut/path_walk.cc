@@ -131,7 +131,7 @@ Encounter PathWalk::follow(const PathPosition& from, const PathPosition& to) {
     const int side = orient2d(from_.at, to_.at, mesh_.at(apex));
     if (side == 0 || is_met(apex)) return met_point(apex, solid);
     // In u the crossed edge runs from left (corner j + 1) to right (corner j + 2). With the apex on the left the leg
-    // goes on between right and apex, opposite left.
+    // continues between right and apex, opposite left.
     exit = {u, side > 0 ? next_corner(j) : previous_corner(j)};
   }
   return {};

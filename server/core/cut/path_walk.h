@@ -8,14 +8,15 @@
 
 namespace kerf::cut {
 
-// Where the path is: at a point of the mesh, or somewhere in a void triangle (the path leaves no points in the void).
+// Position of the path: at a point of the mesh, or somewhere in a void triangle (the path leaves no points in the
+// void).
 struct PathPosition {
   mesh::LatticePoint at;
   mesh::PointId point = mesh::kNone;        // kNone in the void
   mesh::TriangleId triangle = mesh::kNone;  // in the void: a slot that holds `at`, or held it a few edits ago
 };
 
-// What a straight leg of the path meets first.
+// First encounter of a straight leg of the path.
 struct Encounter {
   enum class Kind {
     kArrived,    // reaches its end across flippable edges only
@@ -58,9 +59,9 @@ class PathWalk {
   bool leave_point(Exit& exit, Encounter& met);
   bool leave_void_triangle(Exit& exit, Encounter& met) const;
   [[nodiscard]] bool holds_end(mesh::TriangleId t) const;
-  // Whether the leg should pass through v: closer than the snap distance, and nearer to either end than the ends are to
-  // each other, so that legs only get shorter. Closer to the line too, or a leg that has been led to a lip would be led
-  // on to the next, ever farther from the path.
+  // Returns true if the leg should pass through v. It must be closer than the snap distance, and nearer to either end
+  // than the ends are to each other, so that legs only get shorter. It must be close to the line too. Else a leg led to
+  // one lip would be led to the next, ever farther from the path.
   [[nodiscard]] bool is_met(mesh::PointId v) const;
 
   const mesh::TriangleMesh& mesh_;

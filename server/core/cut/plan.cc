@@ -90,10 +90,10 @@ Error curve_too_long(double achieved) {
                           "cut.curve");
 }
 
-// What a camera saw of the sheet has a point on every edge that the curve crosses: those that the tolerance does not
-// need go. Where triangles seen nearly edge-on make the picture itself coarser than the tolerance, that is kept apart
-// in `beside`, and the strokes count as exact. `flatness` (m): with a width, of which the outline needs the rest, what
-// the strokes may be off in all.
+// Removes points that the tolerance does not need from a path seen by a camera, which has one on every edge that it
+// crosses. Triangles seen nearly edge-on can make the picture itself coarser than the tolerance. That deviation is then
+// kept apart in `beside`, and the strokes count as exact. `flatness` (m), for cuts with a width: total deviation
+// allowed to the strokes; the outline needs the rest.
 FlatCurve leave_out_points(FlatCurve path, const PathScale& scale, std::optional<double> flatness, double& beside) {
   constexpr double kShareOfPicture = 0.5;  // of the tolerance
   if (path.deviation_m > kShareOfPicture * flatness.value_or(scale.least_tolerance())) {

@@ -113,7 +113,7 @@ int sign_changes(const Polynomial& polynomial) {
   return changes;
 }
 
-// Whether the polynomial is nowhere within `margin` of zero, by its coefficients.
+// Returns true if the coefficients prove that the polynomial is nowhere within `margin` of zero.
 bool is_clear_of_zero(const Polynomial& polynomial, double margin) {
   const auto first = polynomial.coefficients.begin();
   const auto last = first + polynomial.degree + 1;
@@ -121,9 +121,9 @@ bool is_clear_of_zero(const Polynomial& polynomial, double margin) {
          std::all_of(first, last, [margin](double c) { return c < -margin; });
 }
 
-// Where the polynomial changes its sign and `other` may be within `margin` of zero, sorted: intervals without a sign
-// change among the coefficients have no root (Descartes' rule in Bernstein form), the others are halved down to
-// kFinest. Counted, so that a polynomial that is nothing but rounding costs no more than another.
+// Returns the sorted parameters where the polynomial changes its sign and `other` may be within `margin` of zero.
+// Intervals without a sign change among the coefficients have no root (Descartes' rule in Bernstein form); the others
+// are halved down to kFinest. Counted, so that a polynomial that is nothing but rounding costs no more than another.
 std::vector<double> sign_change_parameters(const Polynomial& polynomial, const Polynomial& other, double margin) {
   struct Interval {
     double from;

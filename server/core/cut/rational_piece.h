@@ -47,7 +47,7 @@ std::pair<RationalPiece, RationalPiece> split(const RationalPiece& piece, double
 // makes the weights of repeated splits converge to one another as square roots do, whatever they were.
 double balanced_parameter(const RationalPiece& piece);
 
-// m; proven bound on the distance between piece and chord, both ways (see above), but for rounding.
+// Returns a proven bound (m) on the distance between piece and chord, both ways (see above), up to rounding.
 double deviation_bound(const RationalPiece& piece);
 
 // Parameters in (0, 1), sorted, where the derivative of x (axis 0) or y (axis 1) changes its sign.

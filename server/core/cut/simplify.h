@@ -15,7 +15,7 @@ struct ScaledCurve {
 };
 
 // Leaves out points of one polyline by the algorithm of Douglas and Peucker (1973), with the room that each of its
-// segments has. The bound holds both ways: distance to a chord is convex along a segment, and the nearest point of the
+// segments has. The bound holds both ways: distance to a chord is convex along a segment. The nearest point of the
 // chord runs over all of it as one follows the path.
 class Simplification {
  public:

@@ -36,7 +36,7 @@ class LaidOutline {
 // ascending order.
 // `outline`: the whole of it, beyond the sheet too, for pieces that lie inside without touching it. `max_area_m2`: what
 // the strip cannot exceed.
-// Errors: kFailedPrecondition CUT_NOT_REPRESENTABLE (its sides could not be told apart: shift the curve), and
+// Errors: kFailedPrecondition CUT_NOT_REPRESENTABLE (its sides could not be distinguished: shift the curve), and
 //         STRIP_COVERS_SHEET, where nothing would be left.
 Result<std::vector<mesh::TriangleId>> strip_triangles(const mesh::TriangleMesh& mesh, const LaidOutline& laid,
                                                       const std::vector<Stroke>& outline, double max_area_m2);

@@ -24,11 +24,11 @@ enum class LayerRule {
   kDepthRange,  // what lies between two distances from the camera
 };
 
-// What a picture was taken with, in the conventions of OpenGL.
+// Camera of a picture, in the conventions of OpenGL.
 struct View {
   Eigen::Matrix4d view = Eigen::Matrix4d::Identity();        // world -> camera: rotation and shift; looks along -z
   Eigen::Matrix4d projection = Eigen::Matrix4d::Identity();  // camera -> clip
-  // Of the picture, in (0, kMaxViewportPx]. Pixel (0, 0) is its top left corner, y points down.
+  // Size of the picture, in (0, kMaxViewportPx]. Pixel (0, 0) is its top left corner, y points down.
   double width_px = 0.0;
   double height_px = 0.0;
   LayerRule layers = LayerRule::kNearest;

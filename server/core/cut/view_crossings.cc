@@ -152,7 +152,7 @@ class Facet {
     area_ = mesh::doubled_area(at(0), at(1), at(2));
   }
 
-  // Whether all of it is, and more than a line of it.
+  // Returns true if all of the triangle is seen, and not just as a line.
   [[nodiscard]] bool is_seen() const { return seen_ && area_ != 0; }
   [[nodiscard]] std::array<LatticePoint, 3> picture() const { return {at(0), at(1), at(2)}; }
 

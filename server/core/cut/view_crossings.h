@@ -34,7 +34,7 @@ Screen project(const mesh::VertexField& positions, const View& view);
 // A screen point on the lattice of Screen.
 mesh::LatticePoint screen_point(const Eigen::Vector2d& px);
 
-// Where an interval ends.
+// End of an interval.
 struct ViewNode {
   enum class Kind {
     kEdge,   // on the edge between vertices `low` < `high`
@@ -57,7 +57,7 @@ struct ViewInterval {
   ViewNode begin, end;       // begin.at < end.at
 };
 
-// How far a point of rest space can move with its picture, in one triangle.
+// Largest shift of a point in rest space for a shift of its picture, in one triangle.
 struct ViewStretch {
   double m_per_px = 0.0;
   double longest_m = 0.0;  // m, the triangle's longest edge: it cannot move farther there

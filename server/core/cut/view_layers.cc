@@ -68,8 +68,8 @@ class NearestLayer {
   }
 
  private:
-  // Which of the active intervals is seen at `at`. Of layers that lie on each other it is the one seen so far, so that
-  // rounding does not make the cut jump to and fro.
+  // Which of the active intervals is seen at `at`. Among coincident layers it is the one seen so far, so that rounding
+  // does not make the cut jump to and fro.
   [[nodiscard]] const ViewInterval* nearest(double at) const {
     double least = std::numeric_limits<double>::infinity();
     for (const ViewInterval* i : active_) least = std::min(least, node_at(*i, at).depth);
@@ -159,7 +159,8 @@ std::vector<ViewInterval> nearest_layer(const std::vector<ViewInterval>& interva
   return seen;
 }
 
-// Where along the interval the depth is `depth`, as a share of it, by 1 / w and depth / w, which are linear.
+// Returns the fraction of the interval at which the depth is `depth`. Interpolates 1 / w and depth / w, which are
+// linear.
 double share_at_depth(const ViewInterval& interval, double depth) {
   const double a = (interval.begin.depth - depth) * interval.begin.inverse_w;
   const double b = (interval.end.depth - depth) * interval.end.inverse_w;

@@ -7,12 +7,12 @@
 
 namespace kerf::cut {
 
-// What the view's layer rule leaves of the intervals (in the order of ViewCrossings), shortened where only a part is
-// left; in the same order.
+// Applies the view's layer rule to the intervals, in the order of ViewCrossings. Returns the rest in the same order,
+// shortened where only a part is left.
 std::vector<ViewInterval> select_layers(const mesh::TriangleMesh& mesh, const View& view,
                                         std::vector<ViewInterval> intervals);
 
-// Whether the side on which a solid triangle is counter-clockwise is seen.
+// Returns true if the camera sees the side on which a solid triangle is counter-clockwise.
 bool faces_camera(const mesh::TriangleMesh& mesh, const Screen& screen, mesh::TriangleId triangle);
 
 }  // namespace kerf::cut
