@@ -30,7 +30,7 @@ Status validate(const StaticAnalysis& analysis, const std::string& path) {
   return check_integer(analysis.max_iterations, 1, kMaxStaticIterations, path + ".max_iterations");
 }
 
-// Whether the quantity is one of the whole sheet.
+// Returns true if the quantity is one of the whole sheet.
 bool is_global(Quantity quantity) {
   switch (quantity) {
     case Quantity::kEnergy:

@@ -12,8 +12,8 @@
 #include "server/core/fem/statics/recovered_fields.h"
 #include "server/core/scene/region.h"
 
-// What is done with a scene and what is measured: kerf.v1.Analysis and Probe without Protocol Buffers. No effect on a
-// running sheet.
+// Requests for analyses and measurements of a scene: kerf.v1.Analysis and Probe without Protocol Buffers. They have no
+// effect on a running sheet.
 namespace kerf::sheet {
 
 inline constexpr std::size_t kMaxProbes = 64;
@@ -66,13 +66,13 @@ enum class Quantity {
 
 enum class Reduce { kEach, kMean, kSum, kMin, kMax };
 
-// Of stress; see fem::MembraneField.
+// Measure of stress; see fem::MembraneField.
 enum class StressMeasure {
   kBiot,    // force by undeformed area
   kCauchy,  // force by area as it is
 };
 
-// What is measured after each tick, or at each load. See kerf.v1.Probe.
+// A measurement made after each tick, or at each load. See kerf.v1.Probe.
 struct Probe {
   std::string name;  // [a-z][a-z0-9_]{0,62}, unique
   Quantity quantity = Quantity::kDisplacement;

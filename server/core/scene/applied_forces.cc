@@ -46,7 +46,7 @@ struct Place {
   bool is_border = false;
 };
 
-// Where a load other than a PointForce acts.
+// Returns the place where a load other than a PointForce acts.
 struct FindPlace {
   Place operator()(const PointForce&) const { return {}; }
   Place operator()(const EdgeForce& load) const { return {&load.region, "edge", true}; }

@@ -15,7 +15,7 @@
 
 namespace kerf::sheet {
 
-// What a sheet's loads do to its vertices, triangles and edges; follows its cuts. Without loads it does nothing.
+// Distributes a sheet's loads over its vertices, triangles and edges; follows its cuts. Without loads it does nothing.
 class AppliedForces {
  public:
   // Errors: kInvalidArgument UNKNOWN_VERTEX, POINT_OUTSIDE; NOTHING_LOADED: a region has no border edge, and no cut
@@ -23,7 +23,8 @@ class AppliedForces {
   static Result<AppliedForces> create(std::shared_ptr<const SheetConfig> config, const BuiltMesh& initial);
 
   [[nodiscard]] bool empty() const { return shares_.empty(); }
-  // Whether anything changes with time, and the time after which nothing does; -infinity: none.
+  // Returns true if any load changes with time. last_change(): the time (s) after which none does; -infinity if none
+  // ever does.
   [[nodiscard]] bool varies() const { return last_change() > -kForever; }
   [[nodiscard]] double last_change() const;
 
@@ -45,7 +46,7 @@ class AppliedForces {
     int edge = 0;         // opposite that corner
     double moment = 0.0;  // N m by m, at factor 1
   };
-  // Of one load.
+  // The shares of one load.
   struct Shares {
     std::vector<Share> forces;
     std::vector<mesh::TriangleId> pressed;  // slots

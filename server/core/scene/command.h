@@ -15,8 +15,8 @@
 #include "server/core/scene/lineage.h"
 #include "server/core/scene/region.h"
 
-// What can be asked of a running sheet, and the answers: kerf.v1.Command without Protocol Buffers. Each takes effect
-// whole at a tick boundary, or is refused and changes nothing.
+// Commands to a running sheet, and their replies: kerf.v1.Command without Protocol Buffers. Each takes effect whole at
+// a tick boundary, or is refused and changes nothing.
 namespace kerf::sheet {
 
 inline constexpr std::size_t kMaxGrabs = 64;
@@ -92,10 +92,10 @@ struct SetWind {
   Wind wind;
 };
 
-// Replaces the material of all of the sheet, or of one part. What moves goes on moving: positions, velocities, pins,
-// grabs, cuts and what can be undone stay; masses, elements, bending and the choice of the integrator are those of the
-// new material, and springs of grabs that nobody gave a stiffness. The resistance to bending of a planar sheet stays
-// off. Refused with kInvalidArgument SHEET_TOO_STIFF, as the sheet would be when it is made, and see with_material().
+// Replaces the material of all of the sheet, or of one part. Positions, velocities, pins, grabs, cuts and the undo
+// history stay. Masses, elements, bending and the choice of the integrator follow the new material; so do the springs
+// of grabs without a given stiffness. The resistance to bending of a planar sheet stays off. Refused with
+// kInvalidArgument SHEET_TOO_STIFF, as the sheet would be when it is made, and see with_material().
 struct SetMaterial {
   static constexpr std::int32_t kOwn = -1;
 
@@ -125,7 +125,7 @@ Status validate(const Command& command);
 // Part of a CommandReply.
 struct CutReply {
   cut::CutStatus status = cut::CutStatus::kNoIntersection;
-  cut::CutReport report;                 // all zero on kNoIntersection, but for `pieces`
+  cut::CutReport report;                 // all zero on kNoIntersection, except `pieces`
   std::vector<std::string> warnings;     // what is worse than the cut's tolerance, or left out: for people
   std::int64_t number = 0;               // 1, 2, ... for the sheet's applied cuts, never given twice; 0 unless applied
   std::vector<SplitPiece> split_pieces;  // that the cut made fall apart or took away, by id
@@ -141,7 +141,7 @@ struct UndoReply {
   std::int32_t redo_steps = 0;     // that can be made again after it
 };
 
-// What a command that was done answers. `tick` and `state_hash` name one state: the sheet as it was when the step (or
+// The reply to a command that was done. `tick` and `state_hash` name one state: the sheet as it was when the step (or
 // apply) in which the command took effect had ended.
 struct CommandReply {
   std::int64_t tick = 0;

@@ -11,7 +11,7 @@
 #include "server/base/result.h"
 #include "server/core/scene/region.h"
 
-// What is held, moved and pushed from outside, as a scene says it: kerf.v1.Constraint, Load and InitialVelocity without
+// Boundary conditions, loads and initial velocities of a scene: kerf.v1.Constraint, Load and InitialVelocity without
 // Protocol Buffers.
 namespace kerf::sheet {
 
@@ -62,7 +62,7 @@ struct PointForce {
   Eigen::Vector3d force{0.0, 0.0, 0.0};                 // N
 };
 
-// Of what is carried at material point X: slope . (X - zero).
+// Factor on the value carried at material point X: slope . (X - zero).
 struct LinearFactor {
   Eigen::Vector2d zero{0.0, 0.0};   // m
   Eigen::Vector2d slope{0.0, 0.0};  // 1/m, not zero; |.| <= kMaxFactorSlope each
@@ -105,7 +105,7 @@ struct Load {
   History history;
 };
 
-// Of a vertex at x: linear + angular x (x - centre).
+// Initial velocity of a vertex at x: linear + angular x (x - centre).
 struct InitialVelocity {
   Eigen::Vector3d linear{0.0, 0.0, 0.0};   // m/s
   Eigen::Vector3d angular{0.0, 0.0, 0.0};  // rad/s

@@ -16,7 +16,7 @@ class CurveRegion {
   // `curve`: valid.
   CurveRegion(const MaterialCurve& curve, const mesh::TriangleMesh& mesh);
 
-  // Whether `at` (m, material) is within reach. O(log chords).
+  // Returns true if `at` (m, material) is within reach. O(log chords).
   [[nodiscard]] bool reaches(const Eigen::Vector2d& at) const;
   // -, sum of the unit vectors to the left of the chords nearest to `at`: one, or at a joint two. O(chords).
   [[nodiscard]] Eigen::Vector2d left_at(const Eigen::Vector2d& at) const;

@@ -18,7 +18,7 @@ std::string indexed(const std::string& field, std::size_t index);
 
 Status check_number(double value, double low, double high, const std::string& field);
 Status check_integer(std::int64_t value, std::int64_t low, std::int64_t high, const std::string& field);
-// Of things listed, text or bytes; `unit` for the message: "bytes", "pin regions".
+// Checks the length of a list, text or bytes; `unit` is named in the message: "bytes", "pin regions".
 Status check_count(std::size_t count, std::size_t limit, const std::string& unit, const std::string& field);
 // Each component finite and at most `limit` either way.
 Status check_vector(const Eigen::Vector3d& value, double limit, const std::string& field);
@@ -27,7 +27,8 @@ Status check_vector(const Eigen::Vector2d& value, double limit, const std::strin
 Status check_length(const Eigen::Vector3d& value, double limit, const std::string& field);
 // Those of cut::validate(), whose errors it has.
 Status check_curve(const cut::Curve& curve, const std::string& field);
-// Of a vertex: not negative; whether it exists is the sheet's to say. kInvalidArgument UNKNOWN_VERTEX.
+// Checks that the id of a vertex is not negative: kInvalidArgument UNKNOWN_VERTEX. The sheet checks that the vertex
+// exists.
 Status check_vertex_id(mesh::VertexId vertex, const std::string& field);
 
 }  // namespace kerf::sheet

@@ -222,7 +222,7 @@ std::vector<fem::Clamp> HeldVertices::clamps(const Instant& now) const {
     if (constraint.rotation) R = turn(*constraint.rotation, constraint.history.at(now.time, now.absent));
     for (const Start& start : groups_[c]) clamps.push_back({start.vertex, R * start.gradient});
   }
-  // Of several that hold a vertex, the last, as with its place.
+  // Keeps the last of several clamps that hold a vertex, as for its position.
   std::stable_sort(clamps.begin(), clamps.end(),
                    [](const fem::Clamp& a, const fem::Clamp& b) { return a.vertex < b.vertex; });
   std::vector<fem::Clamp> last;

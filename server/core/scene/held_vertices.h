@@ -35,7 +35,8 @@ class HeldVertices {
 
   [[nodiscard]] bool empty() const { return groups_.empty() && !plane_; }
   [[nodiscard]] bool has_slopes() const;
-  // Whether anything changes with time, and the time after which nothing does; -infinity: none.
+  // Returns true if any constraint changes with time. last_change(): the time (s) after which none does; -infinity if
+  // none ever does.
   [[nodiscard]] bool varies() const { return last_change_ > -kForever; }
   [[nodiscard]] double last_change() const { return last_change_; }
 

@@ -12,9 +12,9 @@ enum class IntegratorKind {
   kAutomatic,         // see fem::AutomaticIntegrator
   kExplicitLeapfrog,  // stable substeps
   kImplicitEuler,     // Newton iterations; first order, strongly damped
-  kTrapezoidal,       // likewise; second order, damps nothing
-  kBdf2,              // likewise; second order, damps what it does not resolve
-  kTrBdf2,            // likewise
+  kTrapezoidal,       // Newton iterations; second order, damps nothing
+  kBdf2,              // Newton iterations; second order, damps unresolved frequencies
+  kTrBdf2,            // Newton iterations; second order, damps unresolved frequencies
 };
 using fem::EigenvalueNorm;
 using fem::LinearSolverKind;
@@ -40,7 +40,7 @@ Status validate(const IntegratorSettings& settings);
 std::int32_t vertex_limit(const IntegratorSettings& settings);
 Status check_vertex_limit(const IntegratorSettings& settings, std::int32_t num_vertices);
 
-// What `fem` needs to know of them. tick: s, > 0.
+// Converts the settings to the options of `fem`. tick: s, > 0.
 fem::IntegratorOptions integrator_options(const IntegratorSettings& settings, double tick);
 
 }  // namespace kerf::sheet

@@ -18,8 +18,8 @@ namespace kerf::sheet {
 
 struct PieceBirth {
   std::int64_t id = 0;
-  std::int64_t parent = 0;  // 0: there when the sheet was made
-  std::int64_t cut = 0;     // number of the cut that made it; 0 likewise
+  std::int64_t parent = 0;  // 0: existed when the sheet was made
+  std::int64_t cut = 0;     // number of the cut that made it; 0: existed when the sheet was made
 };
 
 // A piece as it is.
@@ -41,7 +41,7 @@ struct SplitPiece {
                                 // parts, label -1; where one removed it: nothing, label -1
 };
 
-// What one edit did to the tree. Pieces with their number in the mesh.
+// Records the effect of one edit on the tree. Pieces have their number in the mesh.
 struct LineageChange {
   std::int32_t num_pieces_before = 0;
   std::int32_t num_pieces_after = 0;                          // those given up still counted
@@ -78,7 +78,8 @@ class Lineage {
 std::vector<Piece> measure_pieces(const mesh::TriangleMesh& mesh, const std::vector<PieceBirth>& births,
                                   const mesh::VertexField& x, const std::vector<fem::Material>& materials);
 
-// Of each of the changes, which were made one after another and led to the pieces of `now`, what fell apart.
+// Returns, for each change, the pieces that it split. The changes were made one after another and led to the pieces of
+// `now`.
 std::vector<std::vector<SplitPiece>> describe_splits(const std::vector<LineageChange>& changes,
                                                      const std::vector<Piece>& now);
 

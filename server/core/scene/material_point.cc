@@ -58,9 +58,9 @@ std::optional<MaterialPoint> find_material_point(const mesh::TriangleMesh& mesh,
   return found;
 }
 
-// Where `at` is held when a cut has left it in the void: a border edge that a cut splits is rounded to the lattice and
-// may bow inwards by half a unit, so material that lay exactly on it is then outside. Of equally near points, that of
-// the lowest slot.
+// Finds the material point nearest to `at`, which a cut may have left in the void. A border edge that a cut splits is
+// rounded to the lattice and may bow inwards by half a unit. So material that lay exactly on it is then outside. The
+// lowest slot wins among equally near points.
 MaterialPoint nearest_material_point(const mesh::TriangleMesh& mesh, const Eigen::Vector2d& at) {
   MaterialPoint nearest;
   double least = std::numeric_limits<double>::infinity();

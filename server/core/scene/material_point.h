@@ -15,7 +15,7 @@ struct MaterialPoint {
   std::array<mesh::VertexId, 3> vertices{mesh::kNone, mesh::kNone, mesh::kNone};
   Eigen::Vector3d weights{1.0, 0.0, 0.0};  // -, >= 0, sum 1
 
-  // Of a field of 3 x V.
+  // Interpolates a field (3 x V) at the point.
   template <typename Field>
   [[nodiscard]] Eigen::Vector3d of(const Field& field) const {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -26,13 +26,13 @@ struct MaterialPoint {
   }
 };
 
-// Where `at` (m, material coordinates) lies; nothing where there is no material. On a lip both sides are there: the
-// side of the lower slot is taken.
+// Finds the triangle that holds `at` (m, material coordinates); nothing where there is no material. On a lip, which has
+// two sides, the side of the lower slot is taken.
 std::optional<MaterialPoint> find_material_point(const mesh::TriangleMesh& mesh, const Eigen::Vector2d& at);
 
-// Where `at` is held when a cut has left it in the void: a border edge that a cut splits is rounded to the lattice and
-// may bow inwards by half a unit, so material that lay exactly on it is then outside. Of equally near points, that of
-// the lowest slot.
+// Finds the material point nearest to `at`, which a cut may have left in the void. A border edge that a cut splits is
+// rounded to the lattice and may bow inwards by half a unit. So material that lay exactly on it is then outside. The
+// lowest slot wins among equally near points.
 MaterialPoint nearest_material_point(const mesh::TriangleMesh& mesh, const Eigen::Vector2d& at);
 
 }  // namespace kerf::sheet

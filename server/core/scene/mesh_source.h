@@ -16,7 +16,7 @@ struct BuiltMesh {
   mesh::TriangleMesh mesh;
   Eigen::Matrix3Xd positions;  // 3 x V, m
 
-  // Where a material point (m) lies on the mesh, or what of it comes nearest.
+  // Finds a material point (m) on the mesh, or the nearest point of the mesh.
   [[nodiscard]] MaterialPoint at(const Eigen::Vector2d& material) const;
   // -, of where the sheet starts by material coordinates, in the triangle that the point is in.
   [[nodiscard]] Eigen::Matrix<double, 3, 2> gradient_at(const MaterialPoint& point) const;

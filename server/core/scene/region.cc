@@ -108,7 +108,7 @@ Status add_listed(const mesh::TriangleMesh& mesh, const std::vector<mesh::Vertex
   return Nothing{};
 }
 
-// Whether the material around v lies towards `left` of it.
+// Returns true if the material around v lies towards `left` of it.
 bool is_on_left(const mesh::TriangleMesh& mesh, mesh::VertexId v, const Eigen::Vector2d& left,
                 std::vector<mesh::TriangleId>& fan) {
   double sum = 0.0;
@@ -165,7 +165,7 @@ Eigen::Vector2d centroid(const mesh::TriangleMesh& mesh, mesh::TriangleId slot) 
   return (mesh.rest_position(corner[0]) + mesh.rest_position(corner[1]) + mesh.rest_position(corner[2])) / 3.0;
 }
 
-// Whether a place is on or along a line, in a sheet of `size`, m.
+// Returns true if a place is on or along a line, in a sheet of `size`, m.
 bool holds(const MaterialLine& line, const Eigen::Vector2d& at, double size) {
   if (distance_to(line, at) > reach_of(line, size)) return false;
   const Eigen::Vector2d along = line.b - line.a;

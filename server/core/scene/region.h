@@ -109,8 +109,8 @@ Result<std::vector<mesh::TriangleId>> find_triangles(const mesh::TriangleMesh& m
 // m^2, in material coordinates, of a solid slot.
 double rest_area(const mesh::TriangleMesh& mesh, mesh::TriangleId slot);
 
-// Pins after an edit: a new vertex is pinned where everything that it comes from is, so both copies of a split vertex
-// and a new vertex on an edge between two pinned ones. Those left without material are not. `pinned`: sorted, unique;
+// Updates pins after an edit: a new vertex is pinned if all its sources are. So are both copies of a split vertex, and
+// a new vertex on an edge between two pinned ones. Vertices left without material are not. `pinned`: sorted, unique;
 // stays so.
 void inherit_pins(const mesh::MeshEdit& edit, std::vector<mesh::VertexId>& pinned);
 

@@ -137,10 +137,10 @@ struct SheetConfig {
   std::string description;        // for people; at most 1000 bytes; no effect on the simulation
 };
 
-// Whether cuts are scheduled, which may bring vertices and lips to a region that has none yet.
+// Returns true if cuts are scheduled; they may bring vertices and lips to a region that has none yet.
 bool schedules_cuts(const SheetConfig& config);
 
-// Whether `id` matches [a-z][a-z0-9-]{0,62}.
+// Returns true if `id` matches [a-z][a-z0-9-]{0,62}.
 bool is_valid_sheet_id(std::string_view id);
 
 // Everything that can be said without building the mesh; Sheet::create calls it and then checks the rest. Fields are

@@ -18,7 +18,7 @@ std::string path_of(std::size_t entry) {
   return "materials[" + std::to_string(entry) + "]";
 }
 
-// Of an entry of SheetMaterials, for people.
+// Returns the name of an entry of SheetMaterials, for messages.
 std::string part_name(std::size_t entry) {
   return entry == 0 ? "the sheet's own material" : "part " + std::to_string(entry - 1);
 }

@@ -47,7 +47,7 @@ Result<SheetMaterials> assign_materials(SheetConfig& config, mesh::TriangleMesh&
 // kFailedPrecondition MATERIAL_SHARED where another entry has the same region.
 Result<SheetMaterials> with_material(const SheetMaterials& materials, const SetMaterial& change);
 
-// Of the entries, bit for bit.
+// Hashes the entries, bit for bit.
 void add_to(StateHash& hash, const SheetMaterials& materials);
 
 // kg/m^2, of a solid slot of a mesh with these materials.
