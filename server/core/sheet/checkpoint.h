@@ -19,7 +19,7 @@
 
 namespace kerf::sheet {
 
-// How far a sheet is with the commands of its scene.
+// Progress of a sheet through the commands of its scene.
 struct SchedulePlace {
   std::int64_t start_tick = 0;  // from which their ticks count
   std::size_t next = 0;         // in their order

@@ -16,9 +16,9 @@ namespace kerf::sheet {
 inline constexpr std::int64_t kMaxRecordedGap = 4096;  // ticks from one entry to the next
 inline constexpr std::size_t kMaxTickCommands = 256;   // of an entry; a live tick does not get that many
 
-// One step() or apply(). An entry whose tick is that of the entry before it (0 before the first) was an apply() of
-// commands, or a step of a frozen sheet with some, which is the same. Ticks between two entries were steps without
-// commands from outside.
+// One step() or apply(). An entry with the same tick as the entry before it (0 before the first) was an apply() of
+// commands. A step of a frozen sheet with commands is recorded in the same way. Ticks between two entries were steps
+// without commands from outside.
 struct RecordedTick {
   std::int64_t tick = 0;          // after it
   std::vector<Command> commands;  // that came from outside, in order; the config's own are not repeated
@@ -31,7 +31,7 @@ struct Recording {
   std::int64_t torn_bytes = 0;  // at its file's end, of an entry that is not there as a whole and was left out
 };
 
-// Where a recording goes while it is made. Called from the sheet's strand, in order.
+// Receives a recording while it is made. Called from the sheet's strand, in order.
 class RecordingSink {
  public:
   virtual ~RecordingSink() = default;
@@ -64,15 +64,15 @@ struct ReplayReport {
   std::optional<Divergence> divergence;  // the first; empty: equal bit for bit
 };
 
-// Whether `entry`, number `index`, may come after one of tick `before`, or as the first after 0. kDataLoss
-// RECORDING_ORDER where the tick goes back, skips more than kMaxRecordedGap or is the same with nothing done in it;
-// RECORDING_TICK where more than kMaxTickCommands are to be done at once.
+// Checks that `entry`, number `index`, may follow an entry of tick `before`; 0 before the first. Errors, kDataLoss:
+// RECORDING_ORDER if the tick goes back, skips more than kMaxRecordedGap or repeats without any command; RECORDING_TICK
+// if it has more than kMaxTickCommands.
 Status check_next(const RecordedTick& entry, std::size_t index, std::int64_t before);
 
-// The same of all entries.
+// Checks all entries.
 Status check_order(std::span<const RecordedTick> entries);
 
-// Builds the sheet anew, gives it the same commands at the same ticks and compares every hash; stops at the first that
+// Rebuilds the sheet, gives it the same commands at the same ticks and compares every hash; stops at the first that
 // differs. Errors: those of Sheet::create and check_order().
 Result<ReplayReport> replay(const Recording& recording);
 

@@ -9,8 +9,8 @@
 
 namespace kerf::sheet {
 
-// Measures how far every vertex goes in a stretch of time, and how far its mean place moves from each third of it to
-// the next. What trembles in place hardly moves its mean.
+// Measures the travel of every vertex in a window of time. Also measures the motion of its mean position from each
+// third of the window to the next. A vertex that trembles in place hardly moves its mean.
 class MotionWindow {
  public:
   // `length`: s, > 0
@@ -39,14 +39,14 @@ class MotionWindow {
 // Brings a sheet that nothing disturbs any more to rest, and says when it is.
 //
 // Cloth in air swings itself still within seconds, by losses that a material's Rayleigh damping hardly has at low
-// frequencies. So a calm sheet is damped a little: kCalmAfter seconds after whatever disturbed it last, and while its
-// kinetic energy, over about a second, is below what lifts it by kCalmHeight of its size, velocities decay at up to
-// kDampingRate times the rate of a pendulum of its size. Before that, and while it moves more, nothing is changed.
+// frequencies. So velocities of a calm sheet decay at up to kDampingRate times the rate of a pendulum of its size. A
+// sheet is calm from kCalmAfter seconds after the last disturbance. Its kinetic energy, over about a second, must also
+// be below the energy that lifts it by kCalmHeight of its size. Otherwise nothing is changed.
 //
-// At rest is a sheet no vertex of which would go further than kTolerance in the minute to come, going by one of two
-// windows: a short one, which a sheet that grows still passes soon, and a long one for what trembles. A damped sheet
-// that slows down in two windows, both longer than a swing, is taken to slow down further. Speeds say less: a vertex
-// that a body holds has some within each substep, and stays where it is.
+// A sheet is at rest if no vertex is expected to move by more than kTolerance in the next minute, according to one of
+// two windows. The short one is soon passed by a sheet that grows still, the long one is for sheets that tremble. A
+// damped sheet that slows down in two windows, both longer than a swing, is taken to slow down further. Speeds say
+// less: a vertex that a body holds has some within each substep, and stays where it is.
 class RestWatch {
  public:
   static constexpr double kCalmAfter = 5.0;      // s

@@ -104,7 +104,7 @@ TickReport Sheet::Impl::run(std::span<const Command> commands, StageObserver* ob
   return report;
 }
 
-// What a report says of the sheet as it is at its end.
+// Fills in the state of the sheet at the end of the report's step.
 void Sheet::Impl::stamp(TickReport& report) const {
   report.tick = tick;
   report.frozen = frozen;
@@ -453,8 +453,8 @@ std::shared_ptr<const Snapshot> Sheet::snapshot(const RunStats& stats, bool with
   auto snapshot = std::make_shared<Snapshot>();
   snapshot->tick = impl_->tick;
   snapshot->positions = impl_->state.x;
-  // Vertices without material stay where they were when they lost it; viewers find them with one that has some, so that
-  // what the sheet extends over is told by the material alone.
+  // Vertices without material stay where they were when they lost it; viewers get them at the place of a vertex that
+  // has some, so that the material alone determines the extent of the sheet.
   if (!impl_->removed.empty()) {
     mesh::TriangleId solid = 0;
     while (!impl_->mesh.is_solid(solid)) ++solid;

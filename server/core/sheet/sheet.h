@@ -37,7 +37,7 @@ enum class Stage {
   kIntegrate,    // the integrator's substeps, contact among them
 };
 
-// Told when stages begin and end, so that the owner can time them: the sheet itself reads no clock.
+// Receives the begin and end of stages, so that the owner can time them: the sheet itself reads no clock.
 class StageObserver : public PhaseObserver {
  public:
   // `command`: which of the commands of this step() or apply(), in the order in which they are done: scheduled ones
@@ -55,15 +55,15 @@ struct ScheduledReply {
   Result<CommandReply> reply;
 };
 
-// What one step() or apply() did. Degradation is a value here: nothing is thrown or logged.
+// Reports one step() or apply(). Degradation is a value here: nothing is thrown or logged.
 struct TickReport {
   std::int64_t tick = 0;                      // after it
   std::vector<Result<CommandReply>> replies;  // one for each given command, in order
   std::vector<ScheduledReply> scheduled;      // those that fell due, in order
   std::size_t num_scheduled_first = 0;        // of them, done before the given commands
-  fem::StepStats stats;      // of the integrator; default where time did not advance, but for `interrupted`
+  fem::StepStats stats;      // of the integrator; default where time did not advance, except `interrupted`
   bool advanced = false;     // ++tick happened
-  bool gave_up = false;      // too little memory, or no leave to go on: frozen, nothing else holds
+  bool gave_up = false;      // out of memory, or stopped by may_go_on: frozen, nothing else holds
   bool step_failed = false;  // the integrator gave up: positions and velocities are those before the tick
   bool frozen = false;       // see Sheet::frozen()
   bool at_rest = false;      // see Sheet::at_rest()
@@ -88,7 +88,7 @@ struct GrabState {
   Eigen::Vector3d target{0.0, 0.0, 0.0};           // m, world
   Eigen::Vector3d previous_target{0.0, 0.0, 0.0};  // m, when the last tick ended; the target moves in between
   double stiffness = 0.0;                          // N/m, in force
-  bool is_default = false;                         // nobody gave the stiffness: it follows the material
+  bool is_default = false;                         // no stiffness was given: it follows the material
 };
 
 // Makes what advances a sheet; copies of a sheet each make their own. The integrator must keep fem::Integrator's
@@ -134,7 +134,7 @@ class Sheet {
   // Until the next step, or until the mesh or what is clamped changes, the model bends by angles (see
   // fem::AngleBending): what equilibria and vibrations are found with, as steps in time are not.
   void bend_by_angles();
-  // What of the sheet has no equilibrium under that load, as nothing holds it: settle() would search in vain.
+  // Finds a piece that has no equilibrium under that load, as nothing holds it: settle() would not converge.
   std::optional<UnheldPiece> find_unheld(double load);
   // ++tick with the scheduled commands that are due, and nothing else: a step of a static analysis.
   TickReport begin_load_step();
@@ -154,8 +154,8 @@ class Sheet {
   [[nodiscard]] const fem::Model& model() const;  // of mesh() and materials(), with softening()
   [[nodiscard]] const fem::State& state() const;  // x: 3 x V, m; v: 3 x V, m/s
   [[nodiscard]] const fem::Loads& loads() const;  // of the last step, or settle()
-  // Where the material point started (m, world; material in m): of a point of the sheet as it was made, else of the
-  // nearest one.
+  // Returns the initial world position (m) of a material point (m). Outside the sheet as it was made, the nearest point
+  // counts.
   [[nodiscard]] Eigen::Vector3d start_of(const Eigen::Vector2d& material) const;
   [[nodiscard]] const Eigen::Vector3d& gravity() const;                      // m/s^2, in force
   [[nodiscard]] const std::optional<fem::Softening>& softening() const;      // in force, of Fidelity::kRealTime
@@ -174,21 +174,22 @@ class Sheet {
   [[nodiscard]] fem::TickCost expected_cost() const;
   [[nodiscard]] Energies energies() const;
 
-  // Nothing changes what acts on the sheet (no grab, no change of loads, no command to come), and no vertex is expected
-  // to move by 0.1 mm within a minute: see RestWatch. Sleeping is the owner's act.
+  // Returns true if the sheet is at rest: no vertex is expected to move by 0.1 mm within a minute, see RestWatch. The
+  // forces on it must not change either: no grab, no change of loads, no command to come. Putting it to sleep is left
+  // to the owner.
   [[nodiscard]] bool at_rest() const;
 
   // kMaxFailedSteps steps failed in a row: the state is that of the last good tick; the sheet can be looked at, cut and
   // reset. Only a Reset lets it advance again.
   [[nodiscard]] bool frozen() const;
 
-  // Of mesh, positions, velocities, pins, grabs, loads, materials that are not the config's, and tick, bit for bit.
+  // Hashes mesh, positions, velocities, pins, grabs, loads, materials that are not the config's, and tick, bit for bit.
   [[nodiscard]] std::uint64_t state_hash() const;
 
   // The same without the tick and the versions: equal after a Reset to what it was at first.
   [[nodiscard]] std::uint64_t shape_hash() const;
 
-  // The state as viewers get it. The Topology in it is built anew only after it changed.
+  // Returns the state as viewers get it. The Topology in it is rebuilt only after it changed.
   [[nodiscard]] std::shared_ptr<const Snapshot> snapshot(const RunStats& stats = {}, bool with_strains = false) const;
 
  private:

@@ -213,13 +213,13 @@ void Sheet::Impl::pin(std::vector<mesh::VertexId> vertices) {
   contact.set_vertices(mesh.num_vertices(), pinned, removed);
 }
 
-// After the model was made anew.
+// Rebuilds the integrator after the model was rebuilt.
 void Sheet::Impl::rebuild() {
   integrator->rebuild(model);
   make_room();
 }
 
-// After the integrator was told of the model; all that a step needs is allocated here.
+// Allocates all that a step needs, once the integrator follows the model.
 void Sheet::Impl::make_room() {
   integrator_description =
       std::string(integrator->explanation()) + "; " + fem::describe_condition(fem::condition_number(model, dt));
@@ -233,8 +233,9 @@ std::vector<GrabState>::iterator Sheet::Impl::find_grab(const std::string& grab_
   return std::find_if(grabs.begin(), grabs.end(), [&](const GrabState& held) { return held.grab_id == grab_id; });
 }
 
-// Holds the whole sheet against an acceleration of 1 mm a tick squared with 1 mm of stretch, but is no stiffer
-// than the membrane, so that a jump of the target stretches the spring and not only the triangles it is tied to.
+// Returns the stiffness that holds the whole sheet against an acceleration of 1 mm a tick squared with 1 mm of stretch.
+// It is no stiffer than the membrane. So a jump of the target stretches the spring and not only the triangles it is
+// tied to.
 double Sheet::Impl::default_stiffness(mesh::VertexId vertex) const {
   const double hold = model.total_mass() / (dt * dt);
   const Eigen::Matrix3d& membrane = model.law(mesh.triangle_at(vertex)).membrane;

@@ -261,7 +261,7 @@ std::vector<fem::Pin> Sheet::Impl::pins_lost_by(const mesh::MeshEdit& edit) cons
   return lost;
 }
 
-// What follows once mesh, model and state are of one topology again.
+// Updates everything else once mesh, model and state have the same topology again.
 void Sheet::Impl::finish_edit(std::vector<mesh::VertexId> now_pinned, std::span<const mesh::MeshEdit* const> edits,
                               PhaseObserver* observer) {
   if (now_pinned != pinned) ++settings_version;

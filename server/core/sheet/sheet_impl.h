@@ -23,7 +23,7 @@
 
 namespace kerf::sheet {
 
-// What a Reset goes back to.
+// The state that a Reset restores.
 struct InitialState {
   BuiltMesh built;
   std::shared_ptr<const SheetMaterials> materials;
@@ -73,7 +73,7 @@ class StageScope {
   std::int32_t command_;
 };
 
-// Where a command comes from: who is told of its stages, and under which number.
+// Origin of a command: the observer of its stages, and its number there.
 struct CommandContext {
   StageObserver* observer = nullptr;
   std::int32_t index = -1;
@@ -108,7 +108,7 @@ struct Sheet::Impl {
   void set_loads();
   void stamp(TickReport& report) const;
   void integrate(const fem::GoesOn* goes_on, const fem::GoesOn* may_go_on, TickReport& report);
-  // False: it could not go on, and its own state is worth nothing any more.
+  // Returns false if the integrator had to stop; its own state is invalid then.
   bool step_in_time(const fem::GoesOn* may_go_on, fem::StepStats& stats);
   void watch_rest();
   // Keeps what a step that did not fail went through; contact_blocks: of all its substeps.
@@ -146,8 +146,8 @@ struct Sheet::Impl {
   void reset(const Reset& reset);
   void redo_reset(const UndoStep& step);
 
-  [[nodiscard]] cut::CutRequest request_of(const Cut& cut) const;  // but for the fixed vertices
-  // mass_before: kg, that of the sheet, of several materials.
+  [[nodiscard]] cut::CutRequest request_of(const Cut& cut) const;  // without the fixed vertices
+  // mass_before: mass of the sheet before the cut (kg); used only when it has several materials.
   [[nodiscard]] CutReply reply_of(const cut::CutOutcome& outcome, const Cut& cut, double mass_before) const;
   [[nodiscard]] double rest_mass() const;  // kg, of the mesh; O(slots)
   [[nodiscard]] bool has_one_material() const { return materials->by_region.size() == 1; }
@@ -163,7 +163,7 @@ struct Sheet::Impl {
                                          PhaseObserver* observer);
   void follow(const std::vector<DoneCut>& cuts, PhaseObserver* observer);
   void take_back(const std::vector<DoneCut>& cuts, const CommandContext& context);
-  // Of vertices that the edit leaves without material.
+  // Returns the pins of vertices that the edit leaves without material.
   [[nodiscard]] std::vector<fem::Pin> pins_lost_by(const mesh::MeshEdit& edit) const;
   void finish_edit(std::vector<mesh::VertexId> now_pinned, std::span<const mesh::MeshEdit* const> edits,
                    PhaseObserver* observer);
@@ -200,7 +200,8 @@ struct Sheet::Impl {
   Instant now;                          // when the conditions were set last
   std::vector<mesh::VertexId> clamped;  // whose slope the model holds; sorted
   bool conditions_changed = true;       // since then, other than by time
-  fem::Loads loads;                     // holds, over them what constraints hold; its grabs are set anew each tick
+  fem::Loads loads;                     // pins, and over them the vertices held by constraints; its grabs are set again
+                                        // each tick
   std::int64_t tick = 0;
   std::int64_t start_tick = 0;  // from which the scene's clock and histories count
   std::int64_t beginning = 0;   // see CommandReply

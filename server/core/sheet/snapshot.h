@@ -12,8 +12,8 @@
 namespace kerf::sheet {
 
 // The triangles of a sheet at one topology version. Immutable and shared: all snapshots between two cuts hold the same
-// one. Every entry knows the version that changed it last, so that the patch from any version a viewer has is a filter:
-// the slots with slot_versions[s] > that version, the vertices likewise.
+// one. Every entry has the version that changed it last. So the patch from any version a viewer has is a filter: the
+// slots with slot_versions[s] > that version, and the vertices in the same way.
 struct Topology {
   std::int32_t version = 1;
   std::int32_t patchable_since = 1;  // a viewer at an older version needs the full topology (a reset came between)
@@ -26,7 +26,7 @@ struct Topology {
   std::vector<std::int32_t> vertex_versions;             // a vertex; version that made it or moved it in the material
 };
 
-// What the owner of the clock knows about a sheet; part of a snapshot so that viewers see it. All zero offline.
+// Run-time figures from the owner of the clock; part of a snapshot so that viewers see them. All zero offline.
 struct RunStats {
   double real_time_factor = 0.0;       // -, simulated / wall time over the last second or so
   double speed = 0.0;                  // -, what it should be; 1 is live
@@ -56,7 +56,7 @@ struct Snapshot {
 // Why a sink gets no more snapshots.
 enum class SinkEnd { kSheetDeleted, kSheetLost, kHostStopping };
 
-// Where snapshots go. The host calls all of these from the sheet's strand: never two at once for one sheet, and they
+// Receives snapshots. The host calls all of these from the sheet's strand: never two at once for one sheet, and they
 // must not block.
 class SnapshotSink {
  public:

@@ -11,8 +11,8 @@
 
 namespace kerf::sheet {
 
-// The topology of a sheet as viewers get it, made when one is asked for: a cut that nobody watches pays nothing for it.
-// Versions in between that nobody asked for are passed over.
+// Makes the topology of a sheet for viewers on demand, so that a cut without viewers costs nothing here. Versions that
+// were never requested are skipped.
 class LazyTopology {
  public:
   // The mesh has made these edits.

@@ -18,9 +18,10 @@ struct UnheldPiece {
   double force = 0.0;                  // N, gravity and dead forces on it along that, in all
 };
 
-// The first piece no vertex of which is held along x, y or z, although dead forces on it add up to more than rounding
-// leaves of them along that. Pieces under pressure, which turns with them, are left to the search for an equilibrium,
-// as are moments. `loads`: pins, gravity and external forces in force.
+// Returns the first piece that dead forces push along an axis (x, y or z) along which no vertex of it is held. Forces
+// that cancel up to rounding do not count. Pieces under pressure, which turns with them, are left to the equilibrium
+// search; so are moments.
+// `loads`: pins, gravity and external forces in force.
 std::optional<UnheldPiece> find_unheld(const mesh::TriangleMesh& mesh, const fem::Model& model,
                                        const fem::Loads& loads);
 
