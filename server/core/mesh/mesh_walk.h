@@ -6,8 +6,8 @@
 
 namespace kerf::mesh {
 
-// Finds p by the remembering stochastic walk of Devillers, Pion and Teillaud (2001), which steps from slot `start`
-// across edges that separate the slot from p. A hash of slot and step chooses the first edge tried. So the walk ends
+// Finds p by the remembering stochastic walk of Devillers, Pion and Teillaud (2001). Steps from slot `start` across
+// edges that separate the current slot from p. A hash of slot and step chooses the first edge tried. So the walk ends
 // with probability one in any triangulation and is deterministic. `View` offers triangle(t) and at(point). Returns the
 // slot that holds p, or kNone after `max_steps` or on leaving the domain.
 template <typename View>
