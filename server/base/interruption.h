@@ -5,14 +5,14 @@
 
 namespace kerf {
 
-// Comes out of interruption_point().
+// Thrown by interruption_point().
 class Interrupted : public std::exception {
  public:
   [[nodiscard]] const char* what() const noexcept override { return "interrupted"; }
 };
 
 // Lets a thread's work end early, at its interruption points, for as long as this exists. Scopes nest: the innermost
-// is asked. Made and destroyed on the thread that works.
+// decides. Construct and destroy it on the working thread.
 class InterruptionScope {
  public:
   // `goes_on`: called on this thread, by some of the points; once false it must stay so.

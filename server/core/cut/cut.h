@@ -238,8 +238,8 @@ struct CutOutcome {
 // too long.
 Result<CutPlan> plan(const mesh::TriangleMesh& mesh, const CutRequest& request);
 
-// Carries the plan out, or leaves the mesh bit-identical. Where snapping led beyond the tolerance asked for, the cut is
-// made again with a shorter snap distance.
+// Carries the plan out, or leaves the mesh bit-identical. If snapping led beyond the requested tolerance, the cut is
+// repeated with a shorter snap distance.
 // Errors: kResourceExhausted CUT_ELEMENT_BUDGET (max_new_triangles, or the mesh's own limit, or a step counter) and
 //         TOO_MANY_VERTICES (max_vertices);
 //         kFailedPrecondition CUT_NOT_REPRESENTABLE (a crossing could not be rounded to a valid point: shift the

@@ -60,8 +60,8 @@ struct ViewPath {
 };
 
 // Lays `curve` (pixels) onto the sheet with its vertices at `positions` (3 x V, m, world) as `view` sees it. Strokes
-// follow the curve's image within flat.deviation_m, of which `tolerance` (m, > 0) is asked; triangles seen nearly
-// edge-on can make it more.
+// follow the curve's image within flat.deviation_m. It is at most `tolerance` (m, > 0), unless triangles are seen
+// nearly edge-on.
 //
 // Within one triangle the map from picture to rest space is a homography, so a straight piece stays straight: only
 // where the curve crosses edges are nodes computed, once an edge, so that neighbours agree. Which edges are crossed is

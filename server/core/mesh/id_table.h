@@ -21,7 +21,7 @@ class IdTable {
   // `id` must be in the table.
   [[nodiscard]] std::int32_t get(std::int32_t id) const { return places_[place_of(id)].number; }
 
-  // id, number >= 0. False, and nothing changes, where the id is there already.
+  // id, number >= 0. Returns false, and changes nothing, if the table has the id already.
   bool add(std::int32_t id, std::int32_t number) {
     Place& place = places_[place_of(id)];
     if (place.id == id) return false;

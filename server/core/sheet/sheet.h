@@ -131,8 +131,8 @@ class Sheet {
   // contact and grabs are left out. `watch`: see fem::EquilibriumSolver. Bends by angles, see bend_by_angles().
   fem::EquilibriumStats settle(double load, const fem::EquilibriumOptions& options,
                                const fem::EquilibriumSolver::Watch& watch);
-  // Until the next step, or until the mesh or what is clamped changes, the model bends by angles (see
-  // fem::AngleBending): what equilibria and vibrations are found with, as steps in time are not.
+  // Makes the model bend by angles (see fem::AngleBending), as equilibria and vibrations need and steps in time do not.
+  // Lasts until the next step, or until the mesh or the clamped vertices change.
   void bend_by_angles();
   // Finds a piece that has no equilibrium under that load, as nothing holds it: settle() would not converge.
   std::optional<UnheldPiece> find_unheld(double load);

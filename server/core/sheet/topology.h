@@ -15,14 +15,14 @@ namespace kerf::sheet {
 // were never requested are skipped.
 class LazyTopology {
  public:
-  // The mesh has made these edits.
+  // Notes edits that the mesh has made.
   void note(std::span<const mesh::MeshEdit* const> edits);
-  // The mesh is another one: no patch leads from what viewers have to it.
+  // Notes that the mesh was replaced: no patch leads to it from a topology that viewers have.
   void replace();
 
-  // The mesh as of `version`, which has grown with each call of the above. Of a version that was asked for before it is
-  // the same object. Slots that edits since the last one rewrote and slots whose piece number changed have the new
-  // version; so do vertices added and moved.
+  // Returns the topology at `version`, which must grow with each call of the functions above. Returns the same object
+  // if the version was requested before. Slots rewritten since the last one, and slots whose piece number changed, get
+  // the new version; so do vertices added and moved.
   [[nodiscard]] std::shared_ptr<const Topology> at(const mesh::TriangleMesh& mesh, std::int32_t version) const;
 
  private:

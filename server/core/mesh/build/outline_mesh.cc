@@ -220,7 +220,8 @@ class OutlineMesher {
         field + (depth == 0 ? " lies outside the border, or around it" : " lies inside another hole"), field);
   }
 
-  // Until no angle is too small but where it must. False where there would be too many vertices.
+  // Refines until no angle is too small, except where the outline forces one. Returns false if there would be too many
+  // vertices.
   bool refine_angles(MeshEditor& editor) {
     RefinementConfig refinement;
     refinement.min_angle_deg = config_.min_angle_deg;

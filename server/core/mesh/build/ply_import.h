@@ -15,7 +15,7 @@ inline constexpr std::size_t kMaxPlyHeaderLineBytes = 4096;
 // vertex_indices or vertex_index of an integer type; polygons are split as fans. Other elements and properties, lists
 // too, are skipped. s and t, u and v, or texture_u and texture_v of vertices are texture coordinates; for the rest
 // shape see FaceList::assemble. Elements may come in any order; a row of text is a line, blank lines do not count.
-// Refusals name the line of the header or text in message and field ("ply:17"), in binary files the element
+// Errors name the line of the header or text in message and field ("ply:17"), in binary files the element
 // ("ply:vertex[3]", from 0):
 //   PLY_TOO_LARGE, PLY_HEADER (what the header must say and how, its two limits above), PLY_TRUNCATED (the file ends
 //   within an element), PLY_TRAILING (more follows after the last one), PLY_VALUES (a line has more or fewer values
