@@ -27,8 +27,8 @@ struct Progress {
 using Watch = std::function<bool(const Progress&)>;
 
 struct StaticStats {
-  double load = 0.0;                       // reached; the last one asked for, unless `converged` is false
-  bool converged = true;                   // at every load asked for
+  double load = 0.0;                       // reached; the last one requested, unless `converged` is false
+  bool converged = true;                   // at every requested load
   double residual = 0.0;                   // -, at the last load that converged; see fem::EquilibriumStats
   std::int64_t iterations = 0;             // Newton steps in all, those of attempts in vain included
   std::int64_t solves = 0;                 // loads approached, those between included

@@ -30,8 +30,8 @@ using LipPair = std::array<LipPoint, 2>;
 // Nothing where no two lips that face each other are within a thousandth of the sheet's size.
 std::optional<LipPair> find_lips(const mesh::TriangleMesh& mesh, const Eigen::Vector2d& at);
 
-// Returns the displacement (m) of lip [0] from lip [1] along the normal, the tangent and the normal of the sheet. The
-// frame lies half way between both lips at positions x (3 x V, m).
+// Returns the displacement (m) of lip [0] from lip [1]: along the normal and the tangent of the cut, and along the
+// normal of the sheet. The frame is the mean of those of both lips at positions x (3 x V, m).
 Eigen::Vector3d opening(const LipPair& lips, const mesh::VertexField& x);
 
 }  // namespace kerf::analysis

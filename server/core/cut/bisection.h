@@ -10,8 +10,8 @@
 // The source's remeshing: element by element.
 namespace kerf::cut {
 
-// Locks the edges of the elements in `crossed` and of those that share a corner with one, as the path may be laid on a
-// point nearby. So points inserted later are triangulated inside their element only. Lawson's flips make the
+// Locks the edges of the elements in `crossed` and of those that share a corner with one: the path may be laid on a
+// nearby point. So points inserted later are triangulated inside their element only. Lawson's flips make the
 // triangulation that the cavity of Bowyer and Watson (1981) makes, each new point by itself.
 void lock_elements(mesh::MeshEditor& editor, std::span<const mesh::TriangleId> crossed);
 

@@ -66,8 +66,8 @@ struct CubicTo {
 };
 
 // An arc of an ellipse between two points, as SVG has it: semi-axes too short for the distance of the points are
-// lengthened alike until they reach; nothing where the points coincide. A semi-axis so short that the other would be
-// lengthened beyond 1e9 m counts as zero, which makes a straight line, as in SVG.
+// lengthened in proportion until they reach. The arc is nothing if the points coincide. A semi-axis so short that the
+// other would be lengthened beyond 1e9 m counts as zero, which makes a straight line, as in SVG.
 struct ArcTo {
   Eigen::Vector2d semi_axes{0.0, 0.0};  // m, each > 0
   double rotation = 0.0;                // rad, from the x axis to the first semi-axis; +-kMaxRotation
@@ -84,7 +84,7 @@ struct Subpath {
   bool closed = false;              // ends with a straight line back to the start, unless it is there already
 };
 
-// Any number of lines cut at once, each of any pieces, with the corners between them kept.
+// Any number of lines cut at once, each of any number of segments, whose corners are kept.
 struct Path {
   std::vector<Subpath> subpaths;  // at least 1; at most kMaxPathSegments segments in all
 };
@@ -118,7 +118,7 @@ Status validate(const Curve& curve);
 // r (1 - cos(pi / n)). Polylines: coincident neighbours are dropped, the rest is kept.
 // Paths and ellipses: see rational_piece.h; one stroke for each subpath that has two distinct points. At most
 // kMaxPathChords chords in all, the farthest from its curve being split first.
-// Where a limit on chords does not let the tolerance be reached, the achieved bound is larger and returned so.
+// If a limit on chords keeps the tolerance from being reached, the returned bound is larger than the tolerance.
 FlatCurve flatten(const Curve& curve, double tolerance);
 
 }  // namespace kerf::cut

@@ -56,13 +56,13 @@ enum class Method {
 
 // Options of a cut beside its curve.
 struct CutOptions {
-  // Distance asked for between curve and lips, as a fraction of the sheet's edge length there (mesh::EdgeLengths).  -,
-  // in [kMinTolerance, kMaxTolerance]
+  // Largest distance allowed between curve and lips, as a fraction of the sheet's edge length there
+  // (mesh::EdgeLengths). -, in [kMinTolerance, kMaxTolerance]
   double tolerance = 0.02;
   // The same in metres; replaces `tolerance` where given.  m, in [1e-9, 1e4]
   std::optional<double> tolerance_m;
-  // Refines triangles touched by the cut until no angle is smaller. Exceptions are corners between lips narrower than
-  // 60 degrees, and near strands (StrandQuality). degrees, in [0, kMaxMinAngle]; 0 refines nothing
+  // Refines triangles touched by the cut until no angle is smaller. Exceptions: corners below 60 degrees between lips,
+  // and places near strands (StrandQuality). degrees, in [0, kMaxMinAngle]; 0 refines nothing
   double min_angle_deg = 20.0;
   // Moves free old points of the touched ring away from the path in rest space before refining, where that improves
   // the worst triangle around them. Needs far fewer and far less flat triangles; see MeshEdit::moved_vertices.
@@ -71,7 +71,7 @@ struct CutOptions {
   std::int32_t max_new_triangles = 200'000;
   // Placement of the curve before it is cut; absent: the curve stays where it is.
   std::optional<Fit> fit;
-  // Perforation: which lengths of the curve are cut; all of it without any.
+  // Perforation: lengths of the curve that are cut in turn; without any all of it is cut.
   DashPattern dash;
   Method method = Method::kNeighbourhood;
   // Edge length wanted at the tips of the cut inside the sheet, where stresses peak; away from them it grows by
@@ -79,15 +79,15 @@ struct CutOptions {
   // m, in [kMinLength, kMaxLength]
   std::optional<double> tip_edge_length_m;
   double tip_grading = 1.5;  // -, in [kMinTipGrading, kMaxTipGrading]
-  // Removes all material closer to the curve than half of this: what a disc of that diameter sweeps whose centre
-  // follows the curve, dash by dash, so ends and corners are round. Vertices without any other material and whole
-  // pieces inside the strip are gone, and their momentum with them. The strip follows the curve within the tolerance,
-  // and is as wide as asked for to within twice kToleranceOfWidth of that. Absent: the cut opens the sheet and takes
-  // nothing away.  m, in [kMinWidth, kMaxWidth]
+  // Removes all material closer to the curve than half of this. A disc of that diameter sweeps it, with its centre on
+  // the curve, dash by dash; so ends and corners are round. Vertices without any other material and whole pieces inside
+  // the strip are gone, and their momentum with them. The strip follows the curve within the tolerance, and has this
+  // width to within twice kToleranceOfWidth of it. Absent: the cut opens the sheet and removes nothing. m, in
+  // [kMinWidth, kMaxWidth]
   std::optional<double> width_m = std::nullopt;
 };
 
-// The ranges of the options: calls check(value, low, high, field) with each number, and returns the first refusal.
+// Checks the ranges of the options: calls check(value, low, high, field) for each number, and returns the first error.
 // `least_angle`: of min_angle_deg, degrees. Errors: those of `check`, and of validate() for `dash` and `fit`.
 template <typename Check>
 Status check_ranges(const CutOptions& options, double least_angle, const Check& check) {
@@ -156,21 +156,21 @@ inline constexpr double kNarrowGap = 0.03;
 inline constexpr std::size_t kMaxListedCorners = 64;
 
 // A corner between two lips, a lip and the border, or borders, below 60 degrees: no refinement can widen it, and
-// triangles there may stay below the angle asked for.
+// triangles there may stay below the requested angle.
 struct SharpCorner {
   Eigen::Vector2d position{0.0, 0.0};  // m, material coordinates
   double angle_deg = 0.0;              // degrees, in (0, 60); its sharpest one, where several meet
-  std::int32_t triangles_below = 0;    // new triangles below the angle asked for at it or sharing a vertex with one
+  std::int32_t triangles_below = 0;    // new triangles below the requested angle at it, or sharing a vertex with one
                                        // at it; one near two corners is counted at both
 };
 
-// The new triangles below min_angle_deg near strands: lips, or lips and the border, that face each other closer than
+// Quality of the new triangles near strands: lips, or lips and the border, that face each other closer than
 // kNearStrands, or lips that cross within it (mesh::Strands). No angle there is below kStrandAngle * min_angle_deg
 // outside of sharp corners. Gaps narrower than kNarrowGap are spanned by needles of any angle.
 struct StrandQuality {
   std::int32_t triangles_below = 0;     // below min_angle_deg, those in narrow gaps included
   std::int32_t narrow_below = 0;        // of those, in narrow gaps
-  double asked_angle_deg = 0.0;         // degrees; smallest angle asked for, in narrow gaps none
+  double asked_angle_deg = 0.0;         // degrees; smallest angle allowed; narrow gaps have no limit
   double min_angle_deg = 180.0;         // degrees; smallest angle of the worst outside of narrow gaps
   double narrow_min_angle_deg = 180.0;  // degrees; the same in narrow gaps
 };
@@ -185,9 +185,9 @@ struct CutQuality {
   double max_edge_ratio = 0.0;                // -; worst longest edge / shortest edge, which does not see flat caps
   double mean_edge_ratio = 0.0;               // -
   double min_height_m = 0.0;                  // m; smallest height
-  std::int32_t triangles_below_angle = 0;     // below min_angle_deg asked for
-  std::int32_t triangles_below_contract = 0;  // below what is asked for where they lie, near strands or elsewhere, in
-                                              // no sharp corner's two rings; 0 unless refinement_stopped
+  std::int32_t triangles_below_angle = 0;     // below min_angle_deg of the options
+  std::int32_t triangles_below_contract = 0;  // below the limit where they lie, near strands or elsewhere, outside of
+                                              // two rings of sharp corners; 0 unless refinement_stopped
   std::vector<SharpCorner> corners;  // with triangles below the angle; the sharpest first, at most kMaxListedCorners
   std::int32_t num_corners = 0;      // of them all
   double elsewhere_min_angle_deg = 180.0;  // degrees; smallest angle of the worst that is not counted in `strands`
@@ -205,7 +205,7 @@ struct CutReport {
   double deviation_m = 0.0;              // m; proven bound on the distance between the curve (inside the sheet) and
                                          // its lips: flattening + snapping + rounding
   double deviation_of_tolerance = 0.0;   // -, in [0, 1]; the same over the tolerance there, the largest of all places
-  bool refinement_stopped = false;       // a guard fired: the mesh is valid, its quality is not as asked for. At the
+  bool refinement_stopped = false;       // a guard fired: the mesh is valid, its quality is below the request. At the
                                          // length floor of snap / 4
   // The next four also of a cut that misses.
   std::int32_t snapped_points = 0;   // path points moved onto an existing point or lip (by <= snap)
@@ -238,8 +238,8 @@ struct CutOutcome {
 // too long.
 Result<CutPlan> plan(const mesh::TriangleMesh& mesh, const CutRequest& request);
 
-// Carries the plan out, or leaves the mesh bit-identical. If snapping led beyond the requested tolerance, the cut is
-// repeated with a shorter snap distance.
+// Carries the plan out, or leaves the mesh bit-identical. If snapping led beyond the requested tolerance, or a crossing
+// could not be rounded, the cut is repeated. This happens at most twice, each time with a shorter snap distance.
 // Errors: kResourceExhausted CUT_ELEMENT_BUDGET (max_new_triangles, or the mesh's own limit, or a step counter) and
 //         TOO_MANY_VERTICES (max_vertices);
 //         kFailedPrecondition CUT_NOT_REPRESENTABLE (a crossing could not be rounded to a valid point: shift the

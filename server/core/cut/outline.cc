@@ -30,7 +30,7 @@ constexpr double kGridRounding = 2.0;
 // Coordinates up to here Clipper multiplies in 64 bits.  grid units
 constexpr double kGridExtent = 1 << 29;
 
-// Limits the pairs of boxes overlapping in y that are examined in total.
+// Limits the number of pairs of chords, with strips that overlap in y, that are examined in total.
 constexpr std::int64_t kMaxPairsLookedAt = 50'000'000;
 
 // The grid that Clipper works on: over all that the strip may reach.

@@ -145,7 +145,7 @@ void PathInsertion::note_met(PointId point) {
   note_point(point);
 }
 
-// Returns the distance from the current segment, lattice units; 0 exactly on its line, except beyond its ends.
+// Returns the distance of a point from the current segment, lattice units; 0 only if it lies on the segment exactly.
 double PathInsertion::distance_to_path(PointId point) const {
   const LatticePoint& at = mesh_.at(point);
   const double doubled_area = std::abs(mesh::to_double(mesh::doubled_area(segment_start_, segment_end_, at)));

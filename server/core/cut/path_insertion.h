@@ -30,7 +30,7 @@ struct InsertionCounts {
 // point or a fixed edge closer than the snap distance, or becomes a point; each segment is recovered by flips, passing
 // through points closer than the snap distance. It splits the fixed edges it crosses (older lips, the border, its own
 // earlier edges, region borders) at the rounded crossing. The edges it becomes are locked as cut; in the void nothing
-// is inserted or locked. Segments longer than the spacing get points in between, but where the mesh has edges along
+// is inserted or locked. Segments longer than the spacing get points in between, except where the mesh has edges along
 // them already: a long straight lip would drag needles as long as itself across the sheet. Of these points, those near
 // lips of earlier cuts are left out, never two in a row.
 class PathInsertion {

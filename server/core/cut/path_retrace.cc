@@ -11,8 +11,9 @@ using mesh::LatticePoint;
 using mesh::Location;
 using mesh::PointId;
 
-// Follows existing lips to the point nearest to `at` that they lead to. Does not if a point lies exactly at `at` that
-// they do not lead to.
+// Follows existing lips, or the border, from `position` to the point nearest to `at` within the snap distance. If a
+// point of the mesh lies exactly at `at`, they must lead to that one. Returns false, and changes nothing, if none lead
+// there.
 bool PathInsertion::retrace(PathPosition& position, const LatticePoint& at) {
   if (position.point == kNone) return false;
   const Location location = mesh_.locate(at, hint_);
@@ -22,7 +23,7 @@ bool PathInsertion::retrace(PathPosition& position, const LatticePoint& at) {
   if (!found) return false;
   run_along_chain(position.point);
   if (!trace_.chain().empty()) position = {mesh_.at(trace_.chain().back()), trace_.chain().back(), kNone};
-  // Notes the rest of the segment, or all of it, as dust.
+  // Counts the rest of the segment, or all of it, as merged.
   const LatticePoint reached = mesh::rounded_projection(segment_start_, segment_end_, position.at);
   if (trace_.chain().empty() || reached != at) note_dust();
   if (position.at != at) ++counts_.snapped_points;
@@ -30,8 +31,8 @@ bool PathInsertion::retrace(PathPosition& position, const LatticePoint& at) {
   return true;
 }
 
-// Takes a leg, or as much of it as lies in the sheet, along lips that are there. Where it comes from the void, that is
-// known from its end.
+// Lays a leg, or the part of it inside the sheet, along existing lips. A leg from the void is traced backwards from its
+// end; the point where it enters the sheet becomes the next target, and false is returned.
 bool PathInsertion::follow_lips(PathPosition& from, std::vector<PathPosition>& targets) {
   const PathPosition target = targets.back();
   if (from.point == kNone) {
@@ -55,8 +56,8 @@ bool PathInsertion::follow_lips(PathPosition& from, std::vector<PathPosition>& t
   return true;
 }
 
-// The stretch of the present segment between the feet of two places: places that have been moved onto lips must not
-// lead on to lips farther away.
+// Returns the part of the current segment between the projections of two places. So places that were moved onto lips do
+// not lead to lips farther away.
 LipTrace::Leg PathInsertion::leg_to(const LatticePoint& from, const LatticePoint& to) const {
   return {mesh::rounded_projection(segment_start_, segment_end_, from),
           mesh::rounded_projection(segment_start_, segment_end_, to)};

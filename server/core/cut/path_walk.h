@@ -59,9 +59,10 @@ class PathWalk {
   bool leave_point(Exit& exit, Encounter& met);
   bool leave_void_triangle(Exit& exit, Encounter& met) const;
   [[nodiscard]] bool holds_end(mesh::TriangleId t) const;
-  // Returns true if the leg should pass through v. It must be closer than the snap distance, and nearer to either end
-  // than the ends are to each other, so that legs only get shorter. It must be close to the line too. Else a leg led to
-  // one lip would be led to the next, ever farther from the path.
+  // Returns true if the leg should pass through v. It must be closer than the snap distance. It must also be nearer to
+  // either end than the ends are to each other, so that legs only get shorter. If it is farther from the leg than
+  // rounding explains, it must be within the snap distance of the whole line too. Else a leg led to one lip would be
+  // led to the next, ever farther from the path.
   [[nodiscard]] bool is_met(mesh::PointId v) const;
 
   const mesh::TriangleMesh& mesh_;

@@ -90,10 +90,10 @@ Error curve_too_long(double achieved) {
                           "cut.curve");
 }
 
-// Removes points that the tolerance does not need from a path seen by a camera, which has one on every edge that it
-// crosses. Triangles seen nearly edge-on can make the picture itself coarser than the tolerance. That deviation is then
-// kept apart in `beside`, and the strokes count as exact. `flatness` (m), for cuts with a width: total deviation
-// allowed to the strokes; the outline needs the rest.
+// Leaves out points of a path laid on the sheet from a picture, as far as the tolerance allows; the path has one on
+// every edge that it crosses. Triangles seen nearly edge-on can make the path's own deviation more than half of what is
+// allowed. That deviation is then kept apart in `beside`, and the strokes count as exact. `flatness` (m), for cuts with
+// a width: total deviation allowed to the strokes, as the outline needs the rest of the tolerance.
 FlatCurve leave_out_points(FlatCurve path, const PathScale& scale, std::optional<double> flatness, double& beside) {
   constexpr double kShareOfPicture = 0.5;  // of the tolerance
   if (path.deviation_m > kShareOfPicture * flatness.value_or(scale.least_tolerance())) {

@@ -11,11 +11,11 @@
 // Rational Bezier segments of degree 1 to 3 in homogeneous coordinates, and what flattening needs of them. Correctly
 // rounded operations only (+ - * / sqrt): the same bits on every machine.
 //
-// Why halving chords until deviation_bound() is small enough proves the distance, for any positive weights:
-// - A point of the curve is C(t) = sum l_i(t) p_i with l_i = w_i B_i(t) / sum w_j B_j(t) >= 0, sum l_i = 1: it is in
-// the
-//   convex hull of its control points (Farin, "Curves and Surfaces for CAGD", 5th ed., ch. 13), and subdivision by de
-//   Casteljau in homogeneous coordinates keeps weights positive (Lane, Riesenfeld 1980 for the polynomial case).
+// Halving chords until deviation_bound() is small enough proves the distance, for any positive weights:
+// - A point of the curve is C(t) = sum l_i(t) p_i with l_i = w_i B_i(t) / sum w_j B_j(t) >= 0, sum l_i = 1.
+//   So it is in the convex hull of its control points (Farin, "Curves and Surfaces for CAGD", 5th ed., ch. 13).
+//   Subdivision by de Casteljau in homogeneous coordinates keeps weights positive (Lane, Riesenfeld 1980 for the
+//   polynomial case).
 // - The distance to the chord, a convex set, is a convex function, and zero at both ends, hence
 //     dist(C(t)) <= sum over the inner points of l_i(t) dist(p_i) <= max over t of (1 - l_0 - l_n) * max dist(p_i).
 //   With u = 1 - B_0 - B_n, in [0, 1 - 2^(1 - n)], W the largest inner weight and w the smaller end weight,

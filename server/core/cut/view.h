@@ -16,7 +16,7 @@ namespace kerf::cut {
 
 inline constexpr double kMaxViewportPx = 65'536.0;  // a side
 
-// Which of the layers of a folded sheet are cut.
+// Selects the layers of a folded sheet that are cut.
 enum class LayerRule {
   kNearest,     // what is seen: at every point of the curve the layer nearest to the camera
   kAll,         // every layer
@@ -60,8 +60,8 @@ struct ViewPath {
 };
 
 // Lays `curve` (pixels) onto the sheet with its vertices at `positions` (3 x V, m, world) as `view` sees it. Strokes
-// follow the curve's image within flat.deviation_m. It is at most `tolerance` (m, > 0), unless triangles are seen
-// nearly edge-on.
+// follow the curve's image within flat.deviation_m. The curve is flattened to keep this below `tolerance` (m, > 0).
+// That is not guaranteed: triangles seen nearly edge-on can make it larger.
 //
 // Within one triangle the map from picture to rest space is a homography, so a straight piece stays straight: only
 // where the curve crosses edges are nodes computed, once an edge, so that neighbours agree. Which edges are crossed is

@@ -33,7 +33,7 @@ int sign_of(std::int64_t value) {
 
 // The curve is shifted by (e, e^2), e > 0 infinitesimal, so none of the next two is 0 unless its two points coincide.
 
-// Which side of the segment pq, shifted, the point a is on.
+// Returns the side of the segment pq, shifted, that the point a is on.
 int side_of_segment(const LatticePoint& p, const LatticePoint& q, const LatticePoint& a) {
   const int exact = sign(mesh::doubled_area(p, q, a));
   if (exact != 0) return exact;
@@ -41,7 +41,7 @@ int side_of_segment(const LatticePoint& p, const LatticePoint& q, const LatticeP
   return first != 0 ? first : -sign_of(q.x - p.x);
 }
 
-// Which side of the edge ab the point p, shifted, is on.
+// Returns the side of the edge ab that the point p, shifted, is on.
 int side_of_edge(const LatticePoint& a, const LatticePoint& b, const LatticePoint& p) {
   const int exact = sign(mesh::doubled_area(a, b, p));
   if (exact != 0) return exact;

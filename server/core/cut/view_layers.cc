@@ -68,8 +68,8 @@ class NearestLayer {
   }
 
  private:
-  // Which of the active intervals is seen at `at`. Among coincident layers it is the one seen so far, so that rounding
-  // does not make the cut jump to and fro.
+  // Returns the active interval that is seen at `at`. Among coincident layers it is the one seen so far, so that
+  // rounding does not make the cut jump to and fro.
   [[nodiscard]] const ViewInterval* nearest(double at) const {
     double least = std::numeric_limits<double>::infinity();
     for (const ViewInterval* i : active_) least = std::min(least, node_at(*i, at).depth);

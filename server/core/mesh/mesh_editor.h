@@ -60,12 +60,12 @@ struct Recovery {
 // the mesh bit for bit. All operations keep invariants I1-I5, I9 and I10 at every step; the corner -> vertex map and
 // the pieces are brought up to date by open() (until then new points have no vertex: kNone in solid corners).
 //
-// Splits and flips rewrite slots in place: see each operation. Points are never moved but by move_point.
+// Splits and flips rewrite slots in place: see each operation. Only move_point moves points.
 class MeshEditor {
  public:
   static constexpr std::int32_t kDefaultMaxSlots = 4'000'000;
   // Least distance (lattice units) of a new point from a locked edge of its triangle; split_triangle refuses a closer
-  // one. Once that edge is split and rounded, such a point could not be distinguished from one on it.
+  // one. Once that edge is split and rounded, a closer point could not be distinguished from a point on it.
   static constexpr std::int64_t kLockClearance = 16;
 
   // `max_triangle_slots`: the element budget; an operation that would go beyond it changes nothing and fails.
@@ -124,12 +124,12 @@ class MeshEditor {
 
   // Makes solid slots void: they lose region, piece and vertices. Where they meet solid ones the edges become border,
   // where they meet the void they are unlocked. Each edge between a slot removed and a solid one that stays must be
-  // locked already. Vertices left without a triangle go at open(), which must not have been called before; so do pieces
-  // left without one. At least one solid slot must stay.
+  // locked already. open() removes vertices and pieces left without a triangle; it must not have been called before. At
+  // least one solid slot must stay.
   void remove_triangles(const std::vector<TriangleId>& slots);
 
   // Moves p, which must exist already, to `to`. Returns false (nothing changed) if p is on a locked edge, on an edge
-  // between regions or on the rim. The same holds if a triangle of its star would not stay strictly positive.
+  // between regions or on the rim. It does the same if a triangle of its star would not stay strictly positive.
   bool move_point(PointId p, const LatticePoint& to);
 
   // Lawson flips around p until every quad that p is a corner of is locally Delaunay or its edge is fixed. Cocircular
@@ -143,14 +143,15 @@ class MeshEditor {
 
   // Brings the corner -> vertex map up to date at new points and at the ends of freshly cut edges: one vertex for each
   // connected sector of solid triangles around a point. Of the sectors that shared a vertex, the one with the lowest
-  // slot keeps it. Then renumbers pieces: the part whose flood fill is not exhausted keeps the piece's number. The
-  // highest numbers replace those of pieces without any material left. May be called more than once; commit() calls it
-  // for the remaining changes.
+  // slot keeps it. Then renumbers pieces. All parts of a piece are flood-filled at once (see piece_split.h); the last
+  // one, whose fill is not completed, keeps the piece's number. A piece without material gives up its number, which the
+  // piece with the highest number takes. May be called more than once; commit() calls it for the remaining changes.
   void open();
 
-  // Ends the edit. Locks that belong to one edit are cleared. Weights in the record are barycentric in a triangle of
-  // the mesh before the edit: the one that holds the vertex's final position, on the side of its sector. On an edge
-  // that was locked before, both sides use their own two vertices. Call once.
+  // Ends the edit. Locks that belong to one edit are cleared. Weights in the record are barycentric in the triangle of
+  // the mesh before the edit that holds the vertex's final position. On an edge that was locked before, the vertices of
+  // each side use the two old vertices of that side. A copy of an old vertex that did not move has weight 1 on it. Call
+  // once.
   CommittedEdit commit();
 
   // Restores the mesh to what it was before the edit, sizes included.

@@ -41,8 +41,9 @@ TriangleId MeshEditor::locate_in_old(const LatticePoint& p, TriangleId start) co
   return nearest;
 }
 
-// For points that are not on an old lock, so with material all around. The walk starts from the point's slot, not from
-// the vertex's: all vertices at a point get the same sources, and lips are equal bit for bit when they are born.
+// Interpolates at points that are not on an old lock, so have material all around. The walk starts from the point's
+// slot, not from the vertex's: all vertices at a point get the same sources, and lips are equal bit for bit when they
+// are born.
 VertexSource MeshEditor::interpolate(VertexId v) const {
   const PointRecord& point = mesh_.records().points[mesh_.point(v)];
   const LatticePoint& p = point.at;

@@ -13,8 +13,8 @@
 
 namespace kerf::mesh {
 
-// Why an edge may not be flipped away. Kept per (triangle, edge), equal on both sides; the halves of a split edge
-// inherit them.
+// Reasons for which an edge may not be flipped away. Kept per (triangle, edge), equal on both sides; the halves of a
+// split edge inherit them.
 using LockBits = std::uint8_t;
 inline constexpr LockBits kLockBorder = 1;    // solid on one side, void on the other
 inline constexpr LockBits kLockCut = 2;       // a lip pair: the opened mesh is not connected across it

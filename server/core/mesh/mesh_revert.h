@@ -18,9 +18,9 @@ struct RevertedEdit {
   std::vector<VertexSource> removed_vertices;
   // Vertices whose old rest position is back: fields as sources say, with every field read as it was before the revert.
   std::vector<VertexSource> moved_vertices;
-  // Vertices whose removed material is back, with the sources of their fields, read in the same way. They extrapolate
-  // the material next to them, so weights may be below 0. The source is the vertex itself if nothing of its piece was
-  // left.
+  // Vertices whose removed material is back: fields as sources say, read as it was before the revert. Each is
+  // extrapolated from a triangle of the nearest material that was left, so weights may be below 0. The source is the
+  // vertex itself if none of its piece was left.
   std::vector<VertexSource> revived_vertices;
   std::vector<TriangleId> rewritten_triangles;  // as in MeshEdit, of the slots that remain; sorted, unique
 };

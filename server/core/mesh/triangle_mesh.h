@@ -15,10 +15,10 @@
 
 namespace kerf::mesh {
 
-// Vertices (of the opened mesh) that a sheet may have: importers refuse more, and so does a cut that would lead there.
+// Most vertices (of the opened mesh) that a sheet may have: importers refuse more, and cuts that would make more.
 inline constexpr std::int32_t kMaxVertices = 500'000;
 
-// Location of a lattice point in the welded mesh. Independent of how it was searched for.
+// Location of a lattice point in the welded mesh. It does not depend on the search.
 struct Location {
   enum class Kind { kOutside, kFace, kEdge, kPoint };
   Kind kind = Kind::kOutside;
@@ -114,7 +114,7 @@ class TriangleMesh {
   void triangles_around(VertexId v, std::vector<TriangleId>& ring) const;
 
   // --- Sizes in rest space.
-  // Of the sheet as built, m.
+  // Bounding box of the sheet as built, m.
   [[nodiscard]] const Eigen::AlignedBox2d& bounding_box() const { return records_.bounds; }
   // m^2, > 0; where the rest shape is curved, of solid triangles on the surface.
   [[nodiscard]] double area(TriangleId t) const;
@@ -123,7 +123,7 @@ class TriangleMesh {
   // Mean over the solid triangles of the mesh as built of sqrt(2 area), the leg of the isosceles right triangle of the
   // same area, m. Cuts do not change it.
   [[nodiscard]] double base_edge_length() const { return records_.lengths.mean; }
-  // The same place by place. Cuts do not change it either.
+  // Returns the local edge lengths. Cuts do not change them either.
   [[nodiscard]] const EdgeLengths& edge_lengths() const { return records_.lengths; }
 
   // --- The rest shape, where it is curved: material coordinates are then a chart of it, and lengths of a cut, as in
@@ -135,10 +135,11 @@ class TriangleMesh {
   [[nodiscard]] const Facet* facet(TriangleId t) const {
     return is_curved() && is_solid(t) ? &records_.surface->facets[static_cast<std::size_t>(record(t).region)] : nullptr;
   }
-  // Columns: from corner 0 of a solid triangle to corners 1 and 2, m, in its plane, whose first axis is along material
-  // x. Differences of the lattice are exact, those of positions are not where the sheet lies far from the origin.
+  // Returns the edges of a solid triangle from corner 0 to corners 1 and 2 as columns, m, in its plane. The first axis
+  // of the plane is along material x. Differences of the lattice are exact, those of positions are not where the sheet
+  // lies far from the origin.
   [[nodiscard]] Eigen::Matrix2d rest_edges(TriangleId t) const;
-  // A vector of the material plane (any unit), in the plane of slot t as above; as it is where that is flat or void.
+  // Maps a vector of the material plane (any unit) to the plane of slot t as above; unchanged if t is flat or void.
   [[nodiscard]] Eigen::Vector2d at_rest(TriangleId t, const Eigen::Vector2d& vector) const {
     const Facet* const on = facet(t);
     return on != nullptr ? Eigen::Vector2d(on->stretch() * vector) : vector;
@@ -175,7 +176,7 @@ class TriangleMesh {
     return previous_corner(corner_of(welded_neighbour(t, k), points(t)[previous_corner(k)]));
   }
   // All welded triangles around p in counter-clockwise order, replacing the contents of `fan`; closed for every point
-  // but the four corners of the domain. O(degree).
+  // except the four corners of the domain. O(degree).
   void fan_around(PointId p, std::vector<TriangleId>& fan) const;
   // The union of the locks of the edges at p. O(degree).
   [[nodiscard]] LockBits locks_at_point(PointId p) const;
@@ -190,16 +191,16 @@ class TriangleMesh {
   // from a coarse grid.
   [[nodiscard]] Location locate(const LatticePoint& p, TriangleId hint = kNone) const;
 
-  // Follows the segment from point p to point q != p up to what it meets first.
+  // Follows the segment from point p to point q != p up to its first encounter.
   [[nodiscard]] SegmentWalk walk_segment(PointId p, PointId q) const;
 
   // --- Whole-mesh checks.
   // Closed chains of edges without neighbour in the opened mesh: borders and lips. O(n).
   [[nodiscard]] std::int32_t num_boundary_loops() const;
-  // Adds everything two meshes must agree on to behave alike from here on.
+  // Hashes everything that two meshes must have in common to behave identically from here on.
   void add_to(StateHash& hash) const;
   [[nodiscard]] std::uint64_t state_hash() const;
-  // The first broken invariant in words, or nothing. O(n log n); tests, fuzzers and KERF_VALIDATE builds.
+  // Returns the first broken invariant in words, or nothing. O(n log n); tests, fuzzers and KERF_VALIDATE builds.
   [[nodiscard]] std::optional<std::string> find_violation() const;
   friend bool operator==(const TriangleMesh& a, const TriangleMesh& b);
 

@@ -44,7 +44,7 @@ class AppliedForces {
   struct EdgeShare {
     mesh::TriangleId slot = mesh::kNone;
     int edge = 0;         // opposite that corner
-    double moment = 0.0;  // N m by m, at factor 1
+    double moment = 0.0;  // N m per m, at factor 1
   };
   // The shares of one load.
   struct Shares {

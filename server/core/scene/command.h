@@ -94,22 +94,22 @@ struct SetWind {
 
 // Replaces the material of all of the sheet, or of one part. Positions, velocities, pins, grabs, cuts and the undo
 // history stay. Masses, elements, bending and the choice of the integrator follow the new material; so do the springs
-// of grabs without a given stiffness. The resistance to bending of a planar sheet stays off. Refused with
-// kInvalidArgument SHEET_TOO_STIFF, as the sheet would be when it is made, and see with_material().
+// of grabs without a given stiffness. The resistance to bending of a planar sheet stays off. Errors: kInvalidArgument
+// SHEET_TOO_STIFF, as when a sheet is made, and those of with_material().
 struct SetMaterial {
   static constexpr std::int32_t kOwn = -1;
 
   fem::Material material;
-  std::optional<std::int32_t> part;  // an index into SheetConfig::materials, or kOwn: what those leave; absent: all
+  std::optional<std::int32_t> part;  // index into SheetConfig::materials; kOwn: the rest; absent: all
 };
 
-// Brings the scene back whole: mesh, positions, pins, loads, materials, no grabs; its clock, histories and scheduled
-// commands begin again. The tick and the topology version keep counting. UndoCut takes it back.
+// Brings the whole scene back: mesh, positions, pins, loads, materials, no grabs; its clock, histories and scheduled
+// commands begin again. The tick and the topology version keep counting. UndoCut undoes it.
 struct Reset {
   bool repeats = false;  // the scene plays again by itself (SheetConfig::repeat_after): nothing is kept for an undo
 };
 
-// The error of a Cut as that of number `index` of a CutBatch.
+// Turns the error of a Cut into that of cut number `index` of a CutBatch.
 Error in_batch(Error error, std::size_t index);
 
 Status validate(const Wind& wind, const std::string& field);
@@ -117,7 +117,7 @@ Status validate(const Wind& wind, const std::string& field);
 using Command = std::variant<Cut, Grab, Drag, Release, SetPins, SetGravity, SetWind, Reset, CutBatch, UndoCut, RedoCut,
                              SetMaterial>;
 
-// Everything that can be said of a command without a sheet. Errors are kInvalidArgument with the field named as in
+// Checks a command as far as that needs no sheet. Errors are kInvalidArgument with the field named as in
 // kerf.v1.Command ("cut.curve.bezier.points[1].x", "cut_batch.cuts[3].curve.circle.radius_m", "grab.stiffness_npm"); a
 // Sheet checks the rest.
 Status validate(const Command& command);
@@ -126,16 +126,16 @@ Status validate(const Command& command);
 struct CutReply {
   cut::CutStatus status = cut::CutStatus::kNoIntersection;
   cut::CutReport report;                 // all zero on kNoIntersection, except `pieces`
-  std::vector<std::string> warnings;     // what is worse than the cut's tolerance, or left out: for people
+  std::vector<std::string> warnings;     // for people: shortfalls against the request, and triangles left out
   std::int64_t number = 0;               // 1, 2, ... for the sheet's applied cuts, never given twice; 0 unless applied
-  std::vector<SplitPiece> split_pieces;  // that the cut made fall apart or took away, by id
+  std::vector<SplitPiece> split_pieces;  // split or removed by the cut, by id
   std::optional<double> removed_mass;    // kg; of an applied cut with a width
 };
 
 // Part of a CommandReply: of an UndoCut or RedoCut.
 struct UndoReply {
   std::vector<std::int64_t> cuts;  // numbers of those undone or made again, ascending; none of a Reset
-  bool reset = false;              // a Reset was taken back, or done again
+  bool reset = false;              // a Reset was undone, or done again
   std::int32_t pieces = 0;         // of the whole sheet
   std::int32_t undo_steps = 0;     // that can be undone after it
   std::int32_t redo_steps = 0;     // that can be made again after it
@@ -150,8 +150,8 @@ struct CommandReply {
   std::optional<CutReply> cut;        // of a Cut
   std::vector<CutReply> batch;        // of a CutBatch, one a cut; `pieces` of each are those of the sheet after it
   std::optional<UndoReply> undone;    // of an UndoCut or RedoCut
-  // Which beginning of the scene the sheet is at then: 0 at first, a new number after each Reset, and the number before
-  // it once that is undone.
+  // Number of the run of the scene that the sheet is in then: 0 at first, a new number after each Reset. Undoing a
+  // Reset brings the number before it back.
   std::int64_t beginning = 0;
 };
 

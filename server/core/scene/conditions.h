@@ -62,7 +62,7 @@ struct PointForce {
   Eigen::Vector3d force{0.0, 0.0, 0.0};                 // N
 };
 
-// Factor on the value carried at material point X: slope . (X - zero).
+// Factor on an edge force at material point X: slope . (X - zero).
 struct LinearFactor {
   Eigen::Vector2d zero{0.0, 0.0};   // m
   Eigen::Vector2d slope{0.0, 0.0};  // 1/m, not zero; |.| <= kMaxFactorSlope each

@@ -20,10 +20,10 @@ namespace kerf::sheet {
 
 inline constexpr double kForever = std::numeric_limits<double>::infinity();
 
-// When histories are read: in time, or in a static analysis at a load.
+// Argument at which histories are read: a time, or in a static analysis a load.
 struct Instant {
   double time = 0.0;    // s, or load
-  double absent = 1.0;  // -, the factor of what has no history: 1, or the load
+  double absent = 1.0;  // -, the factor of a condition without history: 1, or the load
 };
 
 // The vertices that a sheet's constraints hold, and where; follows its cuts. Without constraints it does nothing.

@@ -30,10 +30,10 @@ struct Piece {
   double area = 0.0;                              // m^2, at rest
   double mass = 0.0;                              // kg
   Eigen::Vector2d centroid{0.0, 0.0};             // m, material coordinates
-  Eigen::Vector3d world_centroid{0.0, 0.0, 0.0};  // m, mean over the material of where it is
+  Eigen::Vector3d world_centroid{0.0, 0.0, 0.0};  // m, mean position of its material
 };
 
-// A piece that fell apart.
+// A piece that fell apart or was removed.
 struct SplitPiece {
   std::int64_t id = 0;          // ended with this
   std::vector<Piece> children;  // two or more, by id, or none where all of it was removed; as they are when the whole
@@ -41,7 +41,7 @@ struct SplitPiece {
                                 // parts, label -1; where one removed it: nothing, label -1
 };
 
-// Records the effect of one edit on the tree. Pieces have their number in the mesh.
+// Records the effect of one edit on the tree. Each piece is listed with its number in the mesh.
 struct LineageChange {
   std::int32_t num_pieces_before = 0;
   std::int32_t num_pieces_after = 0;                          // those given up still counted
@@ -57,16 +57,16 @@ class Lineage {
   // By the mesh's piece number.
   [[nodiscard]] const std::vector<PieceBirth>& pieces() const { return pieces_; }
 
-  // After an edit, by cut number `cut`: see MeshEdit::split_from and vanished_pieces.
+  // Follows an edit made by cut number `cut`; see MeshEdit::split_from and vanished_pieces.
   LineageChange split(const std::vector<std::int32_t>& split_from, const std::vector<std::int32_t>& vanished,
                       std::int64_t cut);
-  // Takes back the last change that is not taken back yet.
+  // Undoes the last change that is not undone yet.
   void undo(const LineageChange& change);
-  // The same again, after its undo.
+  // Makes a change again after its undo.
   void redo(const LineageChange& change);
-  // Back to `num_pieces` pieces that were there when the sheet was made, with the ids that they had then.
+  // Goes back to the `num_pieces` pieces that the sheet was made with, with their ids of then.
   void reset(std::int32_t num_pieces);
-  // Back to pieces that there were before; ids given since are not given again.
+  // Goes back to earlier pieces; ids given since are not given again.
   void restore(std::vector<PieceBirth> pieces) { pieces_ = std::move(pieces); }
 
  private:
@@ -74,12 +74,13 @@ class Lineage {
   std::int64_t next_id_ = 1;
 };
 
-// Every piece of the mesh, by label. `x`: 3 x V, m. `materials`: by region of the mesh, or one. O(slots).
+// Measures every piece of the mesh; the result is by label. `x`: 3 x V, m. `materials`: by region of the mesh, or one.
+// O(slots).
 std::vector<Piece> measure_pieces(const mesh::TriangleMesh& mesh, const std::vector<PieceBirth>& births,
                                   const mesh::VertexField& x, const std::vector<fem::Material>& materials);
 
-// Returns, for each change, the pieces that it split. The changes were made one after another and led to the pieces of
-// `now`.
+// Returns, for each change, the pieces that it split or removed, sorted by id. The changes were made one after another;
+// `now`: the pieces after the last one.
 std::vector<std::vector<SplitPiece>> describe_splits(const std::vector<LineageChange>& changes,
                                                      const std::vector<Piece>& now);
 

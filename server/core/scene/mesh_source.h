@@ -18,7 +18,7 @@ struct BuiltMesh {
 
   // Finds a material point (m) on the mesh, or the nearest point of the mesh.
   [[nodiscard]] MaterialPoint at(const Eigen::Vector2d& material) const;
-  // -, of where the sheet starts by material coordinates, in the triangle that the point is in.
+  // Returns the gradient (-) of the start position by material coordinates, in the triangle that holds the point.
   [[nodiscard]] Eigen::Matrix<double, 3, 2> gradient_at(const MaterialPoint& point) const;
 };
 

@@ -16,8 +16,7 @@ Status validate(const OutlineSource& outline);
 // at most 2e-5 of the shortest requested edge length, or 1e-9 of the larger side of the border. It is nearly always on
 // it to rounding. Errors: those of mesh::mesh_outline(), OUTLINE_OPEN (a line that does not end where it began),
 // OUTLINE_BORDER (a border of several lines), OUTLINE_OUT_OF_RANGE (kInvalidArgument; a curve reaches beyond
-// kMaxMaterialCoordinate),
-// OUTLINE_CURVES (kResourceExhausted; beyond kMaxOutlineChords).
+// kMaxMaterialCoordinate), OUTLINE_CURVES (kResourceExhausted; beyond kMaxOutlineChords).
 Result<mesh::TriangleMesh> mesh_outline(const OutlineSource& outline, std::int32_t max_vertices);
 
 }  // namespace kerf::sheet

@@ -21,8 +21,8 @@
 #include "server/core/scene/integrator_settings.h"
 #include "server/core/scene/sheet_materials.h"
 
-// Everything that is needed to start one sheet and to run it again, bit for bit: kerf.v1.Scene without Protocol
-// Buffers. SI units throughout; right-handed world, +z up. Nothing changes a SheetConfig after Sheet::create.
+// All input needed to start one sheet and to run it again, bit for bit: kerf.v1.Scene without Protocol Buffers. SI
+// units throughout; right-handed world, +z up. Nothing changes a SheetConfig after Sheet::create.
 namespace kerf::sheet {
 
 // Limits on what a scene may hold (reliability table of the README).
@@ -76,7 +76,7 @@ struct ArraySource {
   }
 };
 
-// An edge length wanted at a place: edge_length there, and edge_length + growth * distance around it.
+// Edge length wanted near a place: edge_length at it, and edge_length + growth * distance around it.
 struct OutlineSizing {
   std::variant<Eigen::Vector2d, cut::Curve> place = Eigen::Vector2d(0.0, 0.0);  // m; a point, or all along a curve
   double edge_length = 0.0;                                                     // m, 1e-9..1e4
@@ -143,8 +143,9 @@ bool schedules_cuts(const SheetConfig& config);
 // Returns true if `id` matches [a-z][a-z0-9-]{0,62}.
 bool is_valid_sheet_id(std::string_view id);
 
-// Everything that can be said without building the mesh; Sheet::create calls it and then checks the rest. Fields are
-// named as in kerf.v1.Scene ("grid.columns", "colliders[2].sphere.radius_m", "commands[0].command.grab.target.x").
+// Checks everything that can be checked without building the mesh; Sheet::create calls it and then checks the rest.
+// Fields are named as in kerf.v1.Scene ("grid.columns", "colliders[2].sphere.radius_m",
+// "commands[0].command.grab.target.x").
 Status validate(const SheetConfig& config);
 
 }  // namespace kerf::sheet

@@ -28,7 +28,7 @@ Status validate(const std::vector<RegionMaterial>& materials, const fem::Materia
 // The sheet's own, then those of its parts.
 std::vector<fem::Material> materials_of(const SheetConfig& config);
 
-// Which materials a sheet has, and where. Entry 0 is the sheet's own, entry 1 + i that of SheetConfig::materials[i].
+// The materials of a sheet and their places. Entry 0 is the sheet's own, entry 1 + i that of SheetConfig::materials[i].
 struct SheetMaterials {
   std::vector<fem::Material> entries;
   // For each entry the region of the mesh that has it; kNowhere where later ones cover it. Entries of one region had

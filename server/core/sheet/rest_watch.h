@@ -36,17 +36,18 @@ class MotionWindow {
   Eigen::Matrix3Xd last_, low_, high_;    // m, less start_: the last places, and the bounds of all
 };
 
-// Brings a sheet that nothing disturbs any more to rest, and says when it is.
+// Brings a sheet that nothing disturbs any more to rest, and detects when it is at rest.
 //
 // Cloth in air swings itself still within seconds, by losses that a material's Rayleigh damping hardly has at low
-// frequencies. So velocities of a calm sheet decay at up to kDampingRate times the rate of a pendulum of its size. A
-// sheet is calm from kCalmAfter seconds after the last disturbance. Its kinetic energy, over about a second, must also
-// be below the energy that lifts it by kCalmHeight of its size. Otherwise nothing is changed.
+// frequencies. So a calm sheet is damped a little: its velocities decay at up to kDampingRate times the rate of a
+// pendulum of its size. A sheet is calm if nothing has disturbed it for kCalmAfter seconds and its kinetic energy is
+// low. That is, the mean over about a second is below the energy that lifts it by kCalmHeight times its size. Other
+// sheets are not damped.
 //
-// A sheet is at rest if no vertex is expected to move by more than kTolerance in the next minute, according to one of
-// two windows. The short one is soon passed by a sheet that grows still, the long one is for sheets that tremble. A
-// damped sheet that slows down in two windows, both longer than a swing, is taken to slow down further. Speeds say
-// less: a vertex that a body holds has some within each substep, and stays where it is.
+// A sheet is at rest if no vertex is expected to move by more than kTolerance in the next minute. Either of two windows
+// can show that. A sheet that grows still soon passes the short one; the long one is for sheets that tremble. A damped
+// sheet that slows down in two successive windows of one length, each about a swing or longer, is taken to slow down
+// further. Speeds are a poorer measure: a vertex that a body holds has some within each substep, and stays where it is.
 class RestWatch {
  public:
   static constexpr double kCalmAfter = 5.0;      // s
@@ -55,7 +56,7 @@ class RestWatch {
   static constexpr double kShortWindow = 2.0;    // s
   static constexpr double kLongWindow = 8.0;     // s
   static constexpr double kForesight = 60.0;     // s
-  static constexpr double kSwing = 6.0;          // -, windows over sqrt(size / g) that tell slowing down from swinging
+  static constexpr double kSwing = 6.0;          // -, least window over sqrt(size / g) to separate slowing and swinging
   static constexpr double kTolerance = 9.0e-5;   // m
 
   struct Tick {
@@ -69,12 +70,12 @@ class RestWatch {
 
   // Allocates what after_tick() needs.
   void make_room(Eigen::Index num_vertices);
-  // Something other than the sheet's own motion changed it, or may.
+  // Notes that something other than the sheet's own motion changed it, or may change it.
   void disturb();
   // To be called after each tick that made the state. Damps it.
   void after_tick(const fem::Model& model, const Tick& tick, fem::State& state);
 
-  // Nothing has disturbed it for kCalmAfter, it is slow for its weight, and it is damped.
+  // Returns true if nothing has disturbed it for kCalmAfter, it is slow for its weight, and it is damped.
   [[nodiscard]] bool is_calm() const { return is_calm_; }
   [[nodiscard]] bool is_at_rest() const { return is_at_rest_; }
 

@@ -37,7 +37,7 @@ enum class Stage {
   kIntegrate,    // the integrator's substeps, contact among them
 };
 
-// Receives the begin and end of stages, so that the owner can time them: the sheet itself reads no clock.
+// Receives the beginning and the end of each stage, so that the owner can time them: the sheet itself reads no clock.
 class StageObserver : public PhaseObserver {
  public:
   // `command`: which of the commands of this step() or apply(), in the order in which they are done: scheduled ones
@@ -63,7 +63,7 @@ struct TickReport {
   std::size_t num_scheduled_first = 0;        // of them, done before the given commands
   fem::StepStats stats;      // of the integrator; default where time did not advance, except `interrupted`
   bool advanced = false;     // ++tick happened
-  bool gave_up = false;      // out of memory, or stopped by may_go_on: frozen, nothing else holds
+  bool gave_up = false;      // out of memory, or stopped by may_go_on: frozen and not advanced
   bool step_failed = false;  // the integrator gave up: positions and velocities are those before the tick
   bool frozen = false;       // see Sheet::frozen()
   bool at_rest = false;      // see Sheet::at_rest()
@@ -120,23 +120,26 @@ class Sheet {
   // cut and model update; then loads, integration with contact, ++tick. A command that fails has its error in the
   // report and changes nothing. Allocates nothing where there is no command. A frozen sheet does its commands and does
   // not advance.
-  // `goes_on`, where given, ends the integration early (see fem::Integrator::heed), but not in a tick with scheduled
-  // commands: then the report says so, and all is as after apply(commands). So does `may_go_on`, at any place of it,
-  // and so does memory that runs out; but these freeze the sheet, which is as it was before the tick.
+  // `goes_on`, if given, can end the integration early (see fem::Integrator::heed), except in a tick with scheduled
+  // commands. The report then has stats.interrupted, and the state is that after apply(commands). `may_go_on` can end
+  // it at any point, as can a lack of memory. Both also freeze the sheet, with the state before the integration; see
+  // gave_up.
   TickReport step(std::span<const Command> commands, StageObserver* observer = nullptr,
                   const fem::GoesOn* goes_on = nullptr, const fem::GoesOn* may_go_on = nullptr);
 
-  // Puts the sheet into equilibrium, at rest, under `load` (-, 0..1): what has no history follows the load, histories
-  // are read at it. From where it is now; where none is found the state is left as it is. Time does not advance; wind,
-  // contact and grabs are left out. `watch`: see fem::EquilibriumSolver. Bends by angles, see bend_by_angles().
+  // Puts the sheet into equilibrium, at rest, under `load` (-, 0..1). Loads and constraints without a history scale
+  // with it; histories are read at it. Gravity without a history acts in full. Starts from the current state, which
+  // stays as it is if no equilibrium is found. Time does not advance; wind, contact and grabs are left out. `watch`:
+  // see fem::EquilibriumSolver. Bends by angles, see bend_by_angles().
   fem::EquilibriumStats settle(double load, const fem::EquilibriumOptions& options,
                                const fem::EquilibriumSolver::Watch& watch);
   // Makes the model bend by angles (see fem::AngleBending), as equilibria and vibrations need and steps in time do not.
   // Lasts until the next step, or until the mesh or the clamped vertices change.
   void bend_by_angles();
-  // Finds a piece that has no equilibrium under that load, as nothing holds it: settle() would not converge.
+  // Finds a piece without any equilibrium under that load, as nothing holds it against a force: settle() would not
+  // converge. Nothing if all pieces are held.
   std::optional<UnheldPiece> find_unheld(double load);
-  // ++tick with the scheduled commands that are due, and nothing else: a step of a static analysis.
+  // Does the scheduled commands that are due and ++tick, and nothing else: a step of a static analysis.
   TickReport begin_load_step();
 
   // Does commands without advancing time: a paused sheet is cut at once. Scheduled commands stay where they are.
@@ -154,8 +157,8 @@ class Sheet {
   [[nodiscard]] const fem::Model& model() const;  // of mesh() and materials(), with softening()
   [[nodiscard]] const fem::State& state() const;  // x: 3 x V, m; v: 3 x V, m/s
   [[nodiscard]] const fem::Loads& loads() const;  // of the last step, or settle()
-  // Returns the initial world position (m) of a material point (m). Outside the sheet as it was made, the nearest point
-  // counts.
+  // Returns the initial world position (m) of a material point (m). For a point outside the sheet as it was made, it is
+  // that of the nearest point of the sheet.
   [[nodiscard]] Eigen::Vector3d start_of(const Eigen::Vector2d& material) const;
   [[nodiscard]] const Eigen::Vector3d& gravity() const;                      // m/s^2, in force
   [[nodiscard]] const std::optional<fem::Softening>& softening() const;      // in force, of Fidelity::kRealTime
@@ -168,25 +171,25 @@ class Sheet {
   [[nodiscard]] const UndoHistory& history() const;   // what can be undone and redone
   [[nodiscard]] std::vector<Piece> pieces() const;    // as they are, by label. O(slots)
   [[nodiscard]] const std::string& integrator_description() const;  // which one runs and why
-  // Clusters that cuts made, and substeps of a tick; nothing where there are none.
+  // Returns the clusters that cuts made, and the substeps of a tick; nothing if there are none.
   [[nodiscard]] std::optional<fem::LocalInertiaStats> local_inertia() const;
-  // Counts what a tick of the sheet as it is takes; see fem::TickCost. 0 ns of integrators that do not say.
+  // Estimates the cost of a tick of the sheet as it is; see fem::TickCost. 0 ns if the integrator gives no estimate.
   [[nodiscard]] fem::TickCost expected_cost() const;
   [[nodiscard]] Energies energies() const;
 
-  // Returns true if the sheet is at rest: no vertex is expected to move by 0.1 mm within a minute, see RestWatch. The
-  // forces on it must not change either: no grab, no change of loads, no command to come. Putting it to sleep is left
+  // Returns true if the sheet is at rest: no vertex is expected to move by 0.1 mm within a minute, see RestWatch. Also
+  // nothing is to change the forces on it: no grab, no change of loads, no command to come. Putting it to sleep is left
   // to the owner.
   [[nodiscard]] bool at_rest() const;
 
-  // kMaxFailedSteps steps failed in a row: the state is that of the last good tick; the sheet can be looked at, cut and
-  // reset. Only a Reset lets it advance again.
+  // Returns true if kMaxFailedSteps steps failed in a row, or a step gave up (TickReport::gave_up). The state is that
+  // of the last good tick; the sheet can be inspected, cut and reset. Only a Reset lets it advance again.
   [[nodiscard]] bool frozen() const;
 
   // Hashes mesh, positions, velocities, pins, grabs, loads, materials that are not the config's, and tick, bit for bit.
   [[nodiscard]] std::uint64_t state_hash() const;
 
-  // The same without the tick and the versions: equal after a Reset to what it was at first.
+  // Hashes the same without the tick and the versions: after a Reset it has its first value again.
   [[nodiscard]] std::uint64_t shape_hash() const;
 
   // Returns the state as viewers get it. The Topology in it is rebuilt only after it changed.

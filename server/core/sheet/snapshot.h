@@ -12,8 +12,8 @@
 namespace kerf::sheet {
 
 // The triangles of a sheet at one topology version. Immutable and shared: all snapshots between two cuts hold the same
-// one. Every entry has the version that changed it last. So the patch from any version a viewer has is a filter: the
-// slots with slot_versions[s] > that version, and the vertices in the same way.
+// one. For every entry the version that changed it last is kept. So the patch from any version a viewer has is a
+// filter: the slots with slot_versions[s] > that version, and the vertices in the same way.
 struct Topology {
   std::int32_t version = 1;
   std::int32_t patchable_since = 1;  // a viewer at an older version needs the full topology (a reset came between)
@@ -29,16 +29,16 @@ struct Topology {
 // Run-time figures from the owner of the clock; part of a snapshot so that viewers see them. All zero offline.
 struct RunStats {
   double real_time_factor = 0.0;       // -, simulated / wall time over the last second or so
-  double speed = 0.0;                  // -, what it should be; 1 is live
+  double speed = 0.0;                  // -, target of the real-time factor; 1 is live
   std::int64_t overruns = 0;           // ticks that ended after their deadline
   double slipped_s = 0.0;              // s, simulated time given up
   double tick_cpu_us = 0.0;            // us, recent mean
   std::int64_t published_unix_us = 0;  // us since 1970, when the tick ended
-  std::uint64_t sheet_serial = 0;      // of all sheets that the owner has made, which; versions are of one sheet
+  std::uint64_t sheet_serial = 0;      // number among all sheets that the owner made; versions are of one sheet
   std::int32_t settings_version = 0;   // grows when pins, gravity, wind, materials, speed or run state change
   double strained_share = 0.0;         // -, of the last tick, see fem::StepStats
-  std::int32_t resets = 0;             // that clients asked for
-  std::int32_t resets_undone = 0;      // of them, taken back
+  std::int32_t resets = 0;             // requested by clients
+  std::int32_t resets_undone = 0;      // of them, undone
   bool paused = false;
   bool sleeping = false;
   bool failed = false;  // frozen at its last good tick
@@ -53,7 +53,7 @@ struct Snapshot {
   std::vector<float> strains;  // a vertex, see dominant_strains(); empty where no sink wants them
 };
 
-// Why a sink gets no more snapshots.
+// Reason for which a sink gets no more snapshots.
 enum class SinkEnd { kSheetDeleted, kSheetLost, kHostStopping };
 
 // Receives snapshots. The host calls all of these from the sheet's strand: never two at once for one sheet, and they
@@ -61,11 +61,11 @@ enum class SinkEnd { kSheetDeleted, kSheetLost, kHostStopping };
 class SnapshotSink {
  public:
   virtual ~SnapshotSink() = default;
-  // Asked after every tick; while every sink of a sheet says no, no snapshot is built.
+  // Called after every tick; no snapshot is built while all sinks of a sheet return false.
   [[nodiscard]] virtual bool wants_snapshot() const = 0;
-  // Asked with the above: whether Snapshot::strains are worth their time.
+  // Returns true if Snapshot::strains are needed; called together with wants_snapshot().
   [[nodiscard]] virtual bool wants_strains() const { return false; }
-  // Streams to people and programs that it feeds.
+  // Returns the number of streams to viewers that this sink feeds.
   [[nodiscard]] virtual std::int32_t num_viewers() const { return 1; }
   virtual void publish(std::shared_ptr<const Snapshot> snapshot) = 0;
   // The last call.

@@ -59,7 +59,7 @@ class SheetImport {
     return mesh;
   }
 
-  // Checks the input that the triangulation does not depend on.
+  // Checks the arrays by themselves, before anything is built.
   Status check() {
     return check_arrays();
   }

@@ -54,7 +54,7 @@ struct OutlineConfig {
 // Errors: kInvalidArgument OUTLINE_DEGENERATE (fewer than three different points, or smaller than 1e-9 m),
 // OUTLINE_CROSSES (a contour crosses or touches itself or another), OUTLINE_NESTING (a hole outside the border, or in
 // another hole), OUTLINE_EDGE_LENGTH (an edge length below kMinOutlineEdge); kResourceExhausted OUTLINE_TOO_FINE: more
-// than max_vertices, by an estimate made beforehand or while meshing. Fields: those of the contours and sizes,
+// than max_vertices, as estimated beforehand or as found while meshing. Fields: those of the contours and sizes,
 // `edge_length`.
 Result<TriangleMesh> mesh_outline(const OutlineConfig& config);
 

@@ -167,8 +167,8 @@ class Refinement {
     return true;
   }
 
-  // Flips an edge of t that is not Delaunay, if the place for a new point is taken. A sheet as built need not be
-  // Delaunay, and moved points can leave edges that are not.
+  // Flips an edge of t that is not Delaunay, and returns true if there was one. There is one if the place for a new
+  // point is taken. A sheet as built need not be Delaunay, and moved points can leave edges that are not.
   bool flip_away(TriangleId t) {
     for (int k = 0; k < 3; ++k) {
       if (mesh_.is_fixed(t, k)) continue;

@@ -75,7 +75,9 @@ class Relaxation {
   Relaxation(MeshEditor& editor, std::span<const VertexId> fixed_vertices, double well_shaped)
       : editor_(editor), mesh_(editor.mesh()), fixed_vertices_(fixed_vertices), well_shaped_(well_shaped) {}
 
-  // Moves p where that improves its triangles; returns true if p was moved.
+  // Moves p to the trial place at which the worst triangle around it is best, then legalises the edges around it.
+  // Returns false, and changes nothing, if p must stay, its triangles are well shaped, or no place is better by more
+  // than kLeastImprovement.
   bool improve(PointId p, double reach) {
     if (!gather(p)) return false;
     const Vector2d here = Vector2d::Zero();

@@ -9,8 +9,8 @@
 
 namespace kerf::mesh {
 
-// Asks for an edge length along the segment from a to b (a point where both are equal). Away from it the wanted length
-// is length + growth * distance. Any unit of length, the same for all.
+// Edge length wanted near the segment from a to b (a point if both are equal): length on it, and length + growth *
+// distance away from it. Any unit of length, the same for all.
 struct SizeSource {
   Eigen::Vector2d a{0.0, 0.0};
   Eigen::Vector2d b{0.0, 0.0};
@@ -18,9 +18,9 @@ struct SizeSource {
   double growth = 0.0;  // -, >= 0
 };
 
-// Edge lengths wanted place by place: the least that any source asks for, and at most `largest`. With all growths up to
-// g it is Lipschitz with constant g, so that neighbouring edges differ little. A query descends a tree of boxes around
-// the sources, best-bounded branches first: O(log n) where sources are of similar length.
+// Local edge lengths: at each place the least of those wanted by the sources, and at most `largest`. With all growths
+// up to g it is Lipschitz with constant g, so that neighbouring edges differ little. A query descends a tree of boxes
+// around the sources, best-bounded branches first: O(log n) where sources are of similar length.
 class SizeField {
  public:
   SizeField(double largest, std::vector<SizeSource> sources);
