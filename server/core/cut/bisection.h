@@ -16,7 +16,7 @@ namespace kerf::cut {
 void lock_elements(mesh::MeshEditor& editor, std::span<const mesh::TriangleId> crossed);
 
 struct BisectionConfig {
-  double length_floor = 0.0;  // lattice units; edges this short are not bisected
+  double length_floor = 0.0;  // lattice units; edges up to twice as long are not bisected
   std::int64_t max_insertions = 0;
 };
 

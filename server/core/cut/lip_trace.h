@@ -7,9 +7,9 @@
 
 namespace kerf::cut {
 
-// Finds where the path runs along lips, or the border, that are there already: what has been cut once must be found
-// again, however many other lips pass by. Chains that it follows lie closer to the path than the snap distance. Keeps
-// scratch between legs.
+// Finds where the path runs along existing lips, or the border. A line that was cut once must be found again, however
+// many other lips are near. Chains that it follows lie closer to the path than the snap distance. Keeps scratch between
+// legs.
 class LipTrace {
  public:
   LipTrace(const mesh::TriangleMesh& mesh, const PathScale& scale) : mesh_(mesh), scale_(scale) {}
@@ -19,12 +19,12 @@ class LipTrace {
     mesh::LatticePoint start, end;
   };
 
-  // Each looks for a chain of lips and border edges from `from` along the leg, and whether there is one: see chain().
-  // To the nearest point closer to the end of the leg than the snap distance.
+  // Each of these looks for a chain of lips and border edges from `from` along the leg; returns true if there is one,
+  // see chain(). This one leads to the nearest point closer to the end of the leg than the snap distance.
   bool find(mesh::PointId from, const Leg& leg);
-  // To `to`.
+  // Leads to `to`.
   bool find(mesh::PointId from, mesh::PointId to, const Leg& leg);
-  // To the point of the border that is nearest to the end of the leg, and nearer than `from`.
+  // Leads to the point of the border that is nearest to the end of the leg, and nearer than `from`.
   bool find_border(mesh::PointId from, const Leg& leg);
 
   // Points of the chain found last, `from` not among them, its end the last; empty where that is `from`.

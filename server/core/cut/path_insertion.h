@@ -28,18 +28,18 @@ struct InsertionCounts {
 
 // Lays strokes into the mesh: incremental constrained Delaunay on the mesh itself. Each point of a stroke is put on a
 // point or a fixed edge closer than the snap distance, or becomes a point; each segment is recovered by flips, passing
-// through points closer than the snap distance. It splits the fixed edges it crosses (older lips, the border, its own
-// earlier edges, region borders) at the rounded crossing. The edges it becomes are locked as cut; in the void nothing
-// is inserted or locked. Segments longer than the spacing get points in between, except where the mesh has edges along
-// them already: a long straight lip would drag needles as long as itself across the sheet. Of these points, those near
-// lips of earlier cuts are left out, never two in a row.
+// through points closer than the snap distance. A segment splits the fixed edges that it crosses (older lips, the
+// border, its own earlier edges, region borders) at the rounded crossing. The edges it becomes are locked as cut; in
+// the void nothing is inserted or locked. Segments longer than the spacing get points in between, except where the mesh
+// has edges along them already: a long straight lip would drag needles as long as itself across the sheet. Of these
+// points, those near lips of earlier cuts are left out, never two in a row.
 class PathInsertion {
  public:
   // `spacing`: longest stretch of path without a point, as a fraction of the edge length there. `laid`: receives the
   // edges that the strokes become; null if not needed.
   PathInsertion(mesh::MeshEditor& editor, const PathScale& scale, double spacing, LaidOutline* laid = nullptr);
 
-  // An Error as of cut::apply(); the editor is then to be rolled back.
+  // Lays one stroke. Errors: those of cut::apply(); the editor must be rolled back then.
   Status insert(const Stroke& stroke);
 
   // Splits at its middle each new lip edge that no other lip and no border meets: both its ends are tips, which stay
@@ -47,11 +47,11 @@ class PathInsertion {
   Status split_lone_edges();
 
   [[nodiscard]] const InsertionCounts& counts() const { return counts_; }
-  // Mesh points on the path, sorted, unique.
+  // Returns the mesh points on the path, sorted, unique.
   [[nodiscard]] std::vector<mesh::PointId> path_points() const;
   // Returns those path points at which only one lip, and no border, ends: tips inside the sheet.
   [[nodiscard]] std::vector<mesh::PointId> tips() const;
-  // End points of edges flipped away to make room for the path, sorted, unique.
+  // Returns the end points of edges flipped away to make room for the path, sorted, unique.
   [[nodiscard]] std::vector<mesh::PointId> corridor_points() const;
 
  private:

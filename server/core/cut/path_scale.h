@@ -44,8 +44,8 @@ class PathScale {
     return flattening_for(lengths_.least_in(box));
   }
 
-  // Divides the segment from a to a + along into the fewest parts no longer than `fraction` edge lengths there: the
-  // ends of all parts but the last, as fractions of the segment, ascending in (0, 1).
+  // Divides the segment from a to a + along into the fewest parts no longer than `fraction` edge lengths there. Returns
+  // the ends of all parts except the last, as fractions of the segment, ascending in (0, 1).
   [[nodiscard]] std::vector<double> divisions(const Eigen::Vector2d& a, const Eigen::Vector2d& along,
                                               double fraction) const;
 

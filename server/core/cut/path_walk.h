@@ -37,14 +37,14 @@ class PathWalk {
  public:
   PathWalk(const mesh::TriangleMesh& mesh, const PathScale& scale) : mesh_(mesh), scale_(scale) {}
 
-  // The straight line that the legs to come stand for. Points closer to both than the snap distance are met by a leg.
+  // Sets the straight line that the following legs stand for. A leg meets points closer than the snap distance to both.
   void set_line(const mesh::LatticePoint& from, const mesh::LatticePoint& to) { line_ = {from, to}; }
 
-  // From `from` to `to`, at different places. A position without a point must lie in the void and from.triangle must
-  // hold it now.
+  // Follows the leg from `from` to `to`, at different places, up to its first encounter. A position without a point
+  // must lie in the void and from.triangle must hold it now.
   Encounter follow(const PathPosition& from, const PathPosition& to);
 
-  // End points of the flippable edges that the last leg crossed, repeated as they come.
+  // Returns the end points of the flippable edges that the last leg crossed, in order, with repeats.
   [[nodiscard]] const std::vector<mesh::PointId>& corridor() const { return corridor_; }
 
  private:

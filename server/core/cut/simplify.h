@@ -14,9 +14,9 @@ struct ScaledCurve {
   double deviation_of_tolerance = 0.0;  // -; the largest, place by place
 };
 
-// Leaves out points of one polyline by the algorithm of Douglas and Peucker (1973), with the room that each of its
-// segments has. The bound holds both ways: distance to a chord is convex along a segment. The nearest point of the
-// chord runs over all of it as one follows the path.
+// Leaves out points of one polyline by the algorithm of Douglas and Peucker (1973), within the deviation allowed to
+// each of its segments. The bound holds both ways: distance to a chord is convex along a segment. The nearest point of
+// the chord runs over all of it as one follows the path.
 class Simplification {
  public:
   // `points`: at least 2; must outlive this. `flattened`: bound on their distance from the curve, m.
@@ -24,7 +24,7 @@ class Simplification {
   // With the same tolerance (m) everywhere, all of it for flattening.
   Simplification(const std::vector<Eigen::Vector2d>& points, double flattened, double tolerance);
 
-  // Keeps points `first` and `last`, and of those in between what the tolerance needs.
+  // Keeps points `first` and `last`, and those in between that the tolerance needs.
   void simplify_stretch(std::size_t first, std::size_t last);
   // Does so between each two corners: points where the path turns by more than 20 degrees.
   void simplify_between_corners();

@@ -9,7 +9,8 @@
 namespace kerf::mesh {
 
 // Sharp corners between fixed edges (lips, border, region borders): points where two of them meet at less than 60
-// degrees with material in between. No refinement can widen such an angle; without a guard it would never end there.
+// degrees with material in between. No refinement can widen such an angle; without a guard, refinement would never end
+// there.
 class LipCorners {
  public:
   explicit LipCorners(const TriangleMesh& mesh) : mesh_(mesh) {}
@@ -21,14 +22,14 @@ class LipCorners {
   [[nodiscard]] double sharpest(PointId p);
   [[nodiscard]] bool is_sharp(PointId p) { return sharpest(p) > kCosSharp; }
 
-  // Returns the number of lip edges (>= 1) from a sharp corner to the farther of p and q, if the corner forces edge pq;
-  // else 0. It does where they lie equally far from it, one on each of its lips (the "seditious" edge of Miller, Pav
-  // and Walkington).
+  // Returns 0 unless a sharp corner forces edge pq; then the number of lip edges (>= 1) from the corner to the farther
+  // of p and q. A corner does so if p and q lie equally far from it, one on each of its lips (the "seditious" edge of
+  // Miller, Pav and Walkington).
   [[nodiscard]] int edges_to_sharp_corner(PointId p, PointId q);
 
   // Returns the place to split the fixed edge ab of this length (lattice units), as a fraction from a, in [1/3, 2/3].
-  // This is the middle or, with a sharp corner at one end, a power of two from that corner. So the parts of both lips
-  // of the corner match.
+  // This is the middle, unless just one end is a sharp corner. Then its distance from the corner is a power of two
+  // (lattice units), so that the parts of both lips of the corner match.
   [[nodiscard]] double split_fraction(PointId a, PointId b, double length);
 
  private:

@@ -23,7 +23,7 @@ class Strands {
   enum class Place {
     kElsewhere,
     // Two strands face each other across the middle of the triangle's shortest edge, closer than `near`. Or a lip of
-    // one cut meets another within `near` of that middle.
+    // one cut meets another cut within `near` of that middle.
     kNear,
     // The shortest edge joins two fixed edges without being one, and is shorter than `narrow`.
     kNarrow,

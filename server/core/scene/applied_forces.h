@@ -28,8 +28,8 @@ class AppliedForces {
   [[nodiscard]] bool varies() const { return last_change() > -kForever; }
   [[nodiscard]] double last_change() const;
 
-  // After cuts, or after some were taken back: regions and points are looked up again. What has no place any more acts
-  // no more; a force on a vertex that goes acts where that was.
+  // Follows cuts, or the undo of some: regions and points are looked up again. A load without a place left stops
+  // acting; a force on a vertex that is gone acts where the vertex was.
   void follow(const mesh::TriangleMesh& mesh, const BuiltMesh& initial);
 
   // Overwrites the external forces, pressure and edge moments of `loads`. `model`: of the mesh, with the clamps in

@@ -25,8 +25,7 @@ inline constexpr double kMaxForce = 1.0e12;         // N, N/m or Pa, a component
 inline constexpr double kMaxFactorSlope = 1.0e6;    // 1/m
 inline constexpr double kMaxSpeed = 1.0e6;          // m/s, rad/s
 
-// The unit of time of what follows: seconds since the sheet was made; in a static analysis the load, which grows from 0
-// to 1.
+// Unit of time below: seconds since the sheet was made; in a static analysis the load, which grows from 0 to 1.
 
 // A factor over time: straight between the given times, constant before the first and after the last.
 struct History {
@@ -44,7 +43,8 @@ struct Rotation {
 };
 
 // Holds components of vertices on prescribed paths: c + R(f angle) (x0 - c) + f (displacement + stretch X), x0 where
-// the vertex started, X its material point, f the factor. What several constraints hold follows the last of them.
+// the vertex started, X its material point, f the factor. A component that several constraints hold follows the last of
+// them.
 struct Constraint {
   Region region;
   std::array<bool, 3> held{true, true, true};                                 // x, y, z of the world
@@ -53,7 +53,7 @@ struct Constraint {
   Eigen::Matrix3Xd displacements = Eigen::Matrix3Xd::Zero(3, 0);              // m, one a listed vertex, or 3 x 0
   std::optional<Rotation> rotation;
   History history;
-  std::optional<double> until;  // from which time on nothing is held any more
+  std::optional<double> until;  // time from which nothing is held any more
   bool slope = false;           // holds the slope across border edges, too; turns with the rotation
 };
 
@@ -95,7 +95,7 @@ struct Pressure {
 // Bends the sheet about border edges both ends of which are in the region, and turns with them: see fem::EdgeMoment.
 struct EdgeMoment {
   Region region;
-  double moment = 0.0;  // N m in all, or N m by m
+  double moment = 0.0;  // N m in all, or N m per m
   bool is_total = true;
 };
 

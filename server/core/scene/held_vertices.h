@@ -40,12 +40,12 @@ class HeldVertices {
   [[nodiscard]] bool varies() const { return last_change_ > -kForever; }
   [[nodiscard]] double last_change() const { return last_change_; }
 
-  // After cuts, or after some were taken back (without edits then): regions are looked up again; of listed vertices,
-  // those that a cut makes of them count as listed.
+  // Follows cuts, or the undo of some (without edits then). Regions are looked up again; copies that a cut makes of a
+  // listed vertex count as listed.
   void follow(const mesh::TriangleMesh& mesh, std::span<const mesh::MeshEdit* const> edits, const BuiltMesh& initial);
 
-  // Into `held`, which is sorted by vertex: the `pins` (whole, sorted), and over them what is held at `end`, dt (s)
-  // after `begin`; 0: at once, without velocity.
+  // Fills `held`, sorted by vertex, with the `pins` (whole, sorted) and over them the components held at `end`, dt (s)
+  // after `begin`. dt 0: at once, without velocity.
   void set(std::span<const fem::Pin> pins, const Instant& begin, const Instant& end, double dt,
            const mesh::TriangleMesh& mesh, std::vector<fem::Pin>& held) const;
 

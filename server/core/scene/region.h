@@ -71,22 +71,23 @@ using Region = std::variant<RegionEdge, MaterialBox, std::vector<mesh::VertexId>
 
 // A vertex counts as on an edge or a line within this.
 inline constexpr double kRegionTolerance = 1.0e-9;  // -, of the larger side of the material bounding box
-// And as on a curve within this: lips keep to their curve within 0.02 where a cut does not ask for more.
+// A vertex counts as on a curve within this. Lips keep to their curve within 0.02, unless a cut allows more.
 inline constexpr double kCurveTolerance = 0.05;  // -, of the edge length there
 
-// Ranges only; whether a listed vertex exists is the sheet's to say. `field`: the path of the list ("pins"), or of the
+// Check ranges only; the sheet checks that listed vertices exist. `field`: the path of the list ("pins"), or of the
 // region.
 Status validate(const std::vector<Region>& regions, const std::string& field);
 Status validate(const Region& region, const std::string& field);
 
-// Vertices that a region names on the mesh as it is now, perhaps none: sorted, unique. `region` must be valid. Errors:
-// kInvalidArgument UNKNOWN_VERTEX with the path below `field`.
+// Returns the vertices that a region names on the mesh as it is now, perhaps none: sorted, unique. `region` must be
+// valid. Errors: kInvalidArgument UNKNOWN_VERTEX with the path below `field`.
 Result<std::vector<mesh::VertexId>> find_vertices(const mesh::TriangleMesh& mesh, const Region& region,
                                                   const std::string& field);
-// Those of all regions together, each of which must name some: REGION_EMPTY. `field`: the path of the list.
+// Returns the vertices of all regions together. Error: REGION_EMPTY if one of them names none. `field`: the path of the
+// list.
 Result<std::vector<mesh::VertexId>> find_pins(const mesh::TriangleMesh& mesh, const std::vector<Region>& regions,
                                               const std::string& field);
-// kInvalidArgument REGION_EMPTY, of a region that names no vertex.
+// Makes the error kInvalidArgument REGION_EMPTY of a region that names no vertex.
 Error no_vertex_in(const std::string& field);
 
 // A border edge of the opened mesh, lips among them, both ends of which are in a region.
@@ -99,11 +100,12 @@ struct BorderEdge {
 
 // `region`: sorted vertices.
 std::vector<BorderEdge> edges_in(const mesh::TriangleMesh& mesh, const std::vector<mesh::VertexId>& region);
-// Solid slots all corners of which are in the region.
+// Returns the solid slots all corners of which are in the region.
 std::vector<mesh::TriangleId> triangles_in(const mesh::TriangleMesh& mesh, const std::vector<mesh::VertexId>& region);
-// Solid slots that a region names by itself: of a box, a line or a curve those whose centroid is in it, on its side; of
-// listed vertices those all corners of which are listed. Ascending. Errors: those of find_vertices, and
-// kInvalidArgument REGION_WITHOUT_TRIANGLES for edges of the bounding box, a border and a nearest vertex.
+// Returns the solid slots that a region names by itself, ascending. For a box, a line or a curve these are the ones
+// whose centroid is in it, on its side; for listed vertices, the ones with all corners listed. Errors: those of
+// find_vertices, and kInvalidArgument REGION_WITHOUT_TRIANGLES for edges of the bounding box, a border and a nearest
+// vertex.
 Result<std::vector<mesh::TriangleId>> find_triangles(const mesh::TriangleMesh& mesh, const Region& region,
                                                      const std::string& field);
 // m^2, in material coordinates, of a solid slot.

@@ -39,12 +39,13 @@ struct SheetMaterials {
   static constexpr std::int32_t kNowhere = -1;
 };
 
-// The materials that triangles of the mesh have become its regions, where there are several. `config` must be valid;
-// bending of a planar sheet is switched off in it. Errors: kInvalidArgument REGION_EMPTY and those of find_triangles.
+// Assigns materials to the triangles of the mesh; if there are several, they become the regions of the mesh. `config`
+// must be valid; bending of a planar sheet is switched off in it. Errors: kInvalidArgument REGION_EMPTY and those of
+// find_triangles.
 Result<SheetMaterials> assign_materials(SheetConfig& config, mesh::TriangleMesh& mesh);
 
-// The same regions with another material in one entry, or in all of them. Errors: kInvalidArgument UNKNOWN_PART;
-// kFailedPrecondition MATERIAL_SHARED where another entry has the same region.
+// Returns the same regions with another material in one entry, or in all of them. Errors: kInvalidArgument
+// UNKNOWN_PART; kFailedPrecondition MATERIAL_SHARED where another entry has the same region.
 Result<SheetMaterials> with_material(const SheetMaterials& materials, const SetMaterial& change);
 
 // Hashes the entries, bit for bit.

@@ -54,7 +54,7 @@ class OwnedIntegrator {
   std::unique_ptr<fem::Integrator> integrator_;
 };
 
-// Tells an observer, if there is one, when a stage begins and ends.
+// Notifies an observer, if there is one, of the beginning and the end of a stage.
 class StageScope {
  public:
   StageScope(StageObserver* observer, Stage stage, std::int32_t command)
@@ -91,7 +91,7 @@ std::optional<fem::Softening> choose_softening(const SheetConfig& config, const 
 fem::Model make_model(const SheetConfig& config, const mesh::TriangleMesh& mesh,
                       const std::vector<fem::Material>& by_region, const std::optional<fem::Softening>& softening);
 
-// Makes `holds` those of the vertices where `state` has them; they stop.
+// Makes `holds` pin the vertices at their positions in `state`, and sets their velocities to zero.
 void hold(const std::vector<mesh::VertexId>& vertices, fem::State& state, std::vector<fem::Pin>& holds);
 
 struct Sheet::Impl {
@@ -108,18 +108,19 @@ struct Sheet::Impl {
   void set_loads();
   void stamp(TickReport& report) const;
   void integrate(const fem::GoesOn* goes_on, const fem::GoesOn* may_go_on, TickReport& report);
-  // Returns false if the integrator had to stop; its own state is invalid then.
+  // Returns false if the integrator ran out of memory or was interrupted; its own state is invalid then.
   bool step_in_time(const fem::GoesOn* may_go_on, fem::StepStats& stats);
   void watch_rest();
-  // Keeps what a step that did not fail went through; contact_blocks: of all its substeps.
+  // Keeps the counts of a step that did not fail. contact_blocks: in all its substeps.
   void count_tick(const fem::StepStats& stats, std::int64_t contact_blocks);
-  // Counts of the last tick since the scene began, or what is to be expected of the first.
+  // Returns the counts of the last tick since the scene began, or those expected of the first.
   [[nodiscard]] fem::TickCounts counts() const;
-  // Nothing acts on it but what always does: no grab, no change of loads, no command to come.
+  // Returns true if the sheet is not frozen and nothing new acts on it: no grab, no change of loads, no command to
+  // come.
   [[nodiscard]] bool is_left_alone() const;
 
   // Constraints and loads (sheet_conditions.cc).
-  // Makes constraints, loads and slopes those of a step of dt (s, 0: at once) that ends at `end`; nothing where none
+  // Sets constraints, loads and slopes for a step of dt (s, 0: at once) that ends at `end`. Does nothing if none
   // changed.
   void set_conditions(const Instant& end, double dt);
   void follow_conditions(std::span<const mesh::MeshEdit* const> edits);
@@ -158,7 +159,7 @@ struct Sheet::Impl {
   Result<CommandReply> undo_cut(const CommandContext& context);
   Result<CommandReply> redo_cut(const CommandContext& context);
   Result<std::vector<CutReply>> do_cuts(std::span<const Cut> cuts, bool is_batch, const CommandContext& context);
-  // Cuts the mesh and nothing else; where a cut is refused the mesh is as it was. Appends those applied to `done`.
+  // Cuts the mesh and nothing else; if a cut is refused, the mesh is as it was. Appends the applied cuts to `done`.
   Result<std::vector<CutReply>> cut_mesh(std::span<const Cut> cuts, bool is_batch, std::vector<DoneCut>& done,
                                          PhaseObserver* observer);
   void follow(const std::vector<DoneCut>& cuts, PhaseObserver* observer);

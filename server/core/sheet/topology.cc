@@ -33,8 +33,8 @@ void LazyTopology::note(std::span<const mesh::MeshEdit* const> edits) {
     rewritten_.insert(rewritten_.end(), edit->rewritten_triangles.begin(), edit->rewritten_triangles.end());
     for (const mesh::VertexSource& moved : edit->moved_vertices) moved_.push_back(moved.vertex);
   }
-  // Bounds the lists of a sheet without viewers. Once they hold more than twice the number of triangles, the topology
-  // may as well be sent whole.
+  // Bounds the lists of a sheet without viewers. Once they hold more than twice the number of triangle slots, the
+  // topology may as well be sent whole.
   if (rewritten_.size() + moved_.size() > 2 * latest_->triangles.size()) replace();
 }
 

@@ -21,8 +21,8 @@ class LazyTopology {
   void replace();
 
   // Returns the topology at `version`, which must grow with each call of the functions above. Returns the same object
-  // if the version was requested before. Slots rewritten since the last one, and slots whose piece number changed, get
-  // the new version; so do vertices added and moved.
+  // again if the version has not grown since the last call. Slots rewritten since that call, and slots whose piece
+  // number changed, get the new version; so do vertices added and moved.
   [[nodiscard]] std::shared_ptr<const Topology> at(const mesh::TriangleMesh& mesh, std::int32_t version) const;
 
  private:

@@ -20,9 +20,9 @@ struct EdgeCounts {
 };
 
 // Appends the stations that divide a stretch into parts of the lengths given by `sizes` (m). Parts are equal in the
-// integral of 1 / size, or in the turn, and turn by at most kMaxTurnOfEdge on average. The ends of the stretch are left
-// out. Returns false if that takes more than counts.most parts. Stations go to points of the contour that are very
-// near: those lie on the curve that it stands for.
+// integral of 1 / size or of turn / kMaxTurnOfEdge, whichever is larger at each place. So on average they turn by at
+// most kMaxTurnOfEdge. The ends of the stretch are left out. Returns false if that takes more than counts.most parts.
+// Stations go to points of the contour that are very near: those lie on the curve that it stands for.
 bool divide_stretch(const Contour& contour, const Stretch& stretch, const SizeField& sizes, const EdgeCounts& counts,
                     std::vector<double>& stations);
 

@@ -291,7 +291,7 @@ Complex mean(const std::vector<Complex>& values) {
   return std::accumulate(values.begin(), values.end(), Complex(0.0, 0.0)) / static_cast<double>(values.size());
 }
 
-// To the surface's area, and turned and moved towards its projection.
+// Scales the map to the surface's area, then rotates and moves it towards the surface's projection.
 Status align(const Component& part, std::vector<Complex>& mapped) {
   double area = 0.0;
   for (const auto& [a, b, c] : part.triangles) {

@@ -21,10 +21,11 @@ enum class Flattening {
 
 // Returns material coordinates (2 x V, m) for a surface in space. surface: 3 x V, m, finite; triangles: 3 x T, vertex
 // ids in range, all vertices used. Each component keeps its area. It is rotated and moved to lie as near as possible to
-// its own projection along its mean normal. Material x lies along world x (or y, where the component faces x); several
-// components lie side by side. Errors, field = `surface`:
-//   MESH_NON_MANIFOLD_EDGE, MESH_NON_MANIFOLD_VERTEX, MESH_INCONSISTENT_ORIENTATION,
-//   MESH_NOT_FLATTENABLE: closed (no border), with handles, or of no area,
+// its own projection along its mean normal. The x axis of the projection lies along world x (or y, where the component
+// faces x). Several components lie side by side. Errors, field = `surface`:
+//   MESH_NON_MANIFOLD_VERTEX, MESH_INCONSISTENT_ORIENTATION (or more than two triangles at an edge),
+//   MESH_DEGENERATE_TRIANGLE: a triangle of the surface has no area,
+//   MESH_NOT_FLATTENABLE: closed (no border), with handles, of no area, or no map was found,
 //   MESH_TOO_LARGE: more than kMaxFlattenedVertices.
 Result<Eigen::Matrix2Xd> flatten(const Eigen::Matrix3Xd& surface, const Eigen::Matrix3Xi& triangles, Flattening method);
 

@@ -194,7 +194,8 @@ LatticePoint OutlineBorder::at(std::int32_t contour, double station) const {
   return lattice_.nearest(contours_[contour].at(station));
 }
 
-// Returns true if an edge may replace this part of a contour, as nothing else lies between the two.
+// Returns true if an edge may replace this part of a contour: nothing else lies between the two, and the part turns
+// little enough.
 bool OutlineBorder::stands_for(const Span& span) const {
   const Contour& contour = contours_[span.contour];
   const std::size_t first = contour.chord_at(span.from);
