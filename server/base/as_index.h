@@ -4,7 +4,7 @@
 
 namespace kerf {
 
-// Converts the number of a vertex, row or column (>= 0) to an index of a container.
+// Converts the number of a vertex, row or column (>= 0) to a container index.
 inline std::size_t as_index(int i) {
   return static_cast<std::size_t>(i);
 }

@@ -21,14 +21,15 @@ class AppendFile {
   virtual Status sync() = 0;
 };
 
-// All that the server knows of files. Paths as the operating system takes them. Errors: kNotFound FILE_NOT_FOUND,
+// All file access of the server. Paths are those of the operating system. Errors: kNotFound FILE_NOT_FOUND,
 // kResourceExhausted FILE_TOO_LARGE or DISK_FULL, kUnavailable FILE_IO, with the path in the message. Thread-safe.
 class Disk {
  public:
   virtual ~Disk() = default;
-  // The whole file, at most `max_bytes` of it.
+  // Returns the whole file; FILE_TOO_LARGE if it has more than `max_bytes`.
   virtual Result<std::string> read_file(const std::string& path, std::size_t max_bytes) = 0;
-  // The old content or the new one stays, never a part: written beside, synced, renamed.
+  // Replaces the whole file at once: the old content or the new one stays, never a part (written beside, synced,
+  // renamed).
   virtual Status write_file(const std::string& path, std::string_view content) = 0;
   // Opens for appending; an existing file is emptied.
   virtual Result<std::unique_ptr<AppendFile>> create_file(const std::string& path) = 0;

@@ -27,14 +27,14 @@ class InterruptionScope {
   InterruptionScope* const outer_;
 };
 
-// Throws Interrupted where the scope says that the work is not wanted any more.
+// Throws Interrupted if the scope's function returns false.
 void ask_whether_to_go_on();
 
-// Points from one that asks to the next: each is to stand for some microseconds of work.
+// Number of points from one call of the scope's function to the next. Each point stands for some microseconds of work.
 inline constexpr int kPointsToAnAsking = 256;
 extern thread_local constinit int points_to_asking;
 
-// For loops that may be long. Costs a count, and now and then a call of the scope's function.
+// Call it in loops that may be long. It costs a count, and now and then a call of the scope's function.
 inline void interruption_point() {
   if (--points_to_asking <= 0) ask_whether_to_go_on();
 }

@@ -2,7 +2,7 @@
 //
 // A cut touches a few hundred places of a sheet. On a sheet of hundreds of megabytes, in pages of 4 KiB, finding out
 // where each of them lies costs about as much as reading it; in pages of 2 MiB hardly anything. Systems with
-// transparent large pages "always" do this by themselves where alignment allows it. Those with "madvise" need a
+// transparent large pages "always" do this by themselves where alignment allows it. Those with "madvise" do it on
 // request.
 
 #include <sys/mman.h>

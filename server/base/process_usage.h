@@ -14,7 +14,7 @@ struct ProcessUsage {
 [[nodiscard]] std::optional<ProcessUsage> usage_of(std::int64_t pid);
 // Reads the usage of this process.
 [[nodiscard]] ProcessUsage own_usage();
-// Bytes of memory that this process has; 0 where /proc does not say.
+// Returns the bytes of memory that this process has; 0 if /proc does not say.
 [[nodiscard]] std::int64_t resident_bytes();
 
 }  // namespace kerf

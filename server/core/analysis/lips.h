@@ -27,7 +27,8 @@ struct LipPoint {
 // vertical one: up), [1] on its right.
 using LipPair = std::array<LipPoint, 2>;
 
-// Nothing where no two lips that face each other are within a thousandth of the sheet's size.
+// Finds the two lips nearest to `at` (m, material). Nothing if one of the two is farther away than a thousandth of the
+// sheet's size.
 std::optional<LipPair> find_lips(const mesh::TriangleMesh& mesh, const Eigen::Vector2d& at);
 
 // Returns the displacement (m) of lip [0] from lip [1]: along the normal and the tangent of the cut, and along the

@@ -166,7 +166,7 @@ class InPlane {
   }
 
   fem::MembraneField field_;
-  std::vector<Eigen::Vector3d> of_slots_, of_vertices_, by_patches_;  // empty before they are asked for
+  std::vector<Eigen::Vector3d> of_slots_, of_vertices_, by_patches_;  // empty until they are needed
 };
 
 Vector of_whole_sheet(const sheet::Sheet& sheet, Quantity quantity) {
@@ -202,7 +202,7 @@ struct Probes::Context {
   const sheet::Sheet& sheet;
   const mesh::VertexField& v_before;
   double dt;
-  mesh::VertexField reaction{};  // empty before it is asked for
+  mesh::VertexField reaction{};  // empty until it is needed
   InPlane strain{fem::MembraneField::kBiotStrain};
   InPlane biot_stress{fem::MembraneField::kBiotStress};
   InPlane cauchy_stress{fem::MembraneField::kCauchyStress};

@@ -27,8 +27,9 @@ class Probes {
   static std::vector<std::string> columns_of(const std::vector<sheet::Probe>& requests);
   [[nodiscard]] const std::vector<std::string>& columns() const { return columns_; }
 
-  // Appends the numbers of the sheet as it is. v_before: 3 x V, m/s, of dt (s) before, for the forces that accelerate
-  // what is held; or dt 0. NaN where a place has no material any more, or an opening no lips.
+  // Appends the values measured on the sheet as it is. v_before: 3 x V, m/s, velocities dt (s) earlier, for the forces
+  // that accelerate held vertices; dt 0: without these forces. NaN where a place has no material any more, or an
+  // opening no lips.
   void measure(const sheet::Sheet& sheet, const mesh::VertexField& v_before, double dt, std::vector<double>& row);
 
  private:

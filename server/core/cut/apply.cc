@@ -130,7 +130,7 @@ class Cutter {
     return plan_.strip_area_m2 + 2.0 * length * kToleranceOfWidth * *plan_.options.width_m;
   }
 
-  // Before anything is refined: the strip may be far narrower than the triangles beside it.
+  // Removes the strip before anything is refined, as it may be far narrower than the triangles beside it.
   void remove_strip(CutReport& report) {
     report.removed_triangles = static_cast<std::int32_t>(strip_.size());
     for (const TriangleId t : strip_) report.removed_area_m2 += mesh_.area(t);
@@ -262,7 +262,8 @@ class Cutter {
     return grading.tips.empty() ? 0 : std::llround(static_cast<double>(grading.tips.size()) * per_tip);
   }
 
-  // Adds the solid triangles around tips to where edges as long as those of the sheet there are short enough.
+  // Adds the solid triangles around tips, out to where the grading allows edges of kGradedReach times the sheet's edge
+  // length.
   void add_graded(const mesh::TipGrading& grading, UniqueIds& seeds) const {
     std::vector<TriangleId> found;
     mesh::IdTable seen;

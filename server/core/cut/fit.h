@@ -20,7 +20,8 @@ inline constexpr double kMinFitExtentM = 1.0e-9;  // m, of the larger side of a 
 // Errors, kInvalidArgument: FIT_OUT_OF_RANGE, FIT_EMPTY ("cut.fit.max.x").
 Status validate(const Fit& fit);
 
-// Smallest axis-aligned box round a valid curve, from its ends and from where its pieces turn back in x or y.
+// Returns the smallest axis-aligned box around a valid curve, from its ends and the places at which its pieces turn
+// back in x or y.
 Box extent(const Curve& curve);
 
 // Scales the curve equally in both directions and centres it in the box. Its extent then touches two opposite sides of

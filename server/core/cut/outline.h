@@ -24,9 +24,9 @@ struct Outline {
   double area_m2 = 0.0;  // m^2, of the strip
 };
 
-// The outline of the strip of `width` (m) around a flattened curve. `tolerance`: m, > 0; what it may add to the bound,
-// rounding aside. Offsetting and union by the library Clipper (Vatti 1992, "A generic solution to polygon clipping"),
-// on a grid of its own.
+// Makes the outline of the strip of `width` (m) around a flattened curve. `tolerance`: m, > 0; largest addition to the
+// bound, apart from rounding. Offsetting and union by the library Clipper (Vatti 1992, "A generic solution to polygon
+// clipping"), on a grid of its own.
 // Error: kResourceExhausted WIDTH_WORK_BUDGET, before anything is made of it: more than kMaxStripPairs, or
 // kMaxStripPoints.
 Result<Outline> outline(const FlatCurve& curve, double width, double tolerance);

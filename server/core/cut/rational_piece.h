@@ -8,8 +8,8 @@
 
 #include "server/core/cut/curve.h"
 
-// Rational Bezier segments of degree 1 to 3 in homogeneous coordinates, and what flattening needs of them. Correctly
-// rounded operations only (+ - * / sqrt): the same bits on every machine.
+// Rational Bezier segments of degree 1 to 3 in homogeneous coordinates, with the functions that flattening needs.
+// Correctly rounded operations only (+ - * / sqrt): the same bits on every machine.
 //
 // Halving chords until deviation_bound() is small enough proves the distance, for any positive weights:
 // - A point of the curve is C(t) = sum l_i(t) p_i with l_i = w_i B_i(t) / sum w_j B_j(t) >= 0, sum l_i = 1.

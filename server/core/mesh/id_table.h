@@ -6,8 +6,9 @@
 
 namespace kerf::mesh {
 
-// Numbers for some of the ids of a mesh, at a cost of what is in it and not of the mesh: open addressing, a power of
-// two of places, at most half of them taken. Ids are only added, and there is no order among them.
+// Maps some of the ids of a mesh to numbers, at a cost that depends on its entries and not on the mesh. Open
+// addressing: a power of two of places, at most half of them taken. Ids are only added, and there is no order among
+// them.
 class IdTable {
  public:
   IdTable() : places_(kFirstSize) {}

@@ -9,12 +9,12 @@
 
 namespace kerf::mesh {
 
-// Records the undo of one edit; the counterpart of MeshEdit. Ids from num_vertices and num_slots on are gone.
+// Record of the undo of one edit; the counterpart of MeshEdit. Ids from num_vertices and num_slots on are gone.
 struct RevertedEdit {
   std::int32_t num_vertices = 0;  // after
   std::int32_t num_slots = 0;     // after
-  // Vertices that are gone, ids consecutive from num_vertices, and what they were made of when they were made: what
-  // they carry goes back to those sources, which all remain, in those shares.
+  // Vertices that are gone, ids consecutive from num_vertices, with the sources that they were made from. Their mass
+  // and momentum go back to these sources, which all remain, in the shares given by the weights.
   std::vector<VertexSource> removed_vertices;
   // Vertices whose old rest position is back: fields as sources say, with every field read as it was before the revert.
   std::vector<VertexSource> moved_vertices;

@@ -35,7 +35,8 @@ struct Wind {
   double drag_coefficient = 1.0;            // -, 0..kMaxDragCoefficient
 };
 
-// A cut along a curve, whole or not at all. Narrower than in cut::CutOptions is min_angle_deg: 5..cut::kMaxMinAngle.
+// A cut along a curve, whole or not at all. The range of min_angle_deg, 5..cut::kMaxMinAngle, is narrower than in
+// cut::CutOptions.
 struct Cut {
   cut::Curve curve;  // m, material coordinates
   cut::CutOptions options;
@@ -43,18 +44,18 @@ struct Cut {
   std::vector<std::string> remarks;  // on what the curve was made from; the first warnings of the reply
 };
 
-// Cuts done one after another as one: all of them, with one topology version and one step to undo, or, where one is
-// refused, none. A cut that meets no sheet (kNoIntersection) is no refusal.
+// Cuts done one after another as one, with one topology version and one step to undo. If one is refused, none is done;
+// a cut that meets no sheet (kNoIntersection) is not refused.
 struct CutBatch {
   std::vector<Cut> cuts;  // 1..kMaxBatchCuts
 };
 
-// Takes back the last Cut, CutBatch or Reset that is not undone.
-// A cut: mesh and rest state bit for bit; what moves keeps moving (see fem::revert_state). Pins that the cut's vertices
-// inherited go with them; a vertex that a pinned one joins is pinned; pins that went with material come back with it,
-// where no others were set since; a grab of a vertex that goes holds the same material point from then on.
+// Undoes the last Cut, CutBatch or Reset that is not undone yet.
+// A cut: mesh and rest state return bit for bit; what moves keeps moving (see fem::revert_state). Pins that the cut's
+// vertices inherited go with them. A vertex that a pinned one joins is pinned. Pins that went with material come back
+// with it if no others were set since. A grab of a vertex that goes holds the same material point from then on.
 // A Reset: the sheet is as it was before it, bit for bit, without grabs; the tick counts on.
-// Refused with kFailedPrecondition NOTHING_TO_UNDO, or UNDO_FORGOTTEN beyond what is kept (see UndoHistory).
+// Errors: kFailedPrecondition NOTHING_TO_UNDO, or UNDO_FORGOTTEN beyond the history kept (see UndoHistory).
 struct UndoCut {};
 
 // Repeats what was undone last: of a cut the mesh is what it was before the undo, bit for bit; a Reset is done again.

@@ -10,7 +10,7 @@
 
 namespace kerf::sheet {
 
-// A MaterialCurve on a mesh, flattened: which places it reaches, and on which side of it they lie.
+// A MaterialCurve on a mesh, flattened; finds whether it reaches a place, and on which side of it the place lies.
 class CurveRegion {
  public:
   // `curve`: valid.

@@ -13,19 +13,19 @@
 // the field, the number and the limit in the message.
 namespace kerf::sheet {
 
-// field[index], what errors call an element.
+// Returns field[index], the name of an element in errors.
 std::string indexed(const std::string& field, std::size_t index);
 
 Status check_number(double value, double low, double high, const std::string& field);
 Status check_integer(std::int64_t value, std::int64_t low, std::int64_t high, const std::string& field);
 // Checks the length of a list, text or bytes; `unit` is named in the message: "bytes", "pin regions".
 Status check_count(std::size_t count, std::size_t limit, const std::string& unit, const std::string& field);
-// Each component finite and at most `limit` either way.
+// Check that each component is finite and at most `limit` in magnitude.
 Status check_vector(const Eigen::Vector3d& value, double limit, const std::string& field);
 Status check_vector(const Eigen::Vector2d& value, double limit, const std::string& field);
 // The same with a limit on the length, too.
 Status check_length(const Eigen::Vector3d& value, double limit, const std::string& field);
-// Those of cut::validate(), whose errors it has.
+// Checks a curve by cut::validate(), and returns its errors.
 Status check_curve(const cut::Curve& curve, const std::string& field);
 // Checks that the id of a vertex is not negative: kInvalidArgument UNKNOWN_VERTEX. The sheet checks that the vertex
 // exists.

@@ -36,7 +36,8 @@ struct IntegratorSettings {
 // Ranges; fields are named as in kerf.v1.Scene ("integrator.max_substeps").
 Status validate(const IntegratorSettings& settings);
 
-// Most vertices that a sheet can have with these, cuts included, and the error that says so.
+// vertex_limit() returns the most vertices that a sheet can have with these settings, cuts included.
+// check_vertex_limit() fails beyond: kResourceExhausted SOLVER_TOO_DENSE.
 std::int32_t vertex_limit(const IntegratorSettings& settings);
 Status check_vertex_limit(const IntegratorSettings& settings, std::int32_t num_vertices);
 

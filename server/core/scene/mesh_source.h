@@ -11,7 +11,7 @@
 
 namespace kerf::sheet {
 
-// An undeformed mesh and where its vertices start in the world.
+// An undeformed mesh and the start positions of its vertices in the world.
 struct BuiltMesh {
   mesh::TriangleMesh mesh;
   Eigen::Matrix3Xd positions;  // 3 x V, m
@@ -23,8 +23,8 @@ struct BuiltMesh {
 };
 
 // Builds what a valid source describes. Errors: those of the mesh importers and of outline_source.h, the field named as
-// in kerf.v1.Scene. An outline is not meshed beyond `max_vertices`; of other sources that many were given, and the
-// caller counts them.
+// in kerf.v1.Scene. An outline is not meshed beyond `max_vertices`; for other sources the caller checks the number of
+// vertices.
 Result<BuiltMesh> build_mesh(const MeshSource& source, const Placement& placement, std::int32_t max_vertices);
 
 }  // namespace kerf::sheet

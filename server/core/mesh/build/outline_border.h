@@ -19,8 +19,8 @@
 
 namespace kerf::mesh {
 
-// The contours of an outline, and where their vertices are. What the refinement of a mesh whose first points are these
-// vertices, in order, does to its border is followed.
+// The contours of an outline and the places of their vertices. Follows the refinement of the border of a mesh whose
+// first points are these vertices, in order.
 class OutlineBorder : public BorderCurves {
  public:
   struct Vertex {
@@ -44,8 +44,8 @@ class OutlineBorder : public BorderCurves {
   [[nodiscard]] std::int32_t next(std::int32_t vertex) const { return next_[vertex]; }
 
   // Chooses vertices: corners, and between them as divide_stretch() does, but so that nothing lies between an edge and
-  // the curve that it stands for. So edges cross no more than the contours do. False where there would be more than
-  // `max_vertices`.
+  // the curve that it stands for. So edges cross no more than the contours do. Returns false if there would be more
+  // than `max_vertices`.
   bool divide(const SizeField& sizes, std::int64_t max_vertices);
 
   // Starts to follow the refinement of a mesh on this lattice, whose points 0..n-1 are the vertices.
@@ -54,8 +54,8 @@ class OutlineBorder : public BorderCurves {
   void add(PointId p, PointId q, PointId added) override;
   void miss(PointId p, PointId q) override;
   [[nodiscard]] bool has_missed() const { return !missed_.empty(); }
-  // Takes what was added and missed since into the vertices, in order. False where there would be more than
-  // `max_vertices`.
+  // Adds the places reported by add() and miss() since follow() to the vertices, in order. Returns false if there would
+  // be more than `max_vertices`.
   bool renew(std::int64_t max_vertices);
 
  private:
@@ -64,7 +64,7 @@ class OutlineBorder : public BorderCurves {
     std::int32_t index = 0;
     LatticePoint from, to;
   };
-  // From one station of a contour to a later one.
+  // The part of a contour from one station to a later one.
   struct Span {
     std::int32_t contour = 0;
     double from = 0.0, to = 0.0;

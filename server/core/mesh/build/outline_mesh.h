@@ -41,8 +41,8 @@ struct OutlineConfig {
 };
 
 // Meshes what lies inside the border and outside the holes. Vertices on the contours lie on the given polygons, spaced
-// as the sizes ask, and closer where contours come near each other. A full turn has at least 16 of them. Triangles are
-// as large as requested, graded away from shorter edges by 0.25 of the distance, and near equilateral. No angle is
+// as the sizes require, and closer where contours come near each other. A full turn has at least 16 of them. Triangles
+// are as large as requested, graded away from shorter edges by 0.25 of the distance, and near equilateral. No angle is
 // below min_angle_deg except where the outline forces one. It does so at its own corners, and where it is too narrow
 // for floating point to resolve. The result is deterministic.
 //

@@ -9,7 +9,7 @@
 
 namespace kerf::mesh {
 
-// Edge lengths wanted around the tips of a cut: `length` at each, growing by `gradient` a unit of distance.
+// Edge lengths wanted around the tips of a cut: `length` at each tip, growing by `gradient` per unit of distance.
 struct TipGrading {
   std::vector<LatticePoint> tips;
   double length = 0.0;    // lattice units, > 0
@@ -56,8 +56,8 @@ struct RefinementCounts {
 // the way. There are two guards for sharp input corners: concentric shells around corners below 60 degrees (Ruppert,
 // sec. 7) and no refinement of triangles whose shortest edge joins two lips of such a corner (Miller, Pav, Walkington
 // 2003, "When and why Ruppert's algorithm works"). Near strands (see Strands) no angle is below strand_angle_deg:
-// triangles between lips are no higher than their gap, however many triangles fill it. In narrow gaps none is asked
-// for: there lips are only split opposite each other, and needles span them. The void is never refined. Ends early
+// triangles between lips are no higher than their gap, however many triangles fill it. In narrow gaps no angle is
+// required: there lips are only split opposite each other, and needles span them. The void is never refined. Ends early
 // where the editor's budget is exhausted.
 RefinementCounts refine(MeshEditor& editor, std::span<const TriangleId> seeds, const RefinementConfig& config);
 

@@ -8,8 +8,8 @@
 namespace kerf::mesh {
 
 // Moves points, in rest space, to where the worst triangle around them is best shaped, then restores the Delaunay
-// property there. Why, around a cut: its path passes at any distance from old points, and refinement would have to
-// grade the mesh down to the smallest of them; moved away, the elements stay large, and with them the explicit time
+// property there. The reason around a cut: its path passes at any distance from old points, and refinement would have
+// to grade the mesh down to the smallest of them; moved away, the elements stay large, and with them the explicit time
 // step.
 //
 // Points on a locked edge or on a border between regions, and those of `fixed_vertices` (sorted), stay. Each of
