@@ -2,8 +2,8 @@
 
 namespace kerf {
 
-// Prints the failed condition and where it stands to stderr, then aborts. A broken invariant is our bug: going on would
-// corrupt what users see. What the network sends is never checked with this (see Result).
+// Prints the failed condition and where it stands to stderr, then aborts. A broken invariant is our bug: continuing
+// would corrupt what users see. What the network sends is never checked with this (see Result).
 [[noreturn]] void check_failed(const char* condition, const char* file, int line, const char* message);
 
 }  // namespace kerf

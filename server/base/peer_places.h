@@ -24,7 +24,7 @@ Peer peer_of(const sockaddr& address);
 // Counts the connections that each peer has open. Thread-safe.
 class PeerPlaces {
  public:
-  // A connection's place among those of its peer, which its destruction gives back. Its PeerPlaces outlive it.
+  // A connection's place among those of its peer; its destruction frees the place. Its PeerPlaces outlive it.
   class Place {
    public:
     ~Place();
@@ -44,7 +44,7 @@ class PeerPlaces {
   PeerPlaces(const PeerPlaces&) = delete;
   PeerPlaces& operator=(const PeerPlaces&) = delete;
 
-  // A place, or nothing where the peer has as many as it may. Throws bad_alloc, and no place is taken then.
+  // Returns a place, or nothing if the peer has as many as allowed. Throws bad_alloc, and takes no place then.
   [[nodiscard]] std::optional<Place> take(const Peer& peer);
   // Places that the peer has now.
   [[nodiscard]] int taken(const Peer& peer) const;

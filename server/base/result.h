@@ -8,7 +8,7 @@
 
 namespace kerf {
 
-// The few kinds of refusal there are, named as the gRPC status they become on the wire.
+// Kinds of errors, named as the gRPC status codes that they become on the wire.
 enum class ErrorCode {
   kInvalidArgument,     // would never work, whatever the state
   kNotFound,            // names something that does not exist
@@ -21,7 +21,8 @@ enum class ErrorCode {
   kInternal,            // our bug
 };
 
-// A refusal that says what to do next. `field` is the path of the offending request field, empty where there is none.
+// An error, with a message that states the remedy. `field` is the path of the offending request field, empty where
+// there is none.
 struct Error {
   ErrorCode code = ErrorCode::kInternal;
   std::string reason;   // UPPER_SNAKE_CASE, stable, for programs, e.g. "CURVE_NOT_FINITE"

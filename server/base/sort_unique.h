@@ -5,7 +5,7 @@
 
 namespace kerf {
 
-// Ascending, each value once.
+// Sorts in ascending order and keeps each value once.
 template <typename T>
 void sort_unique(std::vector<T>& values) {
   std::sort(values.begin(), values.end());

@@ -2,7 +2,7 @@
 
 namespace kerf {
 
-// Has the calling thread give way to threads of the usual priority, for the rest of its life. Nothing where the system
+// Lowers the calling thread's priority below the usual one, for the rest of its life. Does nothing if the system
 // refuses.
 void lower_thread_priority();
 

@@ -19,7 +19,7 @@ Eigen::Vector2d unit_vector_of_degrees(double angle_deg);  // finite
 
 struct ArcPieces {
   std::vector<QuadraticTo> segments;  // the last ends where the arc does, bit for bit
-  double rounding_m = 0.0;            // m; bound on the distance between the pieces and the arc asked for
+  double rounding_m = 0.0;            // m; bound on the distance between the pieces and the requested arc
 };
 
 // Four quarters, counter-clockwise from `start`, the end of the first semi-axis.

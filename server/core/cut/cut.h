@@ -19,12 +19,12 @@
 #include "server/core/mesh/triangle_mesh.h"
 
 // Cuts along a curve in material coordinates. The mesh stays welded in rest space: the curve becomes a chain of locked
-// edges (lips), and only the map from triangle corners to vertices tells the two sides apart. So re-cuts, crossings,
-// T and X junctions, punches, cuts along an older lip or along the border are one case each time: "meets a locked
-// edge". An applied cut always opens: one that would be a single edge inside, both ends of it tips, is split at its
-// middle.
+// edges (lips), and only the map from triangle corners to vertices separates the two sides. So re-cuts, crossings, T
+// and X junctions, punches, cuts along an older lip or along the border are one case each time: "meets a locked edge".
+// An applied cut always opens: one that would be a single edge inside, both ends of it tips, is split at its middle.
 //
-// plan() looks, apply() changes; between the two the mesh may have changed, apply() takes it as it finds it.
+// plan() only reads the mesh, apply() changes it. The mesh may change between the two: apply() works on its current
+// state.
 namespace kerf::cut {
 
 // Ranges of the options that requests may set.

@@ -9,14 +9,14 @@
 
 namespace kerf::cut {
 
-// The solid triangles among `rewritten` that were not in the mesh before the edit with the same three corners in the
-// same places: those the cut has made. A triangle that lost a neighbour to a lip, or changed its slot, is none.
-// `undo`: of the edit, whose mesh is `mesh`; `moved`: points that it moved, sorted.
+// Returns the solid triangles made by the cut: those among `rewritten` that were not in the mesh before the edit with
+// the same three corners in the same places. A triangle that lost a neighbour to a lip, or changed its slot, is not
+// new. `undo`: of the edit, whose mesh is `mesh`; `moved`: points that it moved, sorted.
 std::vector<mesh::TriangleId> new_triangles(const mesh::TriangleMesh& mesh, const mesh::UndoLog& undo,
                                             std::span<const mesh::TriangleId> rewritten,
                                             std::span<const mesh::PointId> moved);
 
-// Widths by kNearStrands and kNarrowGap. They are 0 by element, which is refined to no angle.
+// Returns the widths by kNearStrands and kNarrowGap; 0 for Method::kElement, which refines to no angle.
 mesh::StrandWidths strand_widths(const mesh::TriangleMesh& mesh, const CutOptions& options);
 
 // Measures `triangles` (sorted) against min_angle_deg, near strands of these widths against kStrandAngle of it, and

@@ -62,7 +62,7 @@ bool LipTrace::find_border(PointId from, const Leg& leg) {
   return true;
 }
 
-// Every point that chains along the leg lead to, the ones over fewer edges first.
+// Visits every point that chains along the leg lead to, those over fewer edges first.
 void LipTrace::visit_all(PointId from, const Leg& leg) {
   visits_.assign(1, {from, 0, false});
   for (std::size_t i = 0; i < visits_.size() && visits_.size() < kMaxVisits; ++i) visit_neighbours(i, leg);
@@ -82,8 +82,8 @@ void LipTrace::visit_neighbours(std::size_t of, const Leg& leg) {
   }
 }
 
-// Snap distances jump where the edge length does: what was snapped from far at one end of a lip is still on the path
-// where snapping reaches less far.
+// Uses the largest of three snap distances, as they jump where the edge length does. So a lip that was snapped from far
+// at one end is still on the path where snapping reaches less far.
 bool LipTrace::is_along(PointId point, const Leg& leg) const {
   const LatticePoint& at = mesh_.at(point);
   return distance_to_segment(at, leg.start, leg.end) <

@@ -144,7 +144,7 @@ std::vector<Chord> strips_of_chords(const std::vector<Chain>& chains, const Grid
   return chords;
 }
 
-// Tells whether boxes of strips overlap in more than kMaxStripPairs pairs, or in pairs with more than kMaxStripPoints
+// Returns true if boxes of strips overlap in more than kMaxStripPairs pairs, or in pairs with more than kMaxStripPoints
 // points of the outline.
 bool exceeds_work_budget(std::vector<Chord> chords) {
   std::sort(chords.begin(), chords.end(), [](const Chord& a, const Chord& b) { return a.low.y() < b.low.y(); });

@@ -6,7 +6,7 @@
 
 namespace kerf::cut {
 
-// m, of a point from the segment from a to b, which may be a point itself.
+// Returns the distance (m) of a point from the segment from a to b; a and b may be equal.
 inline double distance_to_segment(const Eigen::Vector2d& point, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   const Eigen::Vector2d along = b - a;
   const double squared = along.squaredNorm();

@@ -32,7 +32,7 @@ class StripGrowth {
     strip_.push_back(t);
     area_ += mesh_.material_area(t);
   }
-  // False where the area becomes larger than that.  m^2
+  // Returns false if the area becomes larger than max_area (m^2).
   bool grow(double max_area) {
     while (next_ < strip_.size()) {
       if (area_ > max_area) return false;
@@ -59,7 +59,7 @@ class StripGrowth {
   double area_ = 0.0;  // m^2
 };
 
-// One triangle of each piece that is none of those `touched` by number.
+// Returns one triangle of each piece whose number is not in `touched`.
 std::vector<TriangleId> representatives(const TriangleMesh& mesh, const std::vector<bool>& touched) {
   std::vector<bool> done = touched;
   std::vector<TriangleId> found;

@@ -34,8 +34,8 @@ class LaidOutline {
 
 // Returns the solid triangles of the strip surrounded by an outline laid into the mesh, in ascending order. Older lips
 // may lie inside.
-// `outline`: the whole of it, beyond the sheet too, for pieces that lie inside without touching it. `max_area_m2`: upper
-// bound of the strip's area, m^2.
+// `outline`: the whole of it, beyond the sheet too, for pieces that lie inside without touching it. `max_area_m2`:
+// upper bound of the strip's area, m^2.
 // Errors: kFailedPrecondition CUT_NOT_REPRESENTABLE (its sides could not be distinguished: shift the curve), and
 //         STRIP_COVERS_SHEET, where nothing would be left.
 Result<std::vector<mesh::TriangleId>> strip_triangles(const mesh::TriangleMesh& mesh, const LaidOutline& laid,

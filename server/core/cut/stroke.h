@@ -5,12 +5,12 @@
 
 namespace kerf::cut {
 
-// The parts of the curve inside the box, in order; a stroke that leaves and comes back becomes several. Points inside
-// are kept bit for bit; the bound grows by the rounding of the points where strokes were clipped.
+// Returns the parts of the curve inside the box, in order; a stroke that leaves and comes back becomes several. Points
+// inside are kept bit for bit; the bound grows by the rounding of the points where strokes were clipped.
 FlatCurve clip(const FlatCurve& curve, const Box& box);
 
-// Number of points the curve has once no segment is longer than `spacing` (m, > 0). In double, so that absurd requests
-// do not overflow.
+// Returns the number of points that the curve has once no segment is longer than `spacing` (m, > 0). In double, so that
+// absurd requests do not overflow.
 double spaced_size(const FlatCurve& curve, double spacing);
 
 }  // namespace kerf::cut

@@ -15,8 +15,8 @@ struct ViewChain {
   ViewLayer layer;  // its lengths and depths
 };
 
-// Joins intervals at the nodes that two of them share: across edges, around folds, and at the points of the curve. In
-// the order of their first intervals.
+// Joins intervals at the nodes that two of them share: across edges, around folds, and at the points of the curve.
+// Chains are in the order of their first intervals.
 std::vector<ViewChain> link(const std::vector<ViewInterval>& intervals);
 
 }  // namespace kerf::cut

@@ -156,7 +156,7 @@ class Facet {
   [[nodiscard]] bool is_seen() const { return seen_ && area_ != 0; }
   [[nodiscard]] std::array<LatticePoint, 3> picture() const { return {at(0), at(1), at(2)}; }
 
-  // The part of the segment in the triangle; false where there is none.
+  // Finds the part of the segment in the triangle; returns false if there is none.
   bool clip(const ScreenSegment& segment, std::int32_t number, ViewInterval& interval) const {
     std::array<ViewNode, 5> nodes;
     std::size_t found = 0;
@@ -200,7 +200,8 @@ class Facet {
   [[nodiscard]] const Corner& corner(int k) const { return corners_[static_cast<std::size_t>(k)]; }
   [[nodiscard]] const LatticePoint& at(int k) const { return corner(k).seen.at; }
 
-  // The two ends of the edge opposite corner k, the lower vertex first: both triangles at an edge ask the same.
+  // Returns the two ends of the edge opposite corner k, the lower vertex first, so that both triangles at an edge get
+  // the same.
   [[nodiscard]] std::array<int, 2> edge(int k) const {
     const int a = next_corner(k);
     const int b = previous_corner(k);

@@ -43,7 +43,7 @@ bool is_same_node(const ViewNode& a, const ViewNode& b) {
   return a.kind == b.kind && a.kind != ViewNode::Kind::kFree && a.low == b.low && a.high == b.high;
 }
 
-// The nearest of the layers along one segment.
+// Finds the nearest layer along one segment.
 class NearestLayer {
  public:
   explicit NearestLayer(std::vector<ViewInterval>& seen) : seen_(seen) {}
@@ -115,7 +115,7 @@ class NearestLayer {
 };
 
 // Beside a vertex the curve may run through triangles in stretches too short for a double: they hide nothing, but join
-// what is seen on either side. Adds those that lead on from an interval that is seen.
+// the intervals on either side. Adds those that continue an interval that is seen.
 void add_points(const std::vector<ViewInterval>& intervals, std::vector<ViewInterval>& seen) {
   using Key = std::tuple<std::int32_t, std::int32_t, std::int32_t>;
   std::multimap<Key, const ViewInterval*> points;
@@ -167,7 +167,7 @@ double share_at_depth(const ViewInterval& interval, double depth) {
   return a / (a - b);
 }
 
-// False where nothing is left.
+// Shortens the interval to the range of depths; returns false if nothing is left.
 bool clip_depth(ViewInterval& interval, double nearest, double farthest) {
   double from = interval.begin.at;
   double to = interval.end.at;

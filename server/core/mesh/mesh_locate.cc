@@ -30,7 +30,7 @@ void TriangleMesh::build_hints() {
   hints_.assign(static_cast<std::size_t>(hint_columns_) * static_cast<std::size_t>(hint_rows_), kNone);
   for (TriangleId t = num_triangle_slots() - 1; t >= 0; --t) {
     const std::array<PointId, 3>& p = points(t);
-    // Records may come damaged: then find_violation() is what says so.
+    // Damaged records are possible; find_violation() reports them.
     const auto [low, high] = std::minmax_element(p.begin(), p.end());
     if (!is_solid(t) || *low < 0 || *high >= num_points()) continue;
     const LatticePoint middle{at(p[0]).x / 3 + at(p[1]).x / 3 + at(p[2]).x / 3,

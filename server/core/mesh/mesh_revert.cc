@@ -39,8 +39,8 @@ class Revival {
     }
   }
 
-  // `mesh`: with the edit taken back. Outwards from the vertices that had material all along, so that each goes by
-  // material on its own side of every lip.
+  // `mesh`: with the edit undone. Proceeds outwards from the vertices that always had material, so that each revived
+  // vertex follows material on its own side of every lip.
   [[nodiscard]] std::vector<VertexSource> place(const TriangleMesh& mesh) const {
     std::unordered_map<VertexId, const Patch*> patch_of;  // looked up, never iterated
     std::vector<VertexId> placed;

@@ -30,7 +30,7 @@ struct RevertedEdit {
   return source.sources[0] == source.sources[1] && source.sources[0] == source.sources[2];
 }
 
-// Takes the last edit that `mesh` has not yet taken back from it, bit for bit. O(touched).
+// Undoes `edit`, the last edit of `mesh` that is not undone yet, bit for bit. O(touched).
 RevertedEdit revert(TriangleMesh& mesh, const CommittedEdit& edit);
 
 }  // namespace kerf::mesh

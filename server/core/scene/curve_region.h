@@ -32,7 +32,7 @@ class CurveRegion {
 
   const mesh::TriangleMesh& mesh_;
   double within_;                         // m; 0: kCurveTolerance of the edge length there
-  std::vector<mesh::SizeSource> chords_;  // with growth 1: lengths asked for are distances
+  std::vector<mesh::SizeSource> chords_;  // with growth 1, so that the field's lengths are distances
   mesh::SizeField distance_;
 };
 

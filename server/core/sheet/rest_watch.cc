@@ -77,7 +77,7 @@ void RestWatch::after_tick(const fem::Model& model, const Tick& tick, fem::State
   energy_ = calm_time_ == 0.0 ? kinetic : energy_ + std::min(tick.dt / kMeanOver, 1.0) * (kinetic - energy_);
   calm_time_ += tick.dt;
   const double calm_energy = kCalmHeight * size_ * model.total_mass() * tick.gravity;
-  // Without weight nothing says how fast is slow.
+  // Without weight there is no scale for speeds: every sheet counts as slow.
   const bool is_slow = tick.gravity == 0.0 || energy_ < calm_energy;
   if (!is_slow) {
     is_calm_ = is_measuring_ = is_at_rest_ = false;

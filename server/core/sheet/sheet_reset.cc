@@ -63,7 +63,7 @@ void Sheet::Impl::restore(const Checkpoint& to) {
   materials = to.materials;
   softening = to.softening;
   model = make_model(*config, mesh, materials->by_region, softening);
-  clamped.clear();  // as this model is; set_slopes() tells the integrator of those to come
+  clamped.clear();  // as in this model; set_slopes() passes new ones to the integrator
   contact.set_half_thickness(0.5 * greatest_thickness(materials->by_region));
   grabs.clear();
   full_gravity = to.full_gravity;

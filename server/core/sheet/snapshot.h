@@ -50,7 +50,7 @@ struct Snapshot {
   Eigen::Matrix3Xd positions;                // 3 x V, m, world
   std::shared_ptr<const Topology> topology;  // never null; its V is that of `positions`
   RunStats stats;
-  std::vector<float> strains;  // a vertex, see dominant_strains(); empty where no sink wants them
+  std::vector<float> strains;  // a vertex, see dominant_strains(); empty if no sink needs them
 };
 
 // Reason for which a sink gets no more snapshots.

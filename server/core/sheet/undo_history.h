@@ -13,7 +13,7 @@
 
 namespace kerf::sheet {
 
-// One applied cut: what it did, and all that taking it back and making it again needs.
+// One applied cut: its effects, and everything needed to undo and redo it.
 struct DoneCut {
   mesh::CommittedEdit edit;
   mesh::UndoLog again;  // makes the edit again once it is undone: edit.undo.inverse()
@@ -23,13 +23,13 @@ struct DoneCut {
   std::int32_t pins_version = 0;    // Sheet::Impl::pins_version then: pins set since are not put back
 };
 
-// Holds what one UndoCut takes back: the applied cuts of a Cut or CutBatch, in the order of their making, or a Reset.
-// Never changes.
+// Holds what one UndoCut undoes: the applied cuts of a Cut or CutBatch, in the order of their making, or a Reset. Never
+// changes.
 struct UndoStep {
   std::vector<DoneCut> cuts;
   std::shared_ptr<const Checkpoint> before_reset;  // null: a step of cuts
   std::int64_t beginning = 0;                      // of a Reset: the number that it gave, see CommandReply
-  std::size_t bytes = 0;                           // it takes about
+  std::size_t bytes = 0;                           // of memory, approximately
 };
 
 // Steps done and steps undone. Bounded: the oldest steps done are forgotten first. A plain value that is cheap to copy.
@@ -38,18 +38,18 @@ class UndoHistory {
   static constexpr std::size_t kMaxSteps = 1000;                   // that can be undone
   static constexpr std::size_t kMaxBytes = std::size_t{32} << 20;  // of the steps done and those undone together
 
-  // A new cut: nothing can be made again from here on. A step that alone is beyond kMaxBytes is forgotten at once, and
-  // with it all before it.
+  // Adds a new cut, after which nothing can be redone. A step that alone is beyond kMaxBytes is forgotten at once, and
+  // with it all steps before it.
   void add(std::vector<DoneCut> cuts);
-  // A new Reset: the same holds.
+  // Adds a new Reset; the same holds.
   void add_reset(std::shared_ptr<const Checkpoint> before, std::int64_t beginning);
-  // A Reset that was taken from those undone is done again from `before`.
+  // Adds a Reset, taken from the undone steps, that was done again from `before`.
   void redo_reset(std::shared_ptr<const Checkpoint> before);
   void clear();
 
-  // kFailedPrecondition NOTHING_TO_UNDO, UNDO_FORGOTTEN.
+  // Errors: kFailedPrecondition NOTHING_TO_UNDO, UNDO_FORGOTTEN.
   Result<std::shared_ptr<const UndoStep>> take_done();
-  // kFailedPrecondition NOTHING_TO_REDO.
+  // Error: kFailedPrecondition NOTHING_TO_REDO.
   Result<std::shared_ptr<const UndoStep>> take_undone();
 
   [[nodiscard]] std::size_t num_done() const { return done_.size(); }

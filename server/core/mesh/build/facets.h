@@ -7,10 +7,10 @@
 
 namespace kerf::mesh {
 
-// Makes the rest surface of records whose solid triangles, all there are so far, know their neighbours: `surface`, 3 x
-// V, m, where their vertices lie. Neighbours of one region that a common affine map from the material plane meets
-// within kSameFacet of their longest edge share a facet; the records' regions become the numbers of the facets.
-// Refused: MESH_DEGENERATE_TRIANGLE (flatter than kMinFlatness on the surface), field = `surface`.
+// Makes the rest surface of records that hold only solid triangles so far, with their neighbours. `surface`: 3 x V, m,
+// positions of their vertices. Neighbours of one region share a facet if one affine map from the material plane meets
+// both within kSameFacet of their longest edge; the records' regions become the numbers of the facets. Error:
+// MESH_DEGENERATE_TRIANGLE (flatter than kMinFlatness on the surface), field = `surface`.
 Status make_facets(const Eigen::Matrix3Xd& surface, MeshRecords& records);
 
 }  // namespace kerf::mesh

@@ -22,8 +22,8 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double kDefaultEdges = 32.0;     // along the larger side of the border
-constexpr double kGradingOfBorder = 0.25;  // growth away from edges of contours that are shorter than asked for
-// Edges of contours at least this long, as a fraction of the size wanted, are as asked for.  -
+constexpr double kGradingOfBorder = 0.25;  // growth away from edges of contours that are shorter than requested
+// Edges of contours at least this long, as a fraction of the requested size, count as long enough. -
 constexpr double kAsAsked = 0.8;
 constexpr double kWellShaped = 0.96;                  // quality, see relaxation.h  -
 constexpr double kEstimateMargin = 1.15;              // of vertices, on what is refused before it is made  -
@@ -137,7 +137,7 @@ class OutlineMesher {
 
   [[nodiscard]] SizeField sizes() const { return {edge_length_, asked_sources()}; }
 
-  // With the contours' own edges, where these are shorter than asked for.
+  // Returns the sizes with the contours' own edges, where these are shorter than requested.
   [[nodiscard]] SizeField sizes_inside() const {
     const SizeField asked = sizes();
     std::vector<SizeSource> sources = asked_sources();
@@ -151,7 +151,7 @@ class OutlineMesher {
     return {edge_length_, std::move(sources)};
   }
 
-  // The constrained Delaunay triangles inside, between the vertices of the contours alone.
+  // Makes the constrained Delaunay triangles inside, between the vertices of the contours alone.
   Result<TriangleMesh> triangulate() {
     std::vector<LatticePoint> points;
     for (const OutlineBorder::Vertex& vertex : border_.vertices()) points.push_back(vertex.at);
@@ -236,7 +236,7 @@ class OutlineMesher {
     return !refine(editor, all, refinement).stopped && !editor.budget_exhausted();
   }
 
-  // False where there would be too many vertices.
+  // Returns false if there would be too many vertices.
   bool fill(MeshEditor& editor) {
     const TriangleMesh& mesh = editor.mesh();
     const SizeField wanted = sizes_inside();
@@ -262,7 +262,7 @@ class OutlineMesher {
     relax(editor, inside, {}, kWellShaped);
   }
 
-  // The solid part as a mesh of its own, vertices near each other having near numbers.
+  // Makes a mesh of the solid part alone; vertices near each other have near numbers.
   static Result<TriangleMesh> collect(const TriangleMesh& mesh) {
     std::vector<bool> is_solid(static_cast<std::size_t>(mesh.num_points()));
     std::vector<TriangleId> solid;

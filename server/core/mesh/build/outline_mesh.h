@@ -12,7 +12,7 @@
 
 namespace kerf::mesh {
 
-inline constexpr double kMinOutlineEdge = 1e-9;   // -; shortest edge length that may be asked for, as a fraction of the
+inline constexpr double kMinOutlineEdge = 1e-9;   // -; shortest edge length that may be requested, as a fraction of the
                                                   // larger side of the outline
 inline constexpr double kMaxOutlineAngle = 28.0;  // degrees
 

@@ -19,8 +19,8 @@ class BoxTree {
     if (!boxes_.empty()) build(0, static_cast<std::int32_t>(boxes_.size()));
   }
 
-  // Calls visit(index) for each box that has a point in common with `box`, until one call returns false. Returns
-  // whether none did.
+  // Calls visit(index) for each box that has a point in common with `box`, until one call returns false. Returns true
+  // if none did.
   template <typename Visit>
   [[nodiscard]] bool visit_meeting(const Eigen::AlignedBox2d& box, const Visit& visit) const {
     return nodes_.empty() || descend(0, box, visit);

@@ -13,7 +13,7 @@ struct MeshSide {
 };
 
 // Walks straight from the middle of t to the target. Returns the first fixed edge on the way, or fills `location`
-// (kOutside where the walk lost its way, which rounding may cause in a needle).
+// (kOutside if the walk lost its way, which rounding may cause in a needle).
 std::optional<MeshSide> find_wall(const TriangleMesh& mesh, TriangleId t, const LatticePoint& target,
                                   Location& location);
 
