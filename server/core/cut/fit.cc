@@ -64,7 +64,8 @@ class Placing {
   double scale_;
 };
 
-// Returns true if a control point lies outside the box. If none does, the piece, in their convex hull, lies inside.
+// Returns true if an inner control point lies outside the box along `axis`. If none does, the piece, in the convex hull
+// of its control points, lies inside.
 bool reaches_out(const Eigen::AlignedBox2d& box, const RationalPiece& piece, int axis) {
   for (int i = 1; i < piece.degree; ++i) {
     const double at = projected(piece.points[static_cast<std::size_t>(i)])[axis];

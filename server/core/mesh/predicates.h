@@ -66,8 +66,8 @@ int in_circle_exact(const LatticePoint& a, const LatticePoint& b, const LatticeP
 bool segments_cross(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c, const LatticePoint& d);
 
 // Returns the lattice point nearest to the crossing of lines ab and cd. Each coordinate is rounded to nearest (ties
-// away from a), so at most half a unit off. The lines must not be parallel and the crossing must lie between a and b
-// (inclusive).
+// away from a), so at most half a unit off in x and in y. The lines must not be parallel and the crossing must lie
+// between a and b (inclusive).
 LatticePoint rounded_crossing(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c,
                               const LatticePoint& d);
 

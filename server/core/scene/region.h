@@ -111,9 +111,9 @@ Result<std::vector<mesh::TriangleId>> find_triangles(const mesh::TriangleMesh& m
 // m^2, in material coordinates, of a solid slot.
 double rest_area(const mesh::TriangleMesh& mesh, mesh::TriangleId slot);
 
-// Updates pins after an edit: a new vertex is pinned if all its sources are. So are both copies of a split vertex, and
-// a new vertex on an edge between two pinned ones. Vertices left without material are unpinned. `pinned`: sorted,
-// unique; stays so.
+// Updates pins after an edit: a new vertex is pinned if all its sources of positive weight are. So are both copies of a
+// split vertex, and a new vertex on an edge between two pinned ones. Vertices left without material are unpinned.
+// `pinned`: sorted, unique; stays so.
 void inherit_pins(const mesh::MeshEdit& edit, std::vector<mesh::VertexId>& pinned);
 
 }  // namespace kerf::sheet

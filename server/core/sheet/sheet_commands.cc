@@ -234,8 +234,8 @@ std::vector<GrabState>::iterator Sheet::Impl::find_grab(const std::string& grab_
 }
 
 // Returns the stiffness that holds the whole sheet against an acceleration of 1 mm a tick squared with 1 mm of stretch.
-// It is no stiffer than the membrane. So a jump of the target stretches the spring and not only the triangles it is
-// tied to.
+// It is no stiffer than the membrane, nor than kMaxGrabStiffness. So a jump of the target stretches the spring and not
+// only the triangles it is tied to.
 double Sheet::Impl::default_stiffness(mesh::VertexId vertex) const {
   const double hold = model.total_mass() / (dt * dt);
   const Eigen::Matrix3d& membrane = model.law(mesh.triangle_at(vertex)).membrane;
