@@ -12,7 +12,7 @@ namespace {
 
 class BitWriter {
  public:
-  // count <= 32; the bits of `value` above are zero.
+  // Appends the lowest `count` <= 32 bits of `value`, whose higher bits are zero.
   void put(std::uint32_t value, int count) {
     pending_ |= std::uint64_t{value} << num_pending_;
     num_pending_ += count;
@@ -37,14 +37,14 @@ class BitReader {
  public:
   explicit BitReader(std::string_view bytes) : bytes_(bytes) {}
 
-  // count <= 32. Beyond the end: zeros, and overrun() from then on.
+  // Reads `count` <= 32 bits. Beyond the end it returns zeros, and overrun() is true from then on.
   std::uint32_t take(int count) {
     refill();
     const auto value = static_cast<std::uint32_t>(pending_ & ((std::uint64_t{1} << count) - 1));
     drop(count);
     return value;
   }
-  // The ones before the next zero, which is taken too; or kEscape of them.
+  // Counts the ones before the next zero, which it consumes too; stops after kEscape of them.
   int take_unary() {
     refill();
     const int ones = std::min(std::countr_one(pending_), kEscape);
@@ -52,7 +52,7 @@ class BitReader {
     return ones;
   }
   [[nodiscard]] bool overrun() const { return num_pending_ < 0; }
-  // Nothing is left but the zeros that fill the last byte.
+  // Only the zeros that fill the last byte are left.
   [[nodiscard]] bool at_end() const {
     return num_pending_ >= 0 && num_pending_ < 8 && at_ == bytes_.size() && pending_ == 0;
   }
@@ -72,7 +72,7 @@ class BitReader {
   std::string_view bytes_;
   std::size_t at_ = 0;
   std::uint64_t pending_ = 0;
-  int num_pending_ = 0;  // below 0: more was taken than there is
+  int num_pending_ = 0;  // Negative once more bits were read than there are.
 };
 
 // One column of a block: `count` numbers, `stride` apart.
@@ -93,7 +93,7 @@ std::size_t cost_bits(const Column& column, int parameter) {
   return bits;
 }
 
-// The cheapest of the parameters about the mean's; which one is the writer's business alone.
+// Returns the cheapest parameter near the one that suits the mean. The format leaves this choice to the encoder.
 int choose_parameter(const Column& column, std::uint64_t sum) {
   const auto about = static_cast<int>(std::bit_width(sum / column.count));
   int best = 0;

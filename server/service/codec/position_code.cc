@@ -8,7 +8,7 @@
 namespace kerf::codec {
 namespace {
 
-// Coordinates as they are foretold, from those of earlier vertices. `positions` may be filled only up to the vertex.
+// Predicts coordinates from those of earlier vertices. `positions` need only be filled up to the vertex.
 class Foretold {
  public:
   Foretold(std::span<const std::uint16_t> positions, std::span<const std::uint16_t> base)
@@ -31,7 +31,7 @@ class Foretold {
     return static_cast<std::uint16_t>(near_a + positions_[index(predictor.near_b, axis)] -
                                       positions_[index(predictor.across, axis)]);
   }
-  // The base has all earlier vertices, as it has this one.
+  // Returns the displacement of `vertex` since the base frame, modulo 2^16. The base has all vertices below one it has.
   [[nodiscard]] std::int32_t way(std::int32_t vertex, std::size_t axis) const {
     const std::size_t at = index(vertex, axis);
     return static_cast<std::int16_t>(static_cast<std::uint16_t>(positions_[at] - base_[at]));

@@ -17,7 +17,7 @@ std::uint32_t foretold_corner(std::span<const Triangle> triangles, std::size_t s
   return whole ? back(1) + back(2) - back(3) : back(1);
 }
 
-// 32-bit floats in their order as integers, so that neighbours differ by one.
+// Maps 32-bit floats to integers in the same order, so that neighbouring floats differ by one.
 std::uint32_t order_of(float value) {
   const auto bits = std::bit_cast<std::uint32_t>(value);
   return (bits & 0x80000000U) != 0 ? ~bits : bits | 0x80000000U;

@@ -11,32 +11,33 @@
 
 #include "server/service/codec/vertex_predictors.h"
 
-// The arrays of a kerf.v1.TopologyPatch in few bytes, each as differences to what came before. Whoever unpacks gets
-// exactly what was packed, or nothing where the bytes are malformed; ids are not checked against any limit.
+// Codes the arrays of a kerf.v1.TopologyPatch in few bytes, each as differences from earlier elements. Unpacking
+// returns exactly what was packed, or nothing if the bytes are malformed. Ids are not checked against any limit.
 namespace kerf::codec {
 
-// Strictly ascending ids: the gaps between them.
+// Code strictly ascending ids as the gaps between them.
 std::string pack_ascending(std::span<const std::uint32_t> ids);
 std::optional<std::vector<std::uint32_t>> unpack_ascending(std::string_view bytes, std::size_t count);
 
-// Triangles, kNoVertex thrice included. `whole`: of all slots, where a grid's two triangles a cell go on from cell to
-// cell, and so each corner is foretold as s[-2] + (s[-1] - s[-3]) of the slots before; else, of slots that a cut has
-// rewritten, as s[-1]. (All modulo 2^32; what is before the first slot counts as 0.)
+// Code triangles, including empty slots (kNoVertex thrice), modulo 2^32. `whole` means that all slots are packed. Then
+// each corner is predicted as s[-2] + (s[-1] - s[-3]) of the slots before: a grid's two triangles per cell repeat from
+// cell to cell. Otherwise the slots are those rewritten by a cut, and the prediction is s[-1]. Slots before the first
+// count as 0.
 std::string pack_triangles(std::span<const std::array<std::int32_t, 3>> triangles, bool whole);
 std::optional<std::vector<std::array<std::int32_t, 3>>> unpack_triangles(std::string_view bytes, std::size_t count,
                                                                          bool whole);
 
-// Labels that seldom change from one slot to the next.
+// Code labels that seldom change from one slot to the next.
 std::string pack_labels(std::span<const std::int32_t> labels);
 std::optional<std::vector<std::int32_t>> unpack_labels(std::string_view bytes, std::size_t count);
 
-// Material positions of some vertices, exactly. `material`: 2 a vertex, of all vertices, m; `listed`: ascending ids of
-// those to be packed, which are foretold from vertices before them as positions in a keyframe, in 64-bit arithmetic
-// rounded to 32 bits, and differ from that by so many representable numbers.
+// Packs material positions of some vertices without loss. `material`: 2 per vertex, of all vertices, m. `listed`:
+// ascending ids of those to be packed. Each is predicted from earlier vertices as in a keyframe, in 64-bit arithmetic
+// rounded to 32 bits. The code holds the distance from the prediction, counted in representable numbers.
 std::string pack_material_positions(std::span<const float> material, std::span<const std::uint32_t> listed,
                                     std::span<const VertexPredictor> predictors);
-// Writes the listed vertices into `material`, which has room for all of them and holds the others. False where the
-// bytes are malformed; `material` is then changed in parts.
+// Writes the listed vertices into `material`, which has room for all vertices and already holds the unlisted ones.
+// Returns false if the bytes are malformed; `material` may then be partly overwritten.
 [[nodiscard]] bool unpack_material_positions(std::string_view bytes, std::span<const std::uint32_t> listed,
                                              std::span<const VertexPredictor> predictors, std::span<float> material);
 

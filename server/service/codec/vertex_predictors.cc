@@ -7,9 +7,9 @@ namespace {
 
 using Triangle = std::array<std::int32_t, 3>;
 
-// The slots around each vertex, one list behind the other.
+// Lists the slots around each vertex, all lists in one array.
 struct SlotsAround {
-  std::vector<std::size_t> begins;  // a vertex, and one more
+  std::vector<std::size_t> begins;  // One per vertex, and one more.
   std::vector<std::size_t> slots;
 
   SlotsAround(std::span<const Triangle> triangles, std::size_t num_vertices) : begins(num_vertices + 1, 0) {
@@ -50,7 +50,7 @@ std::int32_t find_across(std::span<const Triangle> triangles, const SlotsAround&
 
 std::vector<VertexPredictor> vertex_predictors(std::span<const Triangle> triangles, std::size_t num_vertices) {
   std::vector<VertexPredictor> predictors(num_vertices);
-  std::vector<std::int32_t> neighbours(num_vertices, kNoVertex);  // near_a where a vertex is the highest in no slot
+  std::vector<std::int32_t> neighbours(num_vertices, kNoVertex);  // near_a of vertices that are the highest in no slot.
   for (const Triangle& triangle : triangles) {
     if (triangle[0] == kNoVertex) continue;
     const std::int32_t lowest = std::min({triangle[0], triangle[1], triangle[2]});
@@ -67,7 +67,7 @@ std::vector<VertexPredictor> vertex_predictors(std::span<const Triangle> triangl
   for (std::size_t v = 0; v < num_vertices; ++v) {
     const auto vertex = static_cast<std::int32_t>(v);
     if (predictors[v].near_a == kNoVertex) {
-      // kNoVertex of the first vertex.
+      // The first vertex gets -1, which is kNoVertex.
       predictors[v].near_a = neighbours[v] == kNoVertex ? vertex - 1 : neighbours[v];
     } else {
       predictors[v].across = find_across(triangles, around, vertex, predictors[v]);

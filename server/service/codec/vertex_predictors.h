@@ -10,8 +10,7 @@ namespace kerf::codec {
 
 inline constexpr std::int32_t kNoVertex = -1;
 
-// From which earlier vertices a vertex is foretold. Ids, kNoVertex where there is none; all of them below the vertex's
-// own.
+// Holds the earlier vertices that predict a vertex: ids below its own, or kNoVertex if there is none.
 //
 //      near_a                 near_a and near_b are the other corners of the first slot in which the vertex has the
 //      /    \                 highest id of the three; across is the lowest id that forms a triangle with those two on
@@ -26,8 +25,8 @@ struct VertexPredictor {
   bool operator==(const VertexPredictor&) const = default;
 };
 
-// For each of num_vertices vertices; a function of the triangles alone, so that a viewer that has them finds the same.
-// `triangles`: a slot; vertex ids in 0..num_vertices-1, or kNoVertex thrice where there is no material.
+// Returns the predictors of num_vertices vertices. They depend on the triangles alone, so a viewer that has those finds
+// the same. `triangles`: one per slot; vertex ids in 0..num_vertices-1, or kNoVertex thrice in an empty slot.
 // O(vertices + slots).
 std::vector<VertexPredictor> vertex_predictors(std::span<const std::array<std::int32_t, 3>> triangles,
                                                std::size_t num_vertices);

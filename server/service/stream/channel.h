@@ -19,44 +19,43 @@
 
 namespace kerf::stream {
 
-// Of several channels together, for metrics.
+// Counts the frames of several channels together, for metrics.
 struct FrameCounters {
-  std::atomic<std::int64_t> encoded{0};  // keyframes and differences to an older frame; one for all who need the same
-  std::atomic<std::int64_t> sent{0};     // given to subscribers
+  std::atomic<std::int64_t> encoded{0};  // Keyframes and deltas; one frame shared by several subscribers counts once.
+  std::atomic<std::int64_t> sent{0};     // Frames given to subscribers.
 };
 
-// The newest snapshot of one sheet, for everyone who watches it: subscribers, who are sent frames, and other readers,
-// who make pictures of it. The sheet's strand publishes; threads of transports take, each for its own subscriber, what
-// that one needs of the newest snapshot. Older snapshots are let go: nobody is sent one when there is a newer.
-// Quantising and encoding happen when the first subscriber takes a frame, once for all of them, and not at all without
-// subscribers. Thread-safe; publish() waits for no encoding.
+// Publishes the newest snapshot of one sheet to its readers: subscribers receive frames, other readers make pictures.
+// The sheet's strand publishes. Threads of transports take the part of the newest snapshot that their own subscriber
+// needs. Older snapshots are dropped and never sent. The first subscriber that takes a frame has it quantised and
+// encoded, once for all of them; without subscribers nothing is encoded. Thread-safe; publish() waits for no encoding.
 class Channel : public sheet::SnapshotSink, public std::enable_shared_from_this<Channel> {
  public:
-  // `max_subscribers`: readers of any kind. `instance`: of this start of the server; part of the epoch. `counters`:
-  // where frames are counted together with those of other channels; may be null.
+  // `max_subscribers`: limit on readers of any kind. `instance`: identifies this start of the server and is part of the
+  // epoch. `counters`: counts frames together with those of other channels; may be null.
   explicit Channel(std::int32_t max_subscribers, std::string instance = {},
                    std::shared_ptr<FrameCounters> counters = nullptr)
       : max_subscribers_(max_subscribers), instance_(std::move(instance)), shared_counters_(std::move(counters)) {}
 
-  // `ready` is called, with no lock held, when the subscriber's next() may have something: after a snapshot that it can
-  // take, an acknowledgement that opens its window, or the end.
-  // kResourceExhausted TOO_MANY_SUBSCRIBERS; kUnavailable CHANNEL_ENDED.
+  // Adds a subscriber. `ready` is called, with no lock held, whenever next() may have something. That is after a
+  // snapshot that the subscriber can take, an acknowledgement that opens its window, or the end. kResourceExhausted
+  // TOO_MANY_SUBSCRIBERS; kUnavailable CHANNEL_ENDED.
   Result<std::shared_ptr<Subscriber>> subscribe(const SubscriberOptions& options, std::function<void()> ready);
 
-  // Wakes and ends `reader` from now on. Errors of subscribe().
+  // Calls wake() and end() of `reader` from now on. Errors of subscribe().
   Status admit(const std::shared_ptr<Reader>& reader, bool wants_strains);
-  // Whether there are to be snapshots, for a reader that was admitted: a paused one needs none, and must have the
-  // newest published when it goes on.
+  // Sets whether an admitted reader needs snapshots. A paused one needs none; when it resumes, the newest must be
+  // published.
   void want_snapshots(const Reader& reader, bool wants);
-  // Whether the next snapshots are to have strains, for a reader that was admitted.
+  // Sets whether an admitted reader needs strains in the next snapshots.
   void want_strains(const Reader& reader, bool wants);
-  // Does nothing for a reader that is not here.
+  // Removes a reader; does nothing if it is not admitted.
   void leave(const Reader& reader);
 
   struct Newest {
-    std::int64_t publication = 0;  // counts them, from 1; 0: there was none
+    std::int64_t publication = 0;  // Counts publications from 1; 0 before the first.
     std::int64_t revision =
-        0;  // of what the sheet looks like: that of the publication before where only its run state is new
+        0;  // Counts changes of the sheet's appearance. It stays the same if only the run state is new.
     std::shared_ptr<const sheet::Snapshot> snapshot;  // null before the first publication
   };
   [[nodiscard]] Newest newest() const;
@@ -76,16 +75,16 @@ class Channel : public sheet::SnapshotSink, public std::enable_shared_from_this<
  private:
   friend class Subscriber;
   struct Entry {
-    const Reader* reader = nullptr;  // valid until it has left
+    const Reader* reader = nullptr;  // Valid until the reader has left.
     std::weak_ptr<Reader> handle;
     bool wants_snapshots = true;
     bool wants_strains = false;
   };
   using Readers = std::vector<Entry>;
 
-  // kerf.v1.Frame.epoch of the newest snapshot; one must have been published.
+  // Returns kerf.v1.Frame.epoch of the newest snapshot; one must have been published.
   [[nodiscard]] std::string epoch() const;
-  // What a subscriber in this state needs of the newest snapshot; one must have been published.
+  // Returns the parts of the newest snapshot that a subscriber in this state needs; one must have been published.
   FramePick pick(const Viewed& viewed);
   void change(const Reader& reader, const std::function<void(Entry&)>& change);
   void replace_readers(std::shared_ptr<const Readers> readers);  // mutex_ held

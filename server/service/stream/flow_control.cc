@@ -57,7 +57,7 @@ void FlowControl::set_pace(double max_rate_hz, bool paused, Nanoseconds now) {
   paused_ = paused;
   next_allowed_ = Nanoseconds::min();
   if (!goes_on) return;
-  // What is owed is owed from now.
+  // Restarts the acknowledgement timeout of frames sent before the pause.
   for (InFlight& frame : in_flight_) frame.sent_at = now;
 }
 

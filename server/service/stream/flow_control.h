@@ -11,37 +11,38 @@
 namespace kerf::stream {
 
 struct FlowOptions {
-  std::int32_t window = 2;                             // frames in flight, 1..8; 0: see WindowControl
-  double max_rate_hz = 0.0;                            // frames a second, >= 0; 0: every one there is
-  std::size_t max_unacknowledged_bytes = 4 << 20;      // no frame is sent while this much or more is in flight
-  Nanoseconds ack_timeout = std::chrono::seconds(10);  // for the oldest frame in flight
-  bool acknowledges = true;                            // false: frames count as acknowledged once they are sent
+  std::int32_t window = 2;                             // Frames in flight, 1..8; 0: adaptive, see WindowControl.
+  double max_rate_hz = 0.0;                            // Frames per second, >= 0; 0: no limit.
+  std::size_t max_unacknowledged_bytes = 4 << 20;      // No frame is sent while at least this much is in flight.
+  Nanoseconds ack_timeout = std::chrono::seconds(10);  // For the oldest frame in flight.
+  bool acknowledges = true;                            // False: frames count as acknowledged once they are sent.
 };
 
-// When one stream may be sent its next frame, whatever frames are made of: while fewer than `window` frames and
-// max_unacknowledged_bytes are unacknowledged and max_rate_hz allows. Not thread-safe.
+// Decides when one stream may send its next frame, regardless of the frame's content. It may while fewer than `window`
+// frames and max_unacknowledged_bytes are unacknowledged and max_rate_hz allows. Not thread-safe.
 class FlowControl {
  public:
   explicit FlowControl(const FlowOptions& options);
 
   struct Permit {
     bool may_send = false;
-    bool too_slow = false;  // an acknowledgement is owed for longer than ack_timeout: the stream is to be ended
-    std::optional<Nanoseconds> wake_at;  // ask again then, unless something else happens before
+    bool too_slow = false;               // No acknowledgement came within ack_timeout: the stream must end.
+    std::optional<Nanoseconds> wake_at;  // Call permit() again then, unless something else happens before.
   };
   [[nodiscard]] Permit permit(Nanoseconds now) const;
 
-  // A frame of so many bytes is sent; `publications` (>= 0) after the one before it there were for it to show. Returns
-  // its sequence: 1, 2, 3, ...
+  // Records a frame of `bytes` bytes as sent. `publications` (>= 0): how many there were since the frame before.
+  // Returns its sequence number: 1, 2, 3, ...
   std::int64_t sent(std::size_t bytes, std::int64_t publications, Nanoseconds now);
   [[nodiscard]] std::int64_t last_sequence() const { return last_sequence_; }
 
-  // All frames up to `sequence` have arrived, the last of them `held` ago (0: not told). One that is acknowledged
-  // already is no error. True: a window that was closed has opened.
-  // kInvalidArgument ACK_OUT_OF_RANGE, field "ack.sequence": outside 1..last sent; field "ack.held_us": below 0.
+  // Records that all frames up to `sequence` have arrived; repeating one is no error. `held`: how long the reader held
+  // the last of them; 0 if unknown. Returns true if a closed window has opened. kInvalidArgument ACK_OUT_OF_RANGE,
+  // field "ack.sequence": outside 1..last sent; field "ack.held_us": below 0.
   Result<bool> acknowledge(std::int64_t sequence, Nanoseconds now, Nanoseconds held);
 
-  // From now on. max_rate_hz as in the options; while paused nothing may be sent, and no acknowledgement is owed.
+  // Sets the pace from `now` on; max_rate_hz is as in the options. While paused no frame may be sent, and no
+  // acknowledgement is due.
   void set_pace(double max_rate_hz, bool paused, Nanoseconds now);
 
   [[nodiscard]] std::int32_t window() const { return window_.window(); }
@@ -51,18 +52,18 @@ class FlowControl {
     std::int64_t sequence = 0;
     std::size_t bytes = 0;
     Nanoseconds sent_at{0};
-    bool alone = false;  // nothing else was under way
+    bool alone = false;  // No other frame was in flight.
   };
 
-  // Frames that may be under way at this time.
+  // Returns how many frames may be in flight at this time.
   [[nodiscard]] std::int32_t window_at(Nanoseconds now) const;
   [[nodiscard]] bool window_open(Nanoseconds now) const;
-  [[nodiscard]] Nanoseconds ack_deadline() const;  // only with a frame in flight
-  // Ones of equal rates end at the same times, so that all viewers of a rate are at the same frame and share what is
-  // encoded for it.
+  [[nodiscard]] Nanoseconds ack_deadline() const;  // Requires a frame in flight.
+  // Returns the end of the current slot of max_rate_hz. Slots of equal rates end at the same times for all viewers.
+  // Thus viewers of one rate show the same frame and share its encoding.
   [[nodiscard]] Nanoseconds next_slot(Nanoseconds now) const;
   void note_interval(std::int64_t publications, Nanoseconds now);
-  // Removes what is acknowledged; the last of it, if any.
+  // Removes acknowledged frames; returns the last of them, if any.
   std::optional<InFlight> settle(std::int64_t sequence);
 
   const std::size_t max_unacknowledged_bytes_;
@@ -72,12 +73,12 @@ class FlowControl {
   std::size_t bytes_in_flight_ = 0;
   std::int64_t last_sequence_ = 0;
   WindowControl window_;
-  Nanoseconds new_place_from_ = Nanoseconds::min();  // the last of the window's is to be taken
+  Nanoseconds new_place_from_ = Nanoseconds::min();  // The last place of a grown window opens then.
   double max_rate_hz_;
   bool paused_ = false;
-  Nanoseconds next_allowed_ = Nanoseconds::min();  // by max_rate_hz_
+  Nanoseconds next_allowed_ = Nanoseconds::min();  // Earliest next frame by max_rate_hz_.
   Nanoseconds last_sent_at_{0};
-  double interval_s_ = 0.0;  // between publications, smoothed; 0: not known yet
+  double interval_s_ = 0.0;  // Between publications, smoothed; 0: not known yet.
 };
 
 }  // namespace kerf::stream

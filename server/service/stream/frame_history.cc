@@ -32,7 +32,7 @@ FrameHistory::Frame& FrameHistory::frame(std::int64_t publication, const sheet::
   std::optional<wire::FrameBox> box;
   if (!frames_.empty()) box = frames_.back().quantised.box;
   if (frames_.size() == kFrames) frames_.pop_front();
-  // What was encoded for older frames is of no use to anyone now; only their positions are.
+  // Drops the encodings of older frames, because only their positions are still needed.
   for (Frame& older : frames_) {
     older.raw.reset();
     older.keyframe.reset();
@@ -64,7 +64,8 @@ const wire::Predictors& FrameHistory::predictors() {
 }
 
 const FrameHistory::Topology& FrameHistory::topology(std::int32_t base_version, wire::Encoding encoding) {
-  // A client may say that it has any version: what no patch leads from shares the full one, and few are kept.
+  // Treats versions that no patch can start from as -1, so that they share the full topology. A client may claim any
+  // version, and few encodings are kept.
   if (!wire::can_patch(*topology_, base_version)) base_version = -1;
   if (const auto kept = topologies_.find({encoding, base_version}); kept != topologies_.end()) return kept->second;
   if (topologies_.size() >= kTopologies) topologies_.clear();

@@ -7,14 +7,15 @@
 
 namespace kerf::stream {
 
-// Immutable bytes that several streams send.
+// Immutable bytes shared by several streams.
 using Bytes = std::shared_ptr<const std::string>;
 
-// One serialised WatchResponse in parts, to be written in order without gaps: the few bytes of this stream's own, then
-// what it shares with others. A transport passes the parts on as they are (gRPC slices, a buffer sequence).
+// Holds one serialised WatchResponse in parts, to be written in order without gaps. The few bytes of this stream alone
+// come first, then those shared with others. A transport writes the parts without copying them (gRPC slices, a buffer
+// sequence).
 struct Message {
   std::vector<Bytes> parts;    // none null
-  bool says_too_slow = false;  // the stream's last, Ended TOO_SLOW
+  bool says_too_slow = false;  // True for Ended TOO_SLOW, the stream's last message.
 
   [[nodiscard]] std::size_t size() const {
     std::size_t total = 0;

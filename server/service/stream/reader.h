@@ -4,16 +4,17 @@
 
 namespace kerf::stream {
 
-// One stream that follows a Channel, whatever it makes of the snapshots. The channel keeps no reader alive.
+// Follows a Channel as one stream. The channel keeps no reader alive.
 class Reader {
  public:
   virtual ~Reader() = default;
 
-  // There is a newer snapshot. On the sheet's strand, with no lock of the channel held: must not wait for any encoding.
+  // Signals a newer snapshot. Called on the sheet's strand, with no lock of the channel held; must not wait for
+  // encoding.
   virtual void wake() = 0;
-  // The last call of the channel.
+  // Signals the end. The channel makes no call after this one.
   virtual void end(wire::EndReason reason) = 0;
-  // No more calls of the channel, though one may still be under way. Idempotent.
+  // Stops the calls of the channel, though one may still be in progress. Idempotent.
   virtual void leave() = 0;
 };
 

@@ -22,14 +22,14 @@ class Channel;
 struct SubscriberOptions {
   FlowOptions flow;
   wire::Encoding encoding = wire::Encoding::kCompact;
-  bool strains = false;                // frames have strains, from the next snapshot on
-  std::string epoch = {};              // of what the viewer has from an earlier stream; empty: nothing
-  std::int32_t topology_version = -1;  // likewise
+  bool strains = false;    // Frames have strains, from the next snapshot on.
+  std::string epoch = {};  // Epoch of the topology that the viewer kept from an earlier stream; empty: none.
+  std::int32_t topology_version = -1;  // Version of that topology; -1: none.
 };
 
-// One stream of frames. A frame is given only while its FlowControl allows, and it is always the sheet's newest: a slow
-// reader skips, never lags. The stream is taken as reliable and ordered: a frame given by next() is the base of later
-// deltas. Thread-safe.
+// Sends one stream of frames. next() gives a frame only while its FlowControl allows, always the sheet's newest: a slow
+// reader skips frames, but never lags. The transport must be reliable and ordered, because every frame given by next()
+// is the base of later deltas. Thread-safe.
 class Subscriber : public Reader {
  public:
   // Made by Channel::subscribe().
@@ -39,24 +39,25 @@ class Subscriber : public Reader {
   Subscriber& operator=(const Subscriber&) = delete;
 
   struct Next {
-    std::optional<Message> message;      // to be sent
-    std::optional<Nanoseconds> wake_at;  // without a message: call next() again then, unless `ready` comes first
+    std::optional<Message> message;      // To be sent.
+    std::optional<Nanoseconds> wake_at;  // Without a message: call next() again then, unless `ready` comes first.
   };
   Next next(Nanoseconds now);
 
-  // As FlowControl::acknowledge().
+  // Calls FlowControl::acknowledge() and wakes the stream if the window has opened.
   Status acknowledge(std::int64_t sequence, Nanoseconds now = Nanoseconds(0), Nanoseconds held = Nanoseconds(0));
 
-  // As FlowControl::set_pace(). True: a pause is over, and the next frame is that of a publication yet to come, which
-  // is to be asked for: while all readers pause the channel gets none.
+  // Calls FlowControl::set_pace(). Returns true if a pause has ended. The next frame then shows a publication yet to
+  // come, which the caller must request: the channel gets none while all readers pause.
   [[nodiscard]] bool set_pace(double max_rate_hz, bool paused, Nanoseconds now);
   [[nodiscard]] const std::shared_ptr<Channel>& channel() const { return channel_; }
 
   [[nodiscard]] std::int32_t window() const;
-  // next() has given an Ended message; nothing follows.
+  // True once next() has given an Ended message; nothing follows.
   [[nodiscard]] bool ended() const;
 
-  // No more frames; `ready` is not called any more, though a call may still be under way. Idempotent.
+  // Ends the stream without a message. `ready` is not called any more, though a call may still be in progress.
+  // Idempotent.
   void leave() override;
 
   // Calls `ready` if next() waits for a publication. Takes no lock, because another thread may be encoding in next().
@@ -75,13 +76,13 @@ class Subscriber : public Reader {
   mutable std::mutex mutex_;
   FlowControl flow_;
   bool paused_ = false;
-  std::int64_t stale_through_ = 0;  // publications that are older than the end of a pause
+  std::int64_t stale_through_ = 0;  // Publications up to this one are older than the end of a pause.
   std::int64_t last_tick_ = 0;
   Viewed viewed_;
-  std::optional<wire::EndReason> end_;  // to be told
+  std::optional<wire::EndReason> end_;  // Still to be sent.
   bool ended_ = false;
 
-  std::atomic<bool> wants_frame_{true};  // next() found nothing newer, and would have sent it
+  std::atomic<bool> wants_frame_{true};  // next() found nothing newer, and would have sent it.
   std::atomic<bool> left_{false};
 };
 

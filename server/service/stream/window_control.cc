@@ -9,10 +9,10 @@ namespace {
 
 constexpr std::int32_t kMeasuredAlone = 2;
 constexpr double kSmoothing = 0.25;    // -; weight of the newest measurement
-constexpr std::size_t kEmptyWays = 4;  // so many of the newest say how long the empty way takes
-constexpr double kMostWaiting = 1.0;   // frames in the link before the window shrinks
-constexpr double kFewWaiting = 0.5;    // frames in the link below which it may grow
-constexpr double kMostHeldUp = 0.75;   // of `interval`: so long a frame may wait for the reader to be done with others
+constexpr std::size_t kEmptyWays = 4;  // Number of measurements behind w0.
+constexpr double kMostWaiting = 1.0;   // Frames queued in the link above which the window shrinks.
+constexpr double kFewWaiting = 0.5;    // Frames queued in the link below which it may grow.
+constexpr double kMostHeldUp = 0.75;   // Share of `interval` that a frame may wait at the reader for others.
 constexpr double kShortestWayS = 1.0e-6;
 
 double seconds_of(Nanoseconds duration) {
@@ -25,7 +25,7 @@ void smooth(double& mean, double value) {
 
 }  // namespace
 
-// A second frame that is sent before the reader has told how long it holds the first may wait behind it.
+// Starts with a window of 1: a second frame could wait behind the first until the reader reports how long it holds one.
 WindowControl::WindowControl(std::int32_t fixed) : adapts_(fixed == 0), window_(std::max(fixed, 1)) {}
 
 double WindowControl::wanted(double interval_s) const {
@@ -36,7 +36,8 @@ double WindowControl::wanted(double interval_s) const {
 void WindowControl::acknowledged(Nanoseconds total, Nanoseconds held, bool alone, Nanoseconds interval) {
   if (!adapts_) return;
   if (!std::exchange(is_told_, true)) {
-    // A joiner's frame is larger than all that follow. Those are measured one by one before the window grows.
+    // Ignores the first frame of a new viewer, which is larger than all that follow. Those are measured one by one
+    // before the window grows.
     since_change_ = -kMeasuredAlone;
     return;
   }
@@ -50,7 +51,7 @@ void WindowControl::acknowledged(Nanoseconds total, Nanoseconds held, bool alone
   }
   empty_way_s_ = empty_way_s_ == 0.0 ? way_s : std::min(empty_way_s_, way_s);
 
-  // One step a window's worth of acknowledgements: before that they tell of frames sent under another window.
+  // Takes one step per window of acknowledgements: earlier ones concern frames sent under another window.
   if (++since_change_ < window_) return;
   const double waiting = window_ * (1.0 - empty_way_s_ / std::max(way_s_, empty_way_s_));
   const auto wish = static_cast<std::int32_t>(std::clamp(wanted(seconds_of(interval)), 1.0, double{kMaxWindow}));

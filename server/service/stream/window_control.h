@@ -7,34 +7,37 @@
 
 namespace kerf::stream {
 
-// Since any fixed start, the same for all calls on one object.
+// Time since any fixed start, the same for all calls on one object.
 using Nanoseconds = std::chrono::nanoseconds;
 
 inline constexpr std::int32_t kMaxWindow = 8;
 
-// How many frames of one stream may be under way, so that the reader is kept as busy as it can be and no frame waits
-// behind another on the way.
+// Chooses how many frames of one stream may be in flight. The reader is to be as busy as possible, and no frame is to
+// wait behind another in transit.
 //
-// A reader that acknowledges tells how long it held the frame: what is left of the time since it was sent is the way
-// there and back. A way of w with a frame wanted every t seconds (the sheet's tick, or how long the reader holds each,
-// if that is longer) needs (w + held) / t frames under way: one for a slow reader however far it is from being done,
-// eight for a quick one far away. That is rounded up only where the last of them waits at the reader for less than a
-// tick: a slow reader has fewer frames rather than old ones. Frames that would wait in a narrow link are not sent: when
-// the way takes longer than it does when nothing else is on it, w0, then window (1 - w0 / w) frames wait there (L.
-// Brakmo, L. Peterson, "TCP Vegas", 1995), and the window shrinks while that is more than one.
+// A reader that acknowledges a frame reports how long it held it. The rest of the time since it was sent is the round
+// trip time w. Let t be the interval between frames: the sheet's tick, or the time for which the reader holds each, if
+// that is longer. Then (w + held) / t frames must be in flight: one for a slow reader however far away, eight for a
+// quick one far away. The quotient is rounded up only if the last frame then waits at the reader for less than a tick.
+// Thus a slow reader has fewer frames rather than old ones.
+//
+// Frames that would queue in a narrow link are not sent. Let w0 be the round trip time without other frames in flight.
+// Then window (1 - w0 / w) frames queue in the link, and the window shrinks while that is more than one. (L. Brakmo, L.
+// Peterson, "TCP Vegas", 1995.)
 class WindowControl {
  public:
-  // fixed 1..kMaxWindow: the window, whatever is acknowledged; 0: from 1 what is wanted, as soon as acknowledgements
-  // tell how long a frame was held, and 1 where they do not.
+  // `fixed`: 1..kMaxWindow sets a constant window. 0 starts at 1 and adapts once acknowledgements report how long
+  // frames were held; it stays 1 without such reports.
   explicit WindowControl(std::int32_t fixed);
 
   [[nodiscard]] std::int32_t window() const { return window_; }
-  // After a window has grown: from the acknowledgement so long until its new place is taken. That puts the new frame
-  // halfway between two others; right behind one of them it would wait at the reader.
+  // Returns the delay from the acknowledgement that grew the window until its new place is used. The new frame then
+  // falls halfway between two others; right behind one of them it would wait at the reader.
   [[nodiscard]] Nanoseconds pause_before_new() const;
 
-  // A frame was acknowledged. `total`: since it was sent, > 0; `held`: of that, by the reader, in 0..total; `alone`:
-  // nothing else was under way when it was sent; `interval`: between the frames that the reader could have at most.
+  // Records an acknowledged frame. `total`: since it was sent, > 0. `held`: part of that spent at the reader, 0..total.
+  // `alone`: no other frame was in flight when it was sent. `interval`: shortest possible time between the reader's
+  // frames.
   void acknowledged(Nanoseconds total, Nanoseconds held, bool alone, Nanoseconds interval);
 
  private:
@@ -43,11 +46,11 @@ class WindowControl {
   bool adapts_;
   bool is_told_ = false;
   std::int32_t window_;
-  std::int32_t since_change_ = 0;    // acknowledgements
-  double way_s_ = 0.0;               // smoothed; 0 before the first
-  double held_s_ = 0.0;              // likewise
+  std::int32_t since_change_ = 0;    // Acknowledgements since the window changed.
+  double way_s_ = 0.0;               // Round trip time, smoothed; 0 before the first.
+  double held_s_ = 0.0;              // At the reader, smoothed; 0 before the first.
   double empty_way_s_ = 0.0;         // w0
-  std::deque<double> empty_ways_s_;  // the last few that were measured with nothing else on the way
+  std::deque<double> empty_ways_s_;  // The last few round trip times measured without other frames in flight.
 };
 
 }  // namespace kerf::stream

@@ -8,7 +8,7 @@
 namespace kerf::svg {
 namespace {
 
-// User units of 1/96 inch; CSS Values 3, section 5.2.
+// Lengths of the units in user units of 1/96 inch (CSS Values 3, section 5.2).
 constexpr std::array<std::pair<std::string_view, double>, 10> kUnits{{
     {"", 1.0},
     {"px", 1.0},
@@ -26,14 +26,14 @@ constexpr std::array<std::pair<std::string_view, double>, 10> kUnits{{
 
 std::string property(const pugi::xml_node& node, std::string_view name) {
   std::string_view style = node.attribute("style").value();
-  std::string_view found;  // the last declaration counts
+  std::string_view found;  // The last declaration counts.
   while (!style.empty()) {
     const std::size_t end = style.find(';');
     const std::string_view declaration = style.substr(0, end);
     const std::size_t colon = declaration.find(':');
     if (colon != std::string_view::npos && trimmed(declaration.substr(0, colon)) == name) {
       found = trimmed(declaration.substr(colon + 1));
-      found = trimmed(found.substr(0, found.find('!')));  // !important
+      found = trimmed(found.substr(0, found.find('!')));  // Cuts off "!important".
     }
     style = end == std::string_view::npos ? std::string_view() : style.substr(end + 1);
   }

@@ -9,11 +9,11 @@
 
 namespace kerf::svg {
 
-// A property by its declaration in the `style` attribute, else by the attribute of its name; blanks around it removed,
-// empty where there is neither.
+// Returns a property from its declaration in the `style` attribute, else from the attribute of its name. Surrounding
+// blanks are removed; the result is empty if the element has neither.
 std::string property(const pugi::xml_node& node, std::string_view name);
 
-// What percentages refer to: the sides of the nearest viewport, in user units.
+// Holds the sides of the nearest viewport, in user units. Percentages refer to these.
 struct Viewport {
   Eigen::Vector2d size{0.0, 0.0};
 
@@ -22,11 +22,11 @@ struct Viewport {
   [[nodiscard]] double diagonal() const { return size.norm() / 1.4142135623730951; }  // SVG 1.1, section 7.10
 };
 
-// A length in user units: px or no unit, mm, cm, in, pt, pc, Q, em and ex of a 16 px font, and % of `whole`. Nothing
-// where it cannot be read.
+// Parses a length and returns it in user units. Units: px or none, mm, cm, in, pt, pc, Q, em and ex of a 16 px font,
+// and % of `whole`. Returns nothing if the text cannot be parsed.
 std::optional<double> parse_length(std::string_view text, double whole);
 
-// The same of an attribute: `otherwise` where it is missing, "auto" or cannot be read.
+// Parses an attribute as parse_length() does. Returns `otherwise` if it is missing, "auto" or malformed.
 double length_of(const pugi::xml_node& node, const char* name, double whole, double otherwise);
 
 }  // namespace kerf::svg

@@ -20,7 +20,7 @@ class PathReader {
 
   PathData run() {
     scanner_.skip_blanks();
-    // Each turn reads at least one character.
+    // Each iteration consumes at least one character.
     while (result_.error.empty() && !scanner_.at_end() && num_segments_ <= max_segments_) {
       const char letter = scanner_.peek();
       if (!scanner_.accept(letter) || std::string_view("MmLlHhVvCcSsQqTtAaZz").find(letter) == std::string_view::npos) {
@@ -37,7 +37,7 @@ class PathReader {
   }
 
  private:
-  // A command with all its repetitions.
+  // Reads a command with all its repetitions.
   void read_command(char letter) {
     relative_ = std::islower(static_cast<unsigned char>(letter)) != 0;
     char command = static_cast<char>(std::toupper(static_cast<unsigned char>(letter)));
@@ -46,14 +46,14 @@ class PathReader {
     bool more = true;
     while (more && num_segments_ <= max_segments_) {
       if (!read_one(command)) return fail(std::string("a number is missing after '") + letter + "'");
-      if (command == 'M') command = 'L';  // further pairs of a moveto are linetos
+      if (command == 'M') command = 'L';  // Further pairs of a moveto are linetos.
       const bool comma = scanner_.skip_separator();
       more = scanner_.at_number();
       if (comma && !more) return fail("a comma is followed by no number");
     }
   }
 
-  // One set of arguments; false where one is missing.
+  // Reads one set of arguments; returns false if one is missing.
   bool read_one(char command) {
     switch (command) {
       case 'M':
@@ -120,7 +120,7 @@ class PathReader {
     return true;
   }
   bool arc() {
-    std::array<double, 3> numbers{};  // semi-axes, rotation in degrees
+    std::array<double, 3> numbers{};  // Semi-axes, then the rotation in degrees.
     for (double& number : numbers) {
       const std::optional<double> value = scanner_.number();
       if (!value) return false;
@@ -164,7 +164,7 @@ class PathReader {
   }
 
   void add(const cut::Segment& segment, const Vector2d& end) {
-    if (subpath_.segments.empty()) subpath_.start = pen_;  // also after a closepath without a moveto
+    if (subpath_.segments.empty()) subpath_.start = pen_;  // Needed also after a closepath without a moveto.
     subpath_.segments.push_back(segment);
     ++num_segments_;
     pen_ = end;
@@ -189,7 +189,7 @@ class PathReader {
   bool relative_ = false;
   Vector2d start_{0.0, 0.0};
   Vector2d pen_{0.0, 0.0};
-  std::optional<Vector2d> cubic_control_;  // the last one, of a segment just before
+  std::optional<Vector2d> cubic_control_;  // The last control point, if the segment just before has one.
   std::optional<Vector2d> quadratic_control_;
 };
 

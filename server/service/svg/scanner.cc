@@ -63,11 +63,11 @@ std::optional<double> Scanner::number() {
     end = fraction;
   }
   if (digits == 0) return std::nullopt;
-  bool tiny = false;  // should it be out of range
+  bool tiny = false;  // Chooses between 0 and no result if the number is out of range.
   if (end < text_.size() && (text_[end] == 'e' || text_[end] == 'E')) {
     const std::size_t exponent = sign_at(end + 1) ? end + 2 : end + 1;
     const std::size_t exponent_end = end_of_digits(exponent);
-    if (exponent_end > exponent) {  // else it is a unit: "2em"
+    if (exponent_end > exponent) {  // Without digits the "e" begins a unit: "2em".
       tiny = text_[end + 1] == '-';
       end = exponent_end;
     }

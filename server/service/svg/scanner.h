@@ -6,7 +6,7 @@
 
 namespace kerf::svg {
 
-// Reads the small languages inside attributes, from left to right.
+// Tokenizes the small languages inside attributes, from left to right.
 class Scanner {
  public:
   explicit Scanner(std::string_view text) : text_(text) {}
@@ -14,21 +14,22 @@ class Scanner {
   [[nodiscard]] bool at_end() const { return at_ == text_.size(); }
   [[nodiscard]] std::size_t position() const { return at_; }
   [[nodiscard]] char peek() const { return at_end() ? '\0' : text_[at_]; }
-  // Whether a number can start here.
+  // True if a number can start here.
   [[nodiscard]] bool at_number() const;
 
   void skip_blanks();
-  // Blanks with at most one comma among them; whether there was one.
+  // Skips blanks with at most one comma among them; returns true if it found a comma.
   bool skip_separator();
-  // The next character if it is this one.
+  // Consumes the next character if it is `wanted`; returns true if it was.
   bool accept(char wanted);
-  // Letters, as many as there are.
+  // Consumes the letters that start here and returns them.
   std::string_view word();
 
-  // A number in SVG's syntax: the longest that starts here, so that "1.5.5" is two and "1-2" as well. Nothing, and no
-  // step forward, where there is none or where it is too large for a double; too small for one is 0.
+  // Consumes the longest number in SVG's syntax that starts here: "1.5.5" holds two, and so does "1-2". Returns nothing
+  // and consumes nothing if there is no number, or one too large for a double. Returns 0 for one too small for a
+  // double.
   std::optional<double> number();
-  // A single 0 or 1, whatever follows it.
+  // Consumes a single 0 or 1, regardless of the character after it.
   std::optional<bool> flag();
 
  private:

@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kAbsent = -1.0;  // of lengths that are not negative
+constexpr double kAbsent = -1.0;  // Marks a missing length; lengths are never negative.
 
 PathData one(cut::Subpath subpath) {
   PathData data;
@@ -36,7 +36,7 @@ PathData circle_of(const pugi::xml_node& node, const Viewport& viewport) {
   return ellipse(centre, Vector2d::Constant(length_of(node, "r", viewport.diagonal(), 0.0)));
 }
 
-// Both radii of an ellipse or of a rectangle's corners: one that is not given is as the other.
+// Returns both radii of an ellipse or of a rectangle's corners. A missing radius equals the other one.
 Vector2d radii_of(const pugi::xml_node& node, const Viewport& viewport) {
   Vector2d radii(length_of(node, "rx", viewport.width(), kAbsent), length_of(node, "ry", viewport.height(), kAbsent));
   if (radii.x() < 0.0) radii.x() = radii.y();
@@ -74,7 +74,7 @@ PathData line_of(const pugi::xml_node& node, const Viewport& viewport) {
   return one({from, {cut::LineTo{to}}, false});
 }
 
-// Up to the first error, as path data.
+// Parses the points up to the first error, as with path data.
 PathData points_of(const pugi::xml_node& node, bool closed, std::size_t max_segments) {
   Scanner scanner(node.attribute("points").value());
   PathData data;

@@ -49,7 +49,7 @@ std::optional<Affine> function_value(std::string_view name, const std::vector<do
   return std::nullopt;
 }
 
-// "(1, 2 3)"; nothing where it is not of that form.
+// Parses arguments such as "(1, 2 3)"; returns nothing if they are malformed.
 std::optional<std::vector<double>> arguments(Scanner& scanner) {
   std::vector<double> numbers;
   scanner.skip_blanks();
@@ -64,14 +64,15 @@ std::optional<std::vector<double>> arguments(Scanner& scanner) {
   return numbers;
 }
 
-// Where in the room that is left an alignment puts the view box; "xMinYMax".  -, 0..1
+// Returns the position of the view box within the spare room of the viewport, -, 0..1. `text` is an alignment such as
+// "xMinYMax"; `at` is the index of its part for this axis.
 double alignment(std::string_view text, std::size_t at) {
   const std::string_view word = text.size() == 8 ? text.substr(at, 3) : std::string_view("Mid");
   if (word == "Min") return 0.0;
   return word == "Max" ? 1.0 : 0.5;
 }
 
-// A subpath under way.
+// Builds one transformed subpath, segment by segment.
 class Mapper {
  public:
   Mapper(const cut::Subpath& from, const Affine& map) : map_(map), at_(from.start) {
@@ -103,7 +104,7 @@ class Mapper {
   }
 
   const Affine& map_;
-  Vector2d at_;  // before the map
+  Vector2d at_;  // The current point before the map.
   cut::Subpath result_;
 };
 

@@ -18,12 +18,12 @@ bool contains(const std::array<std::string_view, count>& names, std::string_view
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-// Neither drawn nor worth a word: they hold what others refer to, describe, or paint.
+// Elements that are neither drawn nor reported: they hold references, descriptions or paint.
 constexpr std::array<std::string_view, 15> kSilent{
     "defs",   "title",  "desc", "metadata", "linearGradient", "radialGradient", "stop",   "symbol",
     "marker", "cursor", "view", "pattern",  "clipPath",       "mask",           "filter",
 };
-// Drawn by a viewer, or changing what it draws, but no outline: reported.
+// Elements that a viewer draws, or that change its drawing, but without an outline; they are reported.
 constexpr std::array<std::string_view, 13> kReported{
     "text",         "image",    "foreignObject", "script",           "style",
     "switch",       "flowRoot", "animate",       "animateTransform", "animateMotion",
@@ -42,7 +42,7 @@ Error too_deep() {
   return too_complex("elements nested more than " + std::to_string(kMaxDepth) + " deep");
 }
 
-// The reference in "url(#id)", "#id"; empty where the value is none.
+// Returns the reference in "url(#id)", that is "#id"; empty if the value is no reference.
 std::string reference_in(const std::string& value) {
   if (value.compare(0, 4, "url(") != 0) return {};
   std::string_view inside = trimmed(std::string_view(value).substr(4, value.find(')') - 4));
@@ -64,7 +64,7 @@ Status Walk::run() {
   KERF_TRY(index_ids());
   Context context;
   context.to_sheet = to_sheet_;
-  // The outermost viewport: as large as the view box where width and height say nothing else, or 300 x 150 as in HTML.
+  // Without width and height the outermost viewport is as large as the view box, or 300 x 150 as in HTML.
   const std::optional<Rectangle> view_box = parse_view_box(root_.attribute("viewBox").value());
   const Vector2d natural = view_box && view_box->size.minCoeff() > 0.0 ? view_box->size : Vector2d(300.0, 150.0);
   context.viewport.size = natural;
@@ -92,7 +92,7 @@ pugi::xml_node Walk::target_of(const std::string& reference) const {
   return found == ids_.end() ? pugi::xml_node() : found->second;
 }
 
-// Without recursion: nothing has bounded the depth yet.
+// Avoids recursion, because nothing has bounded the depth yet.
 Status Walk::index_ids() {
   int count = 0;
   int depth = 0;
@@ -114,7 +114,7 @@ Status Walk::index_ids() {
   return Nothing{};
 }
 
-// What `use` repeats is looked at each time, so it counts each time.
+// Counts every visit, so elements repeated by `use` count each time.
 Status Walk::count_visit(const pugi::xml_node& node) {
   for (const pugi::xml_attribute& attribute : node.attributes()) {
     num_bytes_ += std::string_view(attribute.value()).size();
@@ -183,7 +183,7 @@ Status Walk::visit_children(const pugi::xml_node& node, const Context& context) 
   return Nothing{};
 }
 
-// The first child that asks for nothing special.
+// Visits the first child that needs no extension and no language other than English.
 Status Walk::visit_switch(const pugi::xml_node& node, const Context& context) {
   for (const pugi::xml_node& child : node.children()) {
     KERF_TRY(count_visit(child));
@@ -205,13 +205,13 @@ Status Walk::visit_viewport(const pugi::xml_node& node, const pugi::xml_node& si
   if (node != root_) {
     viewport.corner = {length_of(node, "x", outer.x(), 0.0), length_of(node, "y", outer.y(), 0.0)};
   }
-  if (!(viewport.size.minCoeff() > 0.0)) return Nothing{};  // shows nothing
+  if (!(viewport.size.minCoeff() > 0.0)) return Nothing{};  // An empty viewport shows nothing.
   Context inner = context;
   const pugi::xml_attribute attribute = node.attribute("viewBox");
   const std::optional<Rectangle> view_box = parse_view_box(attribute.value());
   if (attribute && !view_box) report("viewBox that cannot be read");
   if (view_box) {
-    if (!(view_box->size.minCoeff() > 0.0)) return Nothing{};  // shows nothing
+    if (!(view_box->size.minCoeff() > 0.0)) return Nothing{};  // An empty view box shows nothing.
     inner.to_sheet =
         inner.to_sheet * view_box_transform(*view_box, viewport, node.attribute("preserveAspectRatio").value());
     inner.viewport.size = view_box->size;
@@ -267,7 +267,7 @@ Status Walk::add_shape(const pugi::xml_node& node, std::string_view name, const 
     if (first_path_error_.empty()) first_path_error_ = outline.error;
   }
   const Affine& map = context.to_sheet;
-  if (map.linear.determinant() == 0.0) return Nothing{};  // shows nothing
+  if (map.linear.determinant() == 0.0) return Nothing{};  // A singular map shows nothing.
   for (const cut::Subpath& subpath : outline.subpaths) {
     cut::Subpath placed = transformed(subpath, map);
     if (placed.segments.empty()) continue;
