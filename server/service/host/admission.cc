@@ -9,8 +9,7 @@ namespace kerf::host {
 
 namespace {
 
-constexpr double kNewestWeight =
-    1.0 / 16.0;  // -, in the running mean: a first tick that is slow does not count for much
+constexpr double kNewestWeight = 1.0 / 16.0;  // Weight in the running mean, -; one slow first tick counts little.
 
 }  // namespace
 

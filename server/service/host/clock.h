@@ -7,7 +7,7 @@
 
 namespace kerf::host {
 
-// Since an arbitrary start that is the same for all readings of one clock; never runs backwards.
+// Time since an arbitrary start that is the same for all readings of one clock; never decreases.
 using Nanoseconds = std::chrono::nanoseconds;
 
 inline double seconds(Nanoseconds time) {
@@ -16,27 +16,27 @@ inline double seconds(Nanoseconds time) {
 
 enum class TimerId : std::uint64_t {};
 
-// All that the server knows of time. Real in the daemon; moved by hand in tests and simulation. Thread-safe.
+// Provides the server's only notion of time: real in the daemon, moved by hand in tests and simulation. Thread-safe.
 class Clock {
  public:
   virtual ~Clock() = default;
   [[nodiscard]] virtual Nanoseconds now() const = 0;
-  // Microseconds since 1970; may jump when somebody sets the machine's clock, so only for showing.
+  // Microseconds since 1970, for display only: it jumps when the machine's clock is set.
   [[nodiscard]] virtual std::int64_t unix_us() const = 0;
-  // CPU time used by the calling thread so far.
+  // Returns the CPU time used by the calling thread so far.
   [[nodiscard]] virtual Nanoseconds thread_cpu() const = 0;
-  // Calls `fire` once, at or soon after `deadline`, from a thread of the clock's choice; a deadline in the past fires
-  // at once. `fire` must not block: it hands the work to somebody.
+  // Calls `fire` once, at or soon after `deadline`, on a thread of the clock's choice. A deadline in the past fires at
+  // once. `fire` must not block; it should post its work to another thread.
   virtual TimerId schedule(Nanoseconds deadline, std::function<void()> fire) = 0;
-  // True: `fire` will not be called. False: it was, or is being called at this moment.
+  // Cancels a timer. Returns true if `fire` will not be called, false if it was called or is being called now.
   virtual bool cancel(TimerId timer) = 0;
 };
 
-// The machine's clocks, with one thread of its own for timers.
+// Reads the machine's clocks; runs timers on one thread of its own.
 class RealClock : public Clock {
  public:
   RealClock();
-  // Timers that are left do not fire.
+  // Drops pending timers without firing them.
   ~RealClock() override;
   RealClock(const RealClock&) = delete;
   RealClock& operator=(const RealClock&) = delete;

@@ -5,7 +5,7 @@
 namespace kerf::host {
 
 std::uint64_t SystemEntropy::next() {
-  std::random_device device;  // one a call: the class promises nothing about sharing one between threads
+  std::random_device device;  // One per call: std::random_device promises no thread safety.
   const std::uint64_t high = device();
   return (high << 32U) ^ device();
 }

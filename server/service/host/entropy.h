@@ -7,22 +7,22 @@
 
 namespace kerf::host {
 
-// All that the server knows of chance: names of sheets and of the server's run. Never part of a simulation.
+// Provides the server's only randomness: names of sheets and of the server's run. Never part of a simulation.
 // Thread-safe.
 class Entropy {
  public:
   virtual ~Entropy() = default;
-  // 64 random bits.
+  // Returns 64 random bits.
   virtual std::uint64_t next() = 0;
 };
 
-// From the operating system.
+// Draws random bits from the operating system.
 class SystemEntropy : public Entropy {
  public:
   std::uint64_t next() override;
 };
 
-// The same sequence for the same seed.
+// Gives the same sequence for the same seed.
 class SeededEntropy : public Entropy {
  public:
   explicit SeededEntropy(std::uint64_t seed) : random_(seed) {}

@@ -15,9 +15,9 @@ namespace kerf::host {
 
 namespace {
 
-// Bytes that a sheet takes while it is built; up to 6,600 were measured, of a jittered grid of 700 x 700.
+// Bytes per vertex while a sheet is being built; up to 6,600 were measured, with a jittered grid of 700 x 700.
 constexpr std::int64_t kBytesPerVertex = 8000;
-// Askings whether a creation is wanted to one look at the memory, which costs more.
+// Number of checks per look at the memory, which costs more than the others.
 constexpr int kAskingsToALook = 32;
 
 Error no_sheet(const std::string& id) {
@@ -33,7 +33,7 @@ Error too_many_vertices(std::int64_t count, std::int32_t limit) {
                                                      " vertices; this server's limit is " + std::to_string(limit));
 }
 
-// Vertices that a config asks for, as far as that can be told without building it.
+// Returns the number of vertices of a config as far as it is known without building.
 std::int64_t declared_vertices(const sheet::SheetConfig& config) {
   using Count = std::int64_t;
   return std::visit(Overloaded{
@@ -46,7 +46,7 @@ std::int64_t declared_vertices(const sheet::SheetConfig& config) {
                     config.mesh);
 }
 
-// Counts what one builder may take while it builds, so that another one does not count on the same memory.
+// Reserves the memory that one builder may need, so that another one does not count on it too.
 class PromisedBytes {
  public:
   PromisedBytes(std::atomic<std::int64_t>& sum, std::int64_t bytes)
@@ -55,7 +55,7 @@ class PromisedBytes {
   PromisedBytes(const PromisedBytes&) = delete;
   PromisedBytes& operator=(const PromisedBytes&) = delete;
 
-  // This promise and those before it.
+  // Returns the sum of this promise and those before it.
   [[nodiscard]] std::int64_t in_all() const { return in_all_; }
 
  private:
@@ -77,7 +77,7 @@ void Host::Impl::create_sheet(std::string id, sheet::SheetConfig config, std::un
                               bool paused, Callback<SheetStatus> done, const std::stop_token& stop) {
   if (id.empty()) id = config.sheet_id;
   if (id.empty()) id = random_id(entropy_.next());
-  // Shared, as what is posted must be copyable. Made first: from here on every failure is answered.
+  // Shared, because posted functions must be copyable. Made first: from here on every failure is answered.
   const auto creation = std::make_shared<Creation>();
   creation->playback = std::move(playback);
   creation->paused = paused;
@@ -111,7 +111,7 @@ Status Host::Impl::build_and_hand_on(const std::shared_ptr<Creation>& creation, 
   return posted ? Status(Nothing{}) : Status(stopping());
 }
 
-// On the sheet's strand, ahead of whatever finds it.
+// Runs on the sheet's strand, before any work that find() could post to it.
 Result<SheetStatus> Host::Impl::begin(Creation& creation, sheet::Sheet sheet, const Workers::Strand& strand) {
   const auto runner =
       std::make_shared<SheetRunner>(creation.id, std::move(sheet), context(), strand, creation.vertices);
@@ -129,7 +129,7 @@ Result<SheetStatus> Host::Impl::begin(Creation& creation, sheet::Sheet sheet, co
 
 void Host::Impl::refuse(Creation& creation, const Error& error) {
   creation.need.reset();
-  if (creation.vertices) {  // the name and the vertices are free before whoever hears of it tries again
+  if (creation.vertices) {  // Frees the name and the vertices before the answer, so that a retry finds them free.
     creation.vertices->set(0);
     release(creation.id);
   }
@@ -141,7 +141,7 @@ void Host::Impl::delete_sheet(const std::string& id, Callback<Nothing> done, std
   {
     const std::lock_guard lock(mutex_);
     const auto found = sheets_.find(id);
-    if (found != sheets_.end()) runner = std::move(found->second);  // nobody finds it from here on
+    if (found != sheets_.end()) runner = std::move(found->second);  // find() does not return it from here on.
   }
   if (!runner) return done(missing(id));
   runner->announce_close();
@@ -176,20 +176,20 @@ void Host::Impl::stop() {
     taken.swap(sheets_);
   }
   for (auto& [id, runner] : taken) {
-    if (!runner) continue;  // admit() will turn it away, or its deletion is on its way
+    if (!runner) continue;  // admit() will refuse it, or its deletion is in progress.
     SheetRunner* const sheet = runner.get();
-    // Hands over what holds it, too: the workers take sheets down side by side.
+    // Moves the last reference too, so that the workers destroy sheets in parallel.
     sheet->post([held = std::move(runner)](SheetRunner& r) { r.close(sheet::SinkEnd::kHostStopping); },
                 [](const Error&) {});
   }
   workers_.wait_idle();
   has_closed_sheets_ = true;
-  builders_.join();  // first: they hand on to the workers
+  builders_.join();  // First, because they post to the workers.
   workers_.join();
 }
 
 std::shared_ptr<ExpectedNeed> Host::Impl::expected_need(const sheet::SheetConfig& config) {
-  if (!(config.tick_rate_hz > 0.0)) return nullptr;  // will be refused
+  if (!(config.tick_rate_hz > 0.0)) return nullptr;  // Will be refused.
   const Nanoseconds period(std::llround(1.0e9 / config.tick_rate_hz));
   const Nanoseconds tick = WorkerNeed::guessed_tick(declared_vertices(config));
   return std::make_shared<ExpectedNeed>(board_, WorkerNeed(period, tick).value());
@@ -213,7 +213,8 @@ Result<std::shared_ptr<VertexShare>> Host::Impl::reserve(const std::string& id, 
     return resource_exhausted("TOO_MANY_SHEETS", "this server's limit of " + std::to_string(options_.max_sheets) +
                                                      " sheets is reached; delete one");
   }
-  // More than any sheet may have will be refused as such. What says nothing of its size needs some room at least.
+  // Reserves nothing for a size beyond any sheet's limit, which is refused later. A mesh of unknown size needs some
+  // room.
   const std::int64_t taken = declared <= sheet::kMaxVertices ? std::max<std::int64_t>(declared, 1) : 0;
   KERF_TRY(vertices_.take(taken));
   auto share = std::make_shared<VertexShare>(vertices_, taken);
@@ -228,7 +229,7 @@ Result<std::shared_ptr<VertexShare>> Host::Impl::reserve(const std::string& id, 
 }
 
 Result<sheet::Sheet> Host::Impl::build(sheet::SheetConfig config, const Creation& creation) {
-  // In the config, and so in a recording: a cut that is refused here is refused in a replay.
+  // Stored in the config and so in a recording: a cut refused here is refused in a replay too.
   config.max_vertices = std::min(config.max_vertices, options_.max_vertices_per_sheet);
   const std::int64_t declared = declared_vertices(config);
   const std::int64_t bytes = declared <= sheet::kMaxVertices ? declared * kBytesPerVertex : 0;
@@ -267,7 +268,7 @@ void Host::Impl::release(const std::string& id) {
   }
   try {
     plan_to_release_memory();
-  } catch (const std::bad_alloc&) {  // the next sheet that ends plans it
+  } catch (const std::bad_alloc&) {  // The next sheet that ends tries again.
   }
 }
 

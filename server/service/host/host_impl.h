@@ -19,7 +19,7 @@
 #include "server/service/host/vertex_budget.h"
 #include "server/service/host/workers.h"
 
-// Which sheets there are, and the way to the strand of each; seen by host.cc and host_impl.cc alone.
+// Keeps the sheets and posts calls to the strand of each; used by host.cc and host_impl.cc alone.
 namespace kerf::host {
 
 class Host::Impl {
@@ -33,7 +33,7 @@ class Host::Impl {
         workers_({.num_threads = options_.workers, .patience = options_.long_work}),
         builders_({.patience = options_.long_work, .max_taken_on = kMaxBuilders - 1, .is_background = true}) {}
 
-  // `playback`: of a recording that the sheet is to play; null: none.
+  // `playback`: the recording that the sheet is to play; null: none.
   void create_sheet(std::string id, sheet::SheetConfig config, std::unique_ptr<Playback> playback, bool paused,
                     Callback<SheetStatus> done, const std::stop_token& stop);
   void delete_sheet(const std::string& id, Callback<Nothing> done, std::function<void()> closed);
@@ -47,7 +47,7 @@ class Host::Impl {
     if (const std::shared_ptr<SheetRunner> runner = find(id)) runner->release_grab(std::move(grab_id));
   }
 
-  // Runs `work` on the sheet's strand; what stands against it goes to `done`.
+  // Runs `work` on the sheet's strand; `done` receives the error if that is impossible.
   template <typename T>
   void on_strand(const std::string& id, const Callback<T>& done, std::function<void(SheetRunner&)> work) {
     const std::shared_ptr<SheetRunner> runner = find(id);
@@ -63,7 +63,7 @@ class Host::Impl {
     return static_cast<double>(board_.worker_need()) / (static_cast<double>(WorkerNeed::kWhole) * options_.workers);
   }
   [[nodiscard]] const HostOptions& options() const { return options_; }
-  // The workers begin what the builders have built.
+  // Waits for the builders first, because they post to the workers.
   void wait_idle() {
     builders_.wait_idle();
     workers_.wait_idle();
@@ -72,10 +72,10 @@ class Host::Impl {
   [[nodiscard]] bool has_closed_sheets() const { return has_closed_sheets_; }
 
  private:
-  // A sheet that is asked for, until it is among the others.
+  // Describes a requested sheet until it is one of `sheets_`.
   struct Creation {
     std::string id;
-    std::shared_ptr<VertexShare> vertices;  // null: nothing is reserved, the name neither
+    std::shared_ptr<VertexShare> vertices;  // Null: neither vertices nor the name are reserved.
     std::shared_ptr<ExpectedNeed> need;
     std::unique_ptr<Playback> playback;
     bool paused = false;
@@ -83,7 +83,7 @@ class Host::Impl {
     std::stop_token stop;
   };
   static constexpr Nanoseconds kReleaseDelay = std::chrono::seconds(2);
-  // Sheets that are built at the same time; the others wait.
+  // Limit on sheets being built at the same time; others wait.
   static constexpr std::size_t kMaxBuilders = 3;
 
   SheetRunner::Context context() {
@@ -92,17 +92,17 @@ class Host::Impl {
   }
 
   std::shared_ptr<ExpectedNeed> expected_need(const sheet::SheetConfig& config);
-  // The name, and the vertices that are known of.
+  // Reserves the name, and the vertices known so far.
   Result<std::shared_ptr<VertexShare>> reserve(const std::string& id, const sheet::SheetConfig& config, bool paused);
   Result<sheet::Sheet> build(sheet::SheetConfig config, const Creation& creation);
-  // Says why what is built is not wanted any more.
+  // Returns an error if the sheet being built is no longer wanted.
   Status check_wanted(const Creation& creation) const;
-  // On a builder: the worker that comes next begins the sheet.
+  // Builds the sheet on a builder thread, then posts begin() to a worker.
   Status build_and_hand_on(const std::shared_ptr<Creation>& creation, sheet::SheetConfig config);
   Result<SheetStatus> begin(Creation& creation, sheet::Sheet sheet, const Workers::Strand& strand);
   void refuse(Creation& creation, const Error& error);
   void release(const std::string& id);
-  // Gives memory back some time from now, once for all sheets that end until then.
+  // Schedules the return of free memory to the system, once for all sheets that end until then.
   void plan_to_release_memory();
   bool admit(const std::string& id, const std::shared_ptr<SheetRunner>& runner);
   [[nodiscard]] std::shared_ptr<SheetRunner> find(const std::string& id) const;
@@ -116,15 +116,15 @@ class Host::Impl {
   ListenerSlot listener_;
   SharedSlip slip_;
   mutable std::mutex mutex_;
-  std::map<std::string, std::shared_ptr<SheetRunner>> sheets_;  // null: being built or deleted. Guarded by mutex_
+  std::map<std::string, std::shared_ptr<SheetRunner>> sheets_;  // Null: being built or deleted. Guarded by mutex_.
   std::atomic<std::uint64_t> num_made_{0};
-  std::atomic<std::int64_t> promised_bytes_{0};  // to sheets that are being built
-  std::atomic<bool> stopping_{false};            // set under mutex_
+  std::atomic<std::int64_t> promised_bytes_{0};  // Bytes promised to sheets being built.
+  std::atomic<bool> stopping_{false};            // Set under mutex_.
   std::atomic<bool> has_closed_sheets_{false};
   Admission admission_;                   // guarded by mutex_
   std::optional<TimerId> release_timer_;  // guarded by mutex_
-  Workers workers_;                       // whose threads use everything above
-  Workers builders_;                      // of sheets, for the workers
+  Workers workers_;                       // Declared after everything that its threads use.
+  Workers builders_;                      // Build sheets, and post them to the workers.
 };
 
 }  // namespace kerf::host

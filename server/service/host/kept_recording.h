@@ -10,9 +10,9 @@
 
 namespace kerf::host {
 
-// The recording that every live sheet keeps of its run, in memory and encoded: an entry for each tick with commands
-// from outside and for every kHashInterval-th, which is what a sheet that nobody touches costs. Beyond `max_bytes` it
-// is given up as a whole: half of a recording replays nothing.
+// Keeps an encoded recording of a live sheet's run in memory. It has an entry for each tick with commands from outside
+// and for every kHashInterval-th tick. The latter are the only cost of a sheet without commands. Beyond `max_bytes` the
+// whole recording is dropped, since half of one replays nothing.
 class KeptRecording {
  public:
   static constexpr std::int64_t kHashInterval = 64;  // ticks
@@ -21,15 +21,15 @@ class KeptRecording {
   // `encode`: null keeps nothing.
   KeptRecording(Encoder encode, std::size_t max_bytes) : encode_(std::move(encode)), max_bytes_(max_bytes) {}
 
-  // Whether a step that ended at `tick`, or an apply there, is an entry.
+  // True if a step that ended at `tick`, or an apply there, is an entry.
   [[nodiscard]] bool wants(std::int64_t tick, bool has_commands) const {
     return is_kept() && (has_commands || (tick % kHashInterval == 0 && tick > last_tick_));
   }
-  // Whether an apply at `tick` must have a bare entry of that tick before it: its tick alone would make it a step.
+  // True if an apply at `tick` needs a bare entry of that tick before it; its tick alone would make it a step.
   [[nodiscard]] bool lags(std::int64_t tick) const { return is_kept() && tick > last_tick_; }
   void append(const sheet::RecordedTick& entry);
 
-  // All entries, and a bare one of `tick`, where the sheet is now, if it is ahead of them.
+  // Returns all entries, and a bare one of the sheet's present `tick` if that is later than the last.
   // kFailedPrecondition RECORDING_NOT_KEPT, RECORDING_TOO_LONG.
   [[nodiscard]] Result<std::string> until(std::int64_t tick, std::uint64_t state_hash) const;
 
@@ -39,8 +39,8 @@ class KeptRecording {
   Encoder encode_;
   std::size_t max_bytes_;
   std::string bytes_;
-  std::int64_t last_tick_ = 0;     // of the last entry
-  std::int64_t given_up_at_ = -1;  // tick; -1: not
+  std::int64_t last_tick_ = 0;     // Tick of the last entry.
+  std::int64_t given_up_at_ = -1;  // Tick at which it was dropped; -1: not dropped.
 };
 
 }  // namespace kerf::host

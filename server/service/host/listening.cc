@@ -12,10 +12,10 @@ namespace asio = boost::asio;
 using asio::ip::tcp;
 using NetError = boost::system::error_code;
 
-// A port that is free at one address may be taken at another.
+// Number of tries with port 0: a port free at one address may be taken at another.
 constexpr int kTries = 16;
 
-// `is_alone`: no other address is listened at, so that one of IPv6 may stand for those of IPv4, too.
+// `is_alone`: there is no other address to listen at, so an IPv6 one may also serve IPv4.
 tcp::acceptor listen_at(const tcp::endpoint& endpoint, bool is_alone, const asio::any_io_executor& executor,
                         NetError& error) {
   tcp::acceptor acceptor(executor);

@@ -11,21 +11,22 @@
 
 namespace kerf::host {
 
-// A clock that stands still until it is told to move: a server on it does nothing by itself, and everything it does is
-// repeatable. Timers fire on the thread that moves the clock.
+// Stands still until move_to() moves it: a server on it does nothing by itself, and all its actions are repeatable.
+// Timers fire on the thread that moves the clock.
 class ManualClock : public Clock {
  public:
   [[nodiscard]] Nanoseconds now() const override;
-  [[nodiscard]] std::int64_t unix_us() const override;    // now() in microseconds, as if started in 1970
-  [[nodiscard]] Nanoseconds thread_cpu() const override;  // now(): what is simulated takes the time that it is given
+  [[nodiscard]] std::int64_t unix_us() const override;  // now() in microseconds, as if started in 1970.
+  // now(): simulated work takes the time that passes on this clock.
+  [[nodiscard]] Nanoseconds thread_cpu() const override;
   TimerId schedule(Nanoseconds deadline, std::function<void()> fire) override;
   bool cancel(TimerId timer) override;
 
-  // Deadline of the next timer, if any.
+  // Returns the deadline of the next timer, if any.
   [[nodiscard]] std::optional<Nanoseconds> next_deadline() const;
   [[nodiscard]] std::size_t num_timers() const;
   // Moves to `time` (>= now()) in one jump, then fires all timers due, in the order of (deadline, schedule()). Timers
-  // that these set for times already past fire too.
+  // set by these for times already past fire too.
   void move_to(Nanoseconds time);
 
  private:

@@ -8,7 +8,7 @@
 
 namespace kerf::host {
 
-// Values in fixed classes; counts[i] holds those <= kBounds[i] and above the bound before, the last one the rest.
+// Counts values in fixed bins: counts[i] holds those <= kBounds[i] and above the bound before, the last one the rest.
 template <const auto& kLimits>
 struct Histogram {
   static constexpr const auto& kBounds = kLimits;
@@ -31,30 +31,30 @@ using DurationHistogram = Histogram<kDurationBounds>;
 inline constexpr std::array<double, 8> kResidualBounds{1.0e-12, 1.0e-8, 1.0e-6, 1.0e-4, 1.0e-3, 1.0e-2, 0.1, 1.0};  // -
 using ResidualHistogram = Histogram<kResidualBounds>;
 
-// What a host has done and holds now. Counters never fall; they include sheets deleted since.
+// Holds the counters and gauges of a host. Counters never fall, and include sheets deleted since.
 struct HostMetrics {
   // Counters.
-  std::int64_t ticks = 0;              // stepped
-  std::int64_t failed_ticks = 0;       // of these: the integrator found no finite step
-  std::int64_t snapshots = 0;          // built
-  std::int64_t contact_phases = 0;     // substeps in which colliders were looked at
-  std::int64_t cuts = 0;               // applied
-  std::int64_t commands = 0;           // done, cuts and scheduled ones among them
-  std::int64_t commands_refused = 0;   // by a full queue, by validation or by the sheet
-  std::int64_t overruns = 0;           // ticks that ended after their deadline
-  std::int64_t sleeps = 0;             // times a sheet fell asleep
-  std::int64_t overload_refusals = 0;  // sheets that were not made because of the load
-  std::int64_t lost_sheets = 0;        // for want of memory
-  std::int64_t short_ticks = 0;        // that found too little memory, and froze their sheet
+  std::int64_t ticks = 0;              // Stepped.
+  std::int64_t failed_ticks = 0;       // Ticks without a finite step of the integrator.
+  std::int64_t snapshots = 0;          // Built.
+  std::int64_t contact_phases = 0;     // Substeps in which colliders were considered.
+  std::int64_t cuts = 0;               // Applied.
+  std::int64_t commands = 0;           // Done, cuts and scheduled ones included.
+  std::int64_t commands_refused = 0;   // Refused by a full queue, by validation or by the sheet.
+  std::int64_t overruns = 0;           // Ticks that ended after their deadline.
+  std::int64_t sleeps = 0;             // Times a sheet fell asleep.
+  std::int64_t overload_refusals = 0;  // Sheets refused because of the load.
+  std::int64_t lost_sheets = 0;        // Sheets lost for lack of memory.
+  std::int64_t short_ticks = 0;        // Ticks that lacked memory and froze their sheet.
   fem::FlagCounts flagged_ticks{};
   double slipped_s = 0.0;   // s, simulated time given up
   double tick_cpu_s = 0.0;  // s, thread CPU time of all ticks
-  // s, the same by part, in the shares that are counted: see fem::TickCost; of ticks without commands.
+  // s, tick_cpu_s by part in the counted shares, see fem::TickCost; ticks without commands only.
   std::array<double, fem::kTickPartNames.size()> tick_part_cpu_s{};
-  std::int64_t linear_iterations = 0;  // of implicit integrators
-  ResidualHistogram linear_residual;   // largest of a tick, see fem::StepStats; of ticks of implicit integrators
-  DurationHistogram tick_duration;     // wall time of a tick, publishing included
-  DurationHistogram cut_duration;      // wall time of a cut: plan, apply, remesh, model update
+  std::int64_t linear_iterations = 0;  // With implicit integrators.
+  ResidualHistogram linear_residual;   // Largest of a tick, see fem::StepStats; implicit integrators only.
+  DurationHistogram tick_duration;     // Wall time of a tick, publishing included.
+  DurationHistogram cut_duration;      // Wall time of a cut: plan, apply, remesh, model update.
   // Now.
   std::int32_t sheets = 0;
   std::int32_t running_sheets = 0;
@@ -63,7 +63,7 @@ struct HostMetrics {
   std::int32_t failed_sheets = 0;
   std::int32_t queued_commands = 0;
   std::int32_t sinks = 0;
-  std::int64_t worker_need = 0;  // of running sheets and those being built to run, see WorkerNeed
+  std::int64_t worker_need = 0;  // For running sheets and those being built to run, see WorkerNeed.
 };
 
 }  // namespace kerf::host

@@ -7,7 +7,7 @@
 
 namespace kerf::host {
 
-// The counters of one host, written by all its strands.
+// Holds the counters of one host, written by all its strands.
 class MetricsBoard {
  public:
   template <typename Change>
@@ -15,7 +15,7 @@ class MetricsBoard {
     const std::lock_guard lock(mutex_);
     change(metrics_);
   }
-  // All of it is a kilobyte; this much is asked for with each new sheet.
+  // Reads only this value, since each new sheet needs it and a whole copy is a kilobyte.
   [[nodiscard]] std::int64_t worker_need() const {
     const std::lock_guard lock(mutex_);
     return metrics_.worker_need;
@@ -30,7 +30,7 @@ class MetricsBoard {
   HostMetrics metrics_;
 };
 
-// What a sheet that is being built is expected to need, on the board as long as this lives.
+// Adds the expected need of a sheet being built to the board, as long as this lives.
 class ExpectedNeed {
  public:
   ExpectedNeed(MetricsBoard& board, std::int64_t need) : board_(board), need_(need) { add(need_); }

@@ -10,7 +10,7 @@ namespace kerf::host {
 namespace {
 
 constexpr Nanoseconds kWindow = std::chrono::seconds(1);
-constexpr double kCpuWeight = 1.0 / 16.0;  // -, of the newest tick in the running mean
+constexpr double kCpuWeight = 1.0 / 16.0;  // -, weight of the newest tick in the running mean.
 
 }  // namespace
 
@@ -40,7 +40,7 @@ void Pace::tick_done(Nanoseconds end, Nanoseconds cpu, double share, Nanoseconds
   if (end > deadline_) ++overruns_;
   Nanoseconds given_up_time{0};
   if (end >= deadline_) {
-    const std::int64_t due = (end - deadline_) / period_ + 1;  // ticks that should have begun by now
+    const std::int64_t due = (end - deadline_) / period_ + 1;  // Ticks that should have begun by now.
     if (due > Host::kMaxCatchUpTicks) {
       const std::int64_t given_up = due - Host::kMaxCatchUpTicks;
       given_up_time = given_up * period_;

@@ -7,12 +7,12 @@
 
 namespace kerf::host {
 
-// Time of the wall that sheets have lost to a machine that was busy with something else. What one of them loses all
-// lose, so that their time slips alike, whatever a tick of each takes. Thread-safe.
+// Sums the wall time that sheets have lost to other load on the machine. Each sheet gives up the largest such loss, so
+// that all slip alike, regardless of their tick times. Thread-safe.
 class SharedSlip {
  public:
   [[nodiscard]] Nanoseconds total() const { return Nanoseconds(total_ns_.load()); }
-  // Some sheet has lost so much of it.
+  // Raises the total to the loss of some sheet.
   void raise(Nanoseconds total) {
     std::int64_t before = total_ns_.load();
     while (before < total.count() && !total_ns_.compare_exchange_weak(before, total.count())) {
@@ -23,51 +23,51 @@ class SharedSlip {
   std::atomic<std::int64_t> total_ns_{0};
 };
 
-// When a sheet's next tick is due, and how it keeps up: absolute deadlines a period apart, which is what a tick
-// simulates over the speed, at most kMaxCatchUpTicks late, the rest of the time given up. A plain value, driven by the
-// times it is told.
+// Schedules a sheet's ticks at absolute deadlines one period apart: the simulated time of a tick over the speed. A
+// sheet catches up by at most kMaxCatchUpTicks, and gives up the rest of the time. A plain value, driven by the times
+// passed in.
 class Pace {
  public:
-  // `tick`: what one simulates, > 0; at first it takes as long. `shared` must outlive this.
+  // `tick`: simulated time of a tick, > 0; initially also its period. `shared` must outlive this.
   Pace(Nanoseconds tick, SharedSlip& shared) : tick_(tick), period_(tick), shared_(&shared) {}
 
-  // From `now` on, simulated time goes at `speed` (-, > 0) of the wall's. The tick to come is due as long after the one
-  // before it as it would have been at this speed, but not before `now`.
+  // Sets the ratio of simulated to wall time (-, > 0) from `now` on. The next tick moves to its deadline at this speed,
+  // but not before `now`.
   void set_speed(double speed, Nanoseconds now);
 
-  // The next tick is due at `now`; time before is forgotten.
+  // Makes the next tick due at `now`, and forgets the time before.
   void start(Nanoseconds now);
-  // A tick that was due ended at `end`, having used `cpu` and simulated `share` of a tick, 0..1: less than all of it
-  // where the integrator had to stop short, and what is missing is slipped time like any other. `blocked`: of the time
-  // that it did not compute, what it waited for its own files.
+  // Records a tick that ended at `end`, used `cpu` and simulated `share` of a tick, 0..1. The share is below 1 if the
+  // integrator stopped early; the missing part counts as slipped time. `blocked`: time spent waiting for the sheet's
+  // own files.
   void tick_done(Nanoseconds end, Nanoseconds cpu, double share, Nanoseconds blocked = Nanoseconds(0));
 
   [[nodiscard]] Nanoseconds deadline() const { return deadline_; }
   [[nodiscard]] std::int64_t overruns() const { return overruns_; }
-  [[nodiscard]] Nanoseconds slipped() const { return slipped_; }  // simulated time
+  [[nodiscard]] Nanoseconds slipped() const { return slipped_; }  // Simulated time given up.
   [[nodiscard]] double speed() const { return speed_; }
-  [[nodiscard]] Nanoseconds period() const { return period_; }                 // of the wall, from tick to tick
-  [[nodiscard]] double real_time_factor() const { return real_time_factor_; }  // -, over the last second or so
-  [[nodiscard]] double tick_cpu_us() const { return tick_cpu_us_; }            // us, mean over the last ticks
+  [[nodiscard]] Nanoseconds period() const { return period_; }                 // Wall time from tick to tick.
+  [[nodiscard]] double real_time_factor() const { return real_time_factor_; }  // -, over the last second or so.
+  [[nodiscard]] double tick_cpu_us() const { return tick_cpu_us_; }            // us, running mean.
 
-  // A tick that was not timed against a deadline: step() calls.
+  // Records the time of a tick without a deadline, as in step() calls.
   void add_cpu(Nanoseconds cpu);
 
  private:
-  // At most this share of its time a sheet computes whose losses count for all: a heavier one is late by itself.
+  // Largest share of its period that a sheet may compute for its losses to be shared; a heavier one is late by itself.
   static constexpr double kLightShare = 0.5;
-  // So is one whose period is shorter: a wake-up that is a millisecond late is no loss to others.
+  // Shortest period for losses to be shared: a wake-up a millisecond late is no loss to others.
   static constexpr Nanoseconds kShortestShared = std::chrono::milliseconds(8);
 
-  // Adds what was lost to waiting of `given_up` to what all lose, and gives up what others have lost since.
+  // Adds the part of `given_up` that was lost by waiting to the shared slip, and gives up the losses of others since.
   void share_slip(Nanoseconds given_up);
 
   Nanoseconds tick_;
   Nanoseconds period_;
   SharedSlip* shared_;
-  Nanoseconds joined_slip_{0};  // as much of the shared one as this has given up
-  Nanoseconds waited_{0};       // wall time that the ticks since the last deadline that was met did not compute in
-  Nanoseconds last_end_{0};     // of a tick
+  Nanoseconds joined_slip_{0};  // Part of the shared slip that this has given up.
+  Nanoseconds waited_{0};       // Wall time without computation since the last deadline that was met.
+  Nanoseconds last_end_{0};     // End of the last tick.
   double speed_ = 1.0;
   Nanoseconds deadline_{0};
   Nanoseconds slipped_{0};

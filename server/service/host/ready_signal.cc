@@ -24,7 +24,7 @@ void ReadySignal::raise() {
     callers_.push_back(self);
   }
   (*ready)();
-  ready.reset();  // what it holds is let go before set() goes on
+  ready.reset();  // Releases the captured objects before set() resumes.
   const std::lock_guard lock(mutex_);
   callers_.erase(std::find(callers_.begin(), callers_.end(), self));
   returned_.notify_all();

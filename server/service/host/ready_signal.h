@@ -9,21 +9,21 @@
 
 namespace kerf::api {
 
-// A callback that may be taken away while other threads call it. Thread-safe.
+// Holds a callback that may be removed while other threads call it. Thread-safe.
 class ReadySignal {
  public:
-  // Replaces the callback. When this returns, no call of the former one is under way, except one that this call comes
-  // from within.
+  // Replaces the callback. When this returns, no call of the former one is in progress, except one that encloses this
+  // call.
   void set(std::function<void()> ready);
 
-  // Calls it, if there is one, with no lock held.
+  // Calls the callback, if set, with no lock held.
   void raise();
 
  private:
   std::mutex mutex_;
   std::condition_variable returned_;
   std::shared_ptr<const std::function<void()>> ready_;
-  std::vector<std::thread::id> callers_;  // of calls under way, of this callback or a former one
+  std::vector<std::thread::id> callers_;  // Threads of calls in progress, to this callback or a former one.
 };
 
 }  // namespace kerf::api

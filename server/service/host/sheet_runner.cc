@@ -95,7 +95,7 @@ void SheetRunner::push(sheet::Command command, Callback<CommandResult> done) {
   queue_.push_back({std::move(command), std::move(done), context_.clock.now()});
 }
 
-// Closed or not: close() empties the queue, and so must whoever comes after it.
+// Posts even to a closed runner: close() empties the queue, and so must every later arrival.
 void SheetRunner::announce_commands() {
   if (strand_.post([self = shared_from_this()] { self->keep_or_lose([&] { self->commands_arrived(); }); })) return;
   for (Pending& pending : take_queue()) pending.done(host_stopping());
@@ -121,7 +121,7 @@ void SheetRunner::begin(bool paused, std::shared_ptr<sheet::RecordingSink> recor
 void SheetRunner::close(sheet::SinkEnd reason) {
   if (closed_) return;
   closed_ = reason;
-  // Keeps one for whom no memory is left from hiding the end from the others; he hears of it at his own deadline.
+  // Keeps a callback that runs out of memory from hiding the end from others. Its caller then times out.
   const auto attempt = [](const auto& part) {
     try {
       part();
@@ -132,7 +132,7 @@ void SheetRunner::close(sheet::SinkEnd reason) {
   for (Pending& pending : take_queue()) attempt([&] { pending.done(closed_error()); });
   if (step_call_) attempt([&] { finish_step(closed_error()); });
   context_.board.update([&](HostMetrics& m) {
-    if (!noted_state_) return;  // it was never begun
+    if (!noted_state_) return;  // It was never begun.
     --gauge(m, *noted_state_);
     --m.sheets;
     m.sinks -= static_cast<std::int32_t>(sinks_.size());
@@ -151,14 +151,14 @@ void SheetRunner::post_pause(const Callback<SheetStatus>& done) {
         r.pause();
         done(r.status());
       },
-      [done](Error error) { done(std::move(error)); });  // of a sheet whose ticks are over
+      [done](Error error) { done(std::move(error)); });  // The sheet is closed.
 }
 
 void SheetRunner::pause() {
   if (step_call_) finish_step(status());
   if (paused_) return;
   paused_ = true;
-  tick_played_ = false;  // what is left of its tick comes before the next one
+  tick_played_ = false;  // The rest of its tick precedes the next one.
   sleeping_ = false;
   stop_clock();
   note_state();
@@ -278,7 +278,8 @@ SheetStatus SheetRunner::unhashed_status() const {
   return status;
 }
 
-// Running: they wait for the next deadline. Asleep: wake. Else there is no tick to wait for.
+// Leaves commands of a running sheet to the next deadline, and wakes a sleeping one. Otherwise no tick is to come, so
+// they are done now.
 void SheetRunner::commands_arrived() {
   if (closed_) {
     for (Pending& pending : take_queue()) pending.done(closed_error());
@@ -288,7 +289,7 @@ void SheetRunner::commands_arrived() {
     for (Pending& pending : take_queue()) pending.done(replaying());
     return;
   }
-  if (step_call_) return;  // its ticks take them
+  if (step_call_) return;  // Its ticks drain the queue.
   if (sleeping_) return wake();
   if (!paused_ && !sheet_.frozen()) return;
   const bool was_frozen = sheet_.frozen();
@@ -306,7 +307,7 @@ void SheetRunner::tick_at_deadline(std::uint64_t generation) {
   timer_.reset();
   if (sleeping_) return repeat_if_over();
   if (!run_once(true)) return deadline_call()();
-  if (paused_) return;  // a replay has ended
+  if (paused_) return;  // A replay has ended.
   if (sheet_.frozen()) {
     stop_clock();
     note_state();

@@ -21,7 +21,7 @@
 
 namespace kerf::host {
 
-// Who is told of commands that are done. Thread-safe.
+// Holds the listener for commands that are done. Thread-safe.
 class ListenerSlot {
  public:
   void set(CommandListener listener) {
@@ -40,45 +40,45 @@ class ListenerSlot {
   std::shared_ptr<const CommandListener> listener_;
 };
 
-// One sheet in real time: its strand, queue, clockwork and sinks. What is not said to be callable from any thread runs
-// on the strand; what is said of a function of the same name in Host holds here.
+// Runs one sheet in real time: its strand, queue, clock and sinks. Functions run on the strand unless they are said to
+// be callable from any thread. Comments on functions of the same name in Host apply here.
 class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
  public:
-  // What the host lends to its runners.
+  // Holds the host's objects that its runners use.
   struct Context {
     const HostOptions& options;
     Clock& clock;
     MetricsBoard& board;
     const ListenerSlot& listener;
     SharedSlip& slip;
-    const std::atomic<bool>& stopping;  // close() is on its way: what is due is not done any more
-    // Forgets a sheet that close() has ended for want of memory, and its name.
+    const std::atomic<bool>& stopping;  // close() will follow; ticks due are skipped.
+    // Removes a sheet, and its name, that close() has ended for lack of memory.
     std::function<void(const std::string& id)> lost;
-    std::uint64_t serial = 0;  // of all sheets that the host has made, which
+    std::uint64_t serial = 0;  // Number of this sheet among all that the host has made.
   };
 
-  // `vertices`: what the sheet has of the host's budget.
+  // `vertices`: the sheet's share of the host's budget.
   SheetRunner(std::string id, sheet::Sheet sheet, Context context, Workers::Strand strand,
               std::shared_ptr<VertexShare> vertices);
 
-  // Runs `work` with this runner on its strand, if it is not closed by then and memory does not run out; else `refuse`
-  // with the reason.
+  // Runs `work` with this runner on its strand. Calls `refuse` with the reason if the runner is closed by then or
+  // memory runs out.
   void post(std::function<void(SheetRunner&)> work, std::function<void(Error)> refuse);
 
-  // From any thread. kResourceExhausted QUEUE_FULL, and `done` is not taken.
+  // Queues a command, from any thread. On kResourceExhausted QUEUE_FULL `done` is left unmoved.
   Status enqueue(sheet::Command command, Callback<CommandResult>& done);
-  // From any thread; beyond the queue's limit, too.
+  // Queues a release, from any thread, even if the queue is full.
   void release_grab(std::string grab_id);
-  // From any thread, after begin(). Without state hash.
+  // Returns the last status without state hash, from any thread, after begin().
   [[nodiscard]] std::shared_ptr<const SheetStatus> last_status() const;
-  // From any thread: a tick is under way, and for longer than Host::kLongTick, or the one before took longer.
+  // True, from any thread, if the present tick has taken longer than Host::kLongTick, or if the one before did.
   [[nodiscard]] bool is_at_long_tick() const;
-  // From any thread: pauses on the strand, where a long tick ends early for it, to be made again.
+  // Pauses on the strand, from any thread; interrupts a long tick, which is repeated later.
   void post_pause(const Callback<SheetStatus>& done);
-  // From any thread, before close() is posted: so does any tick, a replay's included.
+  // Interrupts any tick, also of a replay; callable from any thread, before close() is posted.
   void announce_close() { closing_ = true; }
 
-  // `playback`: what the sheet is to play; may be null.
+  // `playback`: recording that the sheet is to play; may be null.
   void begin(bool paused, std::shared_ptr<sheet::RecordingSink> recording, std::unique_ptr<Playback> playback);
   void close(sheet::SinkEnd reason);
   void pause();
@@ -100,7 +100,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
 
   struct Pending {
     sheet::Command command;
-    Callback<CommandResult> done;  // empty: the listener receives the outcome
+    Callback<CommandResult> done;  // Empty if the listener gets the outcome instead.
     Nanoseconds queued_at{0};
     Appointment appointment{};
     bool is_repeat = false;  // the sheet's own Reset
@@ -118,7 +118,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   void on_deadline(std::uint64_t generation);
   void tick_at_deadline(std::uint64_t generation);
   void take_turn();
-  // Does `work`, which changes the sheet; where memory runs out in it, nothing says what is left of the sheet: it ends.
+  // Does `work`, which changes the sheet. If memory runs out in it the sheet's state is undefined, so the sheet ends.
   template <typename Work>
   void keep_or_lose(Work work) {
     try {
@@ -128,37 +128,37 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
     }
   }
   void lose();
-  // False: commands might find no memory in the middle of what they do.
+  // False if commands might run out of memory halfway.
   [[nodiscard]] bool has_room_for_commands() const;
   void refuse_for_want_of_memory(std::vector<Pending>& queued);
-  // One Sheet::step, or, where time stands still, Sheet::apply. False: there was nothing to apply, or a tick has not
-  // come to its end, one that is played or one that was interrupted.
+  // Calls Sheet::step, or Sheet::apply if time stands still. Returns false if there was nothing to apply, or if the
+  // tick is incomplete: interrupted, or one of a replay with more entries left.
   bool run_once(bool advance);
-  // False: the tick was interrupted.
+  // Returns false if the tick was interrupted.
   bool run_commands(bool advance, std::vector<Pending> pending);
   [[nodiscard]] TickEstimate tick_estimate() const;
-  // Compares what a tick took, with no command in it, with what is counted of the sheet as it is.
+  // Compares the time of a tick without commands with the counted cost of the present sheet.
   void note_tick_cost(Nanoseconds cpu);
-  [[nodiscard]] bool goes_on() const;             // the tick under way
-  [[nodiscard]] bool may_go_on(int asked) const;  // the same, whatever comes of it
+  [[nodiscard]] bool goes_on() const;             // Stop condition of the present tick.
+  [[nodiscard]] bool may_go_on(int asked) const;  // Stop condition that freezes the sheet.
   [[nodiscard]] bool is_tick_long() const;
-  // One tick of the recording, with what was applied before and after it (sheet_runner_replay.cc). False: there is more
-  // of that than may be done in one turn.
+  // Plays one tick of the recording, with the applied entries before and after it (sheet_runner_replay.cc). Returns
+  // false if entries are left beyond the limit of one turn.
   bool play_tick();
   bool play_applied();
-  bool play_entry(bool advance);  // false: interrupted
+  bool play_entry(bool advance);  // Returns false if interrupted.
   void end_playback();
   [[nodiscard]] bool is_playing() const { return playback_ && playback_->is_playing(); }
-  // Sets the hash of an entry that is kept or recorded.
+  // Sets the hash of an entry and stores it, if it is kept or recorded.
   void record(sheet::RecordedTick& entry);
   std::vector<Pending> take_queue();
-  // Those of schedule() whose tick is the next one.
+  // Removes the scheduled commands due at the next tick and returns them.
   std::vector<Pending> take_due();
-  // Of all commands of the tick, scheduled ones first.
+  // Returns the results of all commands of the tick, scheduled ones first.
   static std::vector<Result<CommandResult>> results_of(const sheet::TickReport& report,
                                                        const std::vector<Pending>& pending, Nanoseconds drained_at,
                                                        const StageTimer& timer);
-  // Answers each command, or tells the listener of it, before the next one. `commands`: those of `pending`, in order.
+  // Answers each command, or passes it to the listener, before the next one. `commands`: those of `pending`, in order.
   void answer_or_tell(const sheet::TickReport& report, const std::vector<sheet::Command>& commands,
                       const std::vector<Pending>& pending, const std::vector<Result<CommandResult>>& results,
                       Answering& answering) const;
@@ -167,15 +167,16 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   void publish();
   void finish_step(Result<SheetStatus> result);
 
-  // Notes what clients did to the scene: whether it may still repeat, and their resets.
+  // Notes the clients' changes to the scene: whether it may still repeat, and their resets.
   void note_changes(const std::vector<Pending>& pending, const std::vector<sheet::Command>& commands,
                     const sheet::TickReport& report);
 
   [[nodiscard]] bool ticks_by_clock() const;
-  // Scene.repeat_after_ticks (sheet_runner_clock.cc): somebody watches, and no client has changed the scene.
+  // True if the scene may repeat (Scene.repeat_after_ticks): it is watched, and no client has changed it. See
+  // sheet_runner_clock.cc.
   [[nodiscard]] bool may_repeat() const;
-  void await_repeat();    // falling asleep
-  void repeat_if_over();  // asleep: with its next tick, where its time is over
+  void await_repeat();    // When falling asleep.
+  void repeat_if_over();  // When asleep: repeats with the next tick, if its time is over.
   void wake();
   void start_clock();
   void stop_clock();
@@ -197,20 +198,20 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   std::mutex queue_mutex_;
   std::vector<Pending> queue_;  // guarded by queue_mutex_
 
-  fem::StepStats last_step_;         // of the last tick
-  fem::FlagCounts flagged_ticks_{};  // of all
+  fem::StepStats last_step_;         // For the last tick.
+  fem::FlagCounts flagged_ticks_{};  // For all ticks.
 
-  // What a long tick ends early for. None goes away while a tick is under way.
+  // Requests that interrupt a long tick; none is withdrawn while a tick is in progress.
   std::atomic<int> pauses_waiting_{0};
-  std::atomic<bool> takes_back_waiting_{false};   // an UndoCut or Reset is in queue_; written with queue_mutex_ held
-  std::atomic<bool> closing_{false};              // any tick does
-  std::atomic<Nanoseconds> tick_began_{kNoTick};  // of the tick under way
-  std::atomic<bool> was_tick_long_{false};        // the one before
+  std::atomic<bool> takes_back_waiting_{false};   // An UndoCut or Reset is in queue_; written with queue_mutex_ held.
+  std::atomic<bool> closing_{false};              // Interrupts any tick.
+  std::atomic<Nanoseconds> tick_began_{kNoTick};  // Start of the tick in progress.
+  std::atomic<bool> was_tick_long_{false};        // The tick before was long.
 
   mutable std::mutex status_mutex_;
   std::shared_ptr<const SheetStatus> last_status_;  // guarded by status_mutex_
 
-  // On the strand.
+  // The following are used on the strand only.
   sheet::Sheet sheet_;
   Pace pace_;
   WorkerNeed need_;
@@ -219,25 +220,25 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   std::shared_ptr<sheet::RecordingSink> recording_;
   KeptRecording kept_;
   std::unique_ptr<Playback> playback_;     // null: the sheet never played a recording
-  bool tick_played_ = false;               // by a play_tick() that has not come to its end
+  bool tick_played_ = false;               // By a play_tick() that is incomplete.
   std::vector<WaitingCommand> scheduled_;  // by tick, equal ticks in the order they came
-  std::int64_t num_scheduled_ = 0;         // ever
+  std::int64_t num_scheduled_ = 0;         // Total so far.
   std::optional<StepCall> step_call_;
-  bool turn_posted_ = false;  // a take_turn() is on its way
-  bool changing_ = false;     // a tick or commands are under way
+  bool turn_posted_ = false;  // A take_turn() is posted.
+  bool changing_ = false;     // A tick or commands are in progress.
   std::optional<TimerId> timer_;
-  std::uint64_t generation_ = 0;  // of the clockwork: a deadline of an older one means nothing
+  std::uint64_t generation_ = 0;  // Generation of the timer: deadlines of older ones are ignored.
   bool paused_ = false;
   bool sleeping_ = false;
-  bool is_changed_ = false;  // by a client, since the scene began
+  bool is_changed_ = false;  // Changed by a client since the scene began.
   bool repeats_now_ = false;
-  std::int64_t num_timed_ticks_ = 0;  // that tick_scale_ is of
+  std::int64_t num_timed_ticks_ = 0;  // Number of ticks in tick_scale_.
   double tick_scale_ = 0.0;           // -, see TickEstimate; 0: no tick was timed
-  std::int32_t resets_ = 0;           // that clients asked for
+  std::int32_t resets_ = 0;           // Done for clients.
   std::int32_t resets_undone_ = 0;
   std::optional<sheet::SinkEnd> closed_;
-  std::optional<RunState> noted_state_;  // as counted on the board
-  std::int32_t state_changes_ = 0;       // of run state and speed; part of the settings version
+  std::optional<RunState> noted_state_;  // As counted on the board.
+  std::int32_t state_changes_ = 0;       // Changes of run state and speed; part of the settings version.
   std::int64_t contact_phases_ = 0;      // already counted
   std::int64_t cuts_ = 0;                // already counted
   std::int64_t overruns_ = 0;            // already counted

@@ -2,7 +2,7 @@
 
 #include "server/service/host/sheet_runner.h"
 
-// When the ticks of a SheetRunner are due.
+// Schedules the ticks of a SheetRunner.
 namespace kerf::host {
 
 void SheetRunner::set_speed(double speed) {

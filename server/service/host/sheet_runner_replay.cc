@@ -2,7 +2,7 @@
 
 #include "server/service/host/sheet_runner.h"
 
-// The ticks of a SheetRunner that plays a recording.
+// Runs the ticks of a SheetRunner that plays a recording.
 namespace kerf::host {
 
 bool SheetRunner::play_tick() {
@@ -19,7 +19,7 @@ bool SheetRunner::play_tick() {
   return true;
 }
 
-// What was done while time stood still: any number of entries, of which one turn does a few.
+// Plays the entries applied while time stood still. There may be any number of them; one turn plays a few.
 bool SheetRunner::play_applied() {
   for (std::int32_t i = 0; playback_->next_at(sheet_.tick()) != nullptr; ++i) {
     if (i == Host::kEntriesPerTurn || context_.stopping || closing_) return false;
@@ -43,7 +43,7 @@ bool SheetRunner::play_entry(bool advance) {
   return true;
 }
 
-// The sheet is paused, and anybody's from here on.
+// Pauses the sheet, which takes commands from clients from here on.
 void SheetRunner::end_playback() {
   if (step_call_) step_call_->remaining = 0;
   ++state_changes_;

@@ -3,7 +3,7 @@
 
 #include "server/service/host/sheet_runner.h"
 
-// The step() calls of a SheetRunner: ticks by hand, some a turn.
+// Runs the step() calls of a SheetRunner, a few ticks per turn.
 namespace kerf::host {
 
 void SheetRunner::step(std::int64_t ticks, Callback<SheetStatus> done, std::stop_token stop) {
@@ -13,17 +13,17 @@ void SheetRunner::step(std::int64_t ticks, Callback<SheetStatus> done, std::stop
   if (sheet_.frozen()) return refuse("SHEET_FROZEN", "the sheet is frozen at its last good tick; reset it first");
   step_call_ = StepCall{ticks, std::move(done), std::move(stop)};
   if (!turn_posted_)
-    keep_or_lose([this] { take_turn(); });  // else the turn that an ended call left behind serves this one
+    keep_or_lose([this] { take_turn(); });  // Otherwise the turn left by an ended call serves this one.
 }
 
 void SheetRunner::take_turn() {
   if (closed_ || !step_call_) return;
   for (std::int32_t i = 0; i < Host::kTicksPerTurn && step_call_->remaining > 0; ++i) {
-    if (context_.stopping) return;                     // close() answers
-    if (pauses_waiting_ > 0 && was_tick_long_) break;  // a turn of short ones is soon over
+    if (context_.stopping) return;                     // close() answers the call.
+    if (pauses_waiting_ > 0 && was_tick_long_) break;  // A turn of short ticks ends soon anyway.
     if (step_call_->stop.stop_requested()) return finish_step(status());
     if (!run_once(true)) break;
-    --step_call_->remaining;  // below 0 where the tick has ended the call
+    --step_call_->remaining;  // Negative if the tick has ended the call.
     if (!sheet_.frozen()) continue;
     finish_step(failed_precondition("SHEET_FROZEN", "no finite step, or no memory for one, was found at tick " +
                                                         std::to_string(sheet_.tick()) +

@@ -7,7 +7,7 @@
 #include "server/base/memory_headroom.h"
 #include "server/service/host/sheet_runner.h"
 
-// The tick of a SheetRunner: drain, step, publish, answer, count.
+// Runs the tick of a SheetRunner: drain, step, publish, answer, count.
 namespace kerf::host {
 
 namespace {
@@ -33,7 +33,7 @@ bool SheetRunner::run_once(bool advance) {
   return run_commands(advance, std::move(pending));
 }
 
-// Answers commands that memory ran out for, as what comes next may find them done by halves.
+// Answers commands left unanswered when memory runs out, since later work may find them half done.
 class SheetRunner::Answering {
  public:
   explicit Answering(std::vector<Pending>& pending) : pending_(pending) {}
@@ -53,7 +53,7 @@ class SheetRunner::Answering {
   std::size_t next_ = 0;
 };
 
-// Leaves those that let go of the sheet, which take no memory.
+// Keeps releases in the queue, since they need no memory.
 void SheetRunner::refuse_for_want_of_memory(std::vector<Pending>& queued) {
   const auto lets_go = [](const Pending& pending) { return std::holds_alternative<sheet::Release>(pending.command); };
   const auto refused = std::stable_partition(queued.begin(), queued.end(), lets_go);
@@ -64,7 +64,7 @@ void SheetRunner::refuse_for_want_of_memory(std::vector<Pending>& queued) {
 }
 
 bool SheetRunner::has_room_for_commands() const {
-  constexpr std::int64_t kBytesPerVertex = 1000;  // what a cut may copy or add, at most
+  constexpr std::int64_t kBytesPerVertex = 1000;  // At most this much is copied or added by a cut.
   return has_memory_for(kBytesPerVertex * sheet_.mesh().num_vertices());
 }
 
@@ -73,7 +73,7 @@ bool SheetRunner::run_commands(bool advance, std::vector<Pending> pending) {
   const Nanoseconds begin = context_.clock.now();
   const Nanoseconds cpu_begin = context_.clock.thread_cpu();
   const bool stands = !advance || sheet_.frozen();
-  std::optional<sheet::RecordedTick> bare;  // what an apply() needs before it, and so an interrupted tick
+  std::optional<sheet::RecordedTick> bare;  // Bare entry needed before an apply(), and so before an interrupted tick.
   if ((stands || !pending.empty()) && kept_.lags(sheet_.tick())) {
     bare = sheet::RecordedTick{sheet_.tick(), {}, sheet_.state_hash()};
   }
@@ -107,7 +107,7 @@ bool SheetRunner::run_commands(bool advance, std::vector<Pending> pending) {
   }
   note_changes(pending, commands, report);
   if (bare && (stands || report.stats.interrupted)) kept_.append(*bare);
-  // A recording has no place for commands of the scene without their tick.
+  // Leaves out a tick whose scene commands were done without it: a recording cannot express that.
   const bool is_torn = report.gave_up && !report.scheduled.empty();
   const Nanoseconds before_record = context_.clock.now() - context_.clock.thread_cpu();
   sheet::RecordedTick entry{report.tick, std::move(commands), 0};
@@ -149,7 +149,7 @@ TickEstimate SheetRunner::tick_estimate() const {
 }
 
 void SheetRunner::note_tick_cost(Nanoseconds cpu) {
-  constexpr double kLeastWeight = 0.1;  // -, of the newest tick; a first one that is slow does not count for long
+  constexpr double kLeastWeight = 0.1;  // -, weight of the newest tick; one slow first tick soon loses weight.
   const double counted = sheet_.expected_cost().total();
   if (!(counted > 0.0) || cpu.count() <= 0) return;
   const double scale = static_cast<double>(cpu.count()) / counted;
@@ -158,13 +158,13 @@ void SheetRunner::note_tick_cost(Nanoseconds cpu) {
 
 bool SheetRunner::goes_on() const {
   if (context_.stopping || closing_) return false;
-  if (is_playing()) return true;  // a recording has no place for a tick that does not follow
+  if (is_playing()) return true;  // A recording cannot express an incomplete tick.
   if (step_call_ && step_call_->stop.stop_requested()) return false;
   return !((pauses_waiting_ > 0 || takes_back_waiting_) && is_tick_long());
 }
 
 bool SheetRunner::may_go_on(int asked) const {
-  constexpr int kAskingsToALook = 32;  // at the memory, which costs more
+  constexpr int kAskingsToALook = 32;  // Checks per look at the memory, which costs more.
   return !context_.stopping && !closing_ && (asked % kAskingsToALook != 0 || is_within_memory_limit());
 }
 
@@ -220,7 +220,7 @@ std::vector<Result<CommandResult>> SheetRunner::results_of(const sheet::TickRepo
   const std::size_t num_scheduled = report.scheduled.size();
   std::vector<Result<CommandResult>> results;
   results.reserve(num_scheduled + pending.size());
-  // `number`: which of the tick's commands, in the order in which they were done.
+  // `number`: index among the tick's commands, in the order in which they were done.
   const auto add = [&](const Result<sheet::CommandReply>& reply, Nanoseconds queued, std::size_t number) {
     if (!reply.ok()) {
       results.emplace_back(reply.error());

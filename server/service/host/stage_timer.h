@@ -7,12 +7,12 @@
 
 namespace kerf::host {
 
-// Times the stages of one step() or apply(), by command.
+// Times the stages of one step() or apply(), per command.
 class StageTimer : public sheet::StageObserver {
  public:
   struct CutTime {
-    Nanoseconds cut{0};     // plan, apply, remesh
-    Nanoseconds update{0};  // model and state
+    Nanoseconds cut{0};     // Plan, apply, remesh.
+    Nanoseconds update{0};  // Update of model and state.
   };
 
   explicit StageTimer(const Clock& clock) : clock_(clock) {}
@@ -28,7 +28,7 @@ class StageTimer : public sheet::StageObserver {
     if (stage == sheet::Stage::kModelUpdate) time.update += took;
   }
 
-  // Zero for a command that had no such stage.
+  // Returns the times of a command; zero if it had no such stage.
   [[nodiscard]] CutTime time(std::size_t command) const {
     return command < times_.size() ? times_[command] : CutTime{};
   }

@@ -9,8 +9,8 @@
 
 namespace kerf::api {
 
-// One timer of a stream, the earliest that was asked for: a later one is asked for again when it has fired in vain.
-// Thread-safe.
+// Holds one timer of a stream, for the earliest deadline requested. A later deadline must be requested again after it
+// has fired. Thread-safe.
 class WakeTimer {
  public:
   explicit WakeTimer(host::Clock& clock) : clock_(clock) {}
@@ -18,18 +18,18 @@ class WakeTimer {
   WakeTimer(const WakeTimer&) = delete;
   WakeTimer& operator=(const WakeTimer&) = delete;
 
-  // `fire` is called on the clock's thread, after which others may be asked for; it must begin with fired(), and may
-  // come when this is gone.
+  // Calls `fire` at `deadline` on the clock's thread. `fire` must begin with fired(), after which new deadlines may be
+  // requested; it may be called after this is destroyed.
   void wake_at(host::Nanoseconds deadline, std::function<void()> fire);
   void fired();
-  // No more timers. Idempotent.
+  // Cancels the timer and refuses new ones. Idempotent.
   void stop();
 
  private:
   host::Clock& clock_;
   std::mutex mutex_;
   std::optional<std::pair<host::Nanoseconds, host::TimerId>> timer_;  // guarded by mutex_
-  bool stopped_ = false;                                              // likewise
+  bool stopped_ = false;                                              // Guarded by mutex_.
 };
 
 }  // namespace kerf::api

@@ -15,13 +15,13 @@
 
 namespace kerf::host {
 
-// Lists, as most strands wait for nothing and an empty list has nothing on the heap.
+// Lists, because most strands are idle and an empty list has no heap memory.
 using Pieces = std::list<std::function<void()>>;
 
 // Guarded by Pool::mutex.
 struct Workers::Order {
   Pieces waiting;
-  bool has_turn = false;  // is among those that are ready, or a thread is at it
+  bool has_turn = false;  // In Pool::ready, or run by a thread.
 };
 
 struct Workers::Pool {
@@ -30,8 +30,8 @@ struct Workers::Pool {
 
   struct Thread {
     std::thread thread;
-    std::optional<SteadyClock::time_point> busy_since;  // with one piece of work
-    bool replaced = false;                              // ends after that piece
+    std::optional<SteadyClock::time_point> busy_since;  // Start of the present piece of work.
+    bool replaced = false;                              // Ends after that piece.
   };
   using Threads = std::list<Thread>;
 
@@ -41,43 +41,43 @@ struct Workers::Pool {
   void add_thread();
   void join();
 
-  // On the threads.
+  // These run on the threads.
   void run(Threads::iterator self);
   void take_turn(const std::shared_ptr<Order>& order, Thread& self, Lock& lock);
-  // On the supervisor.
+  // These run on the supervisor.
   void supervise();
   void join_retired(Lock& lock);
   bool take_on(Thread& late);
 
-  // An idle thread counts until it has taken what it was woken for.
+  // True if more strands are ready than threads are idle. An idle thread counts until it has taken its work.
   [[nodiscard]] bool lacks_threads() const { return ready.size() > num_idle && num_replaced < options.max_taken_on; }
   struct Wakes {
     bool thread = false;
     bool supervisor = false;
   };
-  // Whom a strand that has become ready needs, as no thread takes it that runs already.
+  // Returns the threads to wake for a strand that has become ready, if no running thread will take it.
   Wakes wakes_for_ready();
   void wake(Wakes wakes);
 
   const Options options;
-  // Guards everything below, but for `supervisor`.
+  // Guards everything below except `supervisor`.
   mutable std::mutex mutex;
-  std::condition_variable idle;              // nothing is outstanding
-  std::condition_variable work_waits;        // for the threads
-  std::condition_variable attention;         // for the supervisor: threads may be lacking, or one has retired
-  std::deque<std::shared_ptr<Order>> ready;  // wait for their turn
-  std::int64_t outstanding = 0;              // pieces posted and not finished
-  std::size_t num_idle = 0;                  // threads
-  std::size_t num_replaced = 0;              // of `threads`
-  bool supervisor_sleeps = false;            // until it is notified; else it looks again in time
-  bool closed = false;                       // never while anything is outstanding
+  std::condition_variable idle;              // Signals that nothing is outstanding.
+  std::condition_variable work_waits;        // For the threads.
+  std::condition_variable attention;         // For the supervisor: threads may be lacking, or one has retired.
+  std::deque<std::shared_ptr<Order>> ready;  // Waiting for their turn.
+  std::int64_t outstanding = 0;              // Pieces posted and not finished.
+  std::size_t num_idle = 0;                  // Idle threads.
+  std::size_t num_replaced = 0;              // Replaced threads in `threads`.
+  bool supervisor_sleeps = false;            // Until it is notified; otherwise it checks again in time.
+  bool closed = false;                       // Never while anything is outstanding.
   Threads threads;
-  Threads retired;  // have left run(), or are about to; to be joined
+  Threads retired;  // Have left run(), or are about to; to be joined.
   std::thread supervisor;
 };
 
 bool Workers::Pool::post(const std::shared_ptr<Order>& order, std::function<void()> work) {
-  Pieces piece;  // made, and where it is refused destroyed, without the mutex
+  Pieces piece;  // Made without the mutex; also destroyed without it if refused.
   piece.push_back(std::move(work));
   Lock lock(mutex);
   if (closed) return false;
@@ -87,14 +87,14 @@ bool Workers::Pool::post(const std::shared_ptr<Order>& order, std::function<void
   order->has_turn = true;
   ready.push_back(order);
   const Wakes wakes = wakes_for_ready();
-  lock.unlock();  // who is woken would only wait for it
+  lock.unlock();  // A woken thread would only wait for it.
   wake(wakes);
   return true;
 }
 
 Workers::Pool::Wakes Workers::Pool::wakes_for_ready() {
   const bool alert = supervisor_sleeps && lacks_threads();
-  if (alert) supervisor_sleeps = false;  // once is enough
+  if (alert) supervisor_sleeps = false;  // Waking it once is enough.
   return {num_idle > 0, alert};
 }
 
@@ -103,7 +103,7 @@ void Workers::Pool::wake(Wakes wakes) {
   if (wakes.supervisor) attention.notify_one();
 }
 
-// With the mutex held, so that the thread is counted before it asks for work. Throws where the system has no thread.
+// Needs the mutex held, so that the thread is counted before it looks for work. Throws if the system has no thread.
 void Workers::Pool::add_thread() {
   Threads made(1);
   made.front().thread = std::thread([this, self = made.begin()] { run(self); });
@@ -124,13 +124,13 @@ void Workers::Pool::run(Threads::iterator self) {
     if (self->replaced) break;
     ++num_idle;
   }
-  // In the critical section in which its last piece was finished: join() sees it on one of the lists, for good.
+  // Within the critical section that finished its last piece, so that join() always sees it on one of the lists.
   --num_replaced;
   retired.splice(retired.end(), threads, self);
   attention.notify_one();
 }
 
-// What is posted during the turn waits for the next one, behind the other strands.
+// Runs the pieces that wait now. Those posted during the turn wait for the next one, behind the other strands.
 void Workers::Pool::take_turn(const std::shared_ptr<Order>& order, Thread& self, Lock& lock) {
   for (std::size_t left = order->waiting.size(); left > 0 && !self.replaced; --left) {
     Pieces piece;
@@ -138,7 +138,7 @@ void Workers::Pool::take_turn(const std::shared_ptr<Order>& order, Thread& self,
     self.busy_since = SteadyClock::now();
     lock.unlock();
     piece.front()();
-    piece.clear();  // what it holds goes before the pool may be taken for idle
+    piece.clear();  // Destroys the captured objects before the pool may count as idle.
     lock.lock();
     if (--outstanding == 0) idle.notify_all();
   }
@@ -146,13 +146,13 @@ void Workers::Pool::take_turn(const std::shared_ptr<Order>& order, Thread& self,
   order->has_turn = !order->waiting.empty();
   if (!order->has_turn) return;
   ready.push_back(order);
-  if (self.replaced) wake(wakes_for_ready());  // else this thread is the one that takes what is ready next
+  if (self.replaced) wake(wakes_for_ready());  // Otherwise this thread takes the next ready strand itself.
 }
 
-// Sleeps unless threads are lacking, and then until the first of those there are has been at its piece for too long:
-// where all are busy with short ones, that is once a patience.
+// Adds threads when they are lacking, and sleeps otherwise. While they are lacking it waits until the longest piece in
+// progress exceeds the patience. If all pieces are short, it wakes once per patience.
 void Workers::Pool::supervise() {
-  constexpr Nanoseconds kLongestSleep = std::chrono::hours(1);  // so that no deadline overflows
+  constexpr Nanoseconds kLongestSleep = std::chrono::hours(1);  // Keeps deadlines from overflowing.
   const Nanoseconds patience = options.patience;
   Lock lock(mutex);
   while (!closed) {
@@ -176,7 +176,7 @@ void Workers::Pool::supervise() {
     if (at_it < patience) {
       attention.wait_for(lock, std::min(patience - at_it, kLongestSleep));
     } else if (!take_on(*longest)) {
-      attention.wait_for(lock, std::min(patience, kLongestSleep));  // the system may have a thread by then
+      attention.wait_for(lock, std::min(patience, kLongestSleep));  // The system may have a thread by then.
     }
   }
 }
@@ -208,7 +208,7 @@ void Workers::Pool::join() {
     work_waits.notify_all();
     attention.notify_all();
   }
-  if (supervisor.joinable()) supervisor.join();  // from here on the lists stay as they are
+  if (supervisor.joinable()) supervisor.join();  // From here on the lists do not change.
   for (Threads* list : {&threads, &retired}) {
     for (Thread& thread : *list) thread.thread.join();
   }
@@ -226,7 +226,7 @@ bool Workers::Strand::post(std::function<void()> work) const {
 
 Workers::Workers(std::shared_ptr<Pool> pool) : pool_(std::move(pool)) {}
 
-// After the constructor above an exception ends, by the destructor, the threads that there are.
+// Delegates to the constructor above, so that after an exception here the destructor ends the threads made so far.
 Workers::Workers(const Options& options) : Workers(std::make_shared<Pool>(options)) {
   KERF_CHECK(options.num_threads >= 1, "a pool without threads never finishes anything");
   KERF_CHECK(options.patience >= Nanoseconds(0), "nothing takes less than no time");
@@ -234,7 +234,7 @@ Workers::Workers(const Options& options) : Workers(std::make_shared<Pool>(option
     const std::lock_guard lock(pool_->mutex);
     for (std::int32_t i = 0; i < options.num_threads; ++i) pool_->add_thread();
   }
-  // The pool outlives its threads: a raw pointer is enough, and a shared one could make the last owner a worker.
+  // Captures a raw pointer, since the pool outlives its threads; a shared one could make a worker the last owner.
   if (options.patience > Nanoseconds(0)) pool_->supervisor = std::thread([pool = pool_.get()] { pool->supervise(); });
 }
 

@@ -9,12 +9,13 @@
 
 namespace kerf::host {
 
-// A pool of threads that runs work in strands: what is posted to one strand runs in order, never two at once. In a turn
-// a thread runs what waits on a strand as the turn begins; strands get their turns in the order in which they ask.
+// Runs work on a pool of threads, in strands: work posted to one strand runs in order, never two pieces at once. In a
+// turn a thread runs the pieces that wait on a strand as the turn begins. Strands get turns in the order of their
+// requests.
 //
-// Long work does not keep the rest waiting. While strands wait and no thread is idle, for each thread that has been at
-// one piece of work for longer than a patience another is taken on; the operating system shares the cores among them.
-// The thread that was replaced ends after that piece, so that there are as many as before.
+// Long work does not delay the rest. While strands wait and no thread is idle, each thread busy with one piece for
+// longer than `patience` is replaced by a new one. The operating system shares the cores among them. The replaced
+// thread ends after its piece, so the number of threads returns to normal.
 class Workers {
   struct Pool;
   struct Order;
@@ -23,7 +24,7 @@ class Workers {
   // Copies post to the same strand. May outlive the Workers.
   class Strand {
    public:
-    // False, and nothing is done: the pool was joined.
+    // Returns false and does nothing if the pool was joined.
     bool post(std::function<void()> work) const;
 
    private:
@@ -35,12 +36,12 @@ class Workers {
 
   struct Options {
     std::int32_t num_threads = 1;  // >= 1
-    // On the machine's steady clock, >= 0; 0: no thread is ever taken on.
+    // Time on the machine's steady clock, >= 0; 0: no thread is ever added.
     Nanoseconds patience{0};
-    // Beyond num_threads; with so many at long work, strands wait until a piece ends. A thread costs its stack, and
-    // each takes its share of the cores from all others.
+    // Limit on threads beyond num_threads; with that many busy with long work, strands wait until a piece ends. Each
+    // thread costs its stack and takes a share of the cores from the others.
     std::size_t max_taken_on = 64;
-    // Gives way to all threads that have none: see lower_thread_priority().
+    // Lowers the priority of the threads: see lower_thread_priority().
     bool is_background = false;
   };
   explicit Workers(const Options& options);
@@ -49,11 +50,11 @@ class Workers {
   Workers& operator=(const Workers&) = delete;
 
   Strand make_strand();
-  // Threads that run work now, those that are replaced included.
+  // Returns the number of threads, including replaced ones still at work.
   [[nodiscard]] std::size_t num_threads() const;
-  // Blocks until nothing is queued or running. Not from a worker.
+  // Blocks until no work is queued or running. Not from a worker.
   void wait_idle();
-  // Runs what is queued, and what that posts, to its end; then ends the threads. Idempotent. Not from a worker.
+  // Runs all queued work, and the work that it posts, to its end; then ends the threads. Idempotent. Not from a worker.
   void join();
 
  private:
