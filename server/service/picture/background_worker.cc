@@ -17,7 +17,7 @@ BackgroundWorker::Outcome BackgroundWorker::submit(std::function<void()> work, s
   {
     const std::lock_guard lock(mutex_);
     if (stopped_) return Outcome::kStopped;
-    // Those that idle threads will take at any moment do not wait.
+    // Does not count pieces that idle threads are about to take.
     if (waiting_.size() >= idle_ && waiting_.size() - idle_ >= max_waiting_) return Outcome::kFull;
     waiting_.push_back({std::move(work), std::move(refuse)});
   }

@@ -10,24 +10,23 @@
 
 namespace kerf::api {
 
-// Threads for work that takes long (drawing, encoding files) and must hold up neither a sheet nor a transport. Work is
-// begun in the order in which it came, and lets no exception out: see caught().
-// Thread-safe.
+// Runs long work (drawing, encoding files) on its own threads, so that neither sheets nor transports wait. Work begins
+// in the order of its arrival and must not throw: see caught(). Thread-safe.
 class BackgroundWorker {
  public:
-  // `max_waiting`: work that may wait behind what is being done, one piece on each thread.
+  // `max_waiting`: limit on pieces that wait behind those in progress, one per thread.
   explicit BackgroundWorker(std::size_t max_waiting, std::size_t num_threads = 1);
   ~BackgroundWorker();  // stop()
   BackgroundWorker(const BackgroundWorker&) = delete;
   BackgroundWorker& operator=(const BackgroundWorker&) = delete;
 
   enum class Outcome { kTaken, kFull, kStopped };
-  // Takes `work` only if there is room. `refuse` is called in its place if it is stopped before its turn.
+  // Queues `work` if there is room. `refuse` is called instead if the worker stops before its turn.
   Outcome submit(std::function<void()> work, std::function<void()> refuse);
 
-  // Refuses what waits and what comes after, at once; what is being done goes on. Idempotent.
+  // Refuses waiting and later work at once; work in progress continues. Idempotent.
   void close();
-  // close(), and waits for what is being done. Idempotent; not from within the work.
+  // Calls close() and waits for work in progress. Idempotent; not from within the work.
   void stop();
 
  private:
@@ -42,7 +41,7 @@ class BackgroundWorker {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<Task> waiting_;
-  std::size_t idle_;  // threads
+  std::size_t idle_;  // Idle threads.
   bool stopped_ = false;
   std::vector<std::thread> threads_;
 };

@@ -40,16 +40,16 @@ struct ShapeForRenderer {
   }
 };
 
-// The arrays that render::Mesh views.
+// Owns the arrays that render::Mesh views.
 struct MeshArrays {
   std::vector<float> positions;
   std::vector<float> material;
   std::vector<std::int32_t> triangles;
   std::vector<std::int32_t> pieces;
-  std::vector<std::uint8_t> colours;  // empty: those of the sides
+  std::vector<std::uint8_t> colours;  // Empty: those of the sides.
 };
 
-// Material points in the plane z = 0.
+// Places material points in the plane z = 0.
 Eigen::Matrix3Xd laid_out(const Eigen::Matrix2Xd& material) {
   Eigen::Matrix3Xd positions = Eigen::Matrix3Xd::Zero(3, material.cols());
   positions.topRows<2>() = material;
@@ -77,8 +77,8 @@ render::Style style_of(const PictureView& view) {
   render::Style style;
   style.wireframe = view.wireframe;
   if (view.dark) style.background = render::kDarkBackground;
-  style.shadows = !view.undeformed;         // a flat sheet throws none on itself
-  if (view.undeformed && view.wireframe) {  // the triangles are what is looked at
+  style.shadows = !view.undeformed;         // A flat sheet casts none on itself.
+  if (view.undeformed && view.wireframe) {  // Shows the triangles alone.
     style.texture = false;
     style.front = {0.66, 0.76, 0.86};
   }
@@ -91,7 +91,7 @@ render::Camera whole_sheet(std::span<const float> positions, const PictureView& 
   return render::fit_camera(positions, aspect, {0.0, 0.0, 1.0}, {0.0, 1.0, 0.0});
 }
 
-// No fault of the request: a sheet that nothing holds falls on for ever.
+// Reports a sheet out of reach. The request is valid: a sheet that is not held falls without end.
 Error out_of_reach(const Eigen::Matrix3Xd& positions) {
   std::array<char, 160> text{};
   std::snprintf(
@@ -102,7 +102,7 @@ Error out_of_reach(const Eigen::Matrix3Xd& positions) {
   return failed_precondition("SHEET_OUT_OF_REACH", text.data());
 }
 
-// In the world, or laid out flat.
+// Returns positions in the world, or laid out flat.
 Eigen::Matrix3Xd positions_of(const sheet::Snapshot& snapshot, const PictureView& view) {
   return view.undeformed ? laid_out(snapshot.topology->material_positions) : snapshot.positions;
 }
@@ -111,11 +111,11 @@ void colour(const sheet::Snapshot& snapshot, const PictureView& view, double str
   if (view.color_by == v1::PIECES) arrays.colours = piece_colours(*snapshot.topology);
   if (view.color_by == v1::STRAINS) {
     arrays.colours = render::strain_colours(snapshot.strains, strain_end);
-    arrays.colours.resize(arrays.positions.size());  // strains that were not asked for in time: dark
+    arrays.colours.resize(arrays.positions.size());  // Strains are missing if they were requested too late: dark.
   }
 }
 
-// Views `arrays`.
+// Returns a scene that views `arrays`.
 render::Scene scene_of(const MeshArrays& arrays, const Backdrop& backdrop, const PictureView& view) {
   render::Scene scene;
   scene.mesh.positions = arrays.positions;

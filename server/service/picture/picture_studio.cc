@@ -9,8 +9,8 @@
 namespace kerf::api {
 namespace {
 
-// Of pictures beyond it the pixels are not kept, so that streams of many large ones do not fill the memory; whoever
-// wants such a one in another format has it drawn again.
+// Largest picture whose pixels are kept, so that many large streams do not fill the memory. A larger one is drawn again
+// if needed in another format.
 constexpr std::int64_t kMaxKeptPixels = render::kMaxVideoPixels;
 
 }  // namespace
@@ -32,7 +32,7 @@ void PictureFeed::order(PictureOrder order) {
   studio_.submit([self = shared_from_this()] { self->run(); });
 }
 
-// Orders that come in the meantime wait for another turn, behind other feeds.
+// Leaves orders that arrive meanwhile to another turn, behind other feeds.
 void PictureFeed::run() {
   std::vector<PictureOrder> orders;
   {
@@ -111,7 +111,7 @@ Result<stream::Bytes> PictureFeed::still(const StillFormat& format, const stream
   return stream::Bytes(std::move(data));
 }
 
-// Each on its own, so that the next picture need not wait for the encoders of many streams.
+// Encodes each stream separately, so that the next picture need not wait for many encoders.
 void PictureFeed::film(const PictureOrder& order, FinishedPicture picture) {
   studio_.submit([this, self = shared_from_this(), order, drawn = drawn_, picture = std::move(picture)]() mutable {
     Result<VideoTrack::Frame> frame =
@@ -129,7 +129,7 @@ PictureStudio::PictureStudio(render::Renderer* renderer, PictureCounters& counte
     : renderer_(renderer),
       counters_(counters),
       clock_(clock),
-      // No more than one piece of work waits for each stream, and their number is limited.
+      // Needs no limit: at most one piece of work waits for each stream, and streams are limited.
       workers_(std::numeric_limits<std::size_t>::max(), num_threads) {}
 
 std::shared_ptr<PictureFeed> PictureStudio::feed(const std::shared_ptr<stream::Channel>& channel,

@@ -45,7 +45,7 @@ Result<v1::ColorBy> decode_color_by(v1::ColorBy color_by, const std::string& fie
   }
 }
 
-// Both messages have these fields, under the same names.
+// Decodes the fields that both messages have under the same names.
 template <typename Message>
 Result<PictureView> decode_common(const Message& message, const std::string& prefix) {
   PictureView view;

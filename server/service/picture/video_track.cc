@@ -7,7 +7,7 @@
 namespace kerf::api {
 
 Result<VideoTrack::Frame> VideoTrack::encode(const render::Pixels& pixels, host::Nanoseconds now, bool key) {
-  constexpr double kFirstFrameS = 1.0 / 30.0;  // how long it is shown is not known
+  constexpr double kFirstFrameS = 1.0 / 30.0;  // Assumed duration; the true one is unknown.
   double elapsed_s = kFirstFrameS;
   if (encoder_) {
     elapsed_s = host::seconds(now - last_at_);

@@ -29,18 +29,18 @@ namespace asio = boost::asio;
 using asio::ip::tcp;
 
 constexpr std::chrono::milliseconds kAcceptRetry{100};
-// Looking through all connections for closed ones is due no more often.
+// Shortest interval between searches of all connections for closed ones.
 constexpr std::chrono::milliseconds kLookInterval{20};
-// Looking through so many connections of one peer takes less than accepting one.
+// Largest number of connections of one peer whose search costs less than an accept.
 constexpr int kCheapLook = 256;
 
-// 0 of what is closed.
+// Returns the inode of a descriptor; 0 if it is closed.
 ino_t inode_of(int descriptor) {
   struct stat status {};
   return fstat(descriptor, &status) == 0 ? status.st_ino : 0;
 }
 
-// Takes "HOST:PORT" and "[HOST]:PORT" apart. Port 0 stands for one that is missing.
+// Splits "HOST:PORT" or "[HOST]:PORT". A missing port is 0.
 std::pair<std::string, int> split(const std::string& address) {
   const std::size_t colon = address.rfind(':');
   std::string host = address.substr(0, colon);
@@ -53,7 +53,7 @@ std::pair<std::string, int> split(const std::string& address) {
 }  // namespace
 
 struct ConnectionGate::Impl {
-  // A connection that was handed over. Its number is that of another one once it is closed, its inode is not.
+  // Identifies a connection passed to gRPC. Its descriptor is reused once it is closed, its inode is not.
   struct Handed {
     int descriptor;
     ino_t inode;
@@ -64,9 +64,9 @@ struct ConnectionGate::Impl {
     explicit Port(tcp::acceptor listening) : acceptor(std::move(listening)), retry(acceptor.get_executor()) {}
     tcp::acceptor acceptor;
     asio::steady_timer retry;
-    tcp::endpoint peer;  // that connected last
+    tcp::endpoint peer;  // The peer that connected last.
   };
-  // Says nothing yet.
+  // Holds a connection that has sent nothing yet.
   struct Silent {
     explicit Silent(tcp::socket connected) : socket(std::move(connected)), limit(socket.get_executor()) {}
     tcp::socket socket;
@@ -79,7 +79,7 @@ struct ConnectionGate::Impl {
         silence(limits.silence),
         take(std::move(taker)),
         places(limits.max_per_address) {
-    handed.reserve(max_connections);  // so that none is lost for want of memory
+    handed.reserve(max_connections);  // Reserved, so that no connection is lost for lack of memory.
   }
 
   Result<int> bind(const std::string& address);
@@ -98,12 +98,12 @@ struct ConnectionGate::Impl {
   const std::size_t max_connections;
   const std::chrono::milliseconds silence;
   const Take take;
-  PeerPlaces places;  // outlives every connection
+  PeerPlaces places;  // Outlives every connection.
   asio::io_context io{1};
-  std::list<Port> ports;  // the same number at each address of the host
+  std::list<Port> ports;  // The same port at each address of the host.
   std::thread thread;
 
-  mutable std::mutex mutex;  // of what follows
+  mutable std::mutex mutex;  // Guards the members below.
   std::set<std::shared_ptr<Silent>> silents;
   mutable std::vector<Handed> handed;
   mutable std::chrono::steady_clock::time_point looked;
@@ -138,7 +138,8 @@ void ConnectionGate::Impl::accept_next(Port& port) {
       accept_next(port);
       return;
     }
-    // Out of descriptors, most likely: an accept at once would fail as well, and keep a processor busy.
+    // Waits before retrying. Most likely descriptors ran out: an accept at once would fail too, and keep a processor
+    // busy.
     port.retry.expires_after(kAcceptRetry);
     port.retry.async_wait([this, &port](const boost::system::error_code& cancelled) {
       if (!cancelled) accept_next(port);
@@ -146,7 +147,7 @@ void ConnectionGate::Impl::accept_next(Port& port) {
   });
 }
 
-// Without memory a connection is refused, and the port stays open.
+// Refuses the connection if memory runs out; the port stays open.
 void ConnectionGate::Impl::admit_or_refuse(tcp::socket socket, const Peer& peer) {
   std::shared_ptr<Silent> silent;
   try {
@@ -159,7 +160,7 @@ void ConnectionGate::Impl::admit_or_refuse(tcp::socket socket, const Peer& peer)
   }
 }
 
-// With the mutex held. Gives the connection a place among those of its peer.
+// Gives the connection a place among those of its peer. Needs the mutex held.
 bool ConnectionGate::Impl::has_room(Silent& silent, const Peer& peer) {
   silent.place = places.take(peer);
   if (!silent.place) {
@@ -197,13 +198,13 @@ void ConnectionGate::Impl::admit(const std::shared_ptr<Silent>& silent, const Pe
   });
 }
 
-// With the mutex held.
+// Needs the mutex held.
 void ConnectionGate::Impl::forget(const std::shared_ptr<Silent>& silent) {
   silents.erase(silent);
   silent->place.reset();
 }
 
-// A closed connection can be read, too: nothing is in it.
+// Waits for the first byte. A closed connection becomes readable too, but without data.
 void ConnectionGate::Impl::hear(const std::shared_ptr<Silent>& silent) {
   tcp::socket& socket = silent->socket;
   char first = 0;
@@ -222,7 +223,7 @@ void ConnectionGate::Impl::hear(const std::shared_ptr<Silent>& silent) {
   take(descriptor);
 }
 
-// With the mutex held.
+// Needs the mutex held.
 void ConnectionGate::Impl::forget_closed() const {
   const auto now = std::chrono::steady_clock::now();
   if (now - looked < kLookInterval) return;
@@ -230,7 +231,7 @@ void ConnectionGate::Impl::forget_closed() const {
   std::erase_if(handed, [](const Handed& each) { return inode_of(each.descriptor) != each.inode; });
 }
 
-// With the mutex held.
+// Needs the mutex held.
 void ConnectionGate::Impl::forget_closed_of(const Peer& peer) const {
   if (places.taken(peer) > kCheapLook) return forget_closed();
   std::erase_if(handed, [&peer](const Handed& each) {

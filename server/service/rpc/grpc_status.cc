@@ -7,11 +7,11 @@
 namespace kerf::rpc {
 namespace {
 
-// Both appear in the message and again in the details, base64-encoded.
+// Limits on message and field. Both appear in the message and again in the details, base64-encoded.
 constexpr std::size_t kMaxMessageBytes = 1000;
 constexpr std::size_t kMaxFieldBytes = 200;
 
-// At the start of a UTF-8 sequence.
+// Cuts at the start of a UTF-8 sequence.
 std::string cut(const std::string& text, std::size_t max_bytes) {
   if (text.size() <= max_bytes) return text;
   std::size_t end = max_bytes;

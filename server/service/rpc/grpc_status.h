@@ -6,8 +6,9 @@
 
 namespace kerf::rpc {
 
-// With the google.rpc.Status of service/wire/error_codec.h as grpc-status-details-bin. Long messages and fields are
-// cut: a trailer must fit the client's metadata limit (8 KiB by default), or the client sees another error than ours.
+// Converts an error, with the google.rpc.Status of service/wire/error_codec.h as grpc-status-details-bin. Long messages
+// and fields are cut. A trailer must fit the client's metadata limit (8 KiB by default), or the client sees a different
+// error.
 grpc::Status to_status(const Error& error);
 
 }  // namespace kerf::rpc

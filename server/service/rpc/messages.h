@@ -10,11 +10,11 @@
 #include "server/base/result.h"
 #include "server/service/wire/finite_check.h"
 
-// Messages as the bytes that gRPC moves.
+// Converts messages to and from the bytes that gRPC transports.
 namespace kerf::rpc {
 
-// kInvalidArgument MALFORMED_MESSAGE; MESSAGE_INCOMPLETE where the call has no whole message; NOT_FINITE where a number
-// in it is not. gRPC has refused what is longer than it takes.
+// Parses a message. kInvalidArgument MALFORMED_MESSAGE; MESSAGE_INCOMPLETE if the call has no whole message; NOT_FINITE
+// if it has a number that is not finite. gRPC has already refused messages over its size limit.
 template <typename Message>
 Result<Message> parse_message(const grpc::ByteBuffer& bytes) {
   const std::string name(Message::descriptor()->full_name());
@@ -24,7 +24,7 @@ Result<Message> parse_message(const grpc::ByteBuffer& bytes) {
                                                       "is more than this server takes");
   }
   Message message;
-  grpc::ByteBuffer copy = bytes;  // shares the bytes; parsing takes them
+  grpc::ByteBuffer copy = bytes;  // Shares the bytes; parsing consumes them.
   if (!grpc::SerializationTraits<Message>::Deserialize(&copy, &message).ok()) {
     return invalid_argument("MALFORMED_MESSAGE", "this is no serialised " + name);
   }
@@ -32,10 +32,10 @@ Result<Message> parse_message(const grpc::ByteBuffer& bytes) {
   return message;
 }
 
-// In place of whatever `bytes` hold.
+// Serialises a message into `bytes`, replacing their content.
 template <typename Message>
 grpc::Status serialise(const Message& message, grpc::ByteBuffer* bytes) {
-  bytes->Clear();  // gRPC ends the process if there are any, as after a write
+  bytes->Clear();  // gRPC aborts the process if any are left, as after a write.
   bool own_buffer = false;
   return grpc::SerializationTraits<Message>::Serialize(message, bytes, &own_buffer);
 }

@@ -17,7 +17,7 @@ void Patience::begin(std::function<void(Lapse)> give_up) {
   wait_until(deadline);
 }
 
-// The timer stays where it is: when it fires, it is set anew for what is left.
+// Leaves the timer as it is: when it fires, it is reset for the remaining time.
 bool Patience::moved() {
   const std::lock_guard lock(mutex_);
   wait_anew();

@@ -9,43 +9,44 @@
 
 namespace kerf::rpc {
 
-// How long a transfer may take.
+// Limits the duration of a transfer.
 struct PatienceLimits {
-  host::Nanoseconds silence;  // while nothing moves
-  host::Nanoseconds whole;    // from its beginning to its end
+  host::Nanoseconds silence;  // Longest time without progress.
+  host::Nanoseconds whole;    // Longest time from beginning to end.
 };
 
-// How long a call waits for its client to send or take what is next. Either its reactor ends the call, or this does:
-// whoever is first, and never both. Thread-safe.
+// Ends a call whose client is too slow to send or take data. Exactly one of the reactor and this timer ends it.
+// Thread-safe.
 class Patience : public std::enable_shared_from_this<Patience> {
  public:
-  // Which limit was reached.
+  // Names the limit that was reached.
   enum class Lapse { kSilence, kWhole };
 
   // `clock` must outlive this.
   Patience(host::Clock& clock, PatienceLimits limits) : clock_(clock), limits_(limits), timer_(clock) {}
 
-  // `give_up` is called on the clock's thread, once nothing has moved for the limit since this or the last moved(), or
-  // once the whole has taken longer than its own.
+  // Starts both limits. `give_up` is called on the clock's thread once one of them is reached: kSilence since this call
+  // or the last moved(), or kWhole since this call.
   void begin(std::function<void(Lapse)> give_up);
-  // Something came, or was taken. False: it is too late, give_up() was or is being called.
+  // Records progress. Returns false if it is too late: give_up() was or is being called.
   bool moved();
-  // The call is ended by its reactor, unless this is false: then give_up() was or is being called.
+  // Stops the timer, because the reactor ends the call. Returns false if it is too late: give_up() was or is being
+  // called.
   bool end();
 
  private:
   void wait_until(host::Nanoseconds deadline);
   void timer_fired();
-  // With mutex_ held:
+  // These need mutex_ held:
   void wait_anew();
 
   host::Clock& clock_;
   const PatienceLimits limits_;
   api::WakeTimer timer_;
   std::mutex mutex_;
-  std::function<void(Lapse)> give_up_;  // null: not begun, or over. Guarded by mutex_
-  host::Nanoseconds end_{0};            // of the whole; guarded by mutex_
-  host::Nanoseconds deadline_{0};       // at most end_; guarded by mutex_
+  std::function<void(Lapse)> give_up_;  // Null: not begun, or over. Guarded by mutex_.
+  host::Nanoseconds end_{0};            // Deadline of the whole; guarded by mutex_.
+  host::Nanoseconds deadline_{0};       // At most end_; guarded by mutex_.
 };
 
 }  // namespace kerf::rpc

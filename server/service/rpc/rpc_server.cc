@@ -16,7 +16,7 @@
 namespace kerf::rpc {
 namespace {
 
-constexpr std::size_t kWriterThreads = 2;  // as many as serve HTTP
+constexpr std::size_t kWriterThreads = 2;  // As many as serve HTTP.
 
 }  // namespace
 
@@ -30,8 +30,8 @@ struct RpcServer::Impl {
   int max_request_bytes = 0;
   std::vector<NamedService> services;
   std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> acceptor;
-  std::unique_ptr<grpc::Server> server;  // destroyed before its services
-  std::unique_ptr<ConnectionGate> gate;  // destroyed before the server
+  std::unique_ptr<grpc::Server> server;  // Destroyed before its services.
+  std::unique_ptr<ConnectionGate> gate;  // Destroyed before the server.
 };
 
 namespace {
@@ -43,14 +43,14 @@ void set_limits(grpc::ServerBuilder& builder, const RpcOptions& options, int max
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, static_cast<int>(options.keepalive_timeout.count()));
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
   builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, 5000);
-  // gRPC unpacks a message before it looks at its length: a megabyte can become a thousand.
+  // Refuses compression: gRPC decompresses a message before it checks its length, and a megabyte can become a thousand.
   builder.AddChannelArgument(GRPC_ARG_ENABLE_PER_MESSAGE_DECOMPRESSION, 0);
   for (const auto algorithm : {GRPC_COMPRESS_DEFLATE, GRPC_COMPRESS_GZIP}) {
     builder.SetCompressionAlgorithmSupportStatus(algorithm, false);
   }
   grpc::ResourceQuota quota("kerfd");
   quota.Resize(options.max_buffer_bytes);
-  quota.SetMaxThreads(options.max_reflection_threads);  // reflection is what takes a thread a stream
+  quota.SetMaxThreads(options.max_reflection_threads);  // Only reflection takes a thread per stream.
   builder.SetResourceQuota(quota);
 }
 

@@ -27,8 +27,8 @@ using Context = grpc::CallbackServerContext;
 using Reactor = grpc::ServerUnaryReactor;
 using grpc::ByteBuffer;
 
-// A generated service whose methods get and give bytes. Those that are no message are refused here: gRPC would answer
-// them with UNIMPLEMENTED.
+// Wraps a generated service so that its methods take and return bytes. Malformed messages are refused here, because
+// gRPC would answer them with UNIMPLEMENTED.
 template <typename Service, template <typename> class... WithRawMethod>
 struct RawService {
   using type = Service;
@@ -38,7 +38,7 @@ struct RawService<Service, First, Rest...> {
   using type = First<typename RawService<Service, Rest...>::type>;
 };
 
-// Finishes `reactor` with the reply.
+// Returns a callback that finishes `reactor` with the reply.
 template <typename Response>
 api::Reply<Response> finisher(Reactor* reactor, ByteBuffer* response) {
   return [reactor, response](Result<Response> reply) {
@@ -50,7 +50,7 @@ api::Reply<Response> finisher(Reactor* reactor, ByteBuffer* response) {
   };
 }
 
-// Nothing, and the reactor finished, where `bytes` are no Request.
+// Parses a Request; finishes the reactor and returns nothing if `bytes` are malformed.
 template <typename Request>
 std::optional<Request> parse(const ByteBuffer* bytes, Reactor* reactor) {
   Result<Request> request = parse_message<Request>(*bytes);
@@ -59,7 +59,7 @@ std::optional<Request> parse(const ByteBuffer* bytes, Reactor* reactor) {
   return std::nullopt;
 }
 
-// Hands the request to the Api's method of the same name. gRPC keeps the response until the reactor finishes.
+// Passes the request to the Api's method of the same name. gRPC keeps the response until the reactor finishes.
 template <typename Request, typename Response>
 Reactor* answer(api::Api& api, void (api::Api::*method)(const Request&, api::Reply<Response>), Context* context,
                 const ByteBuffer* bytes, ByteBuffer* response) {
@@ -70,7 +70,7 @@ Reactor* answer(api::Api& api, void (api::Api::*method)(const Request&, api::Rep
   return reactor;
 }
 
-// Knows when its call is cancelled, by the client or by its deadline.
+// Holds a stop token that is triggered when the client or the deadline cancels the call.
 class CancellableReactor final : public Reactor {
  public:
   [[nodiscard]] std::stop_token token() const { return source_.get_token(); }
@@ -81,11 +81,11 @@ class CancellableReactor final : public Reactor {
   std::stop_source source_;
 };
 
-// As answer(), for a method that goes on for long and may be told to stop.
+// Passes the request to a long method that can be stopped; otherwise as answer() above.
 template <typename Request, typename Response>
 Reactor* answer(api::Api& api, void (api::Api::*method)(const Request&, api::Reply<Response>, std::stop_token),
                 Context* /*context*/, const ByteBuffer* bytes, ByteBuffer* response) {
-  auto* reactor = new CancellableReactor;  // deletes itself in OnDone
+  auto* reactor = new CancellableReactor;  // Deletes itself in OnDone.
   if (const std::optional<Request> request = parse<Request>(bytes, reactor)) {
     (api.*method)(*request, finisher<Response>(reactor, response), reactor->token());
   }
@@ -191,7 +191,7 @@ class Render final : public RawRender {
   Render(api::Api& api, StreamHosting& hosting) : api_(api), hosting_(hosting) {}
   KERF_UNARY(RenderImage, render_image)
   grpc::ServerBidiReactor<ByteBuffer, ByteBuffer>* WatchImages(Context* context) override {
-    return new TalkReactor(api_.watch_images(), *context, hosting_);  // deletes itself in OnDone
+    return new TalkReactor(api_.watch_images(), *context, hosting_);  // Deletes itself in OnDone.
   }
 
  private:

@@ -21,10 +21,10 @@ struct NamedService {
 
 struct StreamHosting;
 
-// Every service of kerf.v1 over `api`, which must outlive them, as must the clock and `hosting`.
+// Returns every service of kerf.v1 over `api`. `api`, the clock and `hosting` must outlive them.
 std::vector<NamedService> make_services(api::Api& api, TransferPatience patience, StreamHosting& hosting);
 
-// StreamService, whose messages are passed through as bytes: frames are serialised once for all streams.
+// Returns StreamService. Its messages pass through as bytes: frames are serialised once for all streams.
 std::unique_ptr<grpc::Service> make_stream_service(api::Api& api, StreamHosting& hosting);
 
 }  // namespace kerf::rpc

@@ -8,7 +8,7 @@ grpc::ByteBuffer to_byte_buffer(const stream::Message& message) {
   std::vector<grpc::Slice> slices;
   slices.reserve(message.parts.size());
   for (const stream::Bytes& part : message.parts) {
-    // gRPC's signature is not const; it only reads.
+    // gRPC's parameter is not const, but gRPC only reads the bytes.
     slices.emplace_back(
         const_cast<char*>(part->data()), part->size(), [](void* kept) { delete static_cast<stream::Bytes*>(kept); },
         new stream::Bytes(part));

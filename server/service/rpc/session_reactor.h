@@ -20,22 +20,23 @@
 
 namespace kerf::rpc {
 
-// The parts' own bytes, each kept alive by its slice until gRPC has sent it.
+// Returns the parts without copying; each slice keeps its part alive until gRPC has sent it.
 grpc::ByteBuffer to_byte_buffer(const stream::Message& message);
 
-// The bytes of a request, or nothing where gRPC cannot put them together.
+// Returns the bytes of a request, or nothing if gRPC cannot join them.
 std::optional<grpc::Slice> whole(const grpc::ByteBuffer& request);
 
-// What the streams of a server share. Outlives them all.
+// Holds the objects shared by all streams of a server. Outlives them.
 struct StreamHosting {
-  // Where a stream that was woken encodes and writes, so that the sheet's strand, which woke it, goes on at once.
+  // Threads that encode and write for woken streams, so that the sheet's strand is not blocked.
   boost::asio::thread_pool& writers;
   host::Clock& clock;
-  host::Nanoseconds write_timeout;  // a reader that does not take a message for so long cannot be told: it is cut off
+  host::Nanoseconds write_timeout;  // A reader that does not take a message for this long is cut off.
 };
 
-// Writes what a session gives. Every write starts in advance(), which only the owner of `busy_` runs: at most one write
-// is in flight, and no lock is held over a call into gRPC or the session. `Reactor`: with a stream of responses.
+// Writes the messages of a session. Every write starts in advance(), which runs only while it owns `busy_`. Thus at
+// most one write is in flight, and no lock is held over a call into gRPC or the session. `Reactor`: a gRPC reactor with
+// a stream of responses.
 template <typename Reactor>
 class SessionReactor : public Reactor {
  public:
@@ -62,7 +63,7 @@ class SessionReactor : public Reactor {
   }
 
   void OnDone() override {
-    // Both wait for a call that is running: it uses this object.
+    // Both wait for a running callback, which uses this object.
     write_watch_->stop();
     session_->set_ready({});
     session_->close();
@@ -70,13 +71,13 @@ class SessionReactor : public Reactor {
   }
 
  protected:
-  // To be called once, at the end of the most derived constructor.
+  // Starts the stream; to be called once, at the end of the most derived constructor.
   void begin() {
     write_watch_->watch([this] { context_.TryCancel(); });
     session_->set_ready([this] { wake(); });
   }
 
-  // Until the writers come to it the stream is busy, so that nothing finishes it and this object stays.
+  // Posts advance() to the writers. The stream is busy until it runs, so nothing finishes it or deletes this object.
   void wake() {
     {
       const std::lock_guard lock(mutex_);
@@ -89,8 +90,8 @@ class SessionReactor : public Reactor {
   api::StreamSession& session() { return *session_; }
 
  private:
-  // Starts the next write or finishes the stream, and stays busy until that is done; idle if there is neither. Nothing
-  // of this object may be touched after StartWrite or Finish: their reactions may have deleted it.
+  // Starts the next write or finishes the stream, and stays busy until that is done; idle if there is neither. No
+  // member may be touched after StartWrite or Finish: their reactions may have deleted this object.
   void advance() {
     while (true) {
       {
@@ -98,7 +99,7 @@ class SessionReactor : public Reactor {
         busy_ = std::exchange(woken_, false);
         if (!busy_) return;
       }
-      // Asked before next(): what is there once the session has ended is all there will be.
+      // Read before next(): once the session has ended, no message is added.
       const bool ended = session_->ended();
       if (const std::optional<stream::Message> message = session_->next()) {
         response_ = to_byte_buffer(*message);
@@ -115,16 +116,16 @@ class SessionReactor : public Reactor {
   }
 
   const std::shared_ptr<api::StreamSession> session_;
-  grpc::CallbackServerContext& context_;  // gRPC keeps it until OnDone has returned
+  grpc::CallbackServerContext& context_;  // gRPC keeps it until OnDone has returned.
   StreamHosting& hosting_;
-  const std::shared_ptr<WriteWatch> write_watch_;  // whose timer may fire when this is gone
+  const std::shared_ptr<WriteWatch> write_watch_;  // Its timer may fire after this object is gone.
   grpc::ByteBuffer response_;
-  std::mutex mutex_;    // of what follows
-  bool busy_ = false;   // somebody runs advance() or is to, or a write is in flight, or the stream is finished
-  bool woken_ = false;  // there may be something to write
+  std::mutex mutex_;    // Guards the members below.
+  bool busy_ = false;   // advance() runs or is posted, a write is in flight, or the stream is finished.
+  bool woken_ = false;  // There may be a message to write.
 };
 
-// A stream that the client talks on, too.
+// Serves a bidirectional stream.
 class TalkReactor final : public SessionReactor<grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>> {
  public:
   TalkReactor(std::shared_ptr<api::StreamSession> session, grpc::CallbackServerContext& context, StreamHosting& hosting)
@@ -135,7 +136,7 @@ class TalkReactor final : public SessionReactor<grpc::ServerBidiReactor<grpc::By
 
   void OnReadDone(bool ok) override {
     const std::optional<grpc::Slice> bytes = ok ? whole(request_) : std::nullopt;
-    if (!bytes) {  // the client has finished, or is gone
+    if (!bytes) {  // The client has finished, or is gone.
       session().close();
       wake();
       return;

@@ -24,7 +24,7 @@ class SubscribeReactor final : public SessionReactor<grpc::ServerWriteReactor<gr
   }
 };
 
-// A call whose request is no message.
+// Refuses a call whose request is malformed.
 class RefusedReactor final : public grpc::ServerWriteReactor<grpc::ByteBuffer> {
  public:
   explicit RefusedReactor(const Error& error) { Finish(to_status(error)); }
@@ -38,7 +38,7 @@ class StreamService final : public RawStream {
   StreamService(api::Api& api, StreamHosting& hosting) : api_(api), hosting_(hosting) {}
 
   grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* Watch(grpc::CallbackServerContext* context) override {
-    return new TalkReactor(api_.watch(), *context, hosting_);  // deletes itself in OnDone
+    return new TalkReactor(api_.watch(), *context, hosting_);  // Deletes itself in OnDone.
   }
   grpc::ServerWriteReactor<grpc::ByteBuffer>* Subscribe(grpc::CallbackServerContext* context,
                                                         const grpc::ByteBuffer* request) override {

@@ -21,7 +21,8 @@ using grpc::ByteBuffer;
 
 constexpr std::size_t kChunkBytes = std::size_t{64} << 10;
 
-// Hands the parts of a file to an upload. `Request`: start, then chunks. `Start`: how the Api begins one.
+// Passes the parts of a file to an upload. `Request`: start, then chunks. `Start`: the function of the Api that begins
+// the upload.
 template <typename Request, typename Start>
 class UploadReactor final : public grpc::ServerReadReactor<ByteBuffer> {
  public:
@@ -47,7 +48,7 @@ class UploadReactor final : public grpc::ServerReadReactor<ByteBuffer> {
   void OnDone() override { delete this; }
 
  private:
-  // Takes no message that brings nothing: an upload goes on by bytes alone.
+  // Refuses messages without content: only bytes count as progress.
   Status take(Request request) {
     if (request.kind_case() == Request::KIND_NOT_SET) {
       return invalid_argument("CHOICE_MISSING", "kind must be one of start or chunk", "kind");
@@ -62,11 +63,11 @@ class UploadReactor final : public grpc::ServerReadReactor<ByteBuffer> {
     return upload_->append(std::move(*request.mutable_chunk()));
   }
 
-  // The client has sent all it had to, or is gone.
+  // Ends the upload; the client has sent everything, or is gone.
   void end() {
     if (!upload_) return refuse(missing_start());
     if (!patience_->end()) return;
-    // The reply may end the call, and this object with it, before finish() returns.
+    // Moved out, since the reply may end the call, and delete this object, before finish() returns.
     const std::unique_ptr<api::Upload> upload = std::move(upload_);
     upload->finish(
         [this](Result<v1::Sheet> sheet) {
@@ -95,16 +96,16 @@ class UploadReactor final : public grpc::ServerReadReactor<ByteBuffer> {
   }
 
   Start start_;
-  ByteBuffer* response_;  // gRPC's, until the call is done
+  ByteBuffer* response_;  // Owned by gRPC, valid until the call is done.
   ByteBuffer message_;
   std::unique_ptr<api::Upload> upload_;
-  std::stop_source left_;                     // the client
-  const std::shared_ptr<Patience> patience_;  // whose timer may fire when this is gone
+  std::stop_source left_;                     // Stops when the client leaves.
+  const std::shared_ptr<Patience> patience_;  // Its timer may fire after this object is gone.
 };
 
 template <typename Request, typename Start>
 grpc::ServerReadReactor<ByteBuffer>* receive(Start start, TransferPatience patience, ByteBuffer* response) {
-  return new UploadReactor<Request, Start>(std::move(start), patience, response);  // deletes itself in OnDone
+  return new UploadReactor<Request, Start>(std::move(start), patience, response);  // Deletes itself in OnDone.
 }
 
 // Sends a file in chunks, one write at a time.
@@ -113,7 +114,7 @@ class RecordingReactor final : public grpc::ServerWriteReactor<ByteBuffer> {
   RecordingReactor(api::Api& api, TransferPatience patience, grpc::CallbackServerContext& context,
                    const ByteBuffer* bytes)
       : patience_(std::make_shared<Patience>(patience.clock, patience.limits)) {
-    // A write that is not taken ends in OnWriteDone, and the call with it.
+    // Cancels a stalled write, which then ends in OnWriteDone, and with it the call.
     too_slow_->set([&context] { context.TryCancel(); });
     const Result<v1::GetSheetRecordingRequest> request = parse_message<v1::GetSheetRecordingRequest>(*bytes);
     if (!request.ok()) {
@@ -135,7 +136,7 @@ class RecordingReactor final : public grpc::ServerWriteReactor<ByteBuffer> {
 
   void OnDone() override {
     patience_->end();
-    too_slow_->set({});  // waits for one that is running: it uses the call
+    too_slow_->set({});  // Waits for a running callback, which uses the call.
     delete this;
   }
 
@@ -149,8 +150,9 @@ class RecordingReactor final : public grpc::ServerWriteReactor<ByteBuffer> {
     StartWrite(&message_);
   }
 
-  const std::shared_ptr<Patience> patience_;  // whose timer may fire when this is gone
-  const std::shared_ptr<api::ReadySignal> too_slow_ = std::make_shared<api::ReadySignal>();  // likewise
+  const std::shared_ptr<Patience> patience_;  // Its timer may fire after this object is gone.
+  // May be called after this object is gone.
+  const std::shared_ptr<api::ReadySignal> too_slow_ = std::make_shared<api::ReadySignal>();
   std::shared_ptr<const std::string> file_;
   std::size_t sent_ = 0;
   ByteBuffer message_;
@@ -170,7 +172,7 @@ grpc::ServerReadReactor<ByteBuffer>* receive_recording(api::Api& api, TransferPa
 
 grpc::ServerWriteReactor<ByteBuffer>* send_recording(api::Api& api, TransferPatience patience,
                                                      grpc::CallbackServerContext& context, const ByteBuffer* request) {
-  return new RecordingReactor(api, patience, context, request);  // deletes itself in OnDone
+  return new RecordingReactor(api, patience, context, request);  // Deletes itself in OnDone.
 }
 
 }  // namespace kerf::rpc

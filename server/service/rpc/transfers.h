@@ -11,12 +11,12 @@ namespace kerf::api {
 class Api;
 }  // namespace kerf::api
 
-// The calls of SheetService that are larger than a message: files sent to the server in parts, and fetched in parts.
-// Each reactor deletes itself when its call is done.
+// Serves the calls of SheetService that exceed a message: files sent to the server in parts, and fetched in parts. Each
+// reactor deletes itself when its call is done.
 namespace kerf::rpc {
 
-// How long transfers may stand still, and take: uploads beyond it are ended with ABORTED, UPLOAD_STALLED or
-// UPLOAD_TOO_SLOW; the call of a reader that does not take its file is cancelled.
+// Limits how long transfers may stall and last. Slower uploads end with ABORTED, UPLOAD_STALLED or UPLOAD_TOO_SLOW. The
+// call of a reader that does not take its file is cancelled.
 struct TransferPatience {
   host::Clock& clock;
   PatienceLimits limits;

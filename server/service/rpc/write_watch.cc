@@ -4,8 +4,7 @@
 
 namespace kerf::rpc {
 
-// Of each write no more than a time is noted: a timer that is set stays where it is, and when it fires, it is set anew
-// for what is left.
+// Notes only a time for each write. A pending timer stays as it is: when it fires, it is reset for the remaining time.
 void WriteWatch::begun() {
   const host::Nanoseconds now = clock_.now();
   {
