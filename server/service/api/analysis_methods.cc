@@ -10,11 +10,11 @@
 #include "server/service/wire/analysis_codec.h"
 #include "server/service/wire/reply_codec.h"
 
-// SheetService.AnalyzeSheet.
+// Implements SheetService.AnalyzeSheet.
 namespace kerf::api {
 namespace {
 
-constexpr std::int64_t kMaxMeasuredNumbers = 2'000'000;  // in the table of a dynamic analysis: 16 MB
+constexpr std::int64_t kMaxMeasuredNumbers = 2'000'000;  // Numbers in the table of a dynamic analysis: 16 MB.
 
 struct Request {
   std::string name;
@@ -39,7 +39,7 @@ Result<Request> decode(const v1::AnalyzeSheetRequest& message) {
   return request;
 }
 
-// Whether a dynamic analysis can be done at all, and its table be sent.
+// Checks that a dynamic analysis is possible and its table small enough to be sent.
 Status check(const sheet::Sheet& sheet, const sheet::DynamicAnalysis& analysis,
              const std::vector<sheet::Probe>& probes) {
   if (sheet.frozen() && analysis.ticks > 0) {

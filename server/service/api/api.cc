@@ -19,7 +19,7 @@
 namespace kerf::api {
 namespace {
 
-// `stop...`: nothing, or the stop token of a method that takes one.
+// `stop...`: empty, or the stop token of a method that takes one.
 template <typename Request, typename Response, typename... Stop>
 Method json_method(std::string path, Api& api, void (Api::*method)(const Request&, Reply<Response>, Stop...)) {
   return {std::move(path),
@@ -154,8 +154,9 @@ void Api::stop() {
   core_->stopping = true;
   core_->hub.stop();
   core_->studio.close();
-  core_->analyst.close();  // the analysis under way sees `stopping`
-  // The transports wait for every answer: pictures and files in a row would take longer than a stop may.
+  core_->analyst.close();  // The analysis in progress checks `stopping`.
+  // Stops both side by side: the transports wait for every answer, and pictures and files in turn could exceed the time
+  // limit of a stop.
   core_->drawer.close();
   core_->filer.close();
   core_->streams.tell_stop();

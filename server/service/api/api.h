@@ -73,8 +73,8 @@ class UndoResult;
 class WatchImagesStart;
 }  // namespace kerf::v1
 
-// What every transport offers, once: a transport turns its bytes into these messages, calls the method of the same name
-// as the RPC, and turns the answer into its bytes. Neither gRPC nor HTTP is known here.
+// Implements the RPCs once for all transports. A transport decodes these messages, calls the method with the name of
+// the RPC, and encodes the answer. This layer depends on neither gRPC nor HTTP.
 namespace kerf::api {
 
 class ImageSession;
@@ -83,103 +83,103 @@ class UploadRoom;
 class WatchSession;
 struct ApiCore;
 
-// Called exactly once: on the caller's thread where a request is refused at once, else on a thread of the host or of
-// a background worker. It must not block; it may call the Api again.
+// Called exactly once: on the caller's thread if a request is refused at once, else on a thread of the host or of a
+// background worker. It must not block; it may call the Api again.
 template <typename T>
 using Reply = std::function<void(Result<T>)>;
 
 struct Limits {
-  std::int32_t max_request_bytes = 1 << 20;                // one request message; enforced by the transports
-  std::int32_t max_subscribers_per_sheet = 256;            // streams watching one sheet
-  std::int32_t max_unsent_bytes_per_subscriber = 4 << 20;  // frames sent and not acknowledged, of one stream
-  std::chrono::milliseconds watch_ack_timeout{10'000};     // a stream that owes an acknowledgement for longer is ended
-  std::size_t max_remembered_requests = 4096;              // request_ids, oldest forgotten first
-  std::size_t max_remembered_bytes = std::size_t{16} << 20;  // of those and their answers
-  std::size_t max_waiting_analyses = 8;                      // AnalyzeSheet calls behind the one being done
-  std::int32_t max_analyzed_vertices = 100'000;              // of a sheet that is analysed
-  std::int32_t max_image_streams = 64;                       // WatchImages and MJPEG streams, of all sheets together
-  std::size_t max_waiting_pictures = 16;                     // RenderImage calls behind the one being drawn
-  std::size_t max_waiting_files = 16;  // ExportSheet calls and recordings, up and down, behind the one being done
-  std::int64_t max_mesh_upload_bytes = std::int64_t{64} << 20;        // a mesh file of UploadSheet
-  std::int64_t max_recording_upload_bytes = std::int64_t{128} << 20;  // a file of ReplayRecording
-  std::int64_t max_recorded_ticks = std::int64_t{4} << 20;            // of that file: 19 h at 60 Hz, each tick an entry
-  std::int64_t max_recorded_parts = std::int64_t{1} << 20;            // of that file, see wire::RecordingLimits
-  std::int32_t max_recordings_sent = 16;                              // to clients at once, each a whole file in memory
-  std::int64_t max_uploading_bytes = std::int64_t{256} << 20;         // of all uploads under way
+  std::int32_t max_request_bytes = 1 << 20;                // One request message; enforced by the transports.
+  std::int32_t max_subscribers_per_sheet = 256;            // Streams watching one sheet.
+  std::int32_t max_unsent_bytes_per_subscriber = 4 << 20;  // Frames of one stream sent and not acknowledged.
+  std::chrono::milliseconds watch_ack_timeout{10'000};     // A stream that owes an acknowledgement for longer is ended.
+  std::size_t max_remembered_requests = 4096;              // request_ids; the oldest are forgotten first.
+  std::size_t max_remembered_bytes = std::size_t{16} << 20;  // Bytes of those and their answers.
+  std::size_t max_waiting_analyses = 8;                      // AnalyzeSheet calls waiting behind the one in progress.
+  std::int32_t max_analyzed_vertices = 100'000;              // Vertices of a sheet that is analysed.
+  std::int32_t max_image_streams = 64;                       // WatchImages and MJPEG streams of all sheets together.
+  std::size_t max_waiting_pictures = 16;                     // RenderImage calls waiting behind the one in progress.
+  // ExportSheet calls and recordings, up and down, waiting behind the one in progress.
+  std::size_t max_waiting_files = 16;
+  std::int64_t max_mesh_upload_bytes = std::int64_t{64} << 20;        // Mesh file of UploadSheet.
+  std::int64_t max_recording_upload_bytes = std::int64_t{128} << 20;  // File of ReplayRecording.
+  std::int64_t max_recorded_ticks = std::int64_t{4} << 20;     // Entries of that file: 19 h at 60 Hz with one per tick.
+  std::int64_t max_recorded_parts = std::int64_t{1} << 20;     // Parts of that file, see wire::RecordingLimits.
+  std::int32_t max_recordings_sent = 16;                       // Sent to clients at once, each a whole file in memory.
+  std::int64_t max_uploading_bytes = std::int64_t{256} << 20;  // Bytes of all uploads in progress.
 
-  // A stream is cut off once a message of it was not taken for so long. A reader that stalls and wakes up in the time
-  // beyond watch_ack_timeout still reads that it was too slow.
+  // Returns the time after which a stream is cut off if a message was not taken. The margin beyond watch_ack_timeout
+  // lets a reader that stalls and recovers still read that it was too slow.
   [[nodiscard]] std::chrono::milliseconds stream_write_timeout() const { return watch_ack_timeout * 13 / 10; }
 };
 
 struct ApiOptions {
-  std::string version = "0.0.0";  // told by GetServerInfo
-  std::string instance_id;        // told by GetServerInfo; different at each start of the server
+  std::string version = "0.0.0";  // Reported by GetServerInfo.
+  std::string instance_id;        // Reported by GetServerInfo; different at each start of the server.
   Limits limits;
 };
 
-// What was done for streams of frames so far.
+// Counts the work done for streams of frames so far.
 struct FrameCounts {
-  std::int64_t encoded = 0;  // keyframes and differences to an older frame; one for all viewers who need the same
+  std::int64_t encoded = 0;  // Keyframes and deltas; one frame shared by several viewers counts once.
   std::int64_t sent = 0;
 };
 
-// What was done for pictures so far, of streams and of RenderImage.
+// Counts the work done for pictures so far, in streams and RenderImage.
 struct PictureCounts {
   std::int64_t rendered = 0;
   std::int64_t encoded = 0;
-  std::int64_t shared = 0;   // given to a stream, and encoded for another one or for an earlier picture
-  std::int64_t sent = 0;     // to streams
-  std::int64_t skipped = 0;  // ticks that streams were sent no pictures of, summed over streams
-  std::int32_t streams = 0;  // open now
+  std::int64_t shared = 0;   // Given to a stream after being encoded for another one or for an earlier picture.
+  std::int64_t sent = 0;     // Sent to streams.
+  std::int64_t skipped = 0;  // Ticks not shown to streams between their pictures, summed over streams.
+  std::int32_t streams = 0;  // Open now.
 };
 
-// A unary method for a transport that speaks JSON: request and response are the JSON forms of the RPC's messages
-// (snake_case names, defaults printed).
+// Describes a unary method for a transport that uses JSON: request and response are the JSON forms of the RPC's
+// messages (snake_case names, defaults printed).
 struct Method {
   std::string path;  // "/kerf.v1.CutService/CreateCut"
-  // `stop`: asked for when nobody waits for the reply any more. A method that goes on for long may end then, its reply
-  // comes all the same.
+  // `stop` is triggered when no caller waits for the reply any more. A long method may then end early; it still
+  // replies.
   std::function<void(std::string_view json, Reply<std::string> reply, std::stop_token stop)> call;
 };
 
-// One a server. Safe to call from any thread. `host`, `clock` and `renderer` must outlive it and every session
-// made by it. Errors are those that the proto files name for each RPC; an unknown sheet is kNotFound SHEET_NOT_FOUND
-// with field "name" or "parent", a malformed name kInvalidArgument, and after stop() everything is kUnavailable.
+// Answers the requests of one server. Callable from any thread. `host`, `clock` and `renderer` must outlive it and
+// every session made by it. The proto files list the errors of each RPC. An unknown sheet is kNotFound SHEET_NOT_FOUND
+// with field "name" or "parent", a malformed name is kInvalidArgument, and after stop() every call gets kUnavailable.
 class Api {
  public:
-  // Becomes the host's command listener: to be made before any sheet runs. `renderer` may be null or the null renderer:
-  // RenderImage is then refused with kUnavailable.
+  // Becomes the host's command listener, so it must be made before any sheet runs. `renderer` may be null or the null
+  // renderer: RenderImage is then refused with kUnavailable.
   Api(host::Host& host, render::Renderer* renderer, ApiOptions options, host::Clock& clock);
   ~Api();  // stop(), and waits for pictures being drawn
   Api(const Api&) = delete;
   Api& operator=(const Api&) = delete;
 
-  // `stop`: requests one where the client leaves, and the sheet is not made then.
+  // `stop` is triggered when the client leaves; the sheet is then not made.
   void create_sheet(const v1::CreateSheetRequest& request, Reply<v1::Sheet> reply, std::stop_token stop = {});
   void get_sheet(const v1::GetSheetRequest& request, Reply<v1::Sheet> reply);
   void list_sheets(const v1::ListSheetsRequest& request, Reply<v1::ListSheetsResponse> reply);
   void delete_sheet(const v1::DeleteSheetRequest& request, Reply<google::protobuf::Empty> reply);
   void pause_sheet(const v1::PauseSheetRequest& request, Reply<v1::Sheet> reply);
   void resume_sheet(const v1::ResumeSheetRequest& request, Reply<v1::Sheet> reply);
-  // Ends after a tick, with what was done, once `stop` asks for it: nobody waits for the answer any more.
+  // Ends early after a tick, with the result so far, once `stop` is triggered: no caller waits for the answer then.
   void step_sheet(const v1::StepSheetRequest& request, Reply<v1::Sheet> reply, std::stop_token stop);
   void set_sheet_speed(const v1::SetSheetSpeedRequest& request, Reply<v1::Sheet> reply);
   void reset_sheet(const v1::ResetSheetRequest& request, Reply<v1::Sheet> reply);
   void export_sheet(const v1::ExportSheetRequest& request, Reply<v1::ExportSheetResponse> reply);
   void get_sheet_state(const v1::GetSheetStateRequest& request, Reply<v1::SheetState> reply);
-  // SheetService.UploadSheet and ReplayRecording: whose bytes are then handed to the upload. Refused before a byte is
-  // taken: kInvalidArgument with the field below `start`, kResourceExhausted TOO_MANY_UPLOADS.
+  // Begin SheetService.UploadSheet and ReplayRecording; the transport then passes the bytes to the upload. Refused
+  // before the first byte: kInvalidArgument with the field below `start`, kResourceExhausted TOO_MANY_UPLOADS.
   Result<std::unique_ptr<Upload>> upload_sheet(const v1::SheetUpload& start);
   Result<std::unique_ptr<Upload>> replay_recording(const v1::RecordingUpload& start);
-  // For a transport that must read a whole file before it can begin its upload: room for it among all uploads until
-  // then.
+  // Reserves room for an upload by a transport that must read the whole file before it can begin the upload.
   Result<std::shared_ptr<const UploadRoom>> reserve_upload(std::int64_t num_bytes);
-  // The whole file of SheetService.GetSheetRecording, which counts as being sent until the reply is let go:
-  // kResourceExhausted TOO_MANY_RECORDINGS.
+  // Returns the whole file of SheetService.GetSheetRecording. It counts as being sent until the reply's value is
+  // destroyed. kResourceExhausted TOO_MANY_RECORDINGS.
   void get_sheet_recording(const v1::GetSheetRecordingRequest& request,
                            Reply<std::shared_ptr<const std::string>> reply);
-  // Ends after an iteration, with what was found, once `stop` asks for it.
+  // Ends early after an iteration, with the result so far, once `stop` is triggered.
   void analyze_sheet(const v1::AnalyzeSheetRequest& request, Reply<v1::AnalyzeSheetResponse> reply,
                      std::stop_token stop);
 
@@ -202,33 +202,33 @@ class Api {
   void render_image(const v1::RenderImageRequest& request, Reply<v1::RenderImageResponse> reply);
   void get_server_info(const v1::GetServerInfoRequest& request, Reply<v1::ServerInfo> reply);
 
-  // A new stream of StreamService.Watch.
+  // Returns a new stream of StreamService.Watch.
   std::shared_ptr<WatchSession> watch();
-  // StreamService.Subscribe: a session that is under way, and is handed no requests.
+  // Returns a started session of StreamService.Subscribe, which takes no requests.
   std::shared_ptr<WatchSession> subscribe(const v1::SubscribeRequest& request);
 
-  // A new stream of RenderService.WatchImages.
+  // Returns a new stream of RenderService.WatchImages.
   std::shared_ptr<ImageSession> watch_images();
-  // One that is under way, is handed no requests, and whose pictures count as acknowledged once they are sent: for a
-  // transport that notices by itself how fast its reader is.
+  // Returns a started stream of pictures that takes no requests. Pictures count as acknowledged once they are sent: for
+  // a transport that notices by itself how fast its reader is.
   std::shared_ptr<ImageSession> play_images(const v1::WatchImagesStart& start);
 
-  // Every unary method above, ordered by path. Lives as long as the Api.
+  // Returns every unary method above, ordered by path. Lives as long as the Api.
   [[nodiscard]] const std::vector<Method>& methods() const;
 
-  // Streams open now.
+  // Returns the number of open streams.
   [[nodiscard]] std::int32_t num_watchers() const;
-  // Frames of all streams since the start.
+  // Counts the frames of all streams since the start.
   [[nodiscard]] FrameCounts frame_counts() const;
   [[nodiscard]] PictureCounts picture_counts() const;
   [[nodiscard]] const Limits& limits() const;
 
-  // Ends every stream with SERVER_STOPPING, refuses the pictures that wait behind the one being drawn and what comes
-  // after; idempotent. Requests that the host has already accepted are answered by the host (stop it next).
+  // Ends every stream with SERVER_STOPPING, and refuses waiting pictures and all later requests. Idempotent. The host
+  // still answers requests that it has accepted, so stop the host next.
   void stop();
 
  private:
-  std::shared_ptr<ApiCore> core_;  // shared with replies and streams that are still under way
+  std::shared_ptr<ApiCore> core_;  // Shared with replies and streams still in progress.
   std::vector<Method> methods_;
 };
 

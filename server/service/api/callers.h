@@ -8,16 +8,16 @@
 
 namespace kerf::api {
 
-// Those who wait for one piece of work, which is to stop once all of them have left. Thread-safe.
+// Tracks the callers that wait for one piece of work, which must stop once all have left. Thread-safe.
 class Callers {
  public:
   Callers() = default;
   Callers(const Callers&) = delete;
   Callers& operator=(const Callers&) = delete;
 
-  // `caller`: requests a stop where this caller leaves; one that cannot stays for good.
+  // Adds a caller, whose token is triggered when it leaves. A token that cannot be triggered keeps the work going.
   void join(const std::stop_token& caller);
-  // Requests a stop when the last of those who joined has left.
+  // Returns a token that is triggered when the last caller has left.
   [[nodiscard]] std::stop_token all_left() const { return all_left_.get_token(); }
 
  private:

@@ -86,7 +86,7 @@ Error too_many_analyses(const ApiCore& core) {
 
 void copy_sheet(const std::shared_ptr<ApiCore>& core, const std::string& sheet_id, const char* field,
                 std::function<void(Result<std::shared_ptr<sheet::Sheet>>)> done) {
-  using Copy = std::shared_ptr<sheet::Sheet>;  // empty: too large to be copied
+  using Copy = std::shared_ptr<sheet::Sheet>;  // Empty: too large to be copied.
   const std::int32_t limit = core->options.limits.max_analyzed_vertices;
   look_at<Copy>(
       core, sheet_id,

@@ -25,10 +25,10 @@
 
 namespace kerf::api {
 
-// One draws or waits for the graphics device while another encodes.
+// Number of threads: one draws or waits for the graphics device while another encodes.
 inline constexpr std::size_t kStudioThreads = 2;
 
-// What the methods of an Api and its streams share.
+// Holds the state shared by the methods of an Api and its streams.
 struct ApiCore {
   ApiCore(host::Host& the_host, render::Renderer* the_renderer, ApiOptions the_options, host::Clock& the_clock)
       : host(the_host),
@@ -44,62 +44,62 @@ struct ApiCore {
         analyst(options.limits.max_waiting_analyses) {}
 
   host::Host& host;
-  render::Renderer* const renderer;  // may be null
+  render::Renderer* const renderer;  // May be null.
   const ApiOptions options;
   host::Clock& clock;
   const host::Nanoseconds started_at;
   std::atomic<bool> stopping{false};
   std::atomic<std::int32_t> num_watchers{0};
-  std::atomic<std::int64_t> uploading_bytes{0};  // declared by uploads under way
-  std::atomic<std::int32_t> recordings_sent{0};  // being made or on their way
+  std::atomic<std::int64_t> uploading_bytes{0};  // Bytes declared by uploads in progress.
+  std::atomic<std::int32_t> recordings_sent{0};  // Recordings being made or sent.
   RequestLog requests;
   CutJournal journal;
   std::atomic<std::int32_t> num_image_streams{0};
   PictureCounters pictures;
   StreamHub hub;
-  PictureStudio studio;      // of image streams; its threads, too, are
-  BackgroundWorker drawer;   // of single pictures; stopped by ~Api, so that it never ends on its own thread
-  BackgroundWorker filer;    // of exports and recordings; likewise
-  BackgroundWorker analyst;  // of analyses; likewise
+  PictureStudio studio;      // Draws for image streams, on its own threads.
+  BackgroundWorker drawer;   // Draws single pictures. Stopped by ~Api, so that it never ends on its own thread.
+  BackgroundWorker filer;    // Encodes exports and recordings. Stopped by ~Api.
+  BackgroundWorker analyst;  // Runs analyses. Stopped by ~Api.
 
   OpenStreams streams;
 };
 
-// kUnavailable, for everything after Api::stop().
+// Returns kUnavailable, the answer to all calls after Api::stop().
 Error server_stopping();
 
-// kUnavailable RENDERER_UNAVAILABLE, with the reason.
+// Checks that there is a renderer. kUnavailable RENDERER_UNAVAILABLE, with the reason.
 Status check_renderer(const ApiCore& core);
 
-// Api::create_sheet(), which takes the mesh out of the request.
+// Implements Api::create_sheet(); moves the mesh out of the request.
 void make_sheet(const std::shared_ptr<ApiCore>& core, v1::CreateSheetRequest request, Reply<v1::Sheet> reply,
                 const std::stop_token& stop);
 
-// The sheet id that a request names in `field`, or why it is not served.
+// Returns the sheet id that a request names in `field`. Errors: the server is stopping, or the name is malformed.
 Result<std::string> addressed_sheet(const ApiCore& core, const std::string& name, const char* field);
 
-// The host's errors with the request's field in place of none.
+// Sets `field` in a kNotFound error of the host that names no field.
 Error at_field(Error error, const char* field);
 
-// Of a sheet to be made; empty: none given. kInvalidArgument SHEET_ID.
+// Checks the id of a new sheet; empty means none is given. kInvalidArgument SHEET_ID.
 Status check_sheet_id(const std::string& id);
 
-// kInvalidArgument REQUEST_ID_TOO_LONG.
+// Checks a request_id. kInvalidArgument REQUEST_ID_TOO_LONG.
 Status check_request_id(const std::string& request_id);
 
-// Gives the journal what the host's listener receives: cuts, resets, undos and redos that have no caller to answer, and
-// scheduled cuts that were refused. The answer to a caller does the same for its own command.
+// Adds commands done without a caller to the journal: cuts, resets, undos, redos, and refused scheduled cuts. Called
+// for each command that the host's listener receives; methods add the commands of their callers themselves.
 void keep_in_journal(ApiCore& core, const std::string& sheet_id, const sheet::Command& command,
                      const Result<host::CommandResult>& result, const host::Appointment& appointment);
 
-// kerf.v1.Sheet.
+// Encodes a kerf.v1.Sheet.
 v1::Sheet encode_sheet(const host::SheetStatus& status);
 
-// Answers with the sheet as it is then; errors are about `field`.
+// Returns a callback that replies with the sheet's status; errors name `field`.
 host::Callback<host::SheetStatus> sheet_reply(Reply<v1::Sheet> reply, const char* field);
 
-// Does `perform` once for each request_id: see RequestLog. `method` keeps the ids of different methods apart. `caller`:
-// requests a stop where the caller leaves; what `perform` is given does so where all have left who wait for it.
+// Calls `perform` once for each request_id: see RequestLog. `method` separates the ids of different methods. `caller`
+// is triggered when the caller leaves. The token passed to `perform` is triggered once all that wait for it have left.
 template <typename Response, typename Request>
 void once_while_wanted(const std::shared_ptr<ApiCore>& core, const char* method, const Request& request,
                        Reply<Response> reply, const std::stop_token& caller,
@@ -124,7 +124,7 @@ void once_while_wanted(const std::shared_ptr<ApiCore>& core, const char* method,
   perform(finish, *all_left);
 }
 
-// The same of what is done whether or not somebody waits for it.
+// Does the same for work that continues even if no caller waits for it.
 template <typename Response, typename Request>
 void once(const std::shared_ptr<ApiCore>& core, const char* method, const Request& request, Reply<Response> reply,
           const std::function<void(Reply<Response>)>& perform) {
@@ -133,8 +133,8 @@ void once(const std::shared_ptr<ApiCore>& core, const char* method, const Reques
       [&](Reply<Response> answer, const std::stop_token& /*never*/) { perform(std::move(answer)); });
 }
 
-// Runs `work` on a background worker and replies with what it makes, with what comes out of it (see caught()), or why
-// it is not run. `full`: what to reply where too much waits.
+// Runs `work` on a background worker and replies with its result, or with its exception as an Error (see caught()).
+// `full`: the reply if too much work waits. Replies kUnavailable if the server stops first.
 template <typename Made>
 void in_background(BackgroundWorker& worker, const Reply<Made>& reply, std::function<Result<Made>()> work,
                    const Error& full) {
@@ -149,7 +149,7 @@ void in_background(BackgroundWorker& worker, const Reply<Made>& reply, std::func
   }
 }
 
-// kResourceExhausted: as many pictures and files, or analyses, are waiting as may.
+// Return kResourceExhausted for too many waiting pictures, files or analyses.
 Error too_many_pictures(const ApiCore& core);
 Error too_many_files(const ApiCore& core);
 Error too_many_analyses(const ApiCore& core);
@@ -158,7 +158,8 @@ Error too_many_analyses(const ApiCore& core);
 void copy_sheet(const std::shared_ptr<ApiCore>& core, const std::string& sheet_id, const char* field,
                 std::function<void(Result<std::shared_ptr<sheet::Sheet>>)> done);
 
-// Looks at a sheet between two ticks and hands on what `look` found, or what came out of it, see caught().
+// Calls `look` on the sheet's strand between two ticks. Passes its result, or its exception as an Error (see caught()),
+// to `done`.
 template <typename Found>
 void look_at(const std::shared_ptr<ApiCore>& core, const std::string& sheet_id,
              std::function<Found(const sheet::Sheet&)> look, const char* field,

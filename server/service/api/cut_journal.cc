@@ -60,7 +60,7 @@ void CutJournal::reset(const std::string& sheet, std::int64_t beginning) {
   Log& log = logs_[sheet];
   log.refused.clear();
   log.refused_bytes = 0;
-  if (log.beginning == beginning) return;  // a scheduled cut of the same tick came first
+  if (log.beginning == beginning) return;  // A scheduled cut of the same tick came first.
   drop_undone(log);
   log.beginning = beginning;
 }

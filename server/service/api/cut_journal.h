@@ -12,35 +12,37 @@
 
 namespace kerf::api {
 
-// The applied cuts of every sheet since its last reset by number, and the last scheduled ones that were refused. Those
-// undone are set aside until they are made again or a new cut is applied; those before a reset, for its undo. Bounded:
-// of a sheet whose cuts take more than kMaxBytes the oldest are forgotten. Thread-safe.
+// Lists the applied cuts of every sheet since its last reset by number, and the last scheduled ones that were refused.
+// Undone cuts are set aside until they are redone or a new cut is applied. Cuts before a reset are kept for its undo.
+// The oldest cuts of a sheet are forgotten beyond kMaxBytes. Thread-safe.
 class CutJournal {
  public:
-  static constexpr std::size_t kMaxBytes = std::size_t{16} << 20;     // serialised, a sheet
-  static constexpr std::size_t kMaxPageBytes = std::size_t{2} << 20;  // serialised; gRPC clients take 4 MiB a message
-  static constexpr std::size_t kMaxRefused = 64;                      // a sheet
-  static constexpr std::size_t kMaxRefusedBytes = std::size_t{1} << 20;  // serialised, a sheet; one may be larger
+  static constexpr std::size_t kMaxBytes = std::size_t{16} << 20;  // Serialised, per sheet.
+  // Serialised; gRPC clients take 4 MiB per message.
+  static constexpr std::size_t kMaxPageBytes = std::size_t{2} << 20;
+  static constexpr std::size_t kMaxRefused = 64;  // Per sheet.
+  // Serialised, per sheet; a single one may be larger.
+  static constexpr std::size_t kMaxRefusedBytes = std::size_t{1} << 20;
 
   // `beginning`: see sheet::CommandReply.
   void add(const std::string& sheet, std::int64_t beginning, std::int64_t number, v1::Cut cut, v1::CutResult result);
   void undo(const std::string& sheet, const std::vector<std::int64_t>& numbers);
-  // Of the sheet once cuts were made again.
+  // Describes the sheet after a redo.
   struct Redone {
     std::int64_t tick = 0;
     std::int32_t topology_version = 0;
-    std::string state_hash;  // as in v1::CutResult
+    std::string state_hash;  // As in v1::CutResult.
   };
   void redo(const std::string& sheet, const std::vector<std::int64_t>& numbers, const Redone& redone);
-  // A reset has led to a new beginning; what was refused before is forgotten.
+  // Records a reset, which begins a new list; forgets earlier refusals.
   void reset(const std::string& sheet, std::int64_t beginning);
-  // A reset was undone, or done again: those cuts are there that were made since `beginning`.
+  // Records that a reset was undone or redone: the cuts made since `beginning` are current again.
   void go_to(const std::string& sheet, std::int64_t beginning);
   void refuse(const std::string& sheet, v1::ScheduledCuts cuts);
   void forget(const std::string& sheet);
 
-  // At most `count` entries with a number above `after`, and of more than one at most kMaxPageBytes, oldest first;
-  // `last`: the number of the last one; `more`: there are others behind it.
+  // Holds at most `count` entries with numbers above `after`, oldest first. More than one take at most kMaxPageBytes.
+  // `last`: number of the last one; `more`: others follow.
   struct Page {
     std::vector<v1::ListCutsResponse::Entry> entries;
     std::int64_t last = 0;
@@ -63,7 +65,7 @@ class CutJournal {
     std::size_t refused_bytes = 0;
   };
 
-  // Forgets what only a redo could bring back, which a change has ruled out.
+  // Forgets undone cuts that no redo can bring back any more.
   static void drop_undone(Log& log);
 
   mutable std::mutex mutex_;

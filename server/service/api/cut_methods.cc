@@ -12,11 +12,11 @@
 #include "server/service/wire/command_codec.h"
 #include "server/service/wire/reply_codec.h"
 
-// CutService.
+// Implements CutService.
 namespace kerf::api {
 namespace {
 
-// Of a Cut one, of a CutBatch one a cut: equal shares of the times.
+// Returns one result for a Cut, and one per cut for a CutBatch, with equal shares of the times.
 std::vector<v1::CutResult> encode_results(const std::string& sheet_id, const host::CommandResult& result) {
   const sheet::CommandReply& reply = result.reply;
   std::vector<v1::CutResult> messages = wire::encode_cut_results(reply);
@@ -87,7 +87,7 @@ v1::UndoResult encode_undo(const std::string& sheet_id, const host::CommandResul
   return message;
 }
 
-// The cuts of a Cut or CutBatch; of other commands none.
+// Returns the cuts of a Cut or CutBatch; none for other commands.
 std::vector<v1::Cut> cuts_of(const sheet::Command& command) {
   std::vector<v1::Cut> cuts;
   if (const auto* cut = std::get_if<sheet::Cut>(&command)) cuts.push_back(wire::encode_cut(*cut));
@@ -107,7 +107,7 @@ v1::ScheduledCuts encode_scheduled(const std::string& sheet_id, const sheet::Com
   return message;
 }
 
-// A request holds the cuts of a batch in a field of its own.
+// Adapts the field path: a request holds the cuts of a batch in its own field.
 Error in_request(Error error) {
   constexpr std::string_view kBatch = "cut_batch.";
   if (error.field.starts_with(kBatch)) error.field.erase(0, kBatch.size());
@@ -119,11 +119,11 @@ Status check_tick(std::int64_t at_tick) {
   return invalid_argument("OUT_OF_RANGE", "at_tick is " + std::to_string(at_tick) + "; ticks count from 1", "at_tick");
 }
 
-// The answer to a Cut or CutBatch, from what encode_results() makes of it.
+// Makes the answer to a Cut or CutBatch from the results of encode_results().
 template <typename Response>
 using Encode = Response (*)(const host::CommandResult&, std::vector<v1::CutResult>);
 
-// Gives the journal the cuts that were applied, `cuts` with their `results`.
+// Adds the applied ones of `cuts`, with their `results`, to the journal.
 void keep_applied(CutJournal& journal, const std::string& sheet_id, const sheet::CommandReply& reply,
                   std::vector<v1::Cut>&& cuts, const std::vector<v1::CutResult>& results) {
   for (std::size_t i = 0; i < results.size(); ++i) {
@@ -133,15 +133,15 @@ void keep_applied(CutJournal& journal, const std::string& sheet_id, const sheet:
   }
 }
 
-// What an undo or redo does to the journal.
+// Applies an undo or redo to the journal.
 void keep_undone(CutJournal& journal, const std::string& sheet_id, bool is_redo, const sheet::CommandReply& reply) {
   if (reply.undone->reset) return journal.go_to(sheet_id, reply.beginning);
   if (!is_redo) return journal.undo(sheet_id, reply.undone->cuts);
   journal.redo(sheet_id, reply.undone->cuts, {reply.tick, reply.topology_version, wire::encode_hash(reply.state_hash)});
 }
 
-// Submits the command and keeps the cuts that it applies in the journal; or, with a tick, schedules it: then
-// `scheduled` is the answer. The cuts are encoded here, and not on the sheet's strand.
+// Submits the command and adds its applied cuts to the journal. With a tick it schedules the command instead and
+// replies `scheduled`. The cuts are encoded here, not on the sheet's strand.
 template <typename Response>
 void submit_cut(const std::shared_ptr<ApiCore>& core, const std::string& id, sheet::Command command,
                 std::int64_t at_tick, Response scheduled, Reply<Response> answer, Encode<Response> encode) {
@@ -195,7 +195,7 @@ v1::CreateCutsResponse without_name(v1::CreateCutsResponse response) {
   return response;
 }
 
-// Answers what submit_cut() would, from a copy of the sheet.
+// Replies as submit_cut() would, but applies the command to a copy of the sheet.
 template <typename Response>
 void try_cut(const std::shared_ptr<ApiCore>& core, const std::string& id, sheet::Command command, Reply<Response> reply,
              Encode<Response> encode) {
@@ -235,7 +235,7 @@ void submit_undo(const std::shared_ptr<ApiCore>& core, const char* method, const
   });
 }
 
-// A token is the number of the last entry on the page before.
+// Parses a page token, the number of the last entry on the page before.
 std::optional<std::int64_t> parse_token(const std::string& token) {
   std::int64_t number = 0;
   const char* end = token.data() + token.size();
@@ -345,7 +345,7 @@ void Api::list_cuts(const v1::ListCutsRequest& request, Reply<v1::ListCutsRespon
   if (!size.ok()) return reply(size.error());
   const std::optional<std::int64_t> after = parse_token(request.page_token());
   if (!after) return reply(bad_page_token());
-  // By way of the sheet: an unknown one is refused, and all cuts done before this call are in the journal.
+  // Runs on the sheet's strand, so that an unknown sheet is refused and all earlier cuts are in the journal.
   core_->host.scheduled(*id, [core = core_, id = *id, size = *size, after = *after,
                               reply = std::move(reply)](const Result<std::vector<host::WaitingCommand>>& waiting) {
     if (!waiting.ok()) return reply(at_field(waiting.error(), "parent"));

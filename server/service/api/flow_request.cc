@@ -8,13 +8,13 @@
 namespace kerf::api {
 namespace {
 
-constexpr double kMinRateHz = 1.0e-3;               // a frame in a quarter of an hour; far below it, periods overflow
-constexpr std::int64_t kMaxHeldUs = 3'600'000'000;  // an hour; far above it, nanoseconds overflow
+constexpr double kMinRateHz = 1.0e-3;               // A frame in a quarter of an hour; far below it, periods overflow.
+constexpr std::int64_t kMaxHeldUs = 3'600'000'000;  // An hour; far above it, nanoseconds overflow.
 
 }  // namespace
 
 Result<double> decode_rate(double rate_hz, double max_hz, const char* meaning_of_0, const std::string& field) {
-  if (rate_hz == 0.0 || (rate_hz >= kMinRateHz && rate_hz <= max_hz)) return rate_hz;  // refuses NaN
+  if (rate_hz == 0.0 || (rate_hz >= kMinRateHz && rate_hz <= max_hz)) return rate_hz;  // Refuses NaN.
   std::ostringstream message;
   message << field << " is " << rate_hz << "; must be 0.001 to " << max_hz << ", or 0 for " << meaning_of_0;
   return invalid_argument("OUT_OF_RANGE", message.str(), field);

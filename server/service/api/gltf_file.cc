@@ -23,14 +23,14 @@ constexpr std::uint32_t kGlbVersion = 2;
 constexpr std::uint32_t kJsonChunk = 0x4E4F534A;
 constexpr std::uint32_t kBinaryChunk = 0x004E4942;
 
-// componentType and target of glTF's schema.
+// Values of componentType and target in glTF's schema.
 constexpr int kUnsignedByte = 5121;
 constexpr int kUnsignedInt = 5125;
 constexpr int kFloat = 5126;
 constexpr int kVertexBuffer = 34962;
 constexpr int kIndexBuffer = 34963;
 
-// The arrays of the one mesh, V vertices and T triangles.
+// Holds the arrays of the one mesh, V vertices and T triangles.
 struct GltfMesh {
   std::vector<float> positions;        // 3 V
   std::vector<float> normals;          // 3 V
@@ -41,7 +41,7 @@ struct GltfMesh {
   [[nodiscard]] std::size_t num_vertices() const { return texture.size() / 2; }
 };
 
-// That of pictures and of the viewer, in linear light, as colours of vertices are in glTF.
+// Returns the colour used in pictures and the viewer, in linear light as glTF requires for vertices.
 std::array<std::uint8_t, 4> colour_of(std::int32_t piece) {
   const auto [red, green, blue] = render::piece_colour(piece + 1);
   const render::Vec3 light = render::linear({red / 255.0, green / 255.0, blue / 255.0});
@@ -49,7 +49,7 @@ std::array<std::uint8_t, 4> colour_of(std::int32_t piece) {
   return {byte(light.x), byte(light.y), byte(light.z), 255};
 }
 
-// Sums of the normals of the triangles around each vertex, twice their areas long, m^2; 3 x V of the snapshot.
+// Returns sums of the normals of the triangles around each vertex, twice their areas long, m^2; 3 x V of the snapshot.
 Eigen::Matrix3Xd summed_normals(const sheet::Snapshot& snapshot) {
   Eigen::Matrix3Xd sums = Eigen::Matrix3Xd::Zero(3, snapshot.positions.cols());
   for (const auto& [a, b, c] : snapshot.topology->triangles) {
@@ -85,7 +85,7 @@ GltfMesh gather(const sheet::Snapshot& snapshot) {
     const auto column = static_cast<Eigen::Index>(v);
     append_in_gltf_axes(snapshot.positions.col(column), gathered.positions);
     const double length = normals.col(column).norm();
-    // A vertex whose triangles have collapsed has none; glTF wants one of length 1.
+    // Uses +z for a vertex whose triangles have collapsed, since glTF requires length 1.
     append_in_gltf_axes(length > 0.0 ? Eigen::Vector3d(normals.col(column) / length) : Eigen::Vector3d::UnitZ(),
                         gathered.normals);
     for (int k = 0; k < 2; ++k) gathered.texture.push_back(static_cast<float>(topology.material_positions(k, column)));
@@ -94,10 +94,10 @@ GltfMesh gather(const sheet::Snapshot& snapshot) {
   return gathered;
 }
 
-// The binary chunk, and the JSON of its views and accessors.
+// Builds the binary chunk, and the JSON of its views and accessors.
 class Buffers {
  public:
-  // A multiple of 4 bytes each, as glTF's alignment asks for. `more`: members of the accessor beside the usual ones.
+  // Adds an array of a multiple of 4 bytes, as glTF's alignment requires. `more`: extra members of the accessor.
   template <typename T>
   void add(std::span<const T> values, int components, int component_type, int target, const std::string& more = {}) {
     static constexpr const char* kTypes[] = {"", "SCALAR", "VEC2", "VEC3", "VEC4"};
@@ -125,7 +125,7 @@ class Buffers {
   int num_ = 0;
 };
 
-// ,"min":[...],"max":[...] of points.
+// Returns ,"min":[...],"max":[...] of points.
 std::string bounds(const std::vector<float>& points) {
   std::array<float, 3> low{}, high{};
   low.fill(std::numeric_limits<float>::max());

@@ -11,24 +11,24 @@
 
 namespace kerf::api {
 
-// An ImageView, with its defaults filled in.
+// Holds an ImageView with its defaults filled in.
 struct ImageLook {
   PictureView view;
-  StillFormat still;           // where the codec is no video
-  render::VideoOptions video;  // where it is
+  StillFormat still;           // Used by still codecs.
+  render::VideoOptions video;  // Used by video codecs.
 };
 
-// A WatchImagesStart.
+// Holds a decoded WatchImagesStart.
 struct ImageRequest {
   stream::FlowOptions flow;
-  v1::ImageCodec codec = v1::IMAGE_JPEG;  // never unspecified
+  v1::ImageCodec codec = v1::IMAGE_JPEG;  // Never unspecified.
   ImageLook look;
 };
 
-// kInvalidArgument with the field; kUnavailable NO_VIDEO_CODEC.
+// Decodes a start. kInvalidArgument with the field; kUnavailable NO_VIDEO_CODEC.
 Result<ImageRequest> decode_image_request(const v1::WatchImagesStart& start, const Limits& limits);
 
-// kInvalidArgument with the field after `prefix`: "start.view.", or "view.".
+// Decodes a view. kInvalidArgument with the field after `prefix`: "start.view.", or "view.".
 Result<ImageLook> decode_look(const v1::ImageView& message, v1::ImageCodec codec, const std::string& prefix);
 
 }  // namespace kerf::api

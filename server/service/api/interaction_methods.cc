@@ -2,11 +2,11 @@
 #include "server/service/api/core.h"
 #include "server/service/wire/command_codec.h"
 
-// InteractionService.
+// Implements InteractionService.
 namespace kerf::api {
 namespace {
 
-// Every method here: check the name, take the decoded command, answer with the tick.
+// Implements every method here: checks the name, submits the decoded command, replies with the tick.
 void submit(const std::shared_ptr<ApiCore>& core, const std::string& name, Result<sheet::Command> command,
             Reply<v1::InteractionResponse> reply) {
   const Result<std::string> id = addressed_sheet(*core, name, "name");

@@ -6,7 +6,7 @@
 
 namespace kerf::api {
 
-// A stream that Api::stop() tells.
+// Is notified by Api::stop().
 class OpenStream {
  public:
   virtual ~OpenStream() = default;
@@ -14,12 +14,12 @@ class OpenStream {
   virtual void server_stops() = 0;
 };
 
-// The streams that clients have open. Thread-safe.
+// Lists the open streams. Thread-safe.
 class OpenStreams {
  public:
   void add(const std::shared_ptr<OpenStream>& stream);
   void remove(const OpenStream& stream);
-  // server_stops() of each.
+  // Calls server_stops() of each.
   void tell_stop();
 
  private:

@@ -3,7 +3,7 @@
 #include "server/service/api/image_session.h"
 #include "server/service/picture/picture.h"
 
-// RenderService.
+// Implements RenderService.
 namespace kerf::api {
 namespace {
 

@@ -7,7 +7,7 @@
 #include "server/service/api/flow_request.h"
 #include "server/service/wire/finite_check.h"
 
-// PictureStream: what clients ask, and how it begins and ends.
+// Handles the requests to a PictureStream, its start and its end.
 namespace kerf::api {
 
 void PictureStream::on_bytes(std::string_view bytes) {
@@ -83,7 +83,7 @@ void PictureStream::joined(const Status& status) {
     joined_ = !unwanted;
   }
   if (unwanted) return core_->hub.leave(sheet_id_, *this);
-  // After the channel is tied to the sheet: should that be deleted now, and another made of its name, the channel ends.
+  // Runs after the channel is attached to the sheet. If the sheet is deleted now and its name reused, the channel ends.
   look_at<Backdrop>(core_, sheet_id_, backdrop_of, "start.name",
                     [self = shared_from_this()](const Result<Backdrop>& backdrop) { self->shown(backdrop); });
 }
@@ -119,7 +119,7 @@ void PictureStream::acknowledge(const v1::WatchAck& ack) {
 void PictureStream::look(const v1::ImageView& view) {
   const Result<ImageLook> wanted = decode_look(view, codec_, "view.");
   if (!wanted.ok()) return fail(wanted.error());
-  std::shared_ptr<stream::Channel> poorer;  // its newest snapshot has no strains, which are wanted now
+  std::shared_ptr<stream::Channel> poorer;  // Its newest snapshot lacks strains, which are wanted now.
   {
     const std::lock_guard lock(mutex_);
     if (over()) return;

@@ -22,8 +22,7 @@ class WatchPace;
 
 namespace kerf::api {
 
-// A picture is ordered from its feed when the flow allows one to be sent and there is something new to see; it is sent
-// when it is finished. So nothing is drawn that is not sent, and there is one order at a time.
+// Sent.
 class PictureStream final : public ImageSession,
                             public OpenStream,
                             public stream::Reader,
@@ -45,7 +44,7 @@ class PictureStream final : public ImageSession,
   void end(wire::EndReason reason) override;
   void leave() override;
 
-  // `acknowledges`: the client will.
+  // `acknowledges`: the client acknowledges pictures.
   void start(const v1::WatchImagesStart& request, bool acknowledges);
 
  private:
@@ -59,13 +58,13 @@ class PictureStream final : public ImageSession,
   [[nodiscard]] bool started() const;
 
   struct Outgoing {
-    std::optional<wire::EndReason> end;  // to be told; nothing follows
-    v1::Image image;                     // without data
-    stream::Bytes data;                  // null: no picture now
+    std::optional<wire::EndReason> end;  // Sent.
+    v1::Image image;                     // Without data.
+    stream::Bytes data;                  // Null: no picture now.
   };
-  // What is to be sent now. Orders a picture, or sets a timer, where there is nothing.
+  // Returns the next message. If there is none it orders a picture or sets a timer.
   Outgoing advance();
-  // With mutex_ held:
+  // These need mutex_ held:
   void order(const stream::FlowControl::Permit& permit);
   v1::Image send(const FinishedPicture& picture, host::Nanoseconds now);
   void take_look(const ImageLook& look);
@@ -74,36 +73,36 @@ class PictureStream final : public ImageSession,
   [[nodiscard]] bool over() const { return closed_ || failure_ || ended_; }
 
   void finished(Result<FinishedPicture> picture);
-  // Leaves the sheet and frees what the stream held; once.
+  // Leaves the sheet and frees the stream's resources; once.
   void let_go();
 
   const std::shared_ptr<ApiCore> core_;
   ReadySignal ready_;
   WakeTimer timer_;
-  std::string sheet_id_;  // written by start(), and codec_ too, before anything reads them
+  std::string sheet_id_;  // Like codec_, written by start() before any reader.
   v1::ImageCodec codec_ = v1::IMAGE_JPEG;
-  std::atomic<bool> wants_picture_{true};  // advance() found nothing newer, and would have ordered it
+  std::atomic<bool> wants_picture_{true};  // advance() found nothing newer, and would have ordered it.
 
-  mutable std::mutex mutex_;  // of what follows; not held over calls to the host or the hub
+  mutable std::mutex mutex_;  // Guards the members below; not held over calls to the host or the hub.
   bool started_ = false;
-  bool joined_ = false;   // hub.leave() is owed
-  bool counted_ = false;  // among the streams served
+  bool joined_ = false;   // hub.leave() must be called.
+  bool counted_ = false;  // Counted among the streams served.
   ImageLook look_;
-  std::optional<stream::FlowControl> flow_;  // once started
+  std::optional<stream::FlowControl> flow_;  // Set once started.
   bool paused_ = false;
-  std::int64_t stale_through_ = 0;  // publications that are older than the end of a pause
+  std::int64_t stale_through_ = 0;  // Publications up to this one are older than the end of a pause.
   std::shared_ptr<stream::Channel> channel_;
   std::optional<Backdrop> backdrop_;
-  std::shared_ptr<PictureFeed> feed_;  // once there is a backdrop
-  std::shared_ptr<VideoTrack> video_;  // of VP8
-  bool key_wanted_ = false;            // the next video frame must be decodable by itself
-  bool look_changed_ = false;          // a picture is due though the sheet has not moved
+  std::shared_ptr<PictureFeed> feed_;  // Set once there is a backdrop.
+  std::shared_ptr<VideoTrack> video_;  // For VP8.
+  bool key_wanted_ = false;            // The next video frame must be decodable by itself.
+  bool look_changed_ = false;          // A picture is due though the sheet has not moved.
   bool ordered_ = false;
-  std::optional<FinishedPicture> picture_;  // to be sent
+  std::optional<FinishedPicture> picture_;  // To be sent.
   std::int64_t last_publication_ = 0;       // sent
   std::int64_t last_tick_ = -1;             // sent
-  std::optional<wire::EndReason> end_;      // to be told
-  bool ended_ = false;                      // it was told
+  std::optional<wire::EndReason> end_;      // Still to be sent.
+  bool ended_ = false;                      // The end was sent.
   std::optional<Error> failure_;
   bool closed_ = false;
 };

@@ -5,7 +5,7 @@
 #include "server/service/api/picture_stream.h"
 #include "server/service/wire/stream_codec.h"
 
-// PictureStream: what is ordered, and sent.
+// Orders and sends the pictures of a PictureStream.
 namespace kerf::api {
 
 std::optional<stream::Message> PictureStream::next() {
@@ -54,7 +54,7 @@ PictureStream::Outgoing PictureStream::advance() {
 void PictureStream::order(const stream::FlowControl::Permit& permit) {
   wake_at(permit.wake_at);
   if (!permit.may_send || !feed_ || ordered_) return;
-  // Before looking: a publication from here on either is seen below or finds this set.
+  // Set before the check: a publication from here on is either seen below or finds this set.
   wants_picture_ = true;
   const stream::Channel::Newest newest = channel_->newest();
   const bool is_new = newest.publication != last_publication_ || look_changed_;
@@ -75,7 +75,7 @@ void PictureStream::finished(Result<FinishedPicture> picture) {
     const std::lock_guard lock(mutex_);
     ordered_ = false;
     if (over()) return;
-    if (paused_) {  // it came too late: another is due after the pause, which no video frame leads to
+    if (paused_) {  // Drops a late picture. Another is due after the pause, and a video frame leading to it is missing.
       look_changed_ = true;
       key_wanted_ = true;
       return;

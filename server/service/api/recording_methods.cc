@@ -5,11 +5,11 @@
 #include "server/service/wire/mesh_source_codec.h"
 #include "server/service/wire/recording_codec.h"
 
-// Recordings, and files that are larger than a request.
+// Implements the methods for recordings and for files larger than a request.
 namespace kerf::api {
 namespace {
 
-// An upload whose length is within `limit` and what all uploads may have.
+// Begins an upload whose length is within `limit` and within the room of all uploads.
 Result<std::unique_ptr<Upload>> begin_upload(Api& api, std::int64_t num_bytes, std::int64_t limit, Upload::Use use) {
   if (num_bytes < 1 || num_bytes > limit) {
     return invalid_argument(
@@ -22,7 +22,7 @@ Result<std::unique_ptr<Upload>> begin_upload(Api& api, std::int64_t num_bytes, s
 
 void play(const std::shared_ptr<ApiCore>& core, std::string content, const std::string& sheet_id, bool paused,
           const Reply<v1::Sheet>& reply, const std::stop_token& stop) {
-  // What is wrong with a file that a client sent is the client's to mend: no data of this server's is lost.
+  // Reports data loss as an invalid argument: the faulty file is the client's, and no data of this server is lost.
   const auto answer = [reply](Result<v1::Sheet> sheet) {
     if (sheet.ok() || sheet.error().code != ErrorCode::kDataLoss) return reply(std::move(sheet));
     Error error = sheet.error();
@@ -43,7 +43,7 @@ void play(const std::shared_ptr<ApiCore>& core, std::string content, const std::
       too_many_files(*core));
 }
 
-// A file on its way to a client: counted until nothing holds it any more.
+// Holds a file being sent to a client, and counts it until nothing holds it any more.
 class SentRecording {
  public:
   explicit SentRecording(std::shared_ptr<ApiCore> core) : core_(std::move(core)), together_(++core_->recordings_sent) {}

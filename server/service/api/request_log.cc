@@ -70,7 +70,7 @@ void RequestLog::finish(const std::string& key, const Outcome& outcome) {
   for (const Waiter& waiter : waiters) waiter(outcome);
 }
 
-// Requests under way stay: somebody will finish them.
+// Keeps requests in progress, which will be finished.
 void RequestLog::forget_surplus() {
   const auto too_much = [this] { return entries_.size() > capacity_ || bytes_ > max_bytes_; };
   for (auto entry = entries_.end(); too_much() && entry != entries_.begin();) {

@@ -18,7 +18,7 @@
 namespace kerf::api {
 namespace {
 
-// More than a client that reads can make: it answers nothing and only costs memory.
+// Limit on unread rejections. A client that reads never reaches it; one that does not would only cost memory.
 constexpr std::size_t kMaxUnreadRejections = 256;
 constexpr double kSubscriptionRateHz = 1.0;
 constexpr double kMaxSubscriptionRateHz = 10.0;
@@ -90,7 +90,7 @@ class Session final : public WatchSession, public OpenStream, public std::enable
 
   // Begins a stream that takes no requests.
   void subscribe(const v1::SubscribeRequest& request);
-  // The stream is refused with `error`, unless it has ended already.
+  // Ends the stream with `error`, unless it has ended already.
   void fail(Error error);
   [[nodiscard]] bool started() const;
 
@@ -111,21 +111,21 @@ class Session final : public WatchSession, public OpenStream, public std::enable
   void reject(const std::string& grab_id, const Error& error);
   void count_frame();
   void wake_at(host::Nanoseconds deadline);
-  [[nodiscard]] bool over() const { return closed_ || failure_; }  // mutex_ held
+  [[nodiscard]] bool over() const { return closed_ || failure_; }  // Needs mutex_ held.
 
   const std::shared_ptr<ApiCore> core_;
   ReadySignal ready_;
   WakeTimer timer_;
-  const char* name_field_ = "start.name";  // of the request that began the stream
+  const char* name_field_ = "start.name";  // Field of the request that began the stream.
 
-  mutable std::mutex mutex_;  // of what follows; not held over calls to the host, the hub or the subscriber
-  std::string sheet_id_;      // empty until started
+  mutable std::mutex mutex_;  // Guards the members below; not held over calls to the host, the hub or the subscriber.
+  std::string sheet_id_;      // Empty until started.
   std::shared_ptr<stream::Subscriber> subscriber_;
-  std::optional<Pace> early_pace_;  // came before the host let the stream join; for subscriber_
+  std::optional<Pace> early_pace_;  // Received before the stream joined; applied to subscriber_ then.
   std::deque<stream::Message> rejections_;
   std::set<std::string> held_grabs_;
   std::optional<Error> failure_;
-  std::optional<std::int32_t> frames_left_;  // until the stream is done
+  std::optional<std::int32_t> frames_left_;  // Until the stream ends.
   bool done_ = false;
   bool closed_ = false;
 };
@@ -200,7 +200,7 @@ void Session::join(const std::string& sheet_id, const stream::SubscriberOptions&
 
 void Session::joined(const Result<std::shared_ptr<stream::Reader>>& reader) {
   if (!reader.ok()) return fail(at_field(reader.error(), name_field_));
-  const auto subscriber = std::static_pointer_cast<stream::Subscriber>(*reader);  // join() made it
+  const auto subscriber = std::static_pointer_cast<stream::Subscriber>(*reader);  // Made by join().
   for (;;) {
     std::optional<Pace> pace;
     {

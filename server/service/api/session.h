@@ -13,7 +13,7 @@ namespace kerf::api {
 
 std::shared_ptr<WatchSession> make_watch_session(const std::shared_ptr<ApiCore>& core);
 
-// StreamService.Subscribe: one that has been started, and takes no requests.
+// Returns a started session of StreamService.Subscribe, which takes no requests.
 std::shared_ptr<WatchSession> make_subscription(const std::shared_ptr<ApiCore>& core,
                                                 const v1::SubscribeRequest& request);
 

@@ -6,15 +6,15 @@
 #include "server/core/sheet/sheet.h"
 #include "server/core/sheet/snapshot.h"
 
-// A whole sheet as bytes for other programs.
+// Encodes a whole sheet for other programs.
 namespace kerf::api {
 
-// All of SheetState but the name.
+// Encodes all of SheetState except the name.
 v1::SheetState encode_exact_state(const sheet::Sheet& sheet);
 
-// Wavefront OBJ: a `v` (world, m) and a `vt` (material coordinates, m) for each vertex that a triangle uses, in the
-// order of their ids, then an `f` for each triangle with material in the order of the slots. Numbers read back to the
-// same double.
+// Encodes a Wavefront OBJ file. A `v` (world, m) and a `vt` (material coordinates, m) stand for each vertex used by a
+// triangle, in the order of ids. An `f` follows for each triangle with material, in the order of slots. Numbers read
+// back to the same double.
 std::string encode_obj(const sheet::Snapshot& snapshot);
 
 }  // namespace kerf::api

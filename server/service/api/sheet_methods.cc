@@ -8,7 +8,7 @@
 #include "server/service/api/sheet_files.h"
 #include "server/service/wire/scene_codec.h"
 
-// SheetService.
+// Implements SheetService.
 namespace kerf::api {
 
 void make_sheet(const std::shared_ptr<ApiCore>& core, v1::CreateSheetRequest request, Reply<v1::Sheet> reply,
@@ -19,7 +19,7 @@ void make_sheet(const std::shared_ptr<ApiCore>& core, v1::CreateSheetRequest req
   if (!request.has_scene()) {
     return reply(invalid_argument("FIELD_MISSING", "scene must be given: a mesh at least", "scene"));
   }
-  // What a request_id stands for is the whole request.
+  // Copies the scene if there is a request_id, which stands for the whole request.
   v1::Scene scene = request.request_id().empty() ? std::move(*request.mutable_scene()) : request.scene();
   Result<sheet::SheetConfig> config = wire::decode_scene(std::move(scene));
   const auto in_scene = [](Error error) {
@@ -57,7 +57,7 @@ void Api::list_sheets(const v1::ListSheetsRequest& request, Reply<v1::ListSheets
   if (!request.page_token().empty() && !sheet::is_valid_sheet_id(request.page_token())) {
     return reply(bad_page_token());
   }
-  // The token is the last id of the page before: sheets that come and go in between shift nothing.
+  // Uses the last id of the page before as token, so that sheets made or deleted in between shift nothing.
   std::vector<std::string> ids = core_->host.list();
   ids.erase(ids.begin(), std::upper_bound(ids.begin(), ids.end(), request.page_token()));
   const bool more = ids.size() > *size;
@@ -75,7 +75,7 @@ void Api::delete_sheet(const v1::DeleteSheetRequest& request, Reply<google::prot
     if (!status.ok()) return reply(at_field(status.error(), "name"));
     reply(google::protobuf::Empty());
   };
-  // Forgotten while nobody else can have the name: a new sheet's cuts stay.
+  // Forgets the journal before the name is free, so that the cuts of a new sheet stay.
   core_->host.delete_sheet(*id, deleted, [core = core_, id = *id] { core->journal.forget(id); });
 }
 

@@ -6,14 +6,14 @@ namespace kerf::api {
 
 void StreamHub::join(const std::string& sheet_id, const Subscribe& subscribe, Joined joined) {
   std::shared_ptr<stream::Channel> fresh;
-  std::shared_ptr<stream::Channel> poorer;  // its newest snapshot has no strains, which are wanted now
+  std::shared_ptr<stream::Channel> poorer;  // Its newest snapshot lacks strains, which are wanted now.
   Result<std::shared_ptr<stream::Reader>> reader =
       unavailable("SERVER_STOPPING", "the server is stopping; try again later");
   {
     const std::lock_guard lock(mutex_);
     if (!stopped_) {
       Entry& entry = entries_[sheet_id];
-      // A channel that ended belonged to a sheet of this name that is gone.
+      // Replaces an ended channel, which belonged to a deleted sheet of this name.
       if (!entry.channel || entry.channel->has_ended()) {
         fresh = std::make_shared<stream::Channel>(max_subscribers_, instance_, counters_);
         entry = {fresh, false, {}};
@@ -22,7 +22,7 @@ void StreamHub::join(const std::string& sheet_id, const Subscribe& subscribe, Jo
       reader = subscribe(entry.channel);
       if (reader.ok() && !entry.attached) {
         entry.waiting.push_back({*reader, std::move(joined)});
-        joined = nullptr;  // answered once the channel is attached
+        joined = nullptr;  // Answered once the channel is attached.
       } else if (reader.ok() && !had_strains && entry.channel->wants_strains()) {
         poorer = entry.channel;
       }
@@ -37,8 +37,8 @@ void StreamHub::refresh(const std::string& sheet_id, const std::shared_ptr<strea
   host_.refresh_sink(sheet_id, channel, [](const Status&) {});
 }
 
-// The hub outlives the host's callbacks only together with the core that owns it, which streams keep alive: every
-// Joined holds its stream.
+// Captures `this`: the hub outlives the host's callbacks only with the core that owns it. Streams keep the core alive,
+// and every Joined holds its stream.
 void StreamHub::attach(const std::string& sheet_id, const std::shared_ptr<stream::Channel>& channel) {
   host_.add_sink(sheet_id, channel,
                  [this, sheet_id, channel](const Status& status) { attached(sheet_id, channel, status); });

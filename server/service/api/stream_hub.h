@@ -15,24 +15,24 @@
 
 namespace kerf::api {
 
-// One channel for each sheet that is watched, tied to the host while anybody watches. Thread-safe.
+// Keeps one channel for each watched sheet, attached to the host while it has readers. Thread-safe.
 class StreamHub {
  public:
   StreamHub(host::Host& host, std::int32_t max_subscribers, std::string instance)
       : host_(host), max_subscribers_(max_subscribers), instance_(std::move(instance)) {}
 
-  // Makes a reader of the sheet's channel; called once, or not at all where the server is stopping.
+  // Makes a reader of the sheet's channel; called once, or not at all if the server is stopping.
   using Subscribe = std::function<Result<std::shared_ptr<stream::Reader>>(const std::shared_ptr<stream::Channel>&)>;
   using Joined = std::function<void(Result<std::shared_ptr<stream::Reader>>)>;
-  // `joined` is called once, here or on a thread of the host. Errors of `subscribe` and of host::Host::add_sink().
+  // Joins a reader. `joined` is called once, here or on a thread of the host. Errors of `subscribe` and of
+  // host::Host::add_sink().
   void join(const std::string& sheet_id, const Subscribe& subscribe, Joined joined);
-  // To be called once for each reader that join() gave.
+  // Removes a reader; to be called once for each reader that join() gave.
   void leave(const std::string& sheet_id, stream::Reader& reader);
-  // A reader of this channel wants from now on what its newest snapshot may lack, being without strains or old: has the
-  // newest published.
+  // Has the newest snapshot published again, because a reader wants more than it may have: strains, or a newer one.
   void refresh(const std::string& sheet_id, const std::shared_ptr<stream::Channel>& channel);
 
-  // Of all channels that there were.
+  // Counters of all channels, past and present.
   [[nodiscard]] const stream::FrameCounters& counters() const { return *counters_; }
 
   // Ends all streams with kServerStopping; join() is refused from now on.
@@ -45,8 +45,8 @@ class StreamHub {
   };
   struct Entry {
     std::shared_ptr<stream::Channel> channel;
-    bool attached = false;         // the host publishes to it
-    std::vector<Waiting> waiting;  // until it is
+    bool attached = false;         // The host publishes to it.
+    std::vector<Waiting> waiting;  // Waiting until it is attached.
   };
 
   void attach(const std::string& sheet_id, const std::shared_ptr<stream::Channel>& channel);

@@ -9,36 +9,36 @@
 
 namespace kerf::api {
 
-// One stream that server and client both talk on, whatever carries it.
+// Defines one bidirectional stream, independent of its transport.
 //
-// The transport reads requests and hands each to on_bytes(), in order. It writes what next() gives, one message at a
-// time: after a write is done it calls next() again; when next() gives nothing it waits for the ready callback. Once
+// The transport reads requests and passes each to on_bytes(), in order. It writes the messages of next(), one at a
+// time: after each write it calls next() again, and if next() gives nothing it waits for the ready callback. Once
 // ended() is true and next() gives nothing more, it closes the stream: with the status of failure() if there is one,
-// else cleanly. It calls close() when its side is gone, in any case, once or more.
+// else cleanly. It calls close() in any case when its side is gone, once or more.
 //
-// Safe to call from any thread, also from within the ready callback.
+// Callable from any thread, also from within the ready callback.
 class StreamSession {
  public:
   virtual ~StreamSession() = default;
 
-  // A serialised request. The first must be `start`, and only the first. What breaks the protocol ends the stream with
-  // failure(): MALFORMED_MESSAGE where it is no request at all.
+  // Takes a serialised request. Exactly the first must be `start`. A protocol error ends the stream with failure();
+  // MALFORMED_MESSAGE if the bytes are no request.
   virtual void on_bytes(std::string_view request) = 0;
 
-  // The next serialised response, or nothing now.
+  // Returns the next serialised response, or nothing now.
   virtual std::optional<stream::Message> next() = 0;
 
-  // `ready` is called whenever next() may have something, or the stream has ended; possibly in vain, never under a
-  // lock, from any thread, at once if there is something already. An empty function removes it: it is not called any
-  // more after set_ready({}) has returned, unless the call comes from within it.
+  // Sets the callback for when next() may have something, or the stream has ended. It may be called in vain, from any
+  // thread, never under a lock, and at once if there is something already. An empty function removes it. After
+  // set_ready({}) has returned it is not called any more, unless that call comes from within it.
   virtual void set_ready(std::function<void()> ready) = 0;
 
-  // Nothing will be added to what next() still has to give.
+  // True once nothing will be added to the remaining messages of next().
   [[nodiscard]] virtual bool ended() const = 0;
-  // Why the stream is refused; nothing while it is open and after a regular end.
+  // Returns the reason for a refusal; nothing while the stream is open and after a regular end.
   [[nodiscard]] virtual std::optional<Error> failure() const = 0;
 
-  // The client is gone or has finished: leaves the sheet and lets go of what the stream held.
+  // Ends the stream after the client is gone or has finished: leaves the sheet and frees the stream's resources.
   virtual void close() = 0;
 };
 

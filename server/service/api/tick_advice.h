@@ -9,7 +9,7 @@ namespace kerf::api {
 
 v1::TickEstimate encode_tick_estimate(const host::SheetStatus& status);
 
-// Warns in a sentence where the commands of a tick have ended real time; else empty.
+// Returns a one-sentence warning if the commands of a tick have made it too slow for real time; else empty.
 std::string warning_of_slower_ticks(const host::CommandTimings& timings);
 
 }  // namespace kerf::api

@@ -11,7 +11,7 @@
 
 namespace kerf::api {
 
-// What one upload takes of Limits::max_uploading_bytes, until nothing holds it any more.
+// Counts one upload against Limits::max_uploading_bytes until it is destroyed.
 class UploadRoom {
  public:
   UploadRoom(std::shared_ptr<ApiCore> core, std::int64_t num_bytes);
@@ -19,7 +19,7 @@ class UploadRoom {
   UploadRoom(const UploadRoom&) = delete;
   UploadRoom& operator=(const UploadRoom&) = delete;
 
-  // By all uploads, when this one came.
+  // Returns the bytes of all uploads when this one began.
   [[nodiscard]] std::int64_t taken_together() const { return together_; }
 
  private:
@@ -28,19 +28,19 @@ class UploadRoom {
   const std::int64_t together_;
 };
 
-// A file that comes in parts, of a length told before. Not thread-safe.
+// Collects a file that arrives in parts, of a length declared before. Not thread-safe.
 class Upload {
  public:
-  // What is done with the whole file; see finish().
+  // Uses the whole file; see finish().
   using Use = std::function<void(std::string content, Reply<v1::Sheet> reply, const std::stop_token& stop)>;
 
   Upload(std::shared_ptr<const UploadRoom> room, std::int64_t num_bytes, Use use)
       : room_(std::move(room)), num_bytes_(num_bytes), use_(std::move(use)) {}
 
-  // kInvalidArgument UPLOAD_LENGTH, where that is more than was told.
+  // Appends a part. kInvalidArgument UPLOAD_LENGTH if the file gets longer than declared.
   Status append(std::string part);
-  // Replies with the sheet that is made of the file, or why there is none: UPLOAD_LENGTH, where parts are missing. At
-  // most once, and nothing is appended after it. `stop`: requests one where the client leaves.
+  // Replies with the sheet made from the file, or with the error; UPLOAD_LENGTH if parts are missing. To be called at
+  // most once, with no append() after it. `stop` is triggered when the client leaves.
   void finish(Reply<v1::Sheet> reply, const std::stop_token& stop = {});
 
  private:

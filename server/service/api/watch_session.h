@@ -8,12 +8,12 @@ class WatchRequest;
 
 namespace kerf::api {
 
-// One stream of StreamService.Watch. Made by Api::watch(). What breaks its protocol: no or second start, an unknown
-// sheet, acknowledging what was not sent, a message without a kind. A refused grab, drag or release is told in the
+// Serves one stream of StreamService.Watch. Made by Api::watch(). Protocol errors: no or second start, an unknown
+// sheet, acknowledging what was not sent, a message without a kind. A refused grab, drag or release is reported in the
 // stream as a Rejection. close() releases the grabs made here.
 class WatchSession : public StreamSession {
  public:
-  // on_bytes() of the serialised request.
+  // Equals on_bytes() of the serialised request.
   virtual void on_request(const v1::WatchRequest& request) = 0;
 };
 
