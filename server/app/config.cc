@@ -24,7 +24,7 @@ constexpr const char* kDescription =
 constexpr int kMostSheets = 100'000;
 constexpr int kMostConnections = 10'000;
 
-// As typed; checked after parsing, so that every refusal is ours and on one line.
+// Holds the arguments as typed. They are checked after parsing, so that every error is one line in our own words.
 struct Arguments {
   std::string listen = "127.0.0.1:50051";
   std::string http = "127.0.0.1:8080";
@@ -32,7 +32,7 @@ struct Arguments {
   int workers = 0;
   int max_sheets = Config().max_sheets;
   double max_load = Config().max_load;
-  std::optional<std::int64_t> max_total_vertices;  // what stands in its place depends on the machine
+  std::optional<std::int64_t> max_total_vertices;  // The default depends on the machine.
   std::string web;
   bool no_render = false;
   std::string render_device = render::kAnyDevice;
@@ -175,7 +175,7 @@ Result<std::variant<Config, Notice>> to_config(const Arguments& arguments) {
   return std::variant<Config, Notice>(std::move(config));
 }
 
-// A line for each device: its number, what it is and whether it draws.
+// Returns a line per device: its number, its name and whether it draws.
 std::string render_device_table() {
   const std::vector<render::DeviceOutcome> outcomes = render::probe_devices();
   if (outcomes.empty()) return render::make_renderer()->description() + "\n";
@@ -198,7 +198,7 @@ std::int64_t default_total_vertices(std::int64_t memory) {
 std::shared_ptr<const CLI::App> command_line() {
   struct Declared {
     CLI::App parser{kDescription, "kerfd"};
-    Arguments arguments;  // the parser refers to them
+    Arguments arguments;  // The parser refers to them.
   };
   const auto declared = std::make_shared<Declared>();
   declare(declared->parser, declared->arguments);
@@ -229,7 +229,7 @@ std::filesystem::path default_web_directory(const std::filesystem::path& executa
   };
   const std::filesystem::path bin = executable.parent_path();
   if (auto installed = bin.parent_path() / "share" / "kerf" / "web"; has_viewer(installed)) return installed;
-  // build/<preset>/bin/kerfd in a source tree.
+  // Handles build/<preset>/bin/kerfd in a source tree.
   for (std::filesystem::path folder = bin; folder != folder.root_path(); folder = folder.parent_path()) {
     if (auto built = folder / "web" / "dist"; has_viewer(built)) return built;
   }

@@ -21,46 +21,46 @@ namespace kerf::app {
 struct Config {
   ws::Endpoint grpc{"127.0.0.1", 50051};
   ws::Endpoint http{"127.0.0.1", 8080};
-  std::vector<std::filesystem::path> scenes;  // scene files, each one sheet
-  int workers = 0;                            // threads that step sheets, 1..256; 0: one for each processor
+  std::vector<std::filesystem::path> scenes;  // Scene files, each one sheet.
+  int workers = 0;                            // Threads that step sheets, 1..256; 0: one per processor.
   int max_sheets = 64;                        // 1..100,000
-  double max_load = 1.0;                      // see host::HostOptions
-  std::int64_t max_total_vertices = 0;        // likewise, 0..kMostTotalVertices
-  std::filesystem::path web;                  // the built viewer; empty: none is served
-  bool render = true;                         // pictures, where EGL works
-  std::string render_device = "auto";         // as render::RendererOptions::device; nothing else than "auto" may fail
-  bool allow_remote = false;                  // may listen on other than loopback addresses
-  std::vector<std::string> allowed_origins;   // web pages of other origins that may use this server
-  std::filesystem::path record_dir;           // where recordings go; empty: none
-  int max_connections_per_address = 128;      // 1..10,000, each of gRPC and HTTP; 0: no limit
-  api::Limits limits;                         // of requests and streams
-  ws::HttpOptions http_options;               // of HTTP connections; its access is replaced by allowed_origins
+  double max_load = 1.0;                      // See host::HostOptions.
+  std::int64_t max_total_vertices = 0;        // See host::HostOptions; 0..kMostTotalVertices.
+  std::filesystem::path web;                  // Folder of the built viewer; empty: none is served.
+  bool render = true;                         // Draws pictures if EGL works.
+  std::string render_device = "auto";         // As render::RendererOptions::device; only "auto" may find no device.
+  bool allow_remote = false;                  // May listen on addresses other than loopback.
+  std::vector<std::string> allowed_origins;   // Origins of foreign web pages that may use this server.
+  std::filesystem::path record_dir;           // Folder of recordings; empty: none.
+  int max_connections_per_address = 128;      // 1..10,000, for gRPC and for HTTP; 0: no limit.
+  api::Limits limits;                         // For requests and streams.
+  ws::HttpOptions http_options;               // For HTTP connections; its access is replaced by allowed_origins.
 };
 
 inline constexpr std::int64_t kMostTotalVertices = 1'000'000'000'000;
 
-// What a vertex takes, in bytes, with the implicit integrator; with the explicit one it is little more than half.
+// Memory per vertex in bytes, with the implicit integrator; the explicit one takes little more than half.
 inline constexpr std::int64_t kBytesPerVertex = 8'000;
 
-// How many vertices all sheets together may have where the process may have so much memory, in bytes, unless
-// --max-total-vertices says otherwise: as many as fit in half of it, the other half being for streams, pictures and the
-// rest of the machine. One sheet of the largest size where nothing says how much: 0.
+// Returns the default of --max-total-vertices for a process that may use `memory` bytes. Sheets get half of that; the
+// other half is for streams, pictures and the rest of the machine. For an unknown limit (0) it is one sheet of the
+// largest size.
 std::int64_t default_total_vertices(std::int64_t memory);
 
-// What --help and --version print.
+// Holds the text printed by --help and --version.
 struct Notice {
   std::string text;
 };
 
-// The options of kerfd, for its manual.
+// Returns the options of kerfd, for its manual.
 std::shared_ptr<const CLI::App> command_line();
 
-// The command line of kerfd. Refusals are INVALID_ARGUMENT with a one-line message; listening on an address that other
-// machines can reach is refused unless --allow-remote is given.
+// Parses the command line of kerfd. Errors are INVALID_ARGUMENT with a one-line message. Listening on an address that
+// other machines can reach is refused unless --allow-remote is given.
 Result<std::variant<Config, Notice>> parse_command_line(int argc, const char* const* argv);
 
-// Where the built viewer is unless --web says otherwise: share/kerf/web beside the executable's folder, where `cmake
-// --install` puts it, else web/dist of a source tree above the executable; empty if neither has an index.html.
+// Returns the default folder of the built viewer. That is share/kerf/web beside the executable's folder, the place of
+// `cmake --install`, else web/dist of a source tree above the executable. Empty if neither has an index.html.
 std::filesystem::path default_web_directory(const std::filesystem::path& executable);
 
 }  // namespace kerf::app

@@ -9,7 +9,7 @@ namespace kerf::app {
 
 namespace {
 
-constexpr std::size_t kPieceBytes = 4096;  // of what waits, written at once
+constexpr std::size_t kPieceBytes = 4096;  // Bytes of waiting entries written at once.
 
 }  // namespace
 
@@ -23,7 +23,7 @@ FileRecording::~FileRecording() {
   try {
     if (state_ == State::kPaused) try_a_last_time();
   } catch (const std::bad_alloc&) {
-    ++board_.errors;  // the file is whole up to what was written
+    ++board_.errors;  // The file is complete up to the last written entry.
   }
   forget_waiting();
   if (state_ != State::kWriting) --board_.stopped;
@@ -82,7 +82,7 @@ Status FileRecording::write_waiting() {
   for (; !waiting_.empty(); waiting_.pop_front()) {
     KERF_TRY(file_->append(waiting_.front()));
     const auto count = static_cast<std::int64_t>(waiting_.front().size());
-    header_bytes_ = 0;  // it is in the first piece
+    header_bytes_ = 0;  // It is in the first piece.
     waiting_bytes_ -= count;
     board_.waiting_bytes -= count;
     board_.bytes += count;

@@ -16,7 +16,7 @@
 
 namespace kerf::app {
 
-// The counts of all recordings of a server. Thread-safe.
+// Counts all recordings of a server. Thread-safe.
 struct RecordingBoard {
   std::atomic<std::int64_t> open{0};
   std::atomic<std::int64_t> stopped{0};
@@ -27,22 +27,22 @@ struct RecordingBoard {
   [[nodiscard]] ws::RecordingCounts read() const { return {open, stopped, waiting_bytes, errors, bytes}; }
 };
 
-// Writes a recording file while the sheet runs (form: kerf/v1/run.proto). The operating system has what was appended:
-// it survives the process, not the machine.
+// Writes a recording file while the sheet runs (format: kerf/v1/run.proto). Appended data is handed to the operating
+// system: it survives the process, not the machine.
 //
-// After a write that fails the recording pauses: entries wait in memory, and an entry that comes kRetryInterval after a
-// failure tries again. A sheet that sleeps or is paused has no entries, so nothing is tried. Where more waits than may,
-// the recording ends for good. The file has whole entries only, without a gap. Each change is one line to `note`.
+// After a failed write the recording pauses: entries wait in memory, and an entry that comes kRetryInterval after a
+// failure tries again. A sleeping or paused sheet has no entries, so it does not retry. If too much waits, the
+// recording ends for good. The file has whole entries only, without a gap. Each change is one line to `note`.
 class FileRecording : public sheet::RecordingSink {
  public:
   static constexpr host::Nanoseconds kRetryInterval = std::chrono::seconds(1);
-  static constexpr std::int64_t kMaxWaitingBytes = std::int64_t{1} << 20;       // beside the header
-  static constexpr std::int64_t kMaxAllWaitingBytes = std::int64_t{256} << 20;  // of all recordings on one board
+  static constexpr std::int64_t kMaxWaitingBytes = std::int64_t{1} << 20;       // Without the header.
+  static constexpr std::int64_t kMaxAllWaitingBytes = std::int64_t{256} << 20;  // For all recordings on one board.
 
   // `disk`, `clock` and `board` must outlive this; `note` is called from the sheet's strand and the destructor.
   FileRecording(host::Disk& disk, const host::Clock& clock, RecordingBoard& board, std::string path,
                 std::function<void(const std::string&)> note);
-  // Tries a last time to write what waits.
+  // Tries a last time to write waiting entries.
   ~FileRecording() override;
   FileRecording(const FileRecording&) = delete;
   FileRecording& operator=(const FileRecording&) = delete;
@@ -70,11 +70,11 @@ class FileRecording : public sheet::RecordingSink {
   const std::string path_;
   const std::function<void(const std::string&)> note_;
   State state_ = State::kWriting;
-  std::unique_ptr<host::AppendFile> file_;  // null: not made yet, or the recording has ended
-  std::deque<std::string> waiting_;         // whole entries in order, several small ones in one string
+  std::unique_ptr<host::AppendFile> file_;  // Null: not made yet, or the recording has ended.
+  std::deque<std::string> waiting_;         // Whole entries in order, several small ones in one string.
   std::int64_t waiting_bytes_ = 0;
-  std::int64_t header_bytes_ = 0;  // 0: written
-  host::Nanoseconds next_try_{0};  // kPaused
+  std::int64_t header_bytes_ = 0;  // 0: written.
+  host::Nanoseconds next_try_{0};  // Used when kPaused.
 };
 
 }  // namespace kerf::app

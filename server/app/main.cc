@@ -27,18 +27,18 @@
 namespace {
 
 constexpr int kExitRefused = 2;
-constexpr std::chrono::nanoseconds kStopLimit = std::chrono::milliseconds(9000);  // from the signal
+constexpr std::chrono::nanoseconds kStopLimit = std::chrono::milliseconds(9000);  // Measured from the signal.
 constexpr std::chrono::nanoseconds kEchoTime = std::chrono::seconds(1);
 
 // Prints a line on stderr, from any thread.
 void note(std::string_view line) {
   static std::mutex mutex;
   const std::lock_guard lock(mutex);
-  std::cerr.clear();  // a full disk behind a redirection may be one no longer
+  std::cerr.clear();  // A full disk behind a redirection may have room again.
   std::cerr << "kerfd: " + std::string(line) + "\n" << std::flush;
 }
 
-// Blocked in every thread, so that only wait_for_stop() sees them.
+// Blocks the stop signals in every thread, so that only wait_for_stop() receives them.
 sigset_t block_stop_signals() {
   sigset_t signals;
   sigemptyset(&signals);
@@ -51,9 +51,9 @@ sigset_t block_stop_signals() {
 // Released by the first signal.
 std::binary_semaphore stop_has_begun{0};
 
-// Takes what comes within kEchoTime of the first signal: one wish to stop, told by the terminal and by a script around
-// kerfd that passes it on. The next signal then ends the process, wherever it is. So does kStopLimit: in good order
-// where every sheet is closed, and only threads and connections do not end.
+// Ignores signals within kEchoTime of the first: a terminal and a script around kerfd may both send one. The next
+// signal then ends the process at once. So does kStopLimit, with success if all sheets are closed and only threads and
+// connections remain.
 void guard_the_stop(sigset_t signals, const std::weak_ptr<const kerf::app::Server>& running) {
   stop_has_begun.acquire();
   const auto begin = std::chrono::steady_clock::now();
@@ -64,7 +64,7 @@ void guard_the_stop(sigset_t signals, const std::weak_ptr<const kerf::app::Serve
     left = end - std::chrono::steady_clock::now();
   }
   std::signal(SIGTERM, SIG_DFL);
-  std::signal(SIGINT, SIG_DFL);  // a shell has the programs that it starts in the background ignore it
+  std::signal(SIGINT, SIG_DFL);  // A shell makes programs in the background ignore it.
   pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
   std::this_thread::sleep_until(begin + kStopLimit);
   const std::shared_ptr<const kerf::app::Server> server = running.lock();
@@ -73,26 +73,26 @@ void guard_the_stop(sigset_t signals, const std::weak_ptr<const kerf::app::Serve
   _exit(is_done ? EXIT_SUCCESS : EXIT_FAILURE);
 }
 
-// Until the first SIGTERM or SIGINT.
+// Waits for the first SIGTERM or SIGINT.
 void wait_for_stop(const sigset_t& signals) {
   int signal = 0;
   sigwait(&signals, &signal);
   stop_has_begun.release();
 }
 
-// Threads reserve addresses for memory of their own, which a limit of these (ulimit -v) has no room for.
+// Makes threads share memory arenas if addresses are limited (ulimit -v): arenas of their own reserve too many.
 void share_memory_between_threads() {
   rlimit limit{};
   if (getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY) mallopt(M_ARENA_MAX, 2);
 }
 
-// Returns nothing where it does not start, and has noted why.
+// Starts the server; returns null after printing the reason if it does not start.
 std::shared_ptr<kerf::app::Server> start(const kerf::app::Config& config) {
   try {
     auto started = kerf::app::Server::start(config, note);
     if (started.ok()) return std::move(started).value();
     note(started.error().message);
-  } catch (const std::exception& error) {  // no memory, or no thread
+  } catch (const std::exception& error) {  // No memory, or no thread.
     note("the system has too little for this server: " + std::string(error.what()));
   }
   return nullptr;
@@ -103,11 +103,11 @@ std::shared_ptr<kerf::app::Server> start(const kerf::app::Config& config) {
 int main(int argc, char** argv) {
   share_memory_between_threads();
 
-  // What matters is told by kerfd itself, on one line.
+  // Silences gRPC: kerfd itself reports errors, on one line.
   setenv("GRPC_VERBOSITY", "NONE", 0);  // NOLINT(concurrency-mt-unsafe): before there is a second thread
-  kerf::wire::discard_protobuf_log();   // what is wrong with a message is told to its sender
+  kerf::wire::discard_protobuf_log();   // Faults of a message are reported to its sender.
   std::signal(SIGPIPE, SIG_IGN);
-  std::signal(SIGXFSZ, SIG_IGN);  // a file beyond `ulimit -f` is a write that fails
+  std::signal(SIGXFSZ, SIG_IGN);  // A file beyond `ulimit -f` is a failed write.
   const sigset_t signals = block_stop_signals();
 
   auto parsed = kerf::app::parse_command_line(argc, argv);
@@ -127,7 +127,7 @@ int main(int argc, char** argv) {
 
   const std::shared_ptr<kerf::app::Server> server = start(config);
   if (!server) return kExitRefused;
-  // Made now, as the stop may find no memory for it.
+  // Started now, because the stop may find no memory for it.
   std::thread(guard_the_stop, signals, std::weak_ptr<const kerf::app::Server>(server)).detach();
   std::cout << server->ready_line() << std::endl;
   wait_for_stop(signals);

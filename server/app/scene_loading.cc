@@ -11,7 +11,7 @@
 namespace kerf::app {
 namespace {
 
-// Before anything listens there is nothing else to do than to wait.
+// Blocks until the call is answered; no transport listens yet, so there is nothing else to do.
 template <typename T, typename Start>
 Result<T> wait_for(const Start& start) {
   const auto promise = std::make_shared<std::promise<Result<T>>>();
@@ -59,7 +59,7 @@ Status resume_sheets(const std::vector<std::string>& ids, host::Host& host) {
   for (const std::string& id : ids) {
     const Result<host::SheetStatus> status =
         wait_for<host::SheetStatus>([&](host::Callback<host::SheetStatus> done) { host.resume(id, std::move(done)); });
-    // Whoever deleted it in the meantime, through a transport that listens already, was free to.
+    // Ignores a sheet deleted meanwhile by a client, since a transport already listens.
     if (!status.ok() && status.error().code != ErrorCode::kNotFound) return status.error();
   }
   return Nothing{};

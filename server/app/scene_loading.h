@@ -13,8 +13,8 @@ class Host;
 
 namespace kerf::app {
 
-// Makes one paused sheet a scene file and returns the ids, in order. A scene without sheet_id gets the file's name
-// without extension. What is refused names the file in its message.
+// Makes one paused sheet per scene file and returns the ids, in order. A scene without sheet_id gets the file's name
+// without extension. Errors name the file in their message.
 Result<std::vector<std::string>> load_scenes(const std::vector<std::filesystem::path>& files, host::Disk& disk,
                                              host::Host& host);
 

@@ -31,11 +31,11 @@
 namespace kerf::app {
 namespace {
 
-constexpr std::chrono::seconds kStopGrace{3};  // for each transport
+constexpr std::chrono::seconds kStopGrace{3};  // For each transport.
 
 }  // namespace
 
-// In the order of construction; destroyed in reverse.
+// Members in the order of construction; destroyed in reverse.
 struct Server::Impl {
   Config config;
   std::function<void(std::string_view)> note;
@@ -45,7 +45,7 @@ struct Server::Impl {
   std::string instance_id = wire::encode_hash(entropy.next());
   std::atomic<int> num_recordings = 0;
   RecordingBoard recording_board;
-  std::unique_ptr<render::Renderer> renderer;  // null with --no-render
+  std::unique_ptr<render::Renderer> renderer;  // Null with --no-render.
   std::unique_ptr<host::Host> host;
   std::unique_ptr<api::Api> api;
   std::unique_ptr<rpc::RpcServer> rpc;
@@ -73,7 +73,7 @@ host::HostOptions Server::Impl::host_options() {
   options.encode_tick = wire::encode_recorded_tick;
   if (!config.record_dir.empty()) {
     options.make_recording = [this](const std::string& id) -> std::shared_ptr<sheet::RecordingSink> {
-      // Two sheets may bear the same id, one after the other.
+      // Numbers the files, because two sheets may have the same id, one after the other.
       const std::string name = id + "-" + instance_id + "-" + std::to_string(++num_recordings) + ".kerf";
       return std::make_shared<FileRecording>(disk, clock, recording_board, (config.record_dir / name).string(), note);
     };
@@ -81,7 +81,7 @@ host::HostOptions Server::Impl::host_options() {
   return options;
 }
 
-// A device that was asked for by name has to draw; "auto" may find none.
+// Builds the renderer. A device requested by name must draw; "auto" may find none.
 Status Server::Impl::build_renderer() {
   if (!config.render) return Nothing{};
   const std::string option = "--render-device";
@@ -96,7 +96,7 @@ Status Server::Impl::build_renderer() {
                           option);
 }
 
-// Once everything is up: a start that fails says why it failed, and nothing else.
+// Reports missing parts once everything runs: a failed start reports only its error.
 void Server::Impl::tell_what_is_missing() const {
   if (config.web.empty()) note("no viewer was found to serve: build web/ or give --web DIR; everything else works");
   if (renderer && !renderer->available()) note("no pictures are drawn: " + renderer->description());
@@ -139,8 +139,8 @@ Status Server::Impl::listen(ws::AssetTable viewer) {
   return Nothing{};
 }
 
-// Asked before the first sheet: of a recording that cannot be made later a note is all that is heard. By making a file:
-// permissions say nothing to root, and nothing of a file system that is read-only.
+// Checks the folder before the first sheet, because a recording that fails later only causes a note. It makes a file:
+// permissions do not bind root, nor reveal a read-only file system.
 Status Server::Impl::check_record_dir() {
   if (config.record_dir.empty()) return Nothing{};
   const std::string option = "--record: ";
@@ -193,7 +193,8 @@ Result<std::unique_ptr<Server>> Server::start(const Config& config,
   auto impl = std::make_unique<Impl>();
   impl->config = config;
   impl->note = note;
-  std::unique_ptr<Server> server(new Server(std::move(impl)));  // stops what was started, also when the rest fails
+  // Also stops the parts started so far if the rest fails.
+  std::unique_ptr<Server> server(new Server(std::move(impl)));
   KERF_TRY(server->impl_->start());
   return server;
 }

@@ -10,27 +10,26 @@
 
 namespace kerf::app {
 
-// Everything kerfd is made of, in one process: host, renderer, Api and both transports. Tests start it on port 0.
+// Runs all of kerfd in one process: host, renderer, Api and both transports. Tests start it on port 0.
 class Server {
  public:
-  // Builds it all, loads the scenes and listens on both ports. Fails with the first thing that is wrong, before any
-  // tick. `note` is told, a line each and from any thread, what the operator should know: no viewer, no renderer, a
-  // recording that stopped.
+  // Builds all parts, loads the scenes and listens on both ports. Fails with the first error, before any tick. `note`
+  // gets lines for the operator, from any thread: no viewer, no renderer, a recording that stopped.
   static Result<std::unique_ptr<Server>> start(const Config& config,
                                                const std::function<void(std::string_view line)>& note);
   ~Server();  // stop()
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
 
-  [[nodiscard]] std::string grpc_address() const;  // "HOST:PORT", with the port that was bound
+  [[nodiscard]] std::string grpc_address() const;  // "HOST:PORT", with the port that was bound.
   [[nodiscard]] std::string http_url() const;      // "http://HOST:PORT"
   // {"grpc":"HOST:PORT","http":"http://HOST:PORT"}
   [[nodiscard]] std::string ready_line() const;
 
-  // In order: not ready any more, streams are ended with SERVER_STOPPING, commands accepted are answered, both
-  // transports close. Takes at most 8 s. Idempotent.
+  // Stops the server: it reports not ready, ends streams with SERVER_STOPPING, answers accepted commands, then closes
+  // both transports. Takes at most 8 s. Idempotent.
   void stop();
-  // From any thread: stop() has closed every sheet and its recording. What is left to end keeps nothing.
+  // True once stop() has closed every sheet and its recording; the rest loses no data. Callable from any thread.
   [[nodiscard]] bool has_closed_sheets() const;
 
  private:

@@ -155,8 +155,7 @@ void Api::stop() {
   core_->hub.stop();
   core_->studio.close();
   core_->analyst.close();  // The analysis in progress checks `stopping`.
-  // Stops both side by side: the transports wait for every answer, and pictures and files in turn could exceed the time
-  // limit of a stop.
+  // Refuses waiting pictures and files: the transports wait for every answer, and making them all could outlast a stop.
   core_->drawer.close();
   core_->filer.close();
   core_->streams.tell_stop();

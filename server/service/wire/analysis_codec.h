@@ -8,20 +8,20 @@
 #include "server/core/analysis/analysis.h"
 #include "server/core/scene/sheet_config.h"
 
-// kerf.v1.Analysis and Probe <-> sheet's. Unchecked, but for what only messages can get wrong; errors as in
-// scene_codec.h.
+// Converts kerf.v1.Analysis and Probe to and from sheet's types. Checks only what messages alone can get wrong; errors
+// as in scene_codec.h.
 namespace kerf::wire {
 
-// With the defaults that analysis.proto documents for zeros; paths begin with "analysis" and "probes".
+// Decode with the defaults that analysis.proto documents for zeros; paths begin with "analysis" and "probes".
 Result<sheet::Analysis> decode_analysis(const v1::Analysis& message);
 Result<std::vector<sheet::Probe>> decode_probes(const google::protobuf::RepeatedPtrField<v1::Probe>& messages);
 
-// What came of an analysis.
+// Encode the results of an analysis.
 v1::Table encode_table(const analysis::Table& table);
 v1::StaticResult encode_statics(const analysis::StaticStats& stats);
-v1::DynamicResult encode_dynamics(const analysis::DynamicStats& stats);  // energies and hash left out
+v1::DynamicResult encode_dynamics(const analysis::DynamicStats& stats);  // Leaves out energies and hash.
 
-// The scene's analysis and probes, with the defaults that analysis.proto documents for zeros.
+// Convert the scene's analysis and probes, with the defaults that analysis.proto documents for zeros.
 Status decode_analysis(const v1::Scene& scene, sheet::SheetConfig& config);
 void encode_analysis(const sheet::SheetConfig& config, v1::Scene& scene);
 

@@ -6,10 +6,10 @@
 #include "server/base/result.h"
 #include "server/service/wire/geometry_codec.h"
 
-// Enumerators of messages beside what they stand for: arrays of pairs.
+// Converts enumerators of messages by arrays of pairs: (enumerator, meaning).
 namespace kerf::wire {
 
-// Enumerator 0, which is no choice, leaves `choice` as it is. Errors: unknown_enum.
+// Decodes an enumerator; 0, which is no choice, leaves `choice` as it is. Errors: unknown_enum.
 template <typename Pairs, typename Enumerator, typename Choice>
 Status decode_choice(const Pairs& pairs, Enumerator given, const std::string& field, Choice& choice) {
   if (static_cast<int>(given) == 0) return Nothing{};
@@ -21,7 +21,7 @@ Status decode_choice(const Pairs& pairs, Enumerator given, const std::string& fi
   return unknown_enum(field, static_cast<int>(given));
 }
 
-// Every choice is among the pairs.
+// Encodes a choice, which must be among the pairs.
 template <typename Pairs, typename Choice>
 auto encode_choice(const Pairs& pairs, Choice choice) {
   return std::find_if(pairs.begin(), pairs.end(), [&](const auto& pair) { return pair.second == choice; })->first;

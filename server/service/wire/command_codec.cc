@@ -47,7 +47,7 @@ Status decode_method(const v1::Cut& message, cut::CutOptions& options) {
   }
 }
 
-// A quality is a name for an angle.
+// Decodes a quality, which names a lower bound on the angles of new triangles.
 Status decode_quality(const v1::Cut& message, cut::CutOptions& options) {
   switch (message.quality()) {
     case v1::Cut::QUALITY_UNSPECIFIED:
@@ -117,7 +117,7 @@ Result<cut::Fit> decode_fit(const v1::MaterialBox& message) {
   return cut::Fit{cut::Box{decode_vector(message.min()), decode_vector(message.max())}};
 }
 
-// Not validated yet.
+// Decodes a cut without validating it.
 Result<sheet::Cut> read_cut(const v1::Cut& message, const FileReader& read_file) {
   KERF_TRY_ASSIGN(DecodedCurve decoded, decode_curve(message.curve(), "cut.curve", read_file));
   sheet::Cut cut;

@@ -5,8 +5,8 @@
 #include "server/core/scene/command.h"
 #include "server/service/wire/geometry_codec.h"
 
-// kerf.v1.Command <-> sheet::Command. Errors as in scene_codec.h; paths begin at the command ("cut.curve.bezier",
-// "grab.target.x"). A Reset, an UndoCut and a RedoCut have none.
+// Converts kerf.v1.Command to and from sheet::Command. Errors as in scene_codec.h; paths begin at the command
+// ("cut.curve.bezier", "grab.target.x"). A Reset, an UndoCut and a RedoCut have none.
 namespace kerf::wire {
 
 // `read_file`: for Svg.file; see geometry_codec.h.
@@ -14,15 +14,15 @@ Result<sheet::Command> decode_command(const v1::Command& command, const FileRead
 v1::Command encode_command(const sheet::Command& command);
 v1::Cut encode_cut(const sheet::Cut& cut);
 
-// What the cuts of one batch may have together: drawings unfold to far more than their text.
+// Limit on the parts of one batch (see num_parts()), because drawings unfold to far more than their text.
 inline constexpr std::int64_t kMaxBatchParts = 131'072;
-// The cut, and the subpaths and segments of its path.
+// Counts the cut, and the subpaths and segments of its path.
 std::int64_t num_parts(const sheet::Cut& cut);
-// A CutBatch; paths begin with "cut_batch.cuts[0]". BATCH_TOO_LONG: more than kMaxBatchParts.
+// Decodes a CutBatch; paths begin with "cut_batch.cuts[0]". BATCH_TOO_LONG: more than kMaxBatchParts.
 Result<sheet::Command> decode_cuts(const google::protobuf::RepeatedPtrField<v1::Cut>& cuts,
                                    const FileReader& read_file = {});
 
-// The same for one kind, with the same paths: requests carry these messages in fields of the same names.
+// Decode one kind of command, with the same paths: requests carry these messages in fields of the same names.
 Result<sheet::Command> decode_cut(const v1::Cut& cut, const FileReader& read_file = {});
 Result<sheet::Command> decode_grab(const v1::Grab& grab);
 Result<sheet::Command> decode_drag(const v1::Drag& drag);

@@ -7,11 +7,11 @@
 #include "server/base/result.h"
 #include "server/core/scene/sheet_config.h"
 
-// kerf.v1.Constraint, Load, History and InitialVelocity <-> sheet's. Unchecked, but for what only messages can get
-// wrong; errors as in scene_codec.h.
+// Converts kerf.v1.Constraint, Load, History and InitialVelocity to and from sheet's types. Checks only what messages
+// alone can get wrong; errors as in scene_codec.h.
 namespace kerf::wire {
 
-// The scene's constraints, loads, gravity_history, planar and initial_velocity.
+// Convert the scene's constraints, loads, gravity_history, planar and initial_velocity.
 Status decode_conditions(const v1::Scene& scene, sheet::SheetConfig& config);
 void encode_conditions(const sheet::SheetConfig& config, v1::Scene& scene);
 

@@ -7,7 +7,7 @@
 #include "server/service/svg/svg.h"
 #include "server/service/wire/geometry_codec.h"
 
-// kerf.v1.Curve.
+// Converts kerf.v1.Curve.
 namespace kerf::wire {
 namespace {
 
@@ -19,7 +19,7 @@ std::vector<Eigen::Vector2d> decode_points(const Points& points) {
   return decoded;
 }
 
-// As they are where there are none.
+// Decodes weights; leaves them as they are if the message has none.
 template <typename Numbers, std::size_t count>
 Status decode_weights(const Numbers& numbers, std::array<double, count>& weights, const std::string& path) {
   if (numbers.empty()) return Nothing{};

@@ -7,24 +7,25 @@
 
 #include "server/base/result.h"
 
-// kerf::Error as google.rpc.Status, the form that standard gRPC and HTTP clients read.
+// Encodes kerf::Error as google.rpc.Status, the form that standard gRPC and HTTP clients read.
 namespace kerf::wire {
 
-// What a client is told to wait before it repeats a request that met a limit: a few ticks.
+// Suggested delay before a client repeats a request that met a limit: a few ticks.
 inline constexpr std::chrono::milliseconds kRetryDelay{100};
 
-// The number of a gRPC status code, 1..16 (https://grpc.io/docs/guides/status-codes/), and its name.
+// Return the number of a gRPC status code, 1..16 (https://grpc.io/docs/guides/status-codes/), and its name.
 std::int32_t status_code(ErrorCode code);
 std::string_view status_name(ErrorCode code);  // "INVALID_ARGUMENT"
 
-// A serialised google.rpc.Status: code, message, and as details ErrorInfo{reason, domain "kerf"}, BadRequest where the
-// error names a field, RetryInfo{kRetryDelay} where passes_by_itself(). For the trailer grpc-status-details-bin.
+// Returns a serialised google.rpc.Status for the trailer grpc-status-details-bin. It has code, message and details:
+// ErrorInfo{reason, domain "kerf"}, BadRequest if the error names a field, RetryInfo{kRetryDelay} if
+// passes_by_itself().
 std::string encode_status(const Error& error);
 
-// Of limits: whether the same request may be taken soon, though nothing of it changes, as others end or make room.
+// True for limits that may pass soon, when others end or make room: the same request may then be accepted.
 bool passes_by_itself(const Error& error);
 
-// The JSON form of the same message: {"code":3,"message":"...","details":[{"@type":"...ErrorInfo",...},...]}.
+// Returns the JSON form of the same message: {"code":3,"message":"...","details":[{"@type":"...ErrorInfo",...},...]}.
 std::string error_to_json(const Error& error);
 
 }  // namespace kerf::wire

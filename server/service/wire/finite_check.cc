@@ -21,7 +21,7 @@ using google::protobuf::FieldDescriptor;
 using google::protobuf::Message;
 using google::protobuf::Reflection;
 
-// Names the fields of a type that hold floating-point numbers, or messages that do.
+// Lists the fields of a type that hold floating-point numbers, or messages that do.
 struct NumericFields {
   struct Nested {
     const FieldDescriptor* field;
@@ -47,7 +47,7 @@ NumericFields numeric_fields(const Descriptor& type) {
   return fields;
 }
 
-// Made once for each type of request, and kept.
+// Returns the fields of a type of request; made once and kept.
 const NumericFields& kept_fields(const Descriptor& type) {
   static std::mutex mutex;
   static std::map<const Descriptor*, NumericFields> kept;
@@ -85,20 +85,20 @@ struct BadNumber {
   std::string reason;
 };
 
-// The reason of a number that is not finite anywhere in a message of such a type; empty: that of what it is in.
+// Returns the error reason for numbers in a message of this type; empty: that of the enclosing message.
 std::string own_reason(const Descriptor& type) {
   if (type.name() == "Curve") return "CURVE_NOT_FINITE";
   if (type.name() == "InlineMesh") return "MESH_NOT_FINITE";
   return {};
 }
 
-// Puts the name of a field, with its index, before a path within its message.
+// Prepends the name of a field, with its index, to a path within its message.
 BadNumber bad_within(const FieldDescriptor& field, const std::string& name, BadNumber inner) {
   const std::string reason = own_reason(*field.message_type());
   return {name + "." + inner.path, reason.empty() ? std::move(inner.reason) : reason};
 }
 
-// The first number that is not finite.
+// Returns the first number that is not finite.
 std::optional<BadNumber> first_bad(const Message& message, const NumericFields& fields) {
   for (const FieldDescriptor* field : fields.numbers) {
     if (std::optional<std::string> path = bad_number(message, *field)) return BadNumber{*path, "NOT_FINITE"};

@@ -24,13 +24,13 @@ void append_packed(T value, std::string& bytes) {
   std::memcpy(bytes.data() + at, &value, sizeof(T));
 }
 
-// What a patch lists: slots and vertices, ascending.
+// Holds the slots and vertices listed by a patch, ascending.
 struct Listed {
   std::vector<std::uint32_t> slots;
   std::vector<std::uint32_t> vertices;
 };
 
-// Ascending indices of the entries that a version after `base_version` changed.
+// Returns the ascending indices of the entries changed by a version after `base_version`.
 std::vector<std::uint32_t> changed_since(const std::vector<std::int32_t>& versions, std::int32_t base_version) {
   std::vector<std::uint32_t> changed;
   for (std::size_t i = 0; i < versions.size(); ++i) {
@@ -39,12 +39,12 @@ std::vector<std::uint32_t> changed_since(const std::vector<std::int32_t>& versio
   return changed;
 }
 
-// Nothing where a full patch serves the viewer better.
+// Returns the changes, or nothing if a full patch serves the viewer better.
 std::optional<Listed> list_changes(const sheet::Topology& topology, std::int32_t base_version) {
   if (!can_patch(topology, base_version)) return std::nullopt;
   Listed listed{changed_since(topology.slot_versions, base_version),
                 changed_since(topology.vertex_versions, base_version)};
-  // Bytes of the raw arrays: one that lists has ids in addition.
+  // Bytes of the raw arrays; a patch that lists has ids in addition.
   const std::size_t bytes = 20 * listed.slots.size() + 12 * listed.vertices.size();
   if (bytes >= 16 * topology.triangles.size() + 8 * topology.vertex_versions.size()) return std::nullopt;
   return listed;
@@ -105,7 +105,7 @@ void encode_box(const FrameBox& box, v1::Box3& message) {
   max.set_z(box.min[2] + box.size[2]);
 }
 
-// A body with everything but base_tick, box and positions.
+// Begins a body: everything except base_tick, box and positions.
 v1::Frame begin_body(const QuantisedFrame& frame, v1::Encoding encoding) {
   v1::Frame message;
   message.set_tick(frame.tick);

@@ -14,20 +14,19 @@
 #include "server/service/wire/quantise.h"
 #include "server/service/wire/stream_codec.h"
 
-// Snapshots as kerf.v1.Frame. What depends on the sheet alone (body, topology) is encoded apart from what depends on
-// the stream (head), so that many streams send the same bytes: serialised messages that are written one behind the
-// other read as one, with repeated sub-messages merged
-// (https://protobuf.dev/programming-guides/encoding/#last-one-wins).
+// Encodes snapshots as kerf.v1.Frame. Parts that depend on the sheet alone (body, topology) are encoded separately from
+// those that depend on the stream (head), so that many streams send the same bytes. Concatenated serialised messages
+// read as one, with repeated sub-messages merged (https://protobuf.dev/programming-guides/encoding/#last-one-wins).
 namespace kerf::wire {
 
-// A snapshot as integers: what a frame is made of and what later deltas refer to.
+// Holds a snapshot as integers: the content of a frame, and the reference of later deltas.
 struct QuantisedFrame {
   std::int64_t tick = 0;
   FrameBox box;
-  std::vector<std::uint16_t> positions;             // 3 V, in `box`
-  std::shared_ptr<const sheet::Topology> topology;  // never null
+  std::vector<std::uint16_t> positions;             // 3 V, in `box`.
+  std::shared_ptr<const sheet::Topology> topology;  // Never null.
   sheet::RunStats stats;
-  std::optional<QuantisedStrains> strains;  // where the snapshot has them
+  std::optional<QuantisedStrains> strains;  // Set if the snapshot has them.
 };
 
 // `current`: the box of the frame before, see choose_box().
@@ -36,38 +35,38 @@ QuantisedFrame quantise_frame(const sheet::Snapshot& snapshot, const std::option
 // kerf.v1.Encoding
 enum class Encoding { kCompact, kRaw };
 
-// What compact frames of one topology are coded with; made once for all of them.
+// Predictors of compact frames of one topology; made once for all of them.
 using Predictors = std::vector<codec::VertexPredictor>;
 Predictors make_predictors(const sheet::Topology& topology);
 
-// Serialised Frames without sequence, topology and stats.skipped. `predictors` are of the frame's topology. A delta is
-// compact, against `base`, whose box must be the same.
+// Return serialised Frames without sequence, topology and stats.skipped. `predictors` are those of the frame's
+// topology. A delta is compact, relative to `base`, whose box must be the same.
 std::string encode_raw_body(const QuantisedFrame& frame);
 std::string encode_keyframe_body(const QuantisedFrame& frame, const Predictors& predictors);
 std::string encode_delta_body(const QuantisedFrame& frame, const QuantisedFrame& base, const Predictors& predictors);
 
-// A serialised Frame with nothing but the strains, which the frame must have. `predictors`: null for raw.
+// Returns a serialised Frame with only the strains, which the frame must have. `predictors`: null for raw.
 std::string encode_strains(const QuantisedFrame& frame, const Predictors* predictors);
 
-// A serialised Frame with nothing but `topology`.
+// Holds a serialised Frame with only `topology`.
 struct EncodedTopology {
   std::string bytes;
-  bool full = false;  // TopologyPatch.base_version is -1
+  bool full = false;  // TopologyPatch.base_version is -1.
 };
-// The patch from `base_version` (-1: the viewer has nothing) to the topology's own version: the slots and vertices that
-// any version in between changed. Full where the history does not reach back that far, or about as much would be
-// listed. `predictors`: null for raw, else of `topology`.
+// Returns the patch from `base_version` (-1: the viewer has nothing) to the topology's own version. It lists the slots
+// and vertices changed by any version in between. It is full if the history does not reach back that far, or if the
+// list would be about as large. `predictors`: null for raw, else of `topology`.
 EncodedTopology encode_topology(const sheet::Topology& topology, std::int32_t base_version,
                                 const Predictors* predictors);
-// Whether the history reaches back to this version; else the patch is full.
+// True if the history reaches back to this version; else the patch is full.
 bool can_patch(const sheet::Topology& topology, std::int32_t base_version);
 
-// The start of a serialised WatchResponse with a frame; `rest_bytes` more (body and topology) must follow.
-// sequence >= 1; skipped >= 0, in ticks; epoch: empty but in a stream's first frame.
+// Returns the start of a serialised WatchResponse with a frame; `rest_bytes` more (body and topology) must follow.
+// sequence >= 1; skipped >= 0, in ticks; epoch: empty except in a stream's first frame.
 std::string encode_frame_head(std::int64_t sequence, std::int64_t skipped, std::string_view epoch,
                               std::size_t rest_bytes);
 
-// Whole serialised WatchResponses.
+// Return complete serialised WatchResponses.
 std::string encode_ended(EndReason reason);
 std::string encode_rejection(std::string_view grab_id, const Error& error);
 

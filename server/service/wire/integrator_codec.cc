@@ -58,7 +58,7 @@ Status decode_integrator(const v1::Integrator& message, sheet::IntegratorSetting
   if (message.has_highest_mode_damping()) settings.highest_mode_damping = message.highest_mode_damping();
   const bool is_undamped = settings.highest_mode_damping == 0.0;
   if (is_undamped && message.precision() == v1::Integrator::PRECISION_UNSPECIFIED) {
-    settings.precision = sheet::Precision::kDouble;  // nothing would take out what rounding puts in
+    settings.precision = sheet::Precision::kDouble;  // Without damping nothing removes rounding errors.
   }
   return Nothing{};
 }

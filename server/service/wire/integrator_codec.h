@@ -6,7 +6,8 @@
 
 namespace kerf::wire {
 
-// Leaves what the message does not give as it is. Error: an enumerator this build does not know.
+// Decodes an integrator into `settings`; fields absent from the message are left as they are. Error: an enumerator
+// unknown to this build.
 Status decode_integrator(const v1::Integrator& message, sheet::IntegratorSettings& settings);
 v1::Integrator encode_integrator(const sheet::IntegratorSettings& settings);
 

@@ -23,7 +23,7 @@ Status from_json(std::string_view json, google::protobuf::Message& message) {
   message.Clear();
   const auto status =
       google::protobuf::util::JsonStringToMessage(google::protobuf::StringPiece(json.data(), json.size()), &message);
-  // What is left after the check: bad escapes, base64, UTF-8.
+  // Reports the faults left after the check: bad escapes, base64, UTF-8.
   if (!status.ok()) return invalid_argument("JSON_SYNTAX", std::string(status.message()));
   return Nothing{};
 }

@@ -31,7 +31,7 @@ class Checker {
   }
 
  private:
-  // The first fault counts; everything returns soon after.
+  // Records the first fault only; all callers return soon after.
   bool fail(std::string reason, const std::string& what, const std::string& path) {
     if (error_) return false;
     std::size_t line = 1;
@@ -65,7 +65,7 @@ class Checker {
     return std::isprint(static_cast<unsigned char>(c)) != 0 ? std::string(", found ") + c : ", found an odd byte";
   }
 
-  // A string in double quotes; escapes stay as they are, which is enough to compare names.
+  // Reads a string in double quotes. Escapes stay as they are, which is enough to compare names.
   bool quoted(std::string& content, const std::string& path) {
     if (!expect('"', path)) return false;
     content.clear();
@@ -80,7 +80,7 @@ class Checker {
     return true;
   }
 
-  // A number or one of the words true, false, null, as it stands.
+  // Reads a number, or one of the words true, false, null, as text.
   bool bare(std::string& content, const std::string& path) {
     skip_blanks();
     content.clear();
@@ -91,7 +91,7 @@ class Checker {
     return !content.empty() || fail("JSON_SYNTAX", "expected a value" + found(), path);
   }
 
-  // Calls `element(name of this member)` or, in an array, `element("")` with the reader at its value.
+  // Calls `element(name of this member)`, or `element("")` in an array, with the reader at its value.
   template <typename Element>
   bool list(char open, char close, const std::string& path, Element element) {
     if (!expect(open, path)) return false;
@@ -156,7 +156,7 @@ class Checker {
     return list('[', ']', path, [&] { return single(field, path + "[" + std::to_string(index++) + "]"); });
   }
 
-  // Of strings, as all maps of the protocol are, to values.
+  // Reads a map, whose keys are strings as in all maps of the protocol.
   bool map(const FieldDescriptor& element, const std::string& path) {
     if (peek() != '{') return fail("JSON_TYPE", "expected an object" + found(), path);
     std::set<std::string> seen;
@@ -237,7 +237,7 @@ class Checker {
     return value;
   }
 
-  // In [low, high), no fraction.
+  // True if the number lies in [low, high) and has no fraction.
   static bool is_whole(const std::string& token, double low, double high) {
     const auto value = number(token);
     return value && *value >= low && *value < high && std::floor(*value) == *value;
@@ -245,7 +245,7 @@ class Checker {
 
   std::string_view text_;
   std::size_t at_ = 0;
-  std::size_t token_ = 0;  // where what is being read began: the place an error names
+  std::size_t token_ = 0;  // Start of the current token: the place that an error names.
   std::optional<Error> error_;
 };
 

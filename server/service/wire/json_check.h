@@ -10,8 +10,8 @@ class Descriptor;
 
 namespace kerf::wire {
 
-// Reads JSON text against a message type without building anything, because Protocol Buffers' own parser says neither
-// line nor column. Errors as from_json() has them. Depth is bounded by the type, which must not be recursive.
+// Checks JSON text against a message type without building a message, because Protocol Buffers' own parser reports
+// neither line nor column. Errors as in from_json(). The type bounds the depth, so it must not be recursive.
 Status check_json(std::string_view json, const google::protobuf::Descriptor& type);
 
 }  // namespace kerf::wire

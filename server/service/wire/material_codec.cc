@@ -11,13 +11,13 @@
 namespace kerf::wire {
 namespace {
 
-// An optional number of the message and the interval it must lie in.
+// Describes an optional number of the message and its interval.
 struct Field {
   const char* name;
   bool (v1::Material::*has)() const;
   double (v1::Material::*get)() const;
   fem::Range range;
-  bool open = false;  // its ends do not belong to it
+  bool open = false;  // The interval is open.
 };
 
 using Ranges = fem::MaterialRanges;
@@ -26,7 +26,7 @@ constexpr Field kFields[] = {
      Ranges::kYoungsModulus},
     {"youngs_modulus_2_pa", &v1::Material::has_youngs_modulus_2_pa, &v1::Material::youngs_modulus_2_pa,
      Ranges::kYoungsModulus},
-    // Narrower than fem's: G = E / (2 (1 + nu)) has to make sense.
+    // Narrower than fem's, because G = E / (2 (1 + nu)) must be finite and positive.
     {"poissons_ratio", &v1::Material::has_poissons_ratio, &v1::Material::poissons_ratio, {-1.0, 1.0}, true},
     {"shear_modulus_pa", &v1::Material::has_shear_modulus_pa, &v1::Material::shear_modulus_pa, Ranges::kShearModulus},
     {"direction_rad", &v1::Material::has_direction_rad, &v1::Material::direction_rad, Ranges::kDirection},

@@ -8,14 +8,14 @@
 
 namespace kerf::wire {
 
-// The preset with what is given put over it. kInvalidArgument UNKNOWN_PRESET, NOT_FINITE, OUT_OF_RANGE (ranges of
-// scene.proto), MATERIAL_NOT_POSITIVE_DEFINITE; fields begin with `path` ("material").
+// Decodes the preset, overridden by the fields given. kInvalidArgument UNKNOWN_PRESET, NOT_FINITE, OUT_OF_RANGE (ranges
+// of scene.proto), MATERIAL_NOT_POSITIVE_DEFINITE; fields begin with `path` ("material").
 Result<fem::Material> decode_material(const v1::Material& material, const std::string& path);
 
-// Every number given, no preset named; bending stiffnesses where the material has them given.
+// Encodes every number and no preset; bending stiffnesses only if the material has them given.
 v1::Material encode_material(const fem::Material& material);
 
-// Errors: UNKNOWN_ENUM_VALUE, "membrane_law".
+// Decodes a membrane law. Errors: UNKNOWN_ENUM_VALUE, "membrane_law".
 Status decode_membrane_law(v1::MembraneLaw message, fem::MembraneLaw& law);
 v1::MembraneLaw encode_membrane_law(fem::MembraneLaw law);
 

@@ -2,8 +2,8 @@
 
 namespace kerf::wire {
 
-// Protocol Buffers write a line to stderr for each string that is no UTF-8, which anybody on the network can send; the
-// parser's refusal says enough. To be called once, by main().
+// Silences the log of Protocol Buffers; to be called once, by main(). They write a line to stderr for each string that
+// is not UTF-8, which any client can send, and the parser's error says enough.
 void discard_protobuf_log();
 
 }  // namespace kerf::wire

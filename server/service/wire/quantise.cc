@@ -10,10 +10,11 @@ namespace kerf::wire {
 namespace {
 
 constexpr double kSteps = 65535.0;
-constexpr double kRoom = 1.25;  // -; box size over the sheet's extent, before rounding up
+constexpr double kRoom = 1.25;  // -; box size over the sheet's extent, before rounding up.
 constexpr double kSmallestSizeM = 0x1p-10;
-constexpr double kShrinkRatio = 8.0;  // -; a box this much too large is replaced
-// The corner is a multiple of size / 16; this keeps it, and corner + size, exact far from the origin.
+constexpr double kShrinkRatio = 8.0;  // -; a box this much too large is replaced.
+// Smallest box size relative to the distance from the origin. It keeps the corner, a multiple of size / 16, and corner
+// + size exact far from the origin.
 constexpr double kSmallestRelativeSize = 0x1p-40;
 
 constexpr double kSmallestStrainScale = 0x1p-20;

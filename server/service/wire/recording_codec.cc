@@ -18,12 +18,13 @@ namespace kerf::wire {
 namespace {
 
 constexpr std::string_view kMagic = "kerf-recording";
-constexpr std::int32_t kLastPlainFormat = 2;  // the last one without checksums
+constexpr std::int32_t kLastPlainFormat = 2;  // The last format without checksums.
 
 using google::protobuf::internal::WireFormatLite;
 using google::protobuf::io::CodedInputStream;
 
-// Calls `visit` with the number and the bytes of each field of a message that has a length, up to what is no message.
+// Calls `visit` with the number and the bytes of each length-delimited field of a message, up to the first malformed
+// one.
 template <typename Visit>
 void for_each_field(std::string_view message, Visit visit) {
   CodedInputStream in(reinterpret_cast<const std::uint8_t*>(message.data()), static_cast<int>(message.size()));
@@ -40,7 +41,7 @@ void for_each_field(std::string_view message, Visit visit) {
   }
 }
 
-// The bytes of a header but for the text or numbers of its mesh, which take as much room when they are read.
+// Counts the bytes of a header without the text or numbers of its mesh, which do not grow when they are decoded.
 std::size_t bytes_beside_mesh(std::string_view header) {
   std::size_t beside = header.size();
   const auto visit_mesh = [&beside](int, std::string_view content) { beside -= content.size(); };
@@ -56,7 +57,7 @@ std::size_t bytes_beside_mesh(std::string_view header) {
   return beside;
 }
 
-// See RecordingLimits.
+// Counts parts as RecordingLimits does.
 std::int64_t parts_of(const sheet::Command& command) {
   if (const auto* cut = std::get_if<sheet::Cut>(&command)) return num_parts(*cut);
   std::int64_t parts = 1;
@@ -69,7 +70,7 @@ std::int64_t parts_of(const sheet::Command& command) {
   return parts;
 }
 
-// A drawing is a path by the time that it is recorded, and a short one may unfold into a very long path.
+// True if the command has a drawing. Recordings hold paths only, and a short drawing may unfold into a very long path.
 bool has_drawing(const v1::Command& command) {
   const auto is_drawn = [](const v1::Cut& cut) { return cut.curve().has_svg(); };
   const auto& batch = command.cut_batch().cuts();
@@ -101,7 +102,7 @@ class TickReader {
  public:
   TickReader(RecordingReader& reader, const RecordingLimits& limits) : reader_(reader), limits_(limits) {}
 
-  // Appends the next one. False: the file ends within it.
+  // Appends the next tick. Returns false if the file ends within it.
   Result<bool> read_into(std::vector<sheet::RecordedTick>& entries) {
     KERF_TRY_ASSIGN(const std::optional<std::string_view> bytes, reader_.next());
     if (!bytes) return false;

@@ -9,16 +9,18 @@
 #include "server/base/result.h"
 #include "server/core/sheet/recording.h"
 
-// Recording files: a kerf.v1.RecordingHeader, then RecordedTicks; recording_frames.h has the bytes around them.
+// Encodes and decodes recording files: a kerf.v1.RecordingHeader, then RecordedTicks. recording_frames.h has the bytes
+// around them.
 namespace kerf::wire {
 
-inline constexpr std::int32_t kRecordingFormat = 3;  // written; 1, in which no tick is left out, and 2 are read as well
+// Format written; 1, in which no tick is left out, and 2 can be read too.
+inline constexpr std::int32_t kRecordingFormat = 3;
 
-// The compiler of this build and whether it optimised.
+// Returns the compiler of this build and whether it optimised.
 std::string build_name();
-// What a recording file begins with. `build`: version and compiler; equal bits are promised for equal builds.
+// Returns the start of a recording file. `build`: version and compiler; equal bits are promised for equal builds.
 std::string encode_recording_header(const sheet::SheetConfig& config, std::string_view build);
-// What each tick appends.
+// Returns the bytes that each tick appends.
 std::string encode_recorded_tick(const sheet::RecordedTick& tick);
 
 struct RecordingFile {
@@ -26,21 +28,21 @@ struct RecordingFile {
   sheet::Recording recording;
 };
 
-// Of one message: a tick, or the header but for the text or numbers of its mesh. A message of so many bytes may take a
-// hundred times that while it is read.
+// Limit on one message: a tick, or the header without the text or numbers of its mesh. Decoding may take a hundred
+// times as much memory.
 inline constexpr std::size_t kMaxRecordedMessageBytes = std::size_t{8} << 20;
 
-// What of a file may be read into memory, whatever its length. For files of one's own: all of them.
+// Limits how much of a file is read into memory, independent of its length. Trusted files need no limits.
 struct RecordingLimits {
   std::int64_t max_entries = std::numeric_limits<std::int64_t>::max();
-  // Commands, each cut of a batch, subpath and segment of a path and region of pins being one more.
+  // Commands; each cut of a batch, subpath and segment of a path, and region of pins counts as one more.
   std::int64_t max_parts = std::numeric_limits<std::int64_t>::max();
 };
 
-// Reads a file up to its last whole entry. A file that ends within an entry has Recording::torn_bytes.
-// kDataLoss, with the offset in bytes in the message and in `field` ("offset 1234"):
+// Decodes a file up to its last whole entry. If it ends within an entry, Recording::torn_bytes is set. kDataLoss, with
+// the offset in bytes in the message and in `field` ("offset 1234"):
 //   RECORDING_TRUNCATED  the file ends within its header
-//   RECORDING_DAMAGED    a wrong checksum, a length or a message that cannot be, or a scene or command that is refused
+//   RECORDING_DAMAGED    a wrong checksum, an impossible length or message, or a refused scene or command
 //   RECORDING_FORMAT     not a recording, or of another format version
 //   RECORDING_ORDER, RECORDING_TICK  see sheet::check_next
 //   RECORDING_TOO_LARGE  a message beyond kMaxRecordedMessageBytes, or more than `limits` allow

@@ -11,7 +11,7 @@
 namespace kerf::wire {
 namespace {
 
-constexpr std::size_t kCheckedHeadBytes = 8;  // of a head, those that its own checksum is of
+constexpr std::size_t kCheckedHeadBytes = 8;  // Bytes of a head covered by its own checksum.
 
 void append_bytes(std::string& bytes, std::uint32_t value, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) bytes.push_back(static_cast<char>(value >> (8 * i) & 0xffU));
@@ -28,7 +28,7 @@ std::uint32_t head_checksum(std::string_view head) {
   return crc32c(head.substr(0, kCheckedHeadBytes)) & 0xffffU;
 }
 
-// Returns whether half of the signature is there, which no file of an older format has.
+// True if half of the signature is there, which no file of an older format has.
 bool is_nearly_signed(std::string_view file) {
   if (file.size() < kRecordingSignature.size()) return false;
   std::size_t num_equal = 0;

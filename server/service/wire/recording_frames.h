@@ -12,44 +12,44 @@ namespace google::protobuf {
 class MessageLite;
 }
 
-// The bytes around the messages of a recording file.
+// Defines the bytes around the messages of a recording file.
 //
 // Format 3 begins with kRecordingSignature. Each message follows a head of kFrameHeadBytes, little-endian: its length
 // in bytes (32 bits), its CRC-32C (32 bits), and the lower half of the CRC-32C of these eight bytes (16 bits). Every
 // single flipped bit is found, and none makes a file look like one that ends early.
 //
 // Formats 1 and 2 have each message after its length as a varint, and no checksum: a changed length may look like a
-// tear.
+// torn file.
 namespace kerf::wire {
 
 inline constexpr std::string_view kRecordingSignature{"\0kerfrec", 8};
 inline constexpr std::size_t kFrameHeadBytes = 10;
 
-// Returns the message as format 3 has it.
+// Returns the message with its head of format 3.
 std::string recording_frame(const google::protobuf::MessageLite& message);
 
 // Returns a kDataLoss error with the offset in bytes in its message and its field ("offset 1234").
 Error recording_damage(const char* reason, std::size_t offset, const std::string& what);
 Error recording_too_large(std::size_t offset, const std::string& what, std::int64_t limit);
 
-// Takes the messages of a file of any format apart. `file` must outlive it.
+// Splits a file of any format into messages. `file` must outlive it.
 class RecordingReader {
  public:
-  // Reads the signature. kDataLoss RECORDING_TRUNCATED: the file ends within it. RECORDING_DAMAGED: it has changed.
+  // Reads the signature. kDataLoss RECORDING_TRUNCATED: the file ends within it; RECORDING_DAMAGED: it has changed.
   static Result<RecordingReader> open(std::string_view file);
 
   [[nodiscard]] bool is_checked() const { return is_checked_; }  // format 3
   [[nodiscard]] bool done() const { return at_ == file_.size(); }
-  // Returns where the message read last begins, bytes from the file's begin.
+  // Returns the offset in bytes of the message read last.
   [[nodiscard]] std::size_t offset() const { return start_; }
   [[nodiscard]] std::size_t bytes_from_offset() const { return file_.size() - start_; }
 
-  // Returns the bytes of the next message, or nothing where the file ends within it. kDataLoss RECORDING_DAMAGED: a
-  // length that cannot be, or a wrong checksum.
+  // Returns the bytes of the next message, or nothing if the file ends within it. kDataLoss RECORDING_DAMAGED: an
+  // impossible length or a wrong checksum.
   Result<std::optional<std::string_view>> next();
 
-  // Parses a message that next() gave. `unfolding`: how many of its bytes may take many times their number in memory.
-  // kDataLoss RECORDING_TOO_LARGE, RECORDING_DAMAGED.
+  // Parses a message given by next(). `unfolding`: how many of its bytes may take many times as much memory. kDataLoss
+  // RECORDING_TOO_LARGE, RECORDING_DAMAGED.
   Status parse(std::string_view bytes, std::size_t unfolding, google::protobuf::MessageLite& message) const;
 
  private:

@@ -13,17 +13,17 @@ namespace kerf::wire {
 
 using RegionMessages = google::protobuf::RepeatedPtrField<v1::Region>;
 
-// Unchecked, but for what only the message can get wrong; `path` names the repeated field ("pins").
+// Decodes pins; checks only what messages alone can get wrong. `path` names the repeated field ("pins").
 Result<std::vector<sheet::Region>> decode_pins(const RegionMessages& pins, const std::string& path);
 void encode_pins(const std::vector<sheet::Region>& pins, RegionMessages& messages);
 
-// Of one region; `path` names it ("constraints[2].region").
+// Decodes one region; `path` names it ("constraints[2].region").
 Result<sheet::Region> decode_region(const v1::Region& region, const std::string& path);
 void encode_region(const sheet::Region& region, v1::Region& message);
 
-// Wind with the defaults that scene.proto documents for zeros; unchecked.
+// Decodes wind with the defaults that scene.proto documents for zeros; unchecked.
 sheet::Wind decode_wind(const v1::Wind& wind);
-// Moving air only: what a receiver takes from an absent message is no air at all.
+// Encodes moving air only: an absent message means no air at all.
 void encode_wind(const sheet::Wind& wind, v1::Wind& message);
 
 }  // namespace kerf::wire

@@ -10,22 +10,22 @@
 #include "server/core/scene/command.h"
 #include "server/core/sheet/sheet.h"
 
-// What a sheet answers, as messages.
+// Encodes a sheet's replies as messages.
 namespace kerf::wire {
 
-// 16 hex digits.
+// Returns 16 hex digits.
 std::string encode_hash(std::uint64_t hash);
 
-// The outcome of a cut, `cut` being part of the reply, without `name` and timings, which the owner of the sheet knows.
+// Encodes the outcome of `cut`, a part of `reply`. The caller, which knows the sheet, adds `name` and timings.
 v1::CutResult encode_cut_result(const sheet::CommandReply& reply, const sheet::CutReply& cut);
-// Of a Cut one, of a CutBatch one a cut, of other commands none.
+// Returns one result for a Cut, one per cut for a CutBatch, none for other commands.
 std::vector<v1::CutResult> encode_cut_results(const sheet::CommandReply& reply);
 
 v1::Piece encode_piece(const sheet::Piece& piece);
 
 v1::Energies encode_energies(const sheet::Energies& energies);
 
-// By the flags' names, those that were reported at all.
+// Encodes the counts by the flags' names; flags never reported are left out.
 void encode_flags(const fem::FlagCounts& counts, google::protobuf::Map<std::string, std::int64_t>& message);
 
 }  // namespace kerf::wire

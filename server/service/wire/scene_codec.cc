@@ -68,7 +68,7 @@ Status decode_materials(const v1::Scene& scene, sheet::SheetConfig& config) {
   return decode_choice(kFidelities, scene.fidelity(), "fidelity", config.fidelity);
 }
 
-// Lists: colliders, scheduled commands.
+// Decodes lists: colliders, scheduled commands.
 Status decode_lists(const v1::Scene& scene, const FileReader& read_file, sheet::SheetConfig& config) {
   for (int i = 0; i < scene.colliders_size(); ++i) {
     const std::string path = "colliders[" + std::to_string(i) + "]";

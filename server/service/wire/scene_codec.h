@@ -10,35 +10,35 @@
 #include "server/core/scene/sheet_config.h"
 #include "server/service/wire/geometry_codec.h"
 
-// kerf.v1.Scene and what it is made of <-> the types of the sheet. Errors are kInvalidArgument with the field path as
-// in scene.proto, from the message given ("grid.columns", "pins[2].box.min.x", "commands[0].command.cut.curve"): what
-// the message alone can get wrong (a choice left open, an array of odd length, an unknown preset) and all that
-// sheet::validate() refuses.
+// Converts kerf.v1.Scene and its parts to and from the types of the sheet. Errors are kInvalidArgument with the field
+// path as in scene.proto, from the message given ("grid.columns", "pins[2].box.min.x",
+// "commands[0].command.cut.curve"). They cover faults of the message alone (no choice made, an array of odd length, an
+// unknown preset) and all that sheet::validate() refuses.
 namespace kerf::wire {
 
-// Fills in the defaults that scene.proto documents. Without a reader ObjMesh.file, PlyMesh.file and Svg.file are
-// refused (OBJ_FILE_REFUSED, PLY_FILE_REFUSED, SVG_FILE_REFUSED), as they must be for what comes over the network. The
-// text or data of a mesh is moved out of the scene: hand over one that is not needed any more.
+// Decodes a scene, with the defaults that scene.proto documents. Without a reader ObjMesh.file, PlyMesh.file and
+// Svg.file are refused (OBJ_FILE_REFUSED, PLY_FILE_REFUSED, SVG_FILE_REFUSED), as required for network requests. Text
+// or data of a mesh is moved out of the scene: pass one that is not needed any more.
 Result<sheet::SheetConfig> decode_scene(v1::Scene scene, const FileReader& read_file = {});
 
-// The complete scene, every number given: decode_scene(encode_scene(c)) equals c bit for bit, for every c that came out
-// of decode_scene().
+// Encodes the complete scene, with every number: decode_scene(encode_scene(c)) equals c bit for bit, for every c made
+// by decode_scene().
 v1::Scene encode_scene(const sheet::SheetConfig& config);
 
-inline constexpr std::size_t kMaxSceneFileBytes = std::size_t{128} << 20;  // an OBJ text of 64 MiB, escaped
+inline constexpr std::size_t kMaxSceneFileBytes = std::size_t{128} << 20;  // An OBJ text of 64 MiB, escaped.
 
-// A scene file: JSON, decoded. Errors of from_json() and decode_scene().
+// Decodes a scene file in JSON. Errors of from_json() and decode_scene().
 Result<sheet::SheetConfig> decode_scene_file(std::string_view json, const FileReader& read_file);
 
-// What of a scene is in force now.
+// Holds the settings of a scene in force now.
 struct SettingsInForce {
-  const sheet::SheetConfig& config;          // as created
-  std::span<const fem::Material> materials;  // the sheet's own, then those of config.materials
+  const sheet::SheetConfig& config;          // As created.
+  std::span<const fem::Material> materials;  // The sheet's own, then those of config.materials.
   Eigen::Vector3d gravity;                   // m/s^2
   sheet::Wind wind;
 };
 
-// kerf.v1.Sheet.scene: a scene without mesh, pins and commands.
+// Encodes kerf.v1.Sheet.scene: a scene without mesh, pins and commands.
 v1::Scene encode_settings(const SettingsInForce& settings);
 
 v1::Collider encode_collider(const contact::Collider& collider);

@@ -12,9 +12,9 @@ namespace kerf::wire {
 namespace {
 
 constexpr double kDefaultFovDeg = 40.0;
-constexpr double kLeastAngle = 1.0e-3;  // rad; between the view and up
+constexpr double kLeastAngle = 1.0e-3;  // rad; smallest angle between the view direction and up.
 
-// Depths are not read off the clip space; the planes only have to keep the matrix regular.
+// Clip planes that only keep the matrix regular, since depths are not taken from the clip space.
 constexpr double kNear = 0.01;  // m
 constexpr double kFar = 1.0e4;  // m
 

@@ -38,7 +38,7 @@ bool plausible_host(std::string_view host, bool bracketed) {
   });
 }
 
-// "host", "host:port", "[v6]", "[v6]:port"; a missing port is `default_port`.
+// Parses "host", "host:port", "[v6]" or "[v6]:port"; a missing port is `default_port`.
 std::optional<Endpoint> parse_authority(std::string_view text, std::optional<int> default_port) {
   std::string_view host = text;
   std::string_view rest;
@@ -79,7 +79,7 @@ std::optional<Origin> parse_origin(std::string_view text) {
   return std::nullopt;
 }
 
-// A page of this server itself, as `host`, the value of the Host header, has its address.
+// True if the page comes from this server itself; `host` is the value of the Host header.
 bool is_own(const AccessPolicy& policy, const Origin& page, std::string_view host) {
   if (page.scheme != "http") return false;
   const std::optional<Endpoint> named = parse_authority(host, 80);

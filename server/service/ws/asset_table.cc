@@ -48,7 +48,7 @@ struct File {
   fs::file_time_type written;
 };
 
-using Files = std::map<std::string, File, std::less<>>;  // by path
+using Files = std::map<std::string, File, std::less<>>;  // Files by path.
 
 AssetContent make_content(std::string_view coding, const std::string& bytes) {
   return {coding, std::make_shared<const std::string>(bytes), etag_of(bytes)};
@@ -70,7 +70,7 @@ Asset make_asset(const std::string& path, const Files& files) {
     asset.encoded.push_back(make_content(coding, encoded->second.content));
   }
   asset.media_type = media_type_of(path);
-  asset.immutable = path.starts_with("/assets/");  // Vite puts the content's hash into these names
+  asset.immutable = path.starts_with("/assets/");  // Vite puts the content's hash into these names.
   return asset;
 }
 

@@ -42,7 +42,7 @@ namespace http = beast::http;
 using Request = http::request<http::string_body>;
 using Parser = http::request_parser<http::string_body>;
 
-// Of a request, before the parser has taken it.
+// Largest part of a request read before it is parsed.
 constexpr std::size_t kMostReadAhead = std::size_t{128} << 10;
 
 std::string header(const Request& request, http::field field) {
@@ -50,7 +50,7 @@ std::string header(const Request& request, http::field field) {
   return {value.data(), value.size()};
 }
 
-// The request, but for its body.
+// Returns the request without its body.
 HttpRequest head_of(const Request& message) {
   return {std::string(message.method_string()),
           std::string(message.target()),
@@ -76,7 +76,7 @@ HttpResponse body_too_large() {
   return response;
 }
 
-// What to tell a client whose request cannot be read; nothing where nobody listens any more.
+// Returns the answer to a malformed request; nothing if the client no longer listens.
 std::optional<HttpResponse> unreadable_request(const boost::system::error_code& error) {
   if (error == http::error::body_limit) return body_too_large();
   if (error == http::error::header_limit || error == http::error::buffer_overflow) {
@@ -89,8 +89,8 @@ std::optional<HttpResponse> unreadable_request(const boost::system::error_code& 
   return refusal(invalid_argument("MALFORMED_REQUEST", "not HTTP/1.1: " + error.message()));
 }
 
-// In coroutines here, co_await stands alone or initialises a variable, never within a condition or a larger expression:
-// g++ 12 resumes the wrong frame otherwise.
+// Serves one connection. In coroutines here, co_await stands alone or initialises a variable, never within a condition
+// or a larger expression: g++ 12 otherwise resumes the wrong frame.
 class HttpConnection : public Connection, public std::enable_shared_from_this<HttpConnection> {
  public:
   HttpConnection(ConnectionContext& context, asio::ip::tcp::socket socket)
@@ -100,7 +100,7 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
         buffer_(context.options.max_header_bytes + kMostReadAhead) {}
 
   void run(std::function<void()> done) override {
-    // A connection that throws (out of memory) is dropped like one that fails.
+    // Drops a connection that throws (out of memory) like one that fails.
     asio::co_spawn(executor_, serve(), [self = shared_from_this(), done = std::move(done)](const std::exception_ptr&) {
       self->close_now();
       done();
@@ -122,14 +122,14 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
   }
 
  private:
-  // What of a request decides how its response is framed.
+  // Holds the properties of a request that determine the framing of its response.
   struct Framing {
     unsigned version = 11;
     bool keep_alive = false;
-    bool head = false;  // length, but no body
+    bool head = false;  // HEAD: length without body.
   };
 
-  // An upgraded connection's socket belongs to its stream.
+  // Closes the connection. The socket of an upgraded one belongs to its stream.
   void close_now() {
     if (socket_) {
       socket_->abort();
@@ -143,13 +143,13 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
     while (more) more = co_await serve_request();
   }
 
-  // False if that was the last one of this connection.
+  // Serves one request; returns false if it was the last one of this connection.
   asio::awaitable<bool> serve_request() {
     const bool begun = co_await request_has_begun();
     if (!begun) co_return false;
     Parser parser;
     parser.header_limit(static_cast<std::uint32_t>(context_.options.max_header_bytes));
-    parser.body_limit(std::numeric_limits<std::uint64_t>::max());  // until it is known whose; see read_body()
+    parser.body_limit(std::numeric_limits<std::uint64_t>::max());  // Until the route is known; see read_body().
     stream_.expires_after(context_.options.request_timeout);
     boost::system::error_code error;
     co_await http::async_read_header(stream_, buffer_, parser, asio::redirect_error(asio::use_awaitable, error));
@@ -186,9 +186,9 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
     co_return written&& framing.keep_alive;
   }
 
-  // The body of the request whose header was read, within the limit that its head has; or what to tell its client.
+  // Reads the body of a request within the limit given by its header; returns the refusal, if any.
   asio::awaitable<std::optional<HttpResponse>> read_body(Parser& parser, boost::system::error_code& error) {
-    std::shared_ptr<const api::UploadRoom> room;  // while the body comes
+    std::shared_ptr<const api::UploadRoom> room;  // Held while the body is read.
     std::optional<HttpResponse> refused = admit_body(parser, room);
     if (refused) co_return refused;
     if (parser.get()[http::field::expect] == "100-continue") co_await invite_body();
@@ -197,7 +197,7 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
     co_return refused;
   }
 
-  // Why the body to come is not taken; nothing, and for a file `room`, where it is.
+  // Returns the refusal of a body before it is read, if any. For an accepted file it sets `room`.
   std::optional<HttpResponse> admit_body(Parser& parser, std::shared_ptr<const api::UploadRoom>& room) {
     const Router::BodyLimit limit = context_.router.body_limit(head_of(parser.get()));
     if (limit.refused) return limit.refused;
@@ -270,11 +270,11 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
     watch_for_hang_up(hung_up);
     HttpResponse response = co_await respond(std::move(request), hung_up.get_token());
     boost::system::error_code ignored;
-    stream_.socket().cancel(ignored);  // the watch
+    stream_.socket().cancel(ignored);  // Ends the watch for a hang-up.
     co_return response;
   }
 
-  // The Api may reply on any of its threads: back to this strand.
+  // Resumes on this strand, because the Api may reply on any of its threads.
   asio::awaitable<HttpResponse> respond(HttpRequest request, std::stop_token stop) {
     auto initiate = [this, request = std::move(request), stop = std::move(stop)](auto handler) mutable {
       auto shared = std::make_shared<decltype(handler)>(std::move(handler));
@@ -287,7 +287,7 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
       try {
         context_.router.respond(std::move(request), done, stop);
       } catch (const std::exception& error) {
-        // Nothing may come out of here: the coroutine's frame is the handler's already.
+        // Must not throw: the handler already owns the coroutine's frame.
         done(refusal(internal_error("INTERNAL", error.what())));
       }
     };
@@ -295,8 +295,8 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
                                                                                    asio::use_awaitable);
   }
 
-  // Asks for a stop when the client closes the connection, or its half of it, while its request is under way. A client
-  // that sends its next request already is not watched: the end of the connection is behind that.
+  // Requests a stop when the client closes the connection, or its half of it, during a request. A client that has
+  // already sent its next request is not watched, because the end of the connection comes after that.
   void watch_for_hang_up(std::stop_source hung_up) {
     stream_.socket().async_wait(asio::ip::tcp::socket::wait_read, [self = shared_from_this(),
                                                                    hung_up](boost::system::error_code error) mutable {
@@ -307,8 +307,8 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
     });
   }
 
-  // Asks for a stop when the client of a stream, which is the last there is on its connection, closes that or its half
-  // of it. What else it sends goes unread, so that it does not hide the end.
+  // Requests a stop when the client of a stream closes the connection, or its half of it. The stream is the last
+  // request of its connection. Further input is discarded, so that it does not hide the end.
   void drop_input(std::stop_source hung_up) {
     stream_.socket().async_read_some(asio::buffer(dropped_), [self = shared_from_this(), hung_up](
                                                                  boost::system::error_code error, std::size_t) mutable {
@@ -357,8 +357,7 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
     co_return !error;
   }
 
-  // A socket that is closed with bytes unread is reset, and the reset may overtake the response: let the client read
-  // it.
+  // Reads the rest of the input. Closing a socket with unread bytes resets it, and the reset may overtake the response.
   asio::awaitable<void> discard_rest() {
     boost::system::error_code error;
     stream_.socket().shutdown(asio::ip::tcp::socket::shutdown_send, error);
@@ -372,10 +371,10 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
 
   ConnectionContext& context_;
   beast::tcp_stream stream_;
-  const beast::tcp_stream::executor_type executor_;  // a strand
-  beast::flat_buffer buffer_;                        // bounded: extensions of chunks count for no limit of the parser
-  std::array<char, 4096> dropped_{};                 // see drop_input()
-  std::shared_ptr<SocketStream> socket_;             // once upgraded
+  const beast::tcp_stream::executor_type executor_;  // A strand.
+  beast::flat_buffer buffer_;                        // Bounded: the parser's limits do not cover extensions of chunks.
+  std::array<char, 4096> dropped_{};                 // See drop_input().
+  std::shared_ptr<SocketStream> socket_;             // Set once upgraded.
   bool first_ = true;
   bool idle_ = false;
   bool finishing_ = false;

@@ -14,12 +14,12 @@
 
 namespace kerf::ws {
 
-// What the connections of a server share. Outlives them all.
+// Holds the state shared by the connections of a server. Outlives them all.
 struct ConnectionContext {
   api::Api& api;
   const Router& router;
   const HttpOptions& options;
-  std::atomic<bool> draining = false;  // streams that end are told that the server goes away
+  std::atomic<bool> draining = false;  // Streams that end close with "going away".
 
   std::atomic<std::int64_t> requests = 0;
   std::atomic<std::int64_t> failed_requests = 0;
@@ -27,17 +27,17 @@ struct ConnectionContext {
   std::atomic<std::int64_t> open_watch_streams = 0;
 };
 
-// One client's TCP connection, until it is closed. Its socket's executor must be a strand.
+// Serves one client's TCP connection until it is closed. Its socket's executor must be a strand.
 class Connection {
  public:
   virtual ~Connection() = default;
 
-  // Serves it; `done` is called once, when it is closed, on its strand. Keeps itself alive until then.
+  // Serves the connection and keeps itself alive until it is closed. `done` is then called once, on its strand.
   virtual void run(std::function<void()> done) = 0;
-  // From any thread: closes it now if it waits for a request, else as soon as the request or stream under way has
-  // ended.
+  // Closes the connection now if it waits for a request, else once the request or stream in progress has ended.
+  // Callable from any thread.
   virtual void finish() = 0;
-  // From any thread: closes it now, whatever is under way.
+  // Closes the connection now, interrupting any work. Callable from any thread.
   virtual void abort() = 0;
 };
 

@@ -18,7 +18,7 @@ constexpr std::string_view kSheets = "/sheets";
 constexpr std::string_view kRecordings = "/recordings";
 constexpr std::string_view kRecordingEnding = ".rec";
 
-// The byte that %HH stands for; nothing where HH is no number.
+// Decodes %HH; returns false if HH is not a number.
 bool decode_escape(std::string_view digits, char& byte) {
   unsigned value = 0;
   const auto [end, fault] = std::from_chars(digits.data(), digits.data() + digits.size(), value, 16);
@@ -73,7 +73,7 @@ Result<v1::RecordingUpload> read_recording_upload(const HttpRequest& request) {
   return start;
 }
 
-// The upload that a request begins. `Start`: SheetUpload or RecordingUpload.
+// Begins the upload of a request. `Start`: SheetUpload or RecordingUpload.
 template <typename Start>
 Result<std::unique_ptr<api::Upload>> begin_upload(
     api::Api& api, Result<Start> start, std::size_t num_bytes,

@@ -16,18 +16,18 @@ namespace kerf::ws {
 struct HttpRequest;
 struct HttpResponse;
 
-// Files larger than a message, which are no JSON: GET /sheets/ID.rec; POST /sheets?format=obj|ply&request=JSON and
-// POST /recordings?sheet=ID&paused=true, with the file as the body. No path of theirs names a file of this machine.
+// Transfers files larger than a message, without JSON: GET /sheets/ID.rec; POST /sheets?format=obj|ply&request=JSON and
+// POST /recordings?sheet=ID&paused=true, with the file as the body. No path here names a file of this machine.
 class FileRoutes {
  public:
   // `api` must outlive this.
   explicit FileRoutes(api::Api& api) : api_(api) {}
 
   [[nodiscard]] static bool is_download(std::string_view path);
-  // Largest body in bytes of a POST there; 0: that is no place for uploads.
+  // Returns the largest body of a POST there, in bytes; 0 if the path takes no uploads.
   [[nodiscard]] std::int64_t upload_limit(std::string_view path) const;
 
-  // `done` as in Router::respond.
+  // `done` is as in Router::respond.
   void download(std::string_view path, std::function<void(HttpResponse)> done) const;
   void upload(HttpRequest request, std::function<void(HttpResponse)> done, const std::stop_token& stop) const;
 
@@ -35,8 +35,8 @@ class FileRoutes {
   api::Api& api_;
 };
 
-// The value of a parameter of `target` ("/path?name=value&..."), decoded; empty if it is not there. kInvalidArgument
-// MALFORMED_QUERY with `name` as the field.
+// Returns the decoded value of a parameter of `target` ("/path?name=value&..."); empty if it is missing.
+// kInvalidArgument MALFORMED_QUERY with `name` as the field.
 Result<std::string> query_parameter(std::string_view target, std::string_view name);
 
 }  // namespace kerf::ws

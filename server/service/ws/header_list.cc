@@ -10,7 +10,7 @@ namespace kerf::ws {
 namespace {
 
 constexpr std::string_view kIdentity = "identity";
-constexpr double kIdentityUnnamed = 1e-4;  // below the least quality that a header can name, 0.001
+constexpr double kIdentityUnnamed = 1e-4;  // Below the least quality that a header can name, 0.001.
 
 std::string_view trimmed(std::string_view text) {
   while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
@@ -24,7 +24,7 @@ bool same_token(std::string_view a, std::string_view b) {
   });
 }
 
-// Removes the text up to the first `separator`, and that; gives the text, trimmed.
+// Removes the text up to the first `separator`, and the separator; returns the text, trimmed.
 std::string_view take_until(std::string_view& text, char separator) {
   const std::size_t end = std::min(text.find(separator), text.size());
   const std::string_view taken = trimmed(text.substr(0, end));
@@ -32,7 +32,7 @@ std::string_view take_until(std::string_view& text, char separator) {
   return taken;
 }
 
-// "q=0.5"; 1 where there is none, 0 where it is malformed.
+// Parses "q=0.5"; returns 1 if it is missing, 0 if it is malformed.
 double parse_weight(std::string_view weight) {
   if (weight.empty()) return 1.0;
   if (weight.size() < 3 || !same_token(weight.substr(0, 2), "q=")) return 0.0;

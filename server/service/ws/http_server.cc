@@ -49,12 +49,12 @@ struct HttpServer::Impl {
         places(options.max_connections_per_address),
         turned_away(options.max_connections_per_address) {}
 
-  // One for each address that the server listens at.
+  // Listens at one address of the server.
   struct Port {
     explicit Port(tcp::acceptor listening) : acceptor(std::move(listening)), retry(acceptor.get_executor()) {}
-    tcp::acceptor acceptor;  // on a strand, as is the timer
+    tcp::acceptor acceptor;  // On a strand, as is the timer.
     asio::steady_timer retry;
-    tcp::endpoint peer;  // that connected last
+    tcp::endpoint peer;  // The peer that connected last.
   };
   struct Open {
     std::shared_ptr<Connection> connection;
@@ -77,9 +77,9 @@ struct HttpServer::Impl {
   std::list<Port> ports;
   std::vector<std::thread> threads;
 
-  mutable std::mutex mutex;  // of what follows
+  mutable std::mutex mutex;  // Guards the members below.
   std::condition_variable all_closed;
-  std::map<std::int64_t, Open> connections;  // by order of arrival
+  std::map<std::int64_t, Open> connections;  // By order of arrival.
   std::int64_t accepted = 0;
   std::int64_t refused = 0;
   std::int64_t refused_by_address = 0;
@@ -110,7 +110,8 @@ void HttpServer::Impl::accept_next(Port& port) {
       accept_next(port);
       return;
     }
-    // Out of file descriptors, most likely: at once it would fail again, and keep a processor busy with it.
+    // Waits before retrying. Most likely descriptors ran out: an accept at once would fail too, and keep a processor
+    // busy.
     port.retry.expires_after(kAcceptRetry);
     port.retry.async_wait([this, &port](const boost::system::error_code& cancelled) {
       if (!cancelled) accept_next(port);
@@ -169,7 +170,7 @@ void HttpServer::Impl::stop(std::chrono::milliseconds grace) {
       for (const auto& [id, open] : connections) open.connection->abort();
     }
   }
-  // The threads return when the last connection is gone: nothing is cut off in the middle of a reply's delivery.
+  // Joins the threads, which return once the last connection is gone: no delivery of a reply is interrupted.
   for (std::thread& thread : threads) thread.join();
 }
 

@@ -30,7 +30,7 @@ class Page {
     families_.push_back({std::move(name), std::move(help), MetricType::Counter, {}});
   }
 
-  // Another value of the counter begun last.
+  // Adds another value of the counter begun last.
   template <typename Number>
   void counter_value(std::vector<ClientMetric::Label> labels, Number value) {
     ClientMetric metric;
@@ -45,7 +45,7 @@ class Page {
     gauge_value({}, value);
   }
 
-  // Another value of the gauge begun last.
+  // Adds another value of the gauge begun last.
   template <typename Number>
   void gauge_value(std::vector<ClientMetric::Label> labels, Number value) {
     ClientMetric metric;
@@ -123,7 +123,7 @@ void add_host(Page& page, const host::HostMetrics& host) {
   page.gauge("kerf_queued_commands", "Commands waiting for a tick boundary.", host.queued_commands);
 }
 
-// Under the names that every Prometheus client library gives them.
+// Adds process metrics under the names used by every Prometheus client library.
 void add_process(Page& page) {
   const ProcessUsage usage = own_usage();
   page.gauge("process_open_fds", "Files and connections that the server's process has open.", num_open_descriptors());

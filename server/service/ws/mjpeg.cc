@@ -22,7 +22,7 @@ namespace beast = boost::beast;
 
 constexpr int kUnsentBytes = 16 << 10;
 
-// Each part ends with the boundary of the next: browsers show a picture when they have seen that.
+// Ends each part with the boundary of the next: browsers show a picture only when they have seen that.
 constexpr std::string_view kHead =
     "HTTP/1.1 200 OK\r\n"
     "Server: kerfd\r\n"
@@ -35,8 +35,8 @@ constexpr std::string_view kHead =
     "--kerf-picture\r\n";
 constexpr std::string_view kNextPart = "\r\n--kerf-picture\r\n";
 
-// A write then waits until all but about this much has left the machine, whatever the send buffer would hold. What has
-// left and is not acknowledged in time ends the connection: a small picture's write would not wait for that.
+// Makes a write wait until all but about this much has left the machine, regardless of the send buffer. Sent data not
+// acknowledged in time ends the connection, since the write of a small picture would not wait for that.
 void set_options(beast::tcp_stream& stream, std::chrono::milliseconds write_timeout) {
   const int socket = stream.socket().native_handle();
   ::setsockopt(socket, IPPROTO_TCP, TCP_NOTSENT_LOWAT, &kUnsentBytes, sizeof(kUnsentBytes));
@@ -70,7 +70,7 @@ asio::awaitable<std::optional<Error>> play_mjpeg(std::shared_ptr<api::ImageSessi
   const std::stop_callback<std::function<void()>> on_hang_up(hung_up, wake);
   session->set_ready(wake);
   set_options(stream, times.write_timeout);
-  stream::Bytes last;  // null: nothing was sent
+  stream::Bytes last;  // Null: nothing was sent.
   bool repeat = false;
   bool open = true;
   while (open && !hung_up.stop_requested()) {

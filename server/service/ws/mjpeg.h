@@ -15,16 +15,17 @@
 namespace kerf::ws {
 
 struct MjpegTimes {
-  std::chrono::milliseconds write_timeout;  // for one picture to be taken
-  std::chrono::milliseconds repeat_after;   // the last picture is sent again where there is no other for so long
+  std::chrono::milliseconds write_timeout;  // For one picture to be taken.
+  std::chrono::milliseconds repeat_after;   // The last picture is sent again after this long without a new one.
 };
 
-// Writes the pictures of `session` as multipart/x-mixed-replace until it ends, the reader hangs up (`hung_up`) or takes
-// longer than `write_timeout` for one of them; then the connection is to be closed. A reader that has vanished without
-// a word is found out by what is sent again, which it does not acknowledge. On the socket's strand. No picture
-// is drawn before the one before it has left this machine, but for some 16 KiB, so that what a slow reader gets is only
-// as old as what the way and its own buffers hold. Returns why there is no first picture, with nothing written; nothing
-// where there was one.
+// Writes the pictures of `session` as multipart/x-mixed-replace, on the socket's strand. Ends with the session, when
+// the reader hangs up (`hung_up`), or when it takes longer than `write_timeout` for a picture. The connection must then
+// be closed. Repeated pictures detect a reader that vanished silently, because it does not acknowledge them.
+//
+// A picture is drawn only once all but some 16 KiB of the one before has left this machine. Thus pictures for a slow
+// reader are only as old as the link and its own buffers make them. Returns the error if there is no first picture,
+// with nothing written; nothing otherwise.
 boost::asio::awaitable<std::optional<Error>> play_mjpeg(std::shared_ptr<api::ImageSession> session,
                                                         boost::beast::tcp_stream& stream, MjpegTimes times,
                                                         std::stop_token hung_up);

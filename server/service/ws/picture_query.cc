@@ -21,7 +21,7 @@ Error bad_query(std::string_view key, std::string_view value, std::string_view w
       std::string(key));
 }
 
-// The whole of `value` as a number.
+// Parses the whole of `value` as a number.
 template <typename Number>
 std::optional<Number> parse_number(std::string_view value) {
   Number number{};
@@ -50,7 +50,8 @@ Result<v1::ColorBy> decode_color(std::string_view value) {
   return bad_query("color", value, "sides, pieces or strains");
 }
 
-// One key that stills and streams have; nothing where it is none. `view`: a RenderImageRequest or an ImageView.
+// Decodes a key common to stills and streams; returns nothing for other keys. `view`: a RenderImageRequest or an
+// ImageView.
 template <typename View>
 std::optional<Status> decode_view_key(std::string_view key, std::string_view value, View& view) {
   if (key == "width") return decode_pixels(key, value, [&](std::int32_t pixels) { view.set_width_px(pixels); });
@@ -73,7 +74,7 @@ std::optional<Status> decode_view_key(std::string_view key, std::string_view val
   return Nothing{};
 }
 
-// Calls `decode` with each key and value; nothing from it: there is no such key, but the `keys`.
+// Calls `decode` with each key and value. If it returns nothing the key is unknown; the error then lists `keys`.
 Status decode_query(std::string_view query, std::string_view keys,
                     const std::function<std::optional<Status>(std::string_view, std::string_view)>& decode) {
   while (!query.empty()) {

@@ -7,30 +7,30 @@
 #include "kerf/v1/render.pb.h"
 #include "server/base/result.h"
 
-// Pictures at URLs that an <img> can show:
+// Parses URLs of pictures for an <img>:
 //   /sheets/ID.png  /sheets/ID.jpg  /sheets/ID.jpeg
 //       ?width= &height= &quality= &color= &wireframe= &undeformed= &dark=
 //   /sheets/ID.mjpeg
 //       those, and &rate=
-// width, height: pixels; quality: of JPEG; color: sides, pieces or strains; wireframe, undeformed, dark: 0 or 1;
-// rate: pictures a second at most. Ranges and defaults are those of RenderImageRequest and WatchImagesStart.
+// width, height: pixels; quality: of JPEG; color: sides, pieces or strains; wireframe, undeformed, dark: 0 or 1; rate:
+// largest number of pictures per second. Ranges and defaults are those of RenderImageRequest and WatchImagesStart.
 namespace kerf::ws {
 
 enum class PictureKind { kPng, kJpeg, kMjpeg };
 
 struct PicturePath {
-  std::string sheet_name;  // "sheets/ID", as the URL has it
+  std::string sheet_name;  // "sheets/ID", as in the URL.
   PictureKind kind = PictureKind::kPng;
 };
 
-// Nothing where there are no pictures at `path` (without its query).
+// Parses a path without its query; returns nothing if it is no path of pictures.
 std::optional<PicturePath> parse_picture_path(std::string_view path);
 
-// kInvalidArgument BAD_QUERY with the key as field; ranges are left to the Api.
+// Decode a query. kInvalidArgument BAD_QUERY with the key as field; the Api checks ranges.
 Result<v1::RenderImageRequest> decode_still_query(const PicturePath& path, std::string_view query);
 Result<v1::WatchImagesStart> decode_stream_query(const PicturePath& path, std::string_view query);
 
-// An error of the Api about such a request, in the words of the URL: its fields bear other names there.
+// Translates an error of the Api about such a request: its fields have other names in the URL.
 Error in_words_of_query(Error error);
 
 }  // namespace kerf::ws

@@ -12,7 +12,7 @@ namespace kerf::ws {
 namespace {
 
 constexpr std::string_view kSubprotocol = "kerf.v1";
-// The viewer is self-contained: nothing it loads or talks to lies elsewhere, and no other site may frame it.
+// Restricts the viewer to this server: it loads and contacts nothing else, and no other site may frame it.
 constexpr std::string_view kContentSecurityPolicy =
     "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self' 'unsafe-inline'; "
     "img-src 'self' data: blob:; worker-src 'self' blob:; frame-ancestors 'none'; base-uri 'none'";
@@ -45,7 +45,7 @@ HttpResponse refused_host(const Error& error) {
 
 struct Target {
   std::string_view path;
-  std::string_view query;  // without the question mark
+  std::string_view query;  // Without the question mark.
 };
 
 Target split_target(std::string_view target) {
@@ -53,12 +53,12 @@ Target split_target(std::string_view target) {
   return {target.substr(0, mark), target.substr(std::min(mark + 1, target.size()))};
 }
 
-// Browsers revalidate with the tag they were given; weak tags compare equal too (RFC 9110, 13.1.2).
+// Compares entity tags; browsers revalidate with the tag they received. Weak tags compare equal too (RFC 9110, 13.1.2).
 bool matches_etag(std::string_view if_none_match, std::string_view etag) {
   return if_none_match == "*" || if_none_match.find(etag) != std::string_view::npos;
 }
 
-// The whole file always: a Range header asks for a part that no server has to give (RFC 9110, 14.2).
+// Always serves the whole file: a server may ignore a Range header (RFC 9110, 14.2).
 HttpResponse serve(const Asset& asset, const HttpRequest& request) {
   const AssetContent& content = asset.best_for(request.accept_encoding);
   HttpResponse response;
@@ -139,7 +139,7 @@ HttpResponse Router::get(const HttpRequest& request, std::string_view path) cons
 }
 
 void Router::respond(HttpRequest request, std::function<void(HttpResponse)> done, std::stop_token stop) const {
-  const std::string whole_target = request.target;  // outlives the request, which is handed on
+  const std::string whole_target = request.target;  // Outlives the request, which is moved.
   const Target target = split_target(whole_target);
   const bool reads = request.method == "GET" || request.method == "HEAD";
   if (std::optional<HttpResponse> state = reads ? probe(target.path) : std::nullopt) return done(*std::move(state));
@@ -153,7 +153,7 @@ void Router::respond(HttpRequest request, std::function<void(HttpResponse)> done
 }
 
 void Router::draw(const PicturePath& picture, std::string_view query, std::function<void(HttpResponse)> done) const {
-  if (picture.kind == PictureKind::kMjpeg) return done(method_not_allowed("GET"));  // play() has the others
+  if (picture.kind == PictureKind::kMjpeg) return done(method_not_allowed("GET"));  // play() handles the others.
   const Result<v1::RenderImageRequest> request = decode_still_query(picture, query);
   if (!request.ok()) return done(refusal(request.error()));
   api_.render_image(*request, [done = std::move(done)](Result<v1::RenderImageResponse> reply) {
@@ -174,7 +174,7 @@ void Router::call(HttpRequest request, std::string_view path, std::function<void
     return done(refusal_with_status(403, origin.error()));
   }
   if (is_upload) return files_.upload(std::move(request), std::move(done), stop);
-  // An empty body is the message with nothing set, so that `curl -X POST` works for List and Get*Info.
+  // Treats an empty body as the empty message, so that `curl -X POST` works for List and Get*Info.
   method->second->call(
       request.body.empty() ? std::string_view("{}") : std::string_view(request.body),
       [done = std::move(done)](Result<std::string> reply) {
@@ -202,7 +202,7 @@ std::optional<Result<std::shared_ptr<api::ImageSession>>> Router::play(const Htt
   const Target target = split_target(request.target);
   const std::optional<PicturePath> picture = parse_picture_path(target.path);
   if (request.method != "GET" || !picture || picture->kind != PictureKind::kMjpeg) return std::nullopt;
-  // Told by respond(), which is asked next.
+  // Leaves the refusal to respond(), which is called next.
   if (!check_host(access_, request.host).ok()) return std::nullopt;
   KERF_TRY_ASSIGN(const v1::WatchImagesStart start, decode_stream_query(*picture, target.query));
   return api_.play_images(start);

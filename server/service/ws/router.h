@@ -25,10 +25,10 @@ struct Method;
 
 namespace kerf::ws {
 
-// What matters of a request. A header that is absent is empty.
+// Holds the relevant parts of a request. An absent header is empty.
 struct HttpRequest {
   std::string method;           // "GET"
-  std::string target;           // "/path?query", as sent
+  std::string target;           // "/path?query", as sent.
   std::string host;             // Host
   std::string origin;           // Origin
   std::string if_none_match;    // If-None-Match
@@ -39,43 +39,44 @@ struct HttpRequest {
 struct HttpResponse {
   int status = 200;
   std::string media_type;
-  std::shared_ptr<const std::string> body;                     // null: none
-  std::vector<std::pair<std::string, std::string>> headers{};  // beside Content-Type and Content-Length
+  std::shared_ptr<const std::string> body;                     // Null: none.
+  std::vector<std::pair<std::string, std::string>> headers{};  // Besides Content-Type and Content-Length.
 };
 
-// The HTTP status of a refusal.
+// Returns the HTTP status of a refusal.
 int http_status(ErrorCode code);
-// {"code", "message", "details"}, as JSON.
+// Returns {"code", "message", "details"} as JSON.
 HttpResponse refusal(const Error& error);
 
-// From requests to responses, without a socket. Safe to call from any thread.
+// Maps requests to responses, without a socket. Callable from any thread.
 class Router {
  public:
-  // `metrics` gives the page of /metrics. `api` must outlive this.
+  // `metrics` returns the page of /metrics. `api` must outlive this.
   Router(api::Api& api, AssetTable assets, std::function<std::string()> metrics);
 
-  // Before listening.
+  // Sets the access policy; to be called before listening.
   void set_access(AccessPolicy access) { access_ = std::move(access); }
-  // /readyz says 503 from now on.
+  // Makes /readyz answer 503 from now on.
   void drain() { draining_ = true; }
 
-  // `done` is called exactly once: on this thread, or on one of the Api's. `stop`: see api::Method::call.
+  // Answers a request. `done` is called exactly once: on this thread, or on one of the Api's. `stop`: see
+  // api::Method::call.
   void respond(HttpRequest request, std::function<void(HttpResponse)> done, std::stop_token stop = {}) const;
 
-  // Nothing if `request` asks for no MJPEG stream (GET /sheets/ID.mjpeg), else that stream or why there is none.
+  // Returns the MJPEG stream of GET /sheets/ID.mjpeg, or the error; nothing if `request` is a different one.
   [[nodiscard]] std::optional<Result<std::shared_ptr<api::ImageSession>>> play(const HttpRequest& request) const;
 
-  // What makes the session, /watch or /images, of a WebSocket that `request` may open and that speaks the subprotocols
-  // listed in `subprotocols` (the value of Sec-WebSocket-Protocol).
+  // Decides on a WebSocket requested by `request`. `open` makes the session of /watch or /images. `subprotocols` is the
+  // value of Sec-WebSocket-Protocol.
   using OpenSession = std::function<std::shared_ptr<api::StreamSession>()>;
   struct Upgrade {
-    OpenSession open;  // empty if refused
+    OpenSession open;  // Empty if refused.
     std::optional<HttpResponse> refused;
   };
   [[nodiscard]] Upgrade upgrade(const HttpRequest& request, std::string_view subprotocols) const;
 
-  // What body of a request with this head is taken: much for a file, from where files may come, else one message. A
-  // file from elsewhere is refused before a byte of it is read.
+  // Returns the largest body for a request with this head: large for a file, else one message. A file from a foreign
+  // origin is refused before a byte of it is read.
   struct BodyLimit {
     std::int64_t max_bytes = 0;
     std::optional<HttpResponse> refused;
@@ -83,7 +84,7 @@ class Router {
   [[nodiscard]] BodyLimit body_limit(const HttpRequest& head) const;
 
  private:
-  // /healthz and /readyz, which load balancers ask for without naming a host.
+  // Answers /healthz and /readyz, which load balancers request without a valid Host.
   [[nodiscard]] std::optional<HttpResponse> probe(std::string_view path) const;
   [[nodiscard]] HttpResponse get(const HttpRequest& request, std::string_view path) const;
   void draw(const PicturePath& picture, std::string_view query, std::function<void(HttpResponse)> done) const;
@@ -95,7 +96,7 @@ class Router {
   AssetTable assets_;
   std::function<std::string()> metrics_;
   AccessPolicy access_;
-  std::map<std::string, const api::Method*, std::less<>> methods_;  // by path
+  std::map<std::string, const api::Method*, std::less<>> methods_;  // By path.
   FileRoutes files_;
   std::int64_t max_message_bytes_;
   std::atomic<bool> draining_ = false;

@@ -23,15 +23,17 @@ namespace asio = boost::asio;
 namespace beast = boost::beast;
 namespace websocket = beast::websocket;
 
-// A peer that pings each frame at 60 Hz stays below.
+// Limits on control frames; a peer that pings each frame at 60 Hz stays below.
 constexpr double kControlFramesPerS = 100.0;
 constexpr double kControlFramesAtOnce = 200.0;
-// Heads of frames, pings and pongs: some 5,000 small messages a second. A whole message counts until it is complete.
+// Limit on heads of frames, pings and pongs: some 5,000 small messages per second. A message counts as a whole until it
+// is complete.
 constexpr double kFrameBytesPerS = 32.0 * 1024.0;
 constexpr std::chrono::seconds kFloodFarewell{1};
-constexpr std::size_t kMaxCloseReasonBytes = 123;  // RFC 6455, 5.5: a control frame holds 125 bytes, 2 are the code
+// RFC 6455, 5.5: a control frame holds 125 bytes, 2 of them the code.
+constexpr std::size_t kMaxCloseReasonBytes = 123;
 
-// Cut to what a close frame holds, at the start of a UTF-8 sequence.
+// Cuts a text to the size of a close frame, at the start of a UTF-8 sequence.
 std::string close_text(std::string text) {
   if (text.size() <= kMaxCloseReasonBytes) return text;
   std::size_t end = kMaxCloseReasonBytes;
@@ -57,7 +59,7 @@ SocketStream::SocketStream(ConnectionContext& context, beast::tcp_stream stream,
   timeout.keep_alive_pings = true;
   socket_.set_option(timeout);
   websocket::permessage_deflate deflate;
-  deflate.server_enable = false;  // frames are packed already
+  deflate.server_enable = false;  // Frames are compressed already.
   socket_.set_option(deflate);
   socket_.auto_fragment(false);
   socket_.binary(true);
@@ -69,7 +71,7 @@ asio::awaitable<bool> SocketStream::accept(const Request& request) {
     response.set(beast::http::field::sec_websocket_protocol, "kerf.v1");
     response.set(beast::http::field::server, "kerfd");
   }));
-  beast::get_lowest_layer(socket_).expires_never();  // the WebSocket layer has timeouts of its own
+  beast::get_lowest_layer(socket_).expires_never();  // The WebSocket layer has timeouts of its own.
   boost::system::error_code error;
   co_await socket_.async_accept(request, asio::redirect_error(asio::use_awaitable, error));
   co_return !error;
@@ -100,7 +102,7 @@ asio::awaitable<void> SocketStream::run(const Request& request) {
   if (violation_) abort_after(kFloodFarewell);
   boost::system::error_code ignored;
   co_await socket_.async_close(reason, asio::redirect_error(asio::use_awaitable, ignored));
-  abort();  // releases a reader where the closing handshake was not answered
+  abort();  // Releases the reader if the closing handshake was not answered.
   while (reading_) co_await woken_.wait();
   --context_.open_watch_streams;
 }
@@ -131,7 +133,7 @@ asio::awaitable<void> SocketStream::read_messages() {
 
 asio::awaitable<void> SocketStream::write_messages() {
   while (!peer_gone_ && !violation_) {
-    // Asked before the queue is emptied: what is there once the session has ended is all there will be.
+    // Read before the queue is emptied: once the session has ended, no message is added.
     const bool ended = session_->ended();
     while (const std::optional<stream::Message> message = session_->next()) {
       std::vector<asio::const_buffer> parts;
@@ -144,7 +146,7 @@ asio::awaitable<void> SocketStream::write_messages() {
       if (error) co_return;
     }
     if (ended) co_return;
-    // What next() gave may have been the end itself, after which nobody wakes this.
+    // Does not wait after the session has ended, since no wake-up follows.
     if (!session_->ended()) co_await woken_.wait();
   }
 }
@@ -157,7 +159,7 @@ void SocketStream::abort_after(std::chrono::milliseconds time) {
   });
 }
 
-// Empty fragments and messages that hold next to nothing are seen by their bytes alone.
+// Counts all bytes, since empty fragments and tiny messages are visible only as bytes.
 void SocketStream::limit_frames() {
   beast::get_lowest_layer(socket_).rate_policy().watch([this](std::size_t bytes) {
     const bool is_within = frame_bytes_.take(static_cast<double>(bytes), std::chrono::steady_clock::now());
@@ -173,11 +175,12 @@ void SocketStream::flooded(std::string_view with) {
   violation_.emplace(websocket::close_code::policy_error,
                      "TOO_MANY_FRAMES: more " + std::string(with) + " than are taken in a second");
   beast::get_lowest_layer(socket_).rate_policy().stop();
-  abort_after(kFloodFarewell);  // a message that the peer does not read, too
+  abort_after(kFloodFarewell);  // Also ends a message that the peer does not read.
   woken_.raise();
 }
 
-// A reader that stalls answers no ping. Its stream ends by what it does not acknowledge, and the peer hears why.
+// Disables the ping timeout, because a stalled reader answers no ping. Its stream ends by missing acknowledgements,
+// with a reason sent to the peer.
 void SocketStream::allow_silence() {
   const api::Limits& limits = context_.api.limits();
   websocket::stream_base::timeout timeout{};

@@ -24,18 +24,18 @@
 
 namespace kerf::ws {
 
-// A session (Watch, WatchImages) on one WebSocket. All but the ready callback runs on the socket's strand: one
-// coroutine reads, one writes (at most one message at a time), the session decides what.
+// Runs a session (Watch, WatchImages) on one WebSocket. All except the ready callback runs on the socket's strand: one
+// coroutine reads, one writes (at most one message at a time). The session decides the content.
 class SocketStream : public std::enable_shared_from_this<SocketStream> {
  public:
   using Request = boost::beast::http::request<boost::beast::http::string_body>;
 
-  // `open`: makes the session, once the opening handshake is done.
+  // `open`: makes the session once the opening handshake is done.
   SocketStream(ConnectionContext& context, boost::beast::tcp_stream stream, Router::OpenSession open);
 
   // Answers the opening handshake and serves the stream until it is closed.
   boost::asio::awaitable<void> run(const Request& request);
-  // On the strand: drops the connection.
+  // Drops the connection; on the strand.
   void abort();
 
  private:
@@ -45,12 +45,12 @@ class SocketStream : public std::enable_shared_from_this<SocketStream> {
   boost::asio::awaitable<bool> accept(const Request& request);
   boost::asio::awaitable<void> read_messages();
   boost::asio::awaitable<void> write_messages();
-  // Drops the connection then, unless write_limit_ is cancelled before.
+  // Drops the connection after `time`, unless write_limit_ is cancelled before.
   void abort_after(std::chrono::milliseconds time);
   void limit_frames();
   // Stops reading from a peer that has sent too many frames, and begins to close.
   void flooded(std::string_view with);
-  // Lets a peer that has begun its stream be silent until it hears that it is too slow.
+  // Allows a peer that has begun its stream to be silent until the close for being too slow reaches it.
   void allow_silence();
   [[nodiscard]] boost::beast::websocket::close_reason closing_reason() const;
 
@@ -58,13 +58,13 @@ class SocketStream : public std::enable_shared_from_this<SocketStream> {
   boost::beast::websocket::stream<Transport> socket_;
   const Router::OpenSession open_;
   TokenBucket control_frames_;
-  TokenBucket frame_bytes_;  // all that comes, less what messages hold
-  WakeSignal woken_;         // of the writer
+  TokenBucket frame_bytes_;  // All input, without the content of messages.
+  WakeSignal woken_;         // Wakes the writer.
   boost::asio::steady_timer write_limit_;
   std::shared_ptr<api::StreamSession> session_;
   std::optional<boost::beast::websocket::close_reason>
-      violation_;          // of the WebSocket rules of this server, by the peer
-  bool too_slow_ = false;  // the peer hears so, and nothing follows
+      violation_;          // Violation of this server's WebSocket rules by the peer.
+  bool too_slow_ = false;  // The peer is being closed as too slow; nothing follows.
   bool reading_ = false;
   bool peer_gone_ = false;
 };

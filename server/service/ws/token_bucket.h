@@ -5,16 +5,16 @@
 
 namespace kerf::ws {
 
-// Bounds how much may come: `per_second` in the long run, and up to `burst` at once. Starts full.
+// Limits a rate: `per_second` in the long run, and up to `burst` at once. Starts full.
 class TokenBucket {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  // Both > 0. `now` is the time at which it begins.
+  // `per_second` and `burst` are > 0. `now` is the starting time.
   TokenBucket(double per_second, double burst, Time now)
       : per_second_(per_second), burst_(burst), tokens_(burst), at_(now) {}
 
-  // False, and nothing is taken, where there is not so much. `now` never goes back.
+  // Takes tokens; returns false and takes none if there are not enough. `now` must not decrease.
   bool take(double tokens, Time now) {
     tokens_ = std::min(burst_, tokens_ + per_second_ * std::chrono::duration<double>(now - at_).count());
     at_ = now;
@@ -22,7 +22,7 @@ class TokenBucket {
     tokens_ -= tokens;
     return true;
   }
-  // Gives back what was taken and does not count after all.
+  // Returns tokens that were taken but do not count.
   void give_back(double tokens) { tokens_ = std::min(burst_, tokens_ + tokens); }
 
  private:

@@ -9,14 +9,14 @@
 namespace kerf::ws {
 
 // Answers connections that are not admitted, without waiting for their requests: 503 with Retry-After and the error
-// TOO_MANY_CONNECTIONS as JSON. Outlives them. Thread-safe.
+// TOO_MANY_CONNECTIONS as JSON. Must outlive them. Thread-safe.
 class TurnedAway {
  public:
   // The error names the limit, `most_per_address`.
   explicit TurnedAway(int most_per_address);
 
-  // Writes what the socket takes at once. Then it stays for up to a second to read the request, as a reset in answer to
-  // that could overtake the response; beyond a few that stay so, it is closed at once.
+  // Writes as much as the socket takes at once, then reads the request for up to a second. Otherwise a reset caused by
+  // the unread request could overtake the response. Beyond a few such connections, the socket is closed at once.
   void answer(boost::asio::ip::tcp::socket socket);
 
  private:

@@ -10,7 +10,7 @@
 
 namespace kerf::ws {
 
-// What one coroutine waits for and others raise. All on one strand.
+// Wakes one coroutine from others. All calls are on one strand.
 class WakeSignal {
  public:
   template <typename Executor>
@@ -18,12 +18,12 @@ class WakeSignal {
     alarm_.expires_at(boost::asio::steady_timer::time_point::max());
   }
 
-  // Returns once it was raised since the last wait().
+  // Returns once the signal was raised since the last wait().
   boost::asio::awaitable<void> wait() {
     co_await wait_for_alarm();
     raised_ = false;
   }
-  // The same, or after `patience`; whether it was raised.
+  // Waits as wait() does, for at most `patience`; returns true if the signal was raised.
   boost::asio::awaitable<bool> wait_for(std::chrono::milliseconds patience) {
     alarm_.expires_after(patience);
     co_await wait_for_alarm();
@@ -42,7 +42,7 @@ class WakeSignal {
     co_await alarm_.async_wait(boost::asio::redirect_error(boost::asio::use_awaitable, cancelled));
   }
 
-  boost::asio::steady_timer alarm_;  // expires in wait_for() alone; cancelled by raise()
+  boost::asio::steady_timer alarm_;  // Expires in wait_for() only; cancelled by raise().
   bool raised_ = false;
 };
 

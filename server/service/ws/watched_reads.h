@@ -8,13 +8,13 @@
 
 namespace kerf::ws {
 
-// A rate policy of Beast's basic_stream (its RatePolicy) that limits nothing by itself: it tells of all bytes that are
-// read, and stops reading on demand.
+// Is a rate policy of Beast's basic_stream (its RatePolicy) that does not limit rates. It reports all bytes read, and
+// stops reading on demand.
 class WatchedReads {
  public:
-  // `on_read` is called with the number of bytes of each read, on the stream's executor.
+  // Sets `on_read`, called with the number of bytes of each read, on the stream's executor.
   void watch(std::function<void(std::size_t)> on_read) { on_read_ = std::move(on_read); }
-  // Reads no more than a byte a second from now on.
+  // Reads at most one byte per second from now on.
   void stop() { stopped_ = true; }
 
  private:
