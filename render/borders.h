@@ -9,15 +9,15 @@
 #include "render/draw_list.h"
 #include "render/sheet_shape.h"
 
-// The border of a sheet and the lips of its cuts.
+// Finds the border of a sheet and the lips of its cuts.
 namespace kerf::render {
 
-// The edges that only one triangle uses, each with its triangle's sense, then that triangle's third vertex; ordered by
+// Returns the edges used by only one triangle, each oriented as in it, then that triangle's third vertex. Ordered by
 // triangle.
 std::vector<std::array<std::int32_t, 3>> border_edges(std::span<const std::int32_t> triangles,
                                                       std::size_t num_vertices);
 
-// A segment for each of them. `normals`: of the vertices, see vertex_normals().
+// Returns a segment for each border edge. `normals`: of the vertices, see vertex_normals().
 std::vector<BorderSegment> border_segments(const Mesh& mesh, const std::vector<Float3>& normals);
 
 }  // namespace kerf::render

@@ -9,24 +9,24 @@
 
 namespace kerf::render {
 
-// A graphics context and what was made in it. Created, used and destroyed on one thread.
+// Holds a graphics context and the objects made in it. Created, used and destroyed on one thread.
 class Canvas {
  public:
   virtual ~Canvas() = default;
 
-  // Overwrites `pixels`, and draw_s and read_s of `times` where that is not null. After a failure the canvas is in no
-  // known state and must be thrown away.
+  // Draws `list` into `pixels`; sets draw_s and read_s of `times` unless that is null. After a failure the canvas is
+  // unusable and must be destroyed.
   virtual Status draw(const DrawList& list, Pixels& pixels, RenderTimes* times) = 0;
 
-  // One line: vendor, renderer, version.
+  // Returns one line: vendor, renderer, version.
   [[nodiscard]] virtual std::string description() const = 0;
 
-  // On the processor, whatever the device is called.
+  // True if it draws on the processor, regardless of the device's name.
   [[nodiscard]] virtual bool draws_in_software() const = 0;
 };
 
-// Makes a canvas on the calling thread; on failure `canvas` stays null. `outcomes` is overwritten with what became of
-// each device on the way.
+// Makes a canvas on the calling thread; on failure `canvas` stays null. `outcomes` is overwritten with the outcome of
+// each device.
 using CanvasFactory = std::function<Status(std::unique_ptr<Canvas>& canvas, std::vector<DeviceOutcome>& outcomes)>;
 
 }  // namespace kerf::render

@@ -9,47 +9,46 @@
 
 namespace kerf::render {
 
-// One corner of a triangle, as the vertex shaders read it. Triangles do not share vertices, so that a corner's place in
-// its triangle, from which the wireframe comes, is its index modulo 3.
+// Represents one corner of a triangle, as read by the vertex shaders. Triangles do not share vertices, so a corner's
+// index modulo 3 is its place in the triangle, which the wireframe needs.
 struct SurfaceVertex {
   std::array<float, 3> position;  // m, world
-  std::array<float, 3> normal;    // unit; on a sheet, of the front side
-  std::array<float, 2> material;  // sheet: checks, one unit each; ground: place in the disc, radius 1
-  // Factors on the colour over 255, of which 128/255 leaves it as it is; where the list is coloured, the colour, sRGB.
-  // The last, on a sheet: 128 where it is flat, more on ridges and less in valleys as the front sees them; the sharper
-  // they are the more.
+  std::array<float, 3> normal;    // Unit; on a sheet, of the front side.
+  std::array<float, 2> material;  // Sheet: checks, one unit each; ground: place in the disc, radius 1.
+  // Factors on the colour, 128 meaning 1; in a coloured list the colour itself, sRGB. The last one, on a sheet, is the
+  // shape: 128 where it is flat, more on ridges and less in valleys as seen from the front, growing with sharpness.
   std::array<std::uint8_t, 4> tint;
 };
 
-// An edge that only one triangle uses.
+// Represents an edge used by only one triangle.
 struct BorderSegment {
   std::array<float, 3> start;         // m, world
   std::array<float, 3> end;           // m, world
-  std::array<float, 3> start_inward;  // from the edge into the sheet, along it; a strip of width w is w times as wide
-  std::array<float, 3> end_inward;    // so that the strips of neighbours meet
-  std::array<float, 3> start_normal;  // unit, of the front side
+  std::array<float, 3> start_inward;  // From the edge into the sheet; a strip of width w extends w times this,
+  std::array<float, 3> end_inward;    // so that the strips of neighbouring segments meet.
+  std::array<float, 3> start_normal;  // Unit, of the front side.
   std::array<float, 3> end_normal;
 };
 
-// All that a picture takes, ready to be copied to the graphics device: what is costly and needs no context is done on
-// the caller's thread.
+// Holds all data of a picture, ready to be copied to the graphics device. Costly work that needs no context is done
+// before, on the caller's thread.
 struct DrawList {
   int width = 0;                       // pixels
   int height = 0;                      // pixels
   std::vector<SurfaceVertex> sheet;    // 3*T
   std::vector<SurfaceVertex> solids;   // 3 for each triangle of the colliders
-  std::vector<SurfaceVertex> ground;   // squares of each plane; tint is the light from the sky
-  std::vector<BorderSegment> borders;  // empty unless the style asks for them
+  std::vector<SurfaceVertex> ground;   // Squares of each plane; tint is the light from the sky.
+  std::vector<BorderSegment> borders;  // Empty unless the style asks for them.
   Views views;
   Vec3 eye;  // m
   Vec3 up;   // unit
   Style style;
-  bool textured = false;    // the style asks for it and there are material coordinates
-  bool coloured = false;    // corners of the sheet have colours of their own
-  double sheet_size = 0.0;  // m, diagonal of the box around the sheet
+  bool textured = false;    // The style asks for it and there are material coordinates.
+  bool coloured = false;    // Corners of the sheet have colours of their own.
+  double sheet_size = 0.0;  // m, diagonal of the box around the sheet.
 };
 
-// Of arguments that passed validate().
+// Prepares a picture; the arguments must pass validate().
 DrawList make_draw_list(const Scene& scene, const Camera& camera, int width, int height);
 
 }  // namespace kerf::render

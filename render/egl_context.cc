@@ -1,6 +1,6 @@
 #include "render/egl_context.h"
 
-// The only file that knows EGL.
+// Only this file includes EGL.
 #define EGL_NO_X11
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
@@ -30,7 +30,7 @@ bool has_word(const char* words, const std::string& word) {
   return words != nullptr && (" " + std::string(words) + " ").find(" " + word + " ") != std::string::npos;
 }
 
-// `query` may be null; then nothing is known of a device but its number.
+// Describes a device. Without `query` only its number is known.
 RenderDevice describe(EGLDeviceEXT device, EGLint number, PFNEGLQUERYDEVICESTRINGEXTPROC query) {
   RenderDevice described{"EGL device " + std::to_string(number), "", DeviceKind::kHardware};
   const char* extensions = query != nullptr ? query(device, EGL_EXTENSIONS) : nullptr;
@@ -76,7 +76,7 @@ std::vector<EglPlatform> egl_platforms() {
 }
 
 EglContext::~EglContext() {
-  // The display stays initialised: it is one for the whole process, and other contexts may be on it.
+  // Leaves the display initialised: the process has only one, and other contexts may use it.
   if (context_ == EGL_NO_CONTEXT) return;
   eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
   eglDestroyContext(display_, context_);

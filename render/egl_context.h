@@ -10,14 +10,13 @@ namespace kerf::render {
 struct EglPlatform {
   RenderDevice device;
   unsigned kind = 0;       // EGLenum
-  void* handle = nullptr;  // what the platform of that kind takes
+  void* handle = nullptr;  // Native handle for a platform of that kind.
 };
 
-// EGL's devices in its order, "EGL device N" at index N, then Mesa's surfaceless platform; those that this machine
-// offers.
+// Lists the EGL devices of this machine in EGL's order, "EGL device N" at index N, then Mesa's surfaceless platform.
 std::vector<EglPlatform> egl_platforms();
 
-// An OpenGL 3.3 core context without a surface, current on the thread that opened it.
+// Represents an OpenGL 3.3 core context without a surface, current on the thread that opened it.
 class EglContext {
  public:
   EglContext() = default;
@@ -25,13 +24,14 @@ class EglContext {
   EglContext(const EglContext&) = delete;
   EglContext& operator=(const EglContext&) = delete;
 
-  // Once. Errors: "RENDERER_UNAVAILABLE".
+  // Opens the context; to be called once. Errors: "RENDERER_UNAVAILABLE".
   Status open(const EglPlatform& platform);
-  // Makes it current again. Errors: "CONTEXT_LOST".
+  // Makes the context current again. Errors: "CONTEXT_LOST".
   [[nodiscard]] Status check() const;
-  // Whether the context was asked to tell of resets, with OpenGL's graphics reset status.
+  // True if the context reports resets by OpenGL's graphics reset status.
   [[nodiscard]] bool tells_resets() const { return tells_resets_; }
-  // An OpenGL entry point; not null even for some that the driver lacks, so ask its extensions first.
+  // Returns an OpenGL entry point. It may be non-null for functions that the driver lacks, so check the extensions
+  // first.
   static void* function(const char* name);
 
  private:

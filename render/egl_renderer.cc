@@ -16,7 +16,7 @@ std::vector<RenderDevice> devices_of(const std::vector<EglPlatform>& platforms) 
   return devices;
 }
 
-// On the first device that was wished and takes one.
+// Makes a canvas on the first matching device that works.
 Status make_canvas(const std::string& wish, std::unique_ptr<Canvas>& canvas, std::vector<DeviceOutcome>& outcomes) {
   const std::vector<EglPlatform> platforms = egl_platforms();
   const std::vector<RenderDevice> offered = devices_of(platforms);
@@ -50,11 +50,11 @@ std::unique_ptr<Renderer> make_renderer(const RendererOptions& options) {
 std::vector<DeviceOutcome> probe_devices() {
   std::vector<DeviceOutcome> outcomes;
   std::unique_ptr<Canvas> canvas;
-  static_cast<void>(make_canvas(kAnyDevice, canvas, outcomes));  // that none gives a context is in the outcomes
+  static_cast<void>(make_canvas(kAnyDevice, canvas, outcomes));  // A failure is recorded in the outcomes.
   const std::vector<EglPlatform> platforms = egl_platforms();
   for (std::size_t i = 0; i < outcomes.size(); ++i) {
     if (outcomes[i].state != DeviceState::kNotTried) continue;
-    canvas.reset();  // before the next: a thread has one current context
+    canvas.reset();  // Before the next one, because a thread has one current context.
     const Status status = make_gl_canvas(platforms[i], canvas);
     outcomes[i].state = status.ok() ? DeviceState::kUsable : DeviceState::kRejected;
     outcomes[i].words = status.ok() ? canvas->description() : status.message;

@@ -13,19 +13,19 @@ namespace kerf::render {
 
 namespace {
 
-constexpr int kSamples = 4;                        // a pixel, each 8 bytes
-constexpr std::int64_t kMaxSampled = 2048 * 2048;  // pixels; a larger picture gets one sample a pixel
-constexpr int kShadowMapSize = 1024;               // texels
-// Solids and floors are drawn farther away by this part of the distance, so that a sheet that rests on them hides them.
+constexpr int kSamples = 4;                        // Per pixel, 8 bytes each.
+constexpr std::int64_t kMaxSampled = 2048 * 2048;  // Pixels; a larger picture gets one sample per pixel.
+constexpr int kShadowMapSize = 1024;               // Texels.
+// Relative distance by which solids and floors are drawn farther away, so that a sheet resting on them hides them.
 constexpr double kSupportsBehind = 0.0015;
-constexpr double kBordersInFront = 3.0;  // pixel sides by which borders are drawn nearer than the edges they mark
-constexpr double kLipsInFront = 2.0;     // pixel sides, likewise
-constexpr double kLipWidth = 2.0;        // pixels, up to 480 rows; more in proportion
-constexpr double kMaxLipWidth = 0.006;   // of the diagonal of the box around the sheet
-constexpr double kPenumbra = 3.0;        // texels of the shadow map
-constexpr double kGroundPenumbra = 5.0;  // texels; what throws a shadow there is farther away
+constexpr double kBordersInFront = 3.0;  // Pixel sides by which borders are drawn nearer than their edges.
+constexpr double kLipsInFront = 2.0;     // Pixel sides by which lips are drawn nearer.
+constexpr double kLipWidth = 2.0;        // Pixels, up to 480 rows; in proportion above.
+constexpr double kMaxLipWidth = 0.006;   // Share of the diagonal of the box around the sheet.
+constexpr double kPenumbra = 3.0;        // Texels of the shadow map.
+constexpr double kGroundPenumbra = 5.0;  // Texels; objects that shade the ground are farther from it.
 
-// What lives in the context, made once it is there.
+// Holds the objects of a context, made once it exists.
 struct Objects {
   Program sheet;
   Program solid;
@@ -38,8 +38,8 @@ struct Objects {
   VertexStream ground_vertices;
   VertexStream border_segments;
   ShadowMap shadow_map{kShadowMapSize};
-  RenderTarget target;    // drawn to
-  RenderTarget resolved;  // read from
+  RenderTarget target;    // Draw target.
+  RenderTarget resolved;  // Read source.
 };
 
 double supports_z_offset(const DrawList& list) {
@@ -68,14 +68,14 @@ class GlCanvas final : public Canvas {
   void draw_border_lines(const DrawList& list, double z_offset) const;
   void read_back(Pixels& pixels) const;
 
-  EglContext context_;                                      // before the objects in it, so destroyed after them
-  PFNGLGETGRAPHICSRESETSTATUSPROC reset_status_ = nullptr;  // null where the driver does not tell
-  std::string renderer_;                                    // OpenGL's name of what draws
+  EglContext context_;                                      // Before the objects in it, so destroyed after them.
+  PFNGLGETGRAPHICSRESETSTATUSPROC reset_status_ = nullptr;  // Null if the driver does not report resets.
+  std::string renderer_;                                    // OpenGL's name of the renderer.
   std::string description_;
   std::optional<Objects> objects_;
-  int width_ = 0;    // pixels, of the targets
+  int width_ = 0;    // Pixels, of the targets.
   int height_ = 0;   // pixels
-  int samples_ = 0;  // a pixel of the target
+  int samples_ = 0;  // Per pixel of the target.
 };
 
 bool has_extension(const std::string& name) {
@@ -166,7 +166,7 @@ Status GlCanvas::draw(const DrawList& list, Pixels& pixels, RenderTimes* times) 
                static_cast<float>(background.blue), 1.0F);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   glBindTexture(GL_TEXTURE_2D, objects_->shadow_map.texture());
-  // The picture stays opaque: alpha is never blended.
+  // Keeps the picture opaque: alpha is never blended.
   glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);
   draw_ground(list);
   draw_solids(list);
@@ -256,7 +256,7 @@ void GlCanvas::draw_borders(const DrawList& list) const {
     const double fraction = std::min(pixel_sides * list.views.pixel_fraction, 0.05);
     return list.views.depth_per_fraction * (1.0 / (1.0 - fraction) - 1.0);
   };
-  glDepthMask(GL_FALSE);  // neighbours lie over one another
+  glDepthMask(GL_FALSE);  // Neighbouring lips overlap.
   objects_->border_segments.bind();
   draw_lips(list, nearer_by(kLipsInFront));
   draw_border_lines(list, nearer_by(kBordersInFront));
@@ -297,7 +297,7 @@ void GlCanvas::read_back(Pixels& pixels) const {
   pixels.rgba.resize(row * num_rows);
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
   glReadPixels(0, 0, width_, height_, GL_RGBA, GL_UNSIGNED_BYTE, pixels.rgba.data());
-  for (std::size_t top = 0; top < num_rows / 2; ++top) {  // OpenGL's first row is the lowest
+  for (std::size_t top = 0; top < num_rows / 2; ++top) {  // OpenGL's first row is the lowest.
     const auto upper = pixels.rgba.begin() + static_cast<std::ptrdiff_t>(row * top);
     const auto lower = pixels.rgba.begin() + static_cast<std::ptrdiff_t>(row * (num_rows - 1 - top));
     std::swap_ranges(upper, upper + static_cast<std::ptrdiff_t>(row), lower);

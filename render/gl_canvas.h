@@ -7,8 +7,8 @@
 
 namespace kerf::render {
 
-// An OpenGL canvas on the platform given. Errors: "RENDERER_UNAVAILABLE" (no context), "DRAWING_FAILED" (the driver
-// does not take our shaders).
+// Makes an OpenGL canvas on the given platform. Errors: "RENDERER_UNAVAILABLE" (no context), "DRAWING_FAILED" (the
+// driver rejects our shaders).
 Status make_gl_canvas(const EglPlatform& platform, std::unique_ptr<Canvas>& canvas);
 
 }  // namespace kerf::render

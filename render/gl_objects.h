@@ -14,8 +14,8 @@
 #include "render/linear.h"
 #include "render/shaders.h"
 
-// OpenGL names with owners. For gl_canvas.cc alone, so that one file sees the OpenGL headers; all of it needs a current
-// context, to be destroyed too.
+// Owns OpenGL objects. Only gl_canvas.cc includes this, so that one file sees the OpenGL headers. All of it, also
+// destruction, needs a current context.
 namespace kerf::render {
 
 inline Status drawing_failed(const std::string& words) {
@@ -75,7 +75,7 @@ inline Status Program::build(const char* name, std::initializer_list<const char*
   return linked == GL_TRUE ? Status{} : drawing_failed(std::string(name) + " program does not link");
 }
 
-// A vertex array fed by one buffer of its own.
+// Represents a vertex array with one buffer of its own.
 class VertexStream {
  public:
   VertexStream() {
@@ -94,7 +94,8 @@ class VertexStream {
     GLenum type;
     std::size_t offset;  // bytes
   };
-  // Attribute locations are 0, 1, ... in the order given. `divisor` is 0 for data a vertex, 1 for data an instance.
+  // Sets the layout; attribute locations are 0, 1, ... in the order given. `divisor` is 0 for data per vertex, 1 for
+  // data per instance.
   void set_layout(std::initializer_list<Attribute> attributes, std::size_t stride, GLuint divisor) const {
     bind();
     glBindBuffer(GL_ARRAY_BUFFER, buffer_);
@@ -113,7 +114,7 @@ class VertexStream {
     glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(data.size() * sizeof(T)), data.data(), GL_STREAM_DRAW);
   }
   void bind() const { glBindVertexArray(array_); }
-  // Triangles of the first `num_vertices` vertices.
+  // Draws triangles of the first `num_vertices` vertices.
   void draw(std::size_t num_vertices) const {
     bind();
     glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(num_vertices));
@@ -124,7 +125,7 @@ class VertexStream {
   GLuint buffer_ = 0;
 };
 
-// A framebuffer with one colour buffer, and depth where asked for.
+// Represents a framebuffer with one colour buffer and optional depth.
 class RenderTarget {
  public:
   RenderTarget() {
@@ -138,7 +139,7 @@ class RenderTarget {
   RenderTarget(const RenderTarget&) = delete;
   RenderTarget& operator=(const RenderTarget&) = delete;
 
-  // `samples` a pixel; 0 for a plain buffer, which is what pixels can be read from.
+  // Resizes the buffers, with `samples` per pixel; 0 makes a plain buffer, from which pixels can be read.
   Status resize(int width, int height, int samples, bool with_depth) const {
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
     attach(buffers_[0], GL_COLOR_ATTACHMENT0, GL_RGBA8, width, height, samples);
@@ -159,7 +160,7 @@ class RenderTarget {
   std::array<GLuint, 2> buffers_{};
 };
 
-// A square depth texture that compares, and the framebuffer to fill it.
+// Represents a square depth texture with comparison, and the framebuffer that fills it.
 class ShadowMap {
  public:
   explicit ShadowMap(int size) : size_(size) {

@@ -12,11 +12,11 @@ namespace kerf::render {
 
 namespace {
 
-constexpr double kThingsWithin = 0.25;           // of the disc's radius
-constexpr float kSkyShare = 0.75F;               // of the ground's light that comes from the sky
-constexpr std::size_t kPoints = SkyLight::kRow;  // along a side
+constexpr double kThingsWithin = 0.25;           // Share of the disc's radius.
+constexpr float kSkyShare = 0.75F;               // Share of the ground's light that comes from the sky.
+constexpr std::size_t kPoints = SkyLight::kRow;  // Along a side.
 
-// Over the radius; closer together in the middle, where things stand.
+// Returns places over the radius, closer together in the middle, where things stand.
 std::array<double, kPoints> spacing() {
   std::array<double, kPoints> places{};
   for (std::size_t i = 0; i < kPoints; ++i) {

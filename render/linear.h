@@ -6,7 +6,7 @@
 
 #include "render/renderer.h"
 
-// The little linear algebra that views and shapes need.
+// Provides the linear algebra of views and shapes.
 namespace kerf::render {
 
 inline Vec3 operator+(Vec3 a, Vec3 b) {
@@ -34,13 +34,13 @@ inline bool is_finite(Vec3 a) {
   return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
 }
 
-// Any unit vector at right angles to the unit vector `axis`.
+// Returns some unit vector perpendicular to the unit vector `axis`.
 inline Vec3 perpendicular(Vec3 axis) {
   const Vec3 other = std::abs(axis.z) < 0.9 ? Vec3{0.0, 0.0, 1.0} : Vec3{1.0, 0.0, 0.0};
   return normalized(cross(axis, other));
 }
 
-// 4x4, column-major, as OpenGL reads it: entry (row, column) is at 4*column + row.
+// Represents a 4x4 matrix, column-major as in OpenGL: entry (row, column) is at 4*column + row.
 struct Matrix4 {
   std::array<double, 16> entries{};
 

@@ -1,6 +1,6 @@
 #include "render/image.h"
 
-// Built instead of image.cc where libpng or libturbojpeg is missing.
+// Replaces image.cc in builds without libpng or libturbojpeg.
 namespace kerf::render {
 
 namespace {

@@ -1,6 +1,6 @@
 #include "render/null_renderer.h"
 
-// Built instead of egl_renderer.cc where there is no EGL.
+// Replaces egl_renderer.cc in builds without EGL.
 namespace kerf::render {
 
 namespace {

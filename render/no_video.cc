@@ -1,6 +1,6 @@
 #include "render/video.h"
 
-// Built instead of video.cc where libvpx or libyuv is missing.
+// Replaces video.cc in builds without libvpx or libyuv.
 namespace kerf::render {
 
 bool video_available() {

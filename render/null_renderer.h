@@ -8,8 +8,8 @@
 
 namespace kerf::render {
 
-// Refuses every picture with `reason`, a sentence for people without a full stop. `outcomes`: what became of the
-// devices that were looked at.
+// Returns a renderer that refuses every picture with `reason`, a sentence for people without a full stop. `outcomes`:
+// those of the devices tried.
 std::unique_ptr<Renderer> make_null_renderer(const std::string& reason, std::vector<DeviceOutcome> outcomes = {});
 
 }  // namespace kerf::render

@@ -1,11 +1,11 @@
 #pragma once
 
-// GLSL 3.30 sources. Colours are linear until the last line; names as in draw_list.h and views.h.
+// Holds GLSL 3.30 sources. Colours are linear until the last line; names as in draw_list.h and views.h.
 namespace kerf::render {
 
 inline constexpr const char* kShaderVersion = "#version 330 core\n";
 
-// Sheets, solids and ground.
+// Draws sheets, solids and ground.
 inline constexpr const char* kSurfaceVertexShader = R"(
 layout(location = 0) in vec3 a_position;
 layout(location = 1) in vec3 a_normal;
@@ -33,7 +33,7 @@ void main() {
 }
 )";
 
-// What the fragment shaders below share: shadows, and light from a sky above, a key light and the viewer's side.
+// Code shared by the fragment shaders below: shadows, and light from a sky above, a key light and the viewer's side.
 inline constexpr const char* kLightingShader = R"(
 in vec3 v_world;
 in vec3 v_normal;
@@ -200,7 +200,7 @@ void main() {
 }
 )";
 
-// A disc of the background's colour that fades out, darkened by shadows and by what hides the sky from it.
+// Draws a disc of the background's colour that fades out, darkened by shadows and by objects that hide the sky.
 inline constexpr const char* kGroundFragmentShader = R"(
 void main() {
   float r = length(v_material);
@@ -211,8 +211,9 @@ void main() {
 }
 )";
 
-// The lips: strips of constant width in the image along borders, inside the sheet, one instance a segment, six vertices
-// each. Rounded over the edge, so that of the two lips of a cut one catches the light.
+// Draws the lips: strips of constant width in the image along borders, inside the sheet. There is one instance per
+// segment, with six vertices. They are shaded as rounded over the edge, so that one of the two lips of a cut catches
+// the light.
 inline constexpr const char* kLipVertexShader = R"(
 layout(location = 0) in vec3 a_start;
 layout(location = 1) in vec3 a_end;
@@ -261,7 +262,7 @@ void main() {
 }
 )";
 
-// Lines of constant width in the image, with round ends: one instance a segment, six vertices each.
+// Draws lines of constant width in the image, with round ends: one instance per segment, with six vertices.
 inline constexpr const char* kLineVertexShader = R"(
 layout(location = 0) in vec3 a_start;
 layout(location = 1) in vec3 a_end;

@@ -7,8 +7,8 @@ namespace kerf::render {
 
 namespace {
 
-constexpr int kSegments = 64;  // around a sphere or capsule
-constexpr int kRings = 16;     // from its equator to a pole
+constexpr int kSegments = 64;  // Around a sphere or capsule.
+constexpr int kRings = 16;     // From its equator to a pole.
 
 SurfaceVertex vertex(Vec3 position, Vec3 normal) {
   return {{static_cast<float>(position.x), static_cast<float>(position.y), static_cast<float>(position.z)},
@@ -21,7 +21,7 @@ void append_quad(const std::array<SurfaceVertex, 4>& quad, std::vector<SurfaceVe
   for (const std::size_t corner : {0U, 1U, 2U, 0U, 2U, 3U}) out.push_back(quad[corner]);
 }
 
-// A point of the capsule's surface: ring in [-kRings, kRings + 1], where the rings 0 and 1 are the two ends of the
+// Returns a point of the capsule's surface. `ring` is in [-kRings, kRings + 1]; rings 0 and 1 are the two ends of the
 // cylinder.
 SurfaceVertex capsule_vertex(const Capsule& capsule, const ViewAxes& axes, int ring, int segment) {
   const bool at_end = ring > 0;
@@ -86,7 +86,7 @@ void append_capsule(const Capsule& capsule, std::vector<SurfaceVertex>& out) {
   const Vec3 right = perpendicular(axis);
   const ViewAxes axes{right, cross(axis, right), axis};
   for (int ring = -kRings; ring <= kRings; ++ring) {
-    if (ring == 0 && length == 0.0) continue;  // no cylinder
+    if (ring == 0 && length == 0.0) continue;  // No cylinder.
     for (int segment = 0; segment < kSegments; ++segment) {
       append_quad(
           {capsule_vertex(capsule, axes, ring, segment), capsule_vertex(capsule, axes, ring, segment + 1),
@@ -104,7 +104,7 @@ void append_box(const Box& box, std::vector<SurfaceVertex>& out) {
     for (const double side : {1.0, -1.0}) {
       const Vec3 middle = box.centre + side * axes[k];
       const Vec3 normal = normalized(side * axes[k]);
-      const Vec3 first = side * u;  // turns the order round on the far side, so that every face looks outwards
+      const Vec3 first = side * u;  // Reverses the order on the far side, so that every face looks outwards.
       append_quad({vertex(middle - first - v, normal), vertex(middle + first - v, normal),
                    vertex(middle + first + v, normal), vertex(middle - first + v, normal)},
                   out);

@@ -30,7 +30,7 @@ std::vector<Float3> vertex_normals(const Mesh& mesh) {
 
 std::vector<float> ridges(const Mesh& mesh, const std::vector<Float3>& normals, double length) {
   struct Sum {
-    float curvature = 0.0F;  // 1/m, of all edges, those inside the sheet twice
+    float curvature = 0.0F;  // 1/m, summed over all edges; those inside the sheet count twice.
     float edges = 0.0F;
   };
   std::vector<Sum> sums(normals.size());

@@ -5,7 +5,7 @@
 
 #include "render/renderer.h"
 
-// What a sheet's triangles say of its shape at its vertices.
+// Computes a sheet's shape at its vertices from its triangles.
 namespace kerf::render {
 
 using Float3 = std::array<float, 3>;
@@ -23,14 +23,14 @@ inline Float3 cross(Float3 u, Float3 v) {
 inline float dot(Float3 u, Float3 v) {
   return u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
 }
-// `otherwise` where v vanishes.
+// Returns v / |v|, or `otherwise` if v vanishes.
 Float3 unit(Float3 v, Float3 otherwise);
 
-// Of each vertex: the sum of its triangles' normals weighted by their areas, made unit; (0, 0, 1) where that vanishes.
+// Returns the unit normals of the vertices: area-weighted sums over their triangles; (0, 0, 1) if the sum vanishes.
 std::vector<Float3> vertex_normals(const Mesh& mesh);
 
-// Of each vertex, in [-1, 1]: the mean curvature along its edges times `length` (m), positive on what is a ridge to
-// the front. `normals`: as above.
+// Returns for each vertex the mean curvature along its edges times `length` (m), in [-1, 1]; positive on ridges of the
+// front. `normals`: as above.
 std::vector<float> ridges(const Mesh& mesh, const std::vector<Float3>& normals, double length);
 
 }  // namespace kerf::render

@@ -13,13 +13,13 @@
 
 namespace kerf::render {
 
-// One thread that owns a canvas and draws for all callers, in the order they came. A canvas that failed is thrown away;
-// the next call gets a fresh one.
+// Runs one thread that owns a canvas and draws for all callers, in the order of their calls. A failed canvas is
+// destroyed; the next call makes a new one.
 class ThreadedRenderer final : public Renderer {
  public:
   // Waits until the thread has made its first canvas, or failed to: see available().
   ThreadedRenderer(CanvasFactory factory, const RendererOptions& options);
-  // stop(), and returns when all callers have left.
+  // Calls stop() and waits until all callers have left.
   ~ThreadedRenderer() override;
 
   ThreadedRenderer(const ThreadedRenderer&) = delete;
@@ -27,44 +27,44 @@ class ThreadedRenderer final : public Renderer {
 
   Status render(const Scene& scene, const Camera& camera, int width, int height, Pixels& pixels,
                 RenderTimes* times = nullptr) override;
-  // Whether the first canvas could be made.
+  // True if the first canvas could be made.
   [[nodiscard]] bool available() const override { return available_; }
-  // Of the first canvas, or why there was none.
+  // Describes the first canvas, or the reason why there was none.
   [[nodiscard]] std::string description() const override { return description_; }
-  // Of the first canvas.
+  // Returns the outcomes of making the first canvas.
   [[nodiscard]] std::vector<DeviceOutcome> devices() const override { return outcomes_; }
 
-  // Finishes the picture being drawn; refuses the calls that wait and all later ones. Returns at once.
+  // Finishes the picture being drawn; refuses waiting and later calls. Returns at once.
   void stop();
-  // Calls inside render() whose picture is being prepared, waiting or being drawn.
+  // Counts calls of render() whose picture is being prepared, waiting or being drawn.
   [[nodiscard]] int num_calls() const;
 
  private:
   struct Job {
     const DrawList* list = nullptr;
     Pixels pixels;
-    RenderTimes* times = nullptr;  // null: nobody asked
+    RenderTimes* times = nullptr;  // Null: not wanted.
     Status status;
     bool done = false;
   };
 
   void run(const CanvasFactory& factory);
-  // On the render thread; makes a canvas first where there is none.
+  // Draws a job on the render thread; makes a canvas first if there is none.
   static void draw(const CanvasFactory& factory, std::unique_ptr<Canvas>& canvas, Job& job);
   bool admit(Status& refusal);
   void leave();
 
   const int max_admitted_;
-  // Written by the render thread before `started_`, then never again.
+  // Written by the render thread before `started_`, then constant.
   bool available_ = false;
   std::string description_;
   std::vector<DeviceOutcome> outcomes_;
 
   mutable std::mutex mutex_;
-  std::condition_variable work_;  // the render thread waits on it
-  std::condition_variable done_;  // callers, the constructor and the destructor do
-  std::deque<Job*> waiting_;      // guarded by mutex_, as are the rest
-  int num_admitted_ = 0;          // calls inside render()
+  std::condition_variable work_;  // The render thread waits on it.
+  std::condition_variable done_;  // Callers, the constructor and the destructor wait on it.
+  std::deque<Job*> waiting_;      // Guarded by mutex_, as are the rest.
+  int num_admitted_ = 0;          // Calls inside render().
   bool started_ = false;
   bool stopping_ = false;
 

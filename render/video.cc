@@ -14,8 +14,8 @@ namespace kerf::render {
 namespace {
 
 constexpr int kTicksPerSecond = 1'000'000;
-// Fixed; a positive one would follow the machine's load, and equal pictures would give other bytes. 8 costs 5.3 ms at
-// 720p, the default several times as much.
+// Fixed, since a positive speed follows the machine's load, so that equal pictures would give other bytes. 8 costs 5.3
+// ms at 720p, the default several times as much.
 constexpr int kSpeed = -8;
 
 Status encoding_failed(const std::string& words) {
@@ -52,7 +52,7 @@ Status Vp8Encoder::open(const VideoOptions& options) {
   config.g_timebase = {1, kTicksPerSecond};
   config.g_threads = 1;
   config.g_lag_in_frames = 0;
-  config.g_error_resilient = 0;  // the way is reliable
+  config.g_error_resilient = 0;  // The transport is reliable.
   config.rc_end_usage = VPX_CBR;
   config.rc_target_bitrate = static_cast<unsigned>(std::lround(options.bits_per_second / 1000.0));
   config.rc_dropframe_thresh = 0;
@@ -79,11 +79,11 @@ Status Vp8Encoder::encode(const Pixels& pixels, double elapsed_s, bool key, std:
       pixels.rgba.size() != 4 * static_cast<std::size_t>(pixels.width) * static_cast<std::size_t>(pixels.height)) {
     return {StatusCode::kInvalidArgument, "IMAGE_INVALID", "the picture has not the size of the stream", "pixels"};
   }
-  // libyuv names formats by the order in a little-endian word: its ABGR is R, G, B, A in memory.
+  // Uses ABGR, since libyuv names formats by the order in a little-endian word: R, G, B, A in memory.
   libyuv::ABGRToI420(pixels.rgba.data(), 4 * pixels.width, image_->planes[VPX_PLANE_Y], image_->stride[VPX_PLANE_Y],
                      image_->planes[VPX_PLANE_U], image_->stride[VPX_PLANE_U], image_->planes[VPX_PLANE_V],
                      image_->stride[VPX_PLANE_V], pixels.width, pixels.height);
-  // A pause of minutes is no reason to spend the bits of minutes on one frame.
+  // Clamps the duration, so that a frame after a pause of minutes does not get the bits of minutes.
   const double duration_s = std::clamp(elapsed_s, 1.0e-3, 1.0);
   const auto duration = static_cast<unsigned long>(std::lround(duration_s * kTicksPerSecond));
   now_ += static_cast<vpx_codec_pts_t>(duration);

@@ -9,24 +9,24 @@
 
 namespace kerf::render {
 
-inline constexpr int kMaxVideoPixels = 1920 * 1200;  // of a frame
+inline constexpr int kMaxVideoPixels = 1920 * 1200;  // Per frame.
 
 struct VideoOptions {
-  int width = 0;               // pixels, in [kMinImageSize, kMaxImageSize]; width * height at most kMaxVideoPixels
+  int width = 0;               // Pixels, in [kMinImageSize, kMaxImageSize]; width * height at most kMaxVideoPixels.
   int height = 0;              // pixels
-  double bits_per_second = 0;  // of the whole stream, > 0
+  double bits_per_second = 0;  // For the whole stream, > 0.
 
   friend bool operator==(const VideoOptions&, const VideoOptions&) = default;
 };
 
-// One VP8 stream (RFC 6386), made for being watched live: no frame waits for a later one, none is dropped. Equal calls
-// give equal bytes. Not thread-safe.
+// Encodes one VP8 stream (RFC 6386) for live viewing: no frame waits for a later one, none is dropped. Equal calls give
+// equal bytes. Not thread-safe.
 class VideoEncoder {
  public:
   virtual ~VideoEncoder() = default;
 
-  // `elapsed_s`: since the frame before, > 0; steers how many bits there are for it. `key`: decodable by itself, as the
-  // first frame always is. `frame` is overwritten; on failure it is empty and the encoder must be thrown away.
+  // Encodes a frame. `elapsed_s`: since the frame before, > 0; controls its share of bits. `key`: decodable by itself,
+  // as the first frame always is. `frame` is overwritten; on failure it is empty and the encoder must be destroyed.
   // Errors: as encode_png, also for pixels of another size.
   virtual Status encode(const Pixels& pixels, double elapsed_s, bool key, std::vector<std::uint8_t>& frame) = 0;
 };
@@ -34,12 +34,13 @@ class VideoEncoder {
 // False in a build without libvpx and libyuv.
 [[nodiscard]] bool video_available();
 
-// Of what an encoder gave: whether it can be decoded by itself (RFC 6386, 9.1).
+// True if an encoded frame can be decoded by itself (RFC 6386, 9.1).
 [[nodiscard]] inline bool is_key_frame(std::span<const std::uint8_t> frame) {
   return !frame.empty() && (frame[0] & 1U) == 0;
 }
 
-// Errors: "NO_VIDEO_CODEC" (kUnavailable), "SIZE_OUT_OF_RANGE", "ENCODING_FAILED"; `encoder` is then null.
+// Makes an encoder. Errors: "NO_VIDEO_CODEC" (kUnavailable), "SIZE_OUT_OF_RANGE", "ENCODING_FAILED"; `encoder` is then
+// null.
 Status make_video_encoder(const VideoOptions& options, std::unique_ptr<VideoEncoder>& encoder);
 
 }  // namespace kerf::render

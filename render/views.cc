@@ -8,11 +8,12 @@ namespace kerf::render {
 
 namespace {
 
-constexpr double kMinRadius = 1e-4;       // m; a point still gets a view volume
-constexpr double kMinNearOverFar = 5e-4;  // -; 24 depth bits then still tell 0.1 mm at 1 m from 0.1 mm at 10 m apart
+constexpr double kMinRadius = 1e-4;  // m; gives even a point a view volume.
+// -; with 24 depth bits, 0.1 mm at 1 m and 0.1 mm at 10 m can still be distinguished.
+constexpr double kMinNearOverFar = 5e-4;
 
 double half_height(const Camera& camera) {
-  return std::tan(camera.vertical_fov * std::numbers::pi / 360.0);  // at distance 1
+  return std::tan(camera.vertical_fov * std::numbers::pi / 360.0);  // At distance 1.
 }
 
 Matrix4 view_from_world(const ViewAxes& axes, Vec3 origin) {
@@ -37,13 +38,13 @@ DepthRange depth_range(const Camera& camera, const ViewAxes& axes, const Bounds&
   const Vec3 half = 0.5 * (seen.upper - seen.lower);
   const double middle = dot(camera.eye - centre(seen), axes.back);
   const double reach = std::abs(axes.back.x) * half.x + std::abs(axes.back.y) * half.y + std::abs(axes.back.z) * half.z;
-  // A hundredth more on both sides: lines are drawn a little nearer than what they lie on.
+  // Adds a hundredth on both sides, because lines are drawn a little nearer than their surface.
   const double margin = 0.01 * std::max({reach, std::abs(middle), kMinRadius});
   const double far = std::max(middle + reach + margin, kMinRadius);
   return {std::max(middle - reach - margin, kMinNearOverFar * far), far};
 }
 
-// Looking from the light: back is towards it.
+// Returns the axes of the light's view; back is towards the light.
 ViewAxes light_axes(Vec3 to_light) {
   const Vec3 right = perpendicular(to_light);
   return {right, cross(to_light, right), to_light};
@@ -73,7 +74,7 @@ Views make_views(const Camera& camera, double aspect, int height, const Bounds& 
   views.depth_per_fraction = clip_from_view.at(2, 3);
   views.pixel_fraction = 2.0 * tangent / height;
 
-  // Over the left shoulder, and high enough that ground under the scene is lit from above.
+  // Puts the light over the left shoulder, high enough to light ground under the scene from above.
   views.to_light = normalized(0.95 * normalized(camera.up) + 0.45 * axes.back - 0.5 * axes.right);
   const double extent = std::max(radius(lit), kMinRadius) * 1.02;
   Matrix4 clip_from_light;
@@ -123,13 +124,14 @@ Camera fit_camera(std::span<const float> positions, double aspect, Vec3 from, Ve
   camera.eye = camera.target + 2.0 * normalized(from);
   if (positions.size() < 3) return camera;
 
-  // The image has a margin on each side of this part of its size.
+  // Margin on each side of the image, as a share of its size.
   constexpr double kMargin = 0.03;
   const ViewAxes axes = view_axes(camera);
   const double tangent_y = (1.0 - 2.0 * kMargin) * half_height(camera);
   const double tangent_x = tangent_y * aspect;
-  // In the axes' coordinates, with the eye at e, a point p is within the sides of the frustum where
-  // |p.x - e.x| <= tangent_x (e.z - p.z): its sides touch what is farthest along their normals.
+  // Uses the axes' coordinates, with the eye at e. The sides of the frustum enclose the points p where
+  //    |p.x - e.x| <= tangent_x (e.z - p.z).
+  // Each side touches the point farthest along its normal.
   constexpr double kNone = -std::numeric_limits<double>::infinity();
   double right = kNone, left = kNone, upper = kNone, lower = kNone, front = kNone, behind = kNone;
   for (std::size_t i = 0; i + 2 < positions.size(); i += 3) {

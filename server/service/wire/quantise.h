@@ -9,8 +9,8 @@
 // Quantises positions to 16-bit integers in a box.
 namespace kerf::wire {
 
-// Is an axis-aligned box in the world. Sizes are powers of two and the corner is a multiple of size / 16. Hence min +
-// size and size / 65535 are exact: sender and receiver compute with the same numbers.
+// Represents an axis-aligned box in the world. Sizes are powers of two and the corner is a multiple of size / 16. Hence
+// min + size and size / 65535 are exact: sender and receiver compute with the same numbers.
 struct FrameBox {
   std::array<double, 3> min{};   // m
   std::array<double, 3> size{};  // m, > 0

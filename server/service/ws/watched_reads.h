@@ -8,8 +8,8 @@
 
 namespace kerf::ws {
 
-// Is a rate policy of Beast's basic_stream (its RatePolicy) that does not limit rates. It reports all bytes read, and
-// stops reading on demand.
+// Represents a rate policy of Beast's basic_stream (its RatePolicy) that does not limit rates. It reports all bytes
+// read, and stops reading on demand.
 class WatchedReads {
  public:
   // Sets `on_read`, called with the number of bytes of each read, on the stream's executor.
