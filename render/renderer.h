@@ -89,7 +89,7 @@ struct Style {
   bool borders = true;     // Lines and strips along the border and the lips of cuts.
   bool antialias =
       true;  // Four samples per pixel, in pictures of up to 4 megapixels; about doubles a software device's time.
-  bool shadows = true;  // Shadows of the key light, and less sky light on the ground.
+  bool shadows = true;  // Shadows of the key light, and darker ground where things hide the sky.
   Colour background = kLightBackground;
   Colour front{0.20, 0.43, 0.66};  // Colour of the side whose triangles are counter-clockwise.
   Colour back{0.90, 0.50, 0.26};   // Colour of the other side.

@@ -19,8 +19,8 @@ struct PlaneFrame {
 // sheet and beside things that stand there.
 //
 // A small patch hides a share equal to its form factor, |area . d| (d . normal) / (pi |d|^4), where d is the vector to
-// it. Triangles are first gathered in cells, and distances shorter than the width of a cell count as that. Light that
-// one patch hides behind another counts twice, hence occlusion = 1 - exp(-sum).
+// it. Triangles are first gathered in cells, and heights above the plane below the width of a cell count as that width.
+// Light that one patch hides behind another counts twice, hence occlusion = 1 - exp(-sum).
 class SkyLight {
  public:
   static constexpr std::size_t kRow = 36;  // Points evaluated at a time.

@@ -6,7 +6,7 @@
 
 namespace kerf::api {
 
-// Is notified by Api::stop().
+// Defines a stream that Api::stop() notifies.
 class OpenStream {
  public:
   virtual ~OpenStream() = default;

@@ -22,7 +22,9 @@ class WatchPace;
 
 namespace kerf::api {
 
-// Sent.
+// Serves the pictures of one image stream. It orders a picture from its feed when the flow allows one to be sent and
+// there is something new to show, and sends it when it is finished. Thus no picture is drawn that is not sent, and at
+// most one order is open at a time.
 class PictureStream final : public ImageSession,
                             public OpenStream,
                             public stream::Reader,
@@ -58,7 +60,7 @@ class PictureStream final : public ImageSession,
   [[nodiscard]] bool started() const;
 
   struct Outgoing {
-    std::optional<wire::EndReason> end;  // Sent.
+    std::optional<wire::EndReason> end;  // To be sent; no message follows.
     v1::Image image;                     // Without data.
     stream::Bytes data;                  // Null: no picture now.
   };

@@ -75,7 +75,9 @@ void PictureStream::finished(Result<FinishedPicture> picture) {
     const std::lock_guard lock(mutex_);
     ordered_ = false;
     if (over()) return;
-    if (paused_) {  // Drops a late picture. Another is due after the pause, and a video frame leading to it is missing.
+    // Drops a picture finished during a pause. The next one is due right after the pause, and must be decodable by
+    // itself, because the dropped video frame is missing before it.
+    if (paused_) {
       look_changed_ = true;
       key_wanted_ = true;
       return;

@@ -21,8 +21,8 @@ class StreamSession {
  public:
   virtual ~StreamSession() = default;
 
-  // Takes a serialised request. Exactly the first must be `start`. A protocol error ends the stream with failure();
-  // MALFORMED_MESSAGE if the bytes are no request.
+  // Takes a serialised request. The first request, and no other, must be `start`. A protocol error ends the stream with
+  // failure(); MALFORMED_MESSAGE if the bytes are no request.
   virtual void on_bytes(std::string_view request) = 0;
 
   // Returns the next serialised response, or nothing now.

@@ -23,7 +23,7 @@ namespace kerf::codec {
 
 // `positions`: 3 per vertex, x, y, z interleaved. `predictors`: one per vertex.
 std::string pack_positions(std::span<const std::uint16_t> positions, std::span<const VertexPredictor> predictors);
-// `base`: positions of the first vertices, at most as many as `positions` has.
+// `base`: positions of the base frame, which may have fewer vertices or more; the surplus is ignored.
 std::string pack_position_delta(std::span<const std::uint16_t> positions, std::span<const std::uint16_t> base,
                                 std::span<const VertexPredictor> predictors);
 

@@ -27,10 +27,10 @@ struct HostOptions {
   std::int32_t workers = 2;  // Threads that step sheets, 1..256.
   // Time after which a worker busy with one tick or call is replaced by a further thread (see Workers). That happens
   // only if others wait and none is idle. Measured on the machine's clock, whichever clock the host has. >= 0; 0:
-  // others wait.
+  // no worker is replaced, so others wait.
   Nanoseconds long_work = std::chrono::milliseconds(50);
   std::int32_t max_sheets = 64;  // >= 1
-  // Load (see WorkerNeed) from which new running sheets are refused; -, > 0; 0: no limit.
+  // Load from which new running sheets are refused, see Admission; -, > 0; 0: no limit.
   double max_load = 1.0;
   // Limit on the vertices of all sheets together, those being built, paused or at rest included; >= 1; 0: none. It
   // refuses new sheets only: vertices added by cuts count, but are never refused.
@@ -117,7 +117,7 @@ struct CommandResult {
 // Identifies a command that is scheduled for a tick.
 struct Appointment {
   std::int64_t at_tick = 0;  // 0: at the next tick boundary.
-  std::int64_t number = 0;   // Numbers the calls of schedule(): 1, 2, ... for each sheet; 0 for commands of a scene.
+  std::int64_t number = 0;   // Number of the call of schedule(): 1, 2, ... per sheet; 0 for commands of a scene.
 };
 
 struct WaitingCommand {
@@ -125,7 +125,7 @@ struct WaitingCommand {
   sheet::Command command;
 };
 
-// Receives the outcome of a command, on the sheet's strand. Must not block.
+// Receives the outcome of a command that has no caller to answer, on the sheet's strand. Must not block.
 using CommandListener = std::function<void(const std::string& id, const sheet::Command& command,
                                            const Result<CommandResult>& result, const Appointment& appointment)>;
 
@@ -133,10 +133,11 @@ using CommandListener = std::function<void(const std::string& id, const sheet::C
 template <typename T>
 using Callback = std::function<void(Result<T>)>;
 
-// Owns all sheets and runs them in real time. Each sheet has its own strand of one thread pool and ticks at the
-// absolute deadlines t0 + k * dt / speed. A late sheet catches up by at most kMaxCatchUpTicks; the remaining time is
-// given up, counted and reported. A sheet at rest has no timer until it is changed. Without viewers no snapshot is
-// built. All functions are thread-safe and return at once, except stop() and wait_idle().
+// Is the only owner of sheets, and the only class that runs them in real time. Each sheet has its own strand of one
+// thread pool and ticks at the absolute deadlines t0 + k * dt / speed. A late sheet catches up by at most
+// kMaxCatchUpTicks; the remaining time is given up, counted and reported. A sheet at rest has no timer until it is
+// changed. Without viewers no snapshot is built. All functions are thread-safe and return at once, except stop() and
+// wait_idle().
 //
 // Errors, beside those named at each function: kNotFound SHEET_NOT_FOUND, kUnavailable HOST_STOPPING, and kAborted
 // SHEET_DELETED for calls that were waiting when the sheet was deleted.
@@ -167,7 +168,7 @@ class Host {
   // Sheet::create:
   //   kAlreadyExists SHEET_EXISTS
   //   kResourceExhausted TOO_MANY_SHEETS, TOO_MANY_VERTICES, OUT_OF_MEMORY
-  //   kResourceExhausted TOO_MANY_VERTICES_IN_ALL; once it is built if the mesh does not declare its size
+  //   kResourceExhausted TOO_MANY_VERTICES_IN_ALL, only after the build if the mesh does not declare its size
   //   kResourceExhausted OVERLOADED unless `paused`, if running sheets need max_load already (see Admission)
   //   kAborted CREATION_ABANDONED if a stop is requested before it is built
   void create_sheet(std::string id, sheet::SheetConfig config, bool paused, Callback<SheetStatus> done,

@@ -7,8 +7,8 @@
 
 namespace kerf::host {
 
-// Sums the wall time that sheets have lost to other load on the machine. Each sheet gives up the largest such loss, so
-// that all slip alike, regardless of their tick times. Thread-safe.
+// Holds the total wall time that sheets have lost to other load on the machine. All sheets give up the time that one of
+// them loses, so that all slip alike, regardless of their tick times. Thread-safe.
 class SharedSlip {
  public:
   [[nodiscard]] Nanoseconds total() const { return Nanoseconds(total_ns_.load()); }

@@ -52,7 +52,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
     const ListenerSlot& listener;
     SharedSlip& slip;
     const std::atomic<bool>& stopping;  // close() will follow; ticks due are skipped.
-    // Removes a sheet, and its name, that close() has ended for lack of memory.
+    // Removes a sheet that close() has ended for lack of memory, and frees its name.
     std::function<void(const std::string& id)> lost;
     std::uint64_t serial = 0;  // Number of this sheet among all that the host has made.
   };
@@ -139,8 +139,11 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   [[nodiscard]] TickEstimate tick_estimate() const;
   // Compares the time of a tick without commands with the counted cost of the present sheet.
   void note_tick_cost(Nanoseconds cpu);
-  [[nodiscard]] bool goes_on() const;             // Stop condition of the present tick.
-  [[nodiscard]] bool may_go_on(int asked) const;  // Stop condition that freezes the sheet.
+  // Returns false if the present tick is to be interrupted and repeated later.
+  [[nodiscard]] bool goes_on() const;
+  // Returns false if the present tick must end at once, even though that freezes the sheet. `asked`: number of the call
+  // within the tick, from 1.
+  [[nodiscard]] bool may_go_on(int asked) const;
   [[nodiscard]] bool is_tick_long() const;
   // Plays one tick of the recording, with the applied entries before and after it (sheet_runner_replay.cc). Returns
   // false if entries are left beyond the limit of one turn.
@@ -220,7 +223,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   std::shared_ptr<sheet::RecordingSink> recording_;
   KeptRecording kept_;
   std::unique_ptr<Playback> playback_;     // null: the sheet never played a recording
-  bool tick_played_ = false;               // By a play_tick() that is incomplete.
+  bool tick_played_ = false;               // The tick is done, but not the entries applied after it.
   std::vector<WaitingCommand> scheduled_;  // by tick, equal ticks in the order they came
   std::int64_t num_scheduled_ = 0;         // Total so far.
   std::optional<StepCall> step_call_;
@@ -234,7 +237,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   bool repeats_now_ = false;
   std::int64_t num_timed_ticks_ = 0;  // Number of ticks in tick_scale_.
   double tick_scale_ = 0.0;           // -, see TickEstimate; 0: no tick was timed
-  std::int32_t resets_ = 0;           // Done for clients.
+  std::int32_t resets_ = 0;           // Resets by clients, redone ones included.
   std::int32_t resets_undone_ = 0;
   std::optional<sheet::SinkEnd> closed_;
   std::optional<RunState> noted_state_;  // As counted on the board.

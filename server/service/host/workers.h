@@ -36,7 +36,8 @@ class Workers {
 
   struct Options {
     std::int32_t num_threads = 1;  // >= 1
-    // Time on the machine's steady clock, >= 0; 0: no thread is ever added.
+    // Time at one piece of work after which its thread is replaced, on the machine's steady clock, >= 0; 0: no thread
+    // is ever added.
     Nanoseconds patience{0};
     // Limit on threads beyond num_threads; with that many busy with long work, strands wait until a piece ends. Each
     // thread costs its stack and takes a share of the cores from the others.

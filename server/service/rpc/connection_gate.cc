@@ -204,7 +204,7 @@ void ConnectionGate::Impl::forget(const std::shared_ptr<Silent>& silent) {
   silent->place.reset();
 }
 
-// Waits for the first byte. A closed connection becomes readable too, but without data.
+// Passes a readable connection to gRPC if its first byte is there. A closed one becomes readable too, but without data.
 void ConnectionGate::Impl::hear(const std::shared_ptr<Silent>& silent) {
   tcp::socket& socket = silent->socket;
   char first = 0;

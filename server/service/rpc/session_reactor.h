@@ -31,7 +31,7 @@ struct StreamHosting {
   // Threads that encode and write for woken streams, so that the sheet's strand is not blocked.
   boost::asio::thread_pool& writers;
   host::Clock& clock;
-  host::Nanoseconds write_timeout;  // A reader that does not take a message for this long is cut off.
+  host::Nanoseconds write_timeout;  // A reader that takes no message for this long is cut off unnotified.
 };
 
 // Writes the messages of a session. Every write starts in advance(), which runs only while it owns `busy_`. Thus at

@@ -17,9 +17,9 @@ inline constexpr std::int32_t kMaxWindow = 8;
 //
 // A reader that acknowledges a frame reports how long it held it. The rest of the time since it was sent is the round
 // trip time w. Let t be the interval between frames: the sheet's tick, or the time for which the reader holds each, if
-// that is longer. Then (w + held) / t frames must be in flight: one for a slow reader however far away, eight for a
-// quick one far away. The quotient is rounded up only if the last frame then waits at the reader for less than a tick.
-// Thus a slow reader has fewer frames rather than old ones.
+// that is longer. Then (w + held) / t frames must be in flight: one for a slow reader, however long it holds each,
+// eight for a quick one far away. The quotient is rounded up only if the last frame then waits at the reader for less
+// than a tick. Thus a slow reader has fewer frames rather than old ones.
 //
 // Frames that would queue in a narrow link are not sent. Let w0 be the round trip time without other frames in flight.
 // Then window (1 - w0 / w) frames queue in the link, and the window shrinks while that is more than one. (L. Brakmo, L.

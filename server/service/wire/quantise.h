@@ -36,7 +36,8 @@ std::vector<std::uint16_t> quantise(std::span<const double> positions, const Fra
 // few vertices, at pins and the ends of cuts, have many times the strain of the others.
 struct QuantisedStrains {
   std::vector<std::int8_t> values;  // One per vertex.
-  double scale = 0.0;               // -, the smallest power of two in 2^-20..2^10 that no strain exceeds.
+  // -, the smallest power of two >= 2^-20 that no magnitude exceeds, but at most 2^10: larger strains are clipped.
+  double scale = 0.0;
 };
 // Quantises strains; numbers that are not finite count as 0.
 QuantisedStrains quantise_strains(std::span<const float> strains);

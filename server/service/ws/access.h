@@ -8,7 +8,7 @@
 
 namespace kerf::ws {
 
-// Is HOST:PORT, the host without the brackets of an IPv6 address.
+// Holds HOST:PORT, the host without the brackets of an IPv6 address.
 struct Endpoint {
   std::string host;
   int port = 0;  // 0..65535

@@ -50,7 +50,7 @@ struct HttpCounts {
 //   GET /...                          the viewer's files
 //   POST /kerf.v1.Service/Method      a unary RPC as JSON; errors as {"code", "message", "details"}; a long call
 //                                     (StepSheet) ends early if the client hangs up
-//   GET /watch                        WebSocket, subprotocol kerf.v1: StreamService.Watch, one binary message each
+//   GET /watch                        WebSocket, subprotocol kerf.v1: StreamService.Watch, each message a binary one
 //   GET /images                       WebSocket in the same way: RenderService.WatchImages
 //   GET /sheets/ID.png .jpg .mjpeg    one picture, or MJPEG for an <img>: service/ws/picture_query.h
 //   GET /healthz /readyz /metrics     alive; taking requests (503 while draining); Prometheus text format
