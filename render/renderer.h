@@ -87,8 +87,8 @@ struct Style {
   bool texture = true;     // Crossing bands of dyed yarn and threads, in material coordinates.
   bool wireframe = false;  // Edges of every triangle over the surface, fainter for smaller triangles; no threads.
   bool borders = true;     // Lines and strips along the border and the lips of cuts.
-  bool antialias =
-      true;  // Four samples per pixel, in pictures of up to 4 megapixels; about doubles a software device's time.
+  // Four samples per pixel, in pictures of up to 4 megapixels; about doubles a software device's time.
+  bool antialias = true;
   bool shadows = true;  // Shadows of the key light, and darker ground where things hide the sky.
   Colour background = kLightBackground;
   Colour front{0.20, 0.43, 0.66};  // Colour of the side whose triangles are counter-clockwise.

@@ -174,7 +174,8 @@ class Api {
   Result<std::unique_ptr<Upload>> upload_sheet(const v1::SheetUpload& start);
   Result<std::unique_ptr<Upload>> replay_recording(const v1::RecordingUpload& start);
   // Reserves room among all uploads, for a transport that must read the whole file before it can begin its upload. The
-  // room is kept until the result is destroyed, which may be once the upload has begun.
+  // room is kept until the result is destroyed. An upload takes room of its own, so destroy the result before it
+  // begins. kResourceExhausted TOO_MANY_UPLOADS.
   Result<std::shared_ptr<const UploadRoom>> reserve_upload(std::int64_t num_bytes);
   // Returns the whole file of SheetService.GetSheetRecording. It counts as being sent until the reply's value is
   // destroyed. kResourceExhausted TOO_MANY_RECORDINGS.

@@ -22,9 +22,9 @@ class WatchPace;
 
 namespace kerf::api {
 
-// Serves the pictures of one image stream. It orders a picture from its feed when the flow allows one to be sent and
-// there is something new to show, and sends it when it is finished. Thus no picture is drawn that is not sent, and at
-// most one order is open at a time.
+// Serves the pictures of one image stream. It orders a picture from its feed when there is something new to show and
+// the flow allows one to be sent. It sends the picture once it is finished. Thus no picture is drawn that is not sent,
+// and at most one order is open at a time.
 class PictureStream final : public ImageSession,
                             public OpenStream,
                             public stream::Reader,

@@ -19,7 +19,7 @@ class UploadRoom {
   UploadRoom(const UploadRoom&) = delete;
   UploadRoom& operator=(const UploadRoom&) = delete;
 
-  // Returns the bytes of all uploads when this one began.
+  // Returns the bytes of all uploads when this one began, its own included.
   [[nodiscard]] std::int64_t taken_together() const { return together_; }
 
  private:

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-// Codes small integers in few bits. Blocks of Rice codes each choose their own parameter. (R. F. Rice, "Some practical
+// Codes small integers in few bits: in blocks of Rice codes, each with its own parameter. (R. F. Rice, "Some practical
 // universal noiseless coding techniques", JPL 79-22, 1979.) Differences between predicted and actual values are mostly
 // small, and their size varies along a sheet. A block adapts to that without a table to be sent.
 //

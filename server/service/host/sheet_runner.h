@@ -241,7 +241,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   std::int32_t resets_undone_ = 0;
   std::optional<sheet::SinkEnd> closed_;
   std::optional<RunState> noted_state_;  // As counted on the board.
-  std::int32_t state_changes_ = 0;       // Changes of run state and speed; part of the settings version.
+  std::int32_t state_changes_ = 0;       // Run state, speed, end of replay; in the settings version.
   std::int64_t contact_phases_ = 0;      // already counted
   std::int64_t cuts_ = 0;                // already counted
   std::int64_t overruns_ = 0;            // already counted

@@ -54,8 +54,8 @@ class Channel : public sheet::SnapshotSink, public std::enable_shared_from_this<
 
   struct Newest {
     std::int64_t publication = 0;  // Counts publications from 1; 0 before the first.
-    std::int64_t revision =
-        0;  // Counts changes of the sheet's appearance. It stays the same if only the run state is new.
+    // Counts changes of the sheet's appearance. It stays the same if only the run state is new.
+    std::int64_t revision = 0;
     std::shared_ptr<const sheet::Snapshot> snapshot;  // null before the first publication
   };
   [[nodiscard]] Newest newest() const;

@@ -15,8 +15,8 @@
 #include "server/service/wire/stream_codec.h"
 
 // Encodes snapshots as kerf.v1.Frame. Parts that depend on the sheet alone (body, topology) are encoded separately from
-// those that depend on the stream (head), so that many streams send the same bytes. Concatenated serialised messages
-// read as one, with repeated sub-messages merged (https://protobuf.dev/programming-guides/encoding/#last-one-wins).
+// the head, which depends on the stream. Thus many streams send the same bytes. Concatenated serialised messages read
+// as one, with repeated sub-messages merged (https://protobuf.dev/programming-guides/encoding/#last-one-wins).
 namespace kerf::wire {
 
 // Holds a snapshot as integers: the content of a frame, and the reference of later deltas.

@@ -62,8 +62,8 @@ class SocketStream : public std::enable_shared_from_this<SocketStream> {
   WakeSignal woken_;         // Wakes the writer.
   boost::asio::steady_timer write_limit_;
   std::shared_ptr<api::StreamSession> session_;
-  std::optional<boost::beast::websocket::close_reason>
-      violation_;          // Violation of this server's WebSocket rules by the peer.
+  // Set once the peer has violated this server's WebSocket rules.
+  std::optional<boost::beast::websocket::close_reason> violation_;
   bool too_slow_ = false;  // The peer is being closed as too slow; nothing follows.
   bool reading_ = false;
   bool peer_gone_ = false;
