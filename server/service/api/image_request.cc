@@ -12,7 +12,8 @@ constexpr int kStreamJpegQuality = 80;
 constexpr int kMinBitrateKbps = 50;
 constexpr int kMaxBitrateKbps = 50'000;
 
-// Returns the bit rate: 2000 at 640 x 360. It grows less than the number of pixels, which show the same things larger.
+// Returns the bit rate in kbit/s, 2000 at 640 x 360. It grows less than the number of pixels, because more pixels show
+// the same things larger.
 int bitrate_for(const PictureView& view) {
   const double pixels = static_cast<double>(view.width) * view.height;
   const double kbps = 2000.0 * std::pow(pixels / (640.0 * 360.0), 0.75);

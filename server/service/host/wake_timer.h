@@ -9,8 +9,8 @@
 
 namespace kerf::api {
 
-// Holds one timer of a stream, for the earliest deadline requested. A later deadline must be requested again after it
-// has fired. Thread-safe.
+// Holds one timer of a stream, for the earliest deadline requested. A later deadline is ignored, and must be
+// requested again after the timer has fired. Thread-safe.
 class WakeTimer {
  public:
   explicit WakeTimer(host::Clock& clock) : clock_(clock) {}
