@@ -35,7 +35,7 @@ struct AnalyzeArguments {
   std::string csv;
 };
 
-// The equilibrium asked for by options.
+// Sets the static analysis requested by options.
 void set_static(const AnalyzeArguments& arguments, v1::StaticAnalysis& message) {
   message.set_steps(arguments.steps);
   message.set_tolerance(arguments.tolerance);

@@ -13,7 +13,7 @@
 namespace kerf::cli {
 namespace {
 
-// As CLI11 writes it, but that the list of commands has a line for each.
+// Formats the help like CLI11, but with one line per command.
 class Help : public CLI::Formatter {
  public:
   Help() { column_width(26); }
@@ -37,7 +37,7 @@ std::vector<const CLI::Option*> visible(const CLI::App& app, bool positional) {
   std::vector<const CLI::Option*> found;
   visit_groups(app, [&](const CLI::App& group) {
     for (const CLI::Option* option : group.get_options()) {
-      // An option group has a --help of its own, which is the command's.
+      // Skips the --help of an option group, which duplicates the command's.
       if (&group != &app && option == group.get_help_ptr()) continue;
       if (option->get_positional() == positional && !option->get_group().empty()) found.push_back(option);
     }
@@ -45,7 +45,7 @@ std::vector<const CLI::Option*> visible(const CLI::App& app, bool positional) {
   return found;
 }
 
-// The parts of "TEXT:{top,corners}:FILE", which are the type of the value and what each validator says of it.
+// Splits "TEXT:{top,corners}:FILE" into the type of the value and the text of each validator.
 std::vector<std::string> kinds_of(const CLI::Option& option) {
   std::vector<std::string> kinds;
   std::istringstream parts(option.get_type_name());
@@ -70,7 +70,7 @@ std::unique_ptr<CLI::App> make_app(Session& session) {
                "Print replies as JSON; a refusal is {\"error\": {code, reason, message, field}} on stderr");
   app.add_flag("-q,--quiet", session.quiet, "No progress bars and no status line");
   app.add_flag("-v,--verbose", session.verbose, "Also what the server measured and counted");
-  app.fallthrough();  // --server and --json may stand after the subcommand too
+  app.fallthrough();  // --server and --json may also follow the subcommand.
   app.require_subcommand(1);
   app.footer(
       "Exit codes: 0 done (a cut that misses included), 1 refused with the reason on stderr, 2 wrong usage.\n"

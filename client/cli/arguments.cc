@@ -23,7 +23,7 @@ std::optional<Number> to_number(std::string_view text) {
   return number;
 }
 
-// "AxB" with A and B numbers.
+// Parses "AxB" with numbers A and B.
 template <typename Number>
 std::optional<std::pair<Number, Number>> to_pair(const std::string& text) {
   const std::size_t cross = text.find('x');
@@ -44,7 +44,7 @@ std::vector<std::string_view> split(std::string_view text, char separator) {
   }
 }
 
-// "a,b,c"; nothing where a part is no number.
+// Parses "a,b,c"; returns nothing if a part is no number.
 std::optional<std::vector<double>> to_numbers(const std::string& text) {
   std::vector<double> numbers;
   for (const std::string_view part : split(text, ',')) {

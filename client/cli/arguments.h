@@ -10,8 +10,8 @@
 #include "kerf/v1/geometry.pb.h"
 #include "kerf/v1/scene.pb.h"
 
-// The small languages of the command line. What cannot be read is a UsageError with a sentence that shows the right
-// form.
+// Parses the small languages of the command line. Malformed text gives a UsageError with a sentence that shows the
+// right form.
 namespace kerf::cli {
 
 struct UsageError {
@@ -21,8 +21,8 @@ template <typename T>
 using Parsed = std::variant<T, UsageError>;
 
 struct GridSize {
-  std::int32_t columns = 0;  // vertices along x
-  std::int32_t rows = 0;     // vertices along y
+  std::int32_t columns = 0;  // Vertices along x.
+  std::int32_t rows = 0;     // Vertices along y.
 };
 struct SheetSize {
   double width = 0.0;   // m
@@ -33,39 +33,41 @@ struct ImageSize {
   std::int32_t height = 0;  // pixels
 };
 
-// "50x50"
+// Parses "50x50".
 Parsed<GridSize> parse_grid(const std::string& text);
-// "1x0.5"
+// Parses "1x0.5".
 Parsed<SheetSize> parse_size(const std::string& text);
-// "640x360"
+// Parses "640x360".
 Parsed<ImageSize> parse_image_size(const std::string& text);
-// "x,y x,y ..."; numbers may be nan or inf, which the server refuses by name.
+// Parses "x,y x,y ..."; numbers may be nan or inf, which the server refuses by name.
 Parsed<std::vector<v1::Vec2>> parse_points(const std::string& text);
-// "cx,cy,r"
+// Parses "cx,cy,r".
 Parsed<v1::Circle> parse_circle(const std::string& text);
-// "cx,cy,rx,ry" or "cx,cy,rx,ry,DEGREES", counter-clockwise
+// Parses "cx,cy,rx,ry" or "cx,cy,rx,ry,DEGREES", counter-clockwise.
 Parsed<v1::Ellipse> parse_ellipse(const std::string& text);
-// "x,y,w x,y,w x,y,w" or with a fourth: a rational quadratic or cubic Bezier curve.
+// Parses "x,y,w x,y,w x,y,w" or with a fourth: a rational quadratic or cubic Bezier curve.
 Parsed<v1::Path> parse_rational(const std::string& text);
-// SVG path data in metres, y up. All of it must be readable.
+// Parses SVG path data in metres, y up, all of which must be well-formed.
 Parsed<v1::Path> parse_path(const std::string& text);
-// "x0,y0,x1,y1", or "sheet": a box without corners, which stands for the sheet's less its margin.
+// Parses "x0,y0,x1,y1", or "sheet": a box without corners, which means the sheet less its margin.
 Parsed<v1::MaterialBox> parse_fit(const std::string& text);
-// "x,y,z"
+// Parses "x,y,z".
 Parsed<v1::Vec3> parse_vector(const std::string& text);
-// "top" and the other edges, "corners", "top-corners", "all", "x,y" (the nearest vertex) or "x0,y0,x1,y1" (a box).
+// Parses "top" and the other edges, "corners", "top-corners", "all", "x,y" (the nearest vertex) or "x0,y0,x1,y1" (a
+// box).
 Parsed<v1::Region> parse_region(const std::string& text);
-// "EYE TARGET" or "EYE TARGET UP", each "x,y,z" in metres.
+// Parses "EYE TARGET" or "EYE TARGET UP", each "x,y,z" in metres.
 Parsed<v1::Camera> parse_camera(const std::string& text);
-// "nearest", "all", "piece", "piece:N" or "depth:NEAREST,FARTHEST" (metres): fills layers, piece and depths of `view`.
+// Parses "nearest", "all", "piece", "piece:N" or "depth:NEAREST,FARTHEST" (metres) into layers, piece and depths of a
+// view.
 Parsed<v1::View> parse_layers(const std::string& text);
-// "0.01,0.005[,...]"
+// Parses "0.01,0.005[,...]".
 Parsed<std::vector<double>> parse_dash(const std::string& text);
 
-// The address of a server, with the default port 50051 where it names none: "127.0.0.1", "[::1]", "::1".
+// Adds the default port 50051 to a server's address without one: "127.0.0.1", "[::1]", "::1".
 std::string with_port(const std::string& address);
 
-// Whether `name` ends with `ending`, letter case ignored.
+// True if `name` ends with `ending`, ignoring case.
 bool has_ending(std::string_view name, std::string_view ending);
 
 }  // namespace kerf::cli

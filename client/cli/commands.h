@@ -8,14 +8,14 @@
 
 #include "client/cli/output.h"
 
-// Each adds its subcommands to the app; a subcommand that is given sets session.action.
+// Adds the subcommands to the app; a subcommand given on the command line sets session.action.
 namespace kerf::cli {
 
 void add_sheet_commands(CLI::App& app, Session& session);
-void add_recording_commands(CLI::App& sheet, Session& session);  // of `kerf sheet`: record, play
-void add_settings_commands(CLI::App& sheet, Session& session);   // of `kerf sheet`: material, speed
+void add_recording_commands(CLI::App& sheet, Session& session);  // `kerf sheet`: record, play
+void add_settings_commands(CLI::App& sheet, Session& session);   // `kerf sheet`: material, speed
 void add_hands_commands(CLI::App& sheet,
-                        Session& session);  // of `kerf sheet`: grab, drag, release, pins, gravity, wind
+                        Session& session);  // `kerf sheet`: grab, drag, release, pins, gravity, wind
 void add_cut_command(CLI::App& app, Session& session);
 void add_cuts_commands(CLI::App& app, Session& session);  // cuts, undo, redo, pieces
 void add_view_commands(CLI::App& app, Session& session);  // render, export, info
@@ -26,14 +26,15 @@ void add_analyze_command(CLI::App& app, Session& session);
 void add_load_command(CLI::App& app, Session& session);
 void add_shell_commands(CLI::App& app, Session& session);  // completion
 
-// Answers a shell that asks how the last of `words` may go on; an exit code.
+// Prints the completions of the last of `words` for a shell; returns an exit code.
 int print_completion(const CLI::App& app, const std::vector<std::string>& words, const std::string& address);
 
 struct BatchTiming {
-  std::int64_t at_tick = 0;  // 0: at once
-  bool is_dry_run = false;   // asks what the cuts would be, and cuts nothing
+  std::int64_t at_tick = 0;  // 0: at once.
+  bool is_dry_run = false;   // Computes the cuts without making them.
 };
-// Applies the cuts of a file (JSON of kerf.v1.CutBatch) to a sheet, all or none of what one call takes; an exit code.
+// Applies the cuts of a file (JSON of kerf.v1.CutBatch) to a sheet; each call makes all of its cuts or none. Returns an
+// exit code.
 int cut_batch(const Session& session, const std::string& id, const std::string& file, const BatchTiming& timing);
 
 }  // namespace kerf::cli

@@ -12,7 +12,7 @@ bool begins_with(const std::string& text, const std::string& beginning) {
   return text.compare(0, beginning.size(), beginning) == 0;
 }
 
-// The option of this name, of the command or of those that it is part of, which may stand after it too.
+// Finds an option by name, of the command or of its parents, whose options may follow it too.
 const CLI::Option* find_option(const CLI::App* command, const std::string& name) {
   for (; command != nullptr; command = command->get_parent()) {
     if (const CLI::Option* option = command->get_option_no_throw(name)) return option;
@@ -20,13 +20,13 @@ const CLI::Option* find_option(const CLI::App* command, const std::string& name)
   return nullptr;
 }
 
-// Where the words before the last lead.
+// Describes the position in the command line after the words before the last.
 struct Place {
   const CLI::App* command = nullptr;
   std::set<const CLI::Option*> given;
-  const CLI::Option* open = nullptr;  // the last word is its value
-  std::size_t arguments = 0;          // of the command, before the last word
-  bool only_arguments = false;        // after "--"
+  const CLI::Option* open = nullptr;  // The last word is its value.
+  std::size_t arguments = 0;          // Arguments of the command before the last word.
+  bool only_arguments = false;        // After "--".
   std::string address;
 
   void take_value(const CLI::Option& option, const std::string& value) {
@@ -70,7 +70,7 @@ void add(const std::string& word, const std::string& description, const std::str
   if (begins_with(word, typed)) completion.candidates.push_back({word, headline(description)});
 }
 
-// `before`: what of the word stands before the value, as in --pin=top.
+// `before`: the part of the word before the value, as in --pin=top.
 void add_values(const CLI::Option& option, const Place& place, const ServerNames& names, const std::string& before,
                 const std::string& typed, Completion& completion) {
   std::vector<std::string> values = choices_of(option);
@@ -84,7 +84,7 @@ void add_values(const CLI::Option& option, const Place& place, const ServerNames
 void add_options(const Place& place, const std::string& typed, Completion& completion) {
   for (const CLI::App* command = place.command; command != nullptr; command = command->get_parent()) {
     for (const CLI::Option* option : options_of(*command)) {
-      // Each command has a --help of its own.
+      // Skips inherited --help, since each command has its own.
       const bool inherited = command != place.command && option == command->get_help_ptr();
       const bool again = place.given.count(option) > 0 && !is_repeatable(*option);
       if (!inherited && !again) add(option_name(*option), option->get_description(), typed, completion);

@@ -7,38 +7,38 @@
 
 #include <CLI/App.hpp>
 
-// Tab completion. The shells ask `kerf __complete WORD...`, which answers from the same CLI::App that reads the command
-// line, so that what they offer is never out of date.
+// Implements tab completion. The shells run `kerf __complete WORD...`. Its answer comes from the same CLI::App that
+// parses the command line, so that it is never out of date.
 namespace kerf::cli {
 
 struct Candidate {
   std::string word;
-  std::string description;  // one line; may be empty
+  std::string description;  // One line; may be empty.
 };
 
 struct Completion {
-  // What the shell adds by itself.
+  // Names that the shell adds by itself.
   enum class Paths { kNone, kFiles, kFolders };
   Paths paths = Paths::kNone;
-  std::vector<Candidate> candidates;  // each begins with what has been typed of the word
+  std::vector<Candidate> candidates;  // Each begins with the typed part of the word.
 };
 
-// What only a server knows; each of `address` (HOST:PORT). Empty where it does not answer.
+// Asks the server at `address` (HOST:PORT) for names. Empty if it does not answer.
 struct ServerNames {
-  std::function<std::vector<std::string>(const std::string& address)> sheets;     // their ids
-  std::function<std::vector<std::string>(const std::string& address)> materials;  // presets
+  std::function<std::vector<std::string>(const std::string& address)> sheets;     // Ids of sheets.
+  std::function<std::vector<std::string>(const std::string& address)> materials;  // Presets.
 };
 
-// How the last of `words` may go on; the others stand before it. `kerf` itself is not among them. `address`: of the
-// server to ask unless --server is among the words.
+// Returns completions of the last of `words`; the others precede it, without `kerf` itself. `address`: the server to
+// ask unless --server is among the words.
 Completion complete(const CLI::App& app, const std::vector<std::string>& words, const std::string& address,
                     const ServerNames& names);
 
-// What `kerf __complete` prints: "words", "files" or "folders", then a line for each candidate, its word and, after a
-// tab, its description.
+// Returns the output of `kerf __complete`: "words", "files" or "folders", then a line per candidate. Each line has the
+// word and, after a tab, its description.
 std::string to_lines(const Completion& completion);
 
-// The script that teaches a shell to ask; empty for a shell other than bash, zsh and fish.
+// Returns the completion script of a shell; empty for shells other than bash, zsh and fish.
 std::string completion_script(const std::string& shell);
 
 }  // namespace kerf::cli

@@ -3,8 +3,8 @@
 namespace kerf::cli {
 namespace {
 
-// bash breaks words at '=' and ':' too. What stands together on the line is put together again for kerf, and what of it
-// bash leaves alone is taken off the answers.
+// bash also breaks words at '=' and ':'. The script joins such parts again for kerf, and removes from the answers the
+// part that bash leaves in place.
 constexpr const char* kBash = R"script(# Tab completion of kerf for bash. Now: source <(kerf completion bash)
 # For good: kerf completion bash > ~/.local/share/bash-completion/completions/kerf
 _kerf() {

@@ -38,16 +38,16 @@ struct CutArguments {
   std::string picture = "640x360";
   std::string layers = "nearest";
   double fov_deg = 0.0;
-  std::string batch;  // a file
+  std::string batch;  // A file.
   std::int64_t at_tick = 0;
   bool is_dry_run = false;
   std::string method = "neighbourhood";
   std::string quality = "default";
   bool no_relax = false;
-  client::CutOptions options;  // those that need no parsing of their own
+  client::CutOptions options;  // Options that need no parsing of their own.
 };
 
-// Puts what an option says into `target`; what is wrong with it otherwise.
+// Stores the parsed value of an option in `target`, or returns its error.
 template <typename T, typename Target>
 std::optional<UsageError> take(const char* option, Parsed<T> parsed, Target& target) {
   if (const auto* wrong = std::get_if<UsageError>(&parsed))
@@ -73,7 +73,7 @@ std::optional<UsageError> set_points(const CutArguments& arguments, v1::Curve& c
   return std::nullopt;
 }
 
-// The curve of whichever option was given but --svg, or what is wrong with it.
+// Sets the curve from the option given, except --svg; returns the error, if any.
 std::optional<UsageError> set_curve(const CutArguments& arguments, v1::Curve& curve) {
   if (arguments.circle) return take("--circle", parse_circle(*arguments.circle), *curve.mutable_circle());
   if (arguments.ellipse) return take("--ellipse", parse_ellipse(*arguments.ellipse), *curve.mutable_ellipse());
@@ -93,7 +93,7 @@ std::optional<UsageError> set_view(const CutArguments& arguments, v1::View& view
   return std::nullopt;
 }
 
-// The options that are more than a number, or what is wrong with them.
+// Sets the options that are more than a number; returns the error, if any.
 std::optional<UsageError> set_options(const CutArguments& arguments, v1::Cut& cut) {
   cut.set_method(arguments.method == "element" ? v1::Cut::ELEMENT : v1::Cut::NEIGHBOURHOOD);
   if (arguments.quality == "fine") cut.set_quality(v1::Cut::FINE);

@@ -1,4 +1,4 @@
-// What there is to do with a sheet's cuts as a whole: list, export, apply, undo, redo; and its pieces.
+// Implements the commands on all cuts of a sheet: list, export, apply, undo, redo; and on its pieces.
 
 #include <algorithm>
 #include <cstdio>
@@ -22,10 +22,10 @@
 namespace kerf::cli {
 namespace {
 
-// What a server takes in one call.
+// Limits of a server on one call.
 constexpr int kMaxCallCuts = 4096;
 constexpr std::size_t kMaxCallBytes = std::size_t{1} << 20;
-// The cuts that a server lists, 16 MiB of them, are several times that as text.
+// Largest batch file. The cuts listed by a server, 16 MiB of them, are several times as long as text.
 constexpr std::size_t kMaxBatchFileBytes = std::size_t{256} << 20;
 
 struct CutsArguments {
@@ -35,12 +35,12 @@ struct CutsArguments {
   std::int64_t cancel = 0;
 };
 
-// Of a ScheduledCuts, what --cancel takes: "3" of sheets/demo/scheduledCuts/3.
+// Returns the number of a ScheduledCuts, as taken by --cancel: "3" for sheets/demo/scheduledCuts/3.
 std::string number_of(const std::string& name) {
   return name.substr(name.rfind('/') + 1);
 }
 
-// All pages as one message. `list`: CutService::Stub::ListCuts or ListPieces.
+// Fetches all pages as one message. `list`: CutService::Stub::ListCuts or ListPieces.
 template <typename Request, typename Response, typename Method, typename Merge>
 grpc::Status list_all(client::Client& client, const std::string& id, Method list, Merge merge, Response& all) {
   Request request;
@@ -166,10 +166,10 @@ int undo_or_redo(const Session& session, const std::string& id, const char* what
   return kDone;
 }
 
-// The cuts in their order, in as few calls as take them; each call is otherwise `to_sheet`. No cuts are one call too,
-// and a cut that is too large for any is one by itself: the server says what is wrong with them.
+// Splits the cuts, in order, into as few calls as possible, each otherwise equal to `to_sheet`. Without cuts there is
+// one call too. A cut too large for any call gets its own, so that the server reports the error.
 std::vector<v1::CreateCutsRequest> calls_of(v1::CutBatch& batch, const v1::CreateCutsRequest& to_sheet) {
-  constexpr std::size_t kFraming = 6;  // bytes before a cut in the message: its field number and length
+  constexpr std::size_t kFraming = 6;  // Bytes before a cut in the message: its field number and length.
   std::vector<v1::CreateCutsRequest> calls{to_sheet};
   std::size_t bytes = to_sheet.ByteSizeLong();
   for (v1::Cut& cut : *batch.mutable_cuts()) {
@@ -185,9 +185,9 @@ std::vector<v1::CreateCutsRequest> calls_of(v1::CutBatch& batch, const v1::Creat
   return calls;
 }
 
-// Of a file's cuts, by the calls that were answered so far.
+// Counts the cuts of a file made by the calls answered so far.
 struct Made {
-  v1::CreateCutsResponse answer;  // as if one call had been made
+  v1::CreateCutsResponse answer;  // As if one call had been made.
   int num_calls = 0;
   int num_undo_steps = 0;
   int num_cuts = 0;
@@ -216,7 +216,7 @@ void add(const v1::CreateCutsResponse& response, int num_cuts, Made& made) {
   answer.set_tick_budget_us(response.tick_budget_us());
 }
 
-// `failure`, of the call after those: its field counts the cuts of that call, and is to count those of the file.
+// Adapts the failure of the next call: its field must count the cuts of the file instead of the call.
 client::Failure with_what_was_made(client::Failure failure, const Made& made, const std::string& file) {
   if (made.num_cuts == 0) return failure;
   int index = 0;
@@ -232,7 +232,7 @@ client::Failure with_what_was_made(client::Failure failure, const Made& made, co
   return failure;
 }
 
-// Prints each warning once, and no more of them than fit on a screen.
+// Prints each warning once, up to a screenful.
 void print_notes(const v1::CreateCutsResponse& answer) {
   constexpr std::size_t kMostNotes = 5;
   std::vector<std::string> notes;

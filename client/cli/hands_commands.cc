@@ -14,7 +14,7 @@
 #include "client/cli/commands.h"
 #include "client/cli/interact.h"
 
-// What acts on a live sheet: hands that pull at it, pins, gravity, wind.
+// Implements actions on a live sheet: grabs, pins, gravity, wind.
 namespace kerf::cli {
 namespace {
 
@@ -23,7 +23,7 @@ constexpr const char* kNone = "none";
 
 using Service = v1::InteractionService::Stub;
 
-// Sets `vector`; kDone, or the exit code of what is wrong, which has been said.
+// Sets `vector`. Returns kDone, or an exit code after printing the error.
 int read_vector(const std::string& text, const std::string& option, v1::Vec3& vector) {
   const Parsed<v1::Vec3> parsed = parse_vector(text);
   if (const auto* wrong = std::get_if<UsageError>(&parsed)) return misuse(option + ": " + wrong->message);

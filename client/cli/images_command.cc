@@ -40,16 +40,16 @@ struct ImagesArguments {
   std::int64_t count = 0;
 };
 
-// What was written.
+// Counts the files written.
 struct Written {
   std::int64_t pictures = 0;
   std::int64_t bytes = 0;
-  std::int64_t skipped = 0;  // ticks
+  std::int64_t skipped = 0;  // Ticks.
   std::int64_t first_tick = 0;
   std::int64_t last_tick = 0;
 };
 
-// "picture-000001.jpg": so that a shell's *, and ffmpeg's picture-%06d.jpg, give them in their order.
+// Returns a name such as "picture-000001.jpg". A shell's *, and ffmpeg's picture-%06d.jpg, give these in order.
 std::string file_name(std::int64_t number, const std::string& format) {
   char name[64];
   std::snprintf(name, sizeof name, "picture-%06lld.%s", static_cast<long long>(number),
@@ -61,8 +61,8 @@ Error no_folder(const std::string& what) {
   return invalid_argument("CANNOT_WRITE", what + "; give --out another folder", "--out");
 }
 
-// The folder is there, without pictures of an earlier stream, which would be overwritten or go on behind these. The one
-// that it lies in must be, as for any file that kerf writes: where it is not, the path may be mistyped.
+// Makes the folder. It must not hold pictures of an earlier stream, which would be overwritten or mixed with these. Its
+// parent must exist, as for any file of kerf: if it does not, the path may be mistyped.
 Status make_folder(const ImagesArguments& arguments) {
   std::error_code error;
   fs::create_directory(arguments.out, error);
@@ -77,7 +77,7 @@ class Writer {
   Writer(const Session& session, const ImagesArguments& arguments)
       : session_(session), arguments_(arguments), progress_(session) {}
 
-  // False where no more are wanted.
+  // Takes a picture; returns false if no more are wanted.
   bool take(const v1::Image& image) {
     const std::string name = file_name(written_.pictures + 1, arguments_.format);
     const std::string file = (fs::path(arguments_.out) / name).string();
@@ -137,7 +137,7 @@ void print_summary(const ImagesArguments& arguments, const Written& written) {
 }
 
 int images(const Session& session, const ImagesArguments& arguments) {
-  const sigset_t interrupts = block_interrupts();  // before gRPC starts its threads
+  const sigset_t interrupts = block_interrupts();  // Before gRPC starts its threads.
   const Parsed<Picture> picture = parse_picture(arguments.picture);
   if (const auto* wrong = std::get_if<UsageError>(&picture)) return misuse(wrong->message);
   const Picture& wanted = std::get<Picture>(picture);

@@ -5,7 +5,7 @@
 
 namespace kerf::cli {
 
-// A call of InteractionService; kDone, or the exit code of why it was refused. Tells what came of it.
+// Makes a call of InteractionService and prints its outcome. Returns kDone or the exit code of a refusal.
 template <typename Request>
 int interact(const Session& session,
              grpc::Status (v1::InteractionService::Stub::*method)(grpc::ClientContext*, const Request&,

@@ -29,10 +29,10 @@ struct LoadArguments {
   std::string grid = "32x32";
   std::string image_size = "640x360";
   std::string transport = "grpc";
-  std::string html;  // a file; empty: none
+  std::string html;  // A file; empty: none.
 };
 
-// Whether a file can be written there; one that there is stays as it is.
+// Checks that a file can be written there; an existing one is left unchanged.
 Status check_writable(const std::string& path) {
   const std::filesystem::path folder = std::filesystem::absolute(path).parent_path();
   const auto refused = [&](const std::string& why) {
@@ -49,7 +49,7 @@ std::string news_of(const load::Progress& progress) {
          " cuts  " + std::to_string(progress.errors) + " errors";
 }
 
-// What is written in one word, as numbers; kDone, or the exit code of what is wrong, which has been said.
+// Parses the options that hold several numbers in one word. Returns kDone, or an exit code after printing the error.
 int read_sizes(LoadArguments& arguments) {
   const Parsed<GridSize> grid = parse_grid(arguments.grid);
   if (const auto* wrong = std::get_if<UsageError>(&grid)) return misuse("--grid: " + wrong->message);
@@ -67,13 +67,13 @@ int run_load(const Session& session, LoadArguments& arguments) {
   arguments.plan.transport = arguments.transport == "ws" ? load::Transport::kWebSocket : load::Transport::kGrpc;
   if (const int code = read_sizes(arguments); code != kDone) return code;
   if (const Status valid = load::check(arguments.plan); !valid.ok()) return misuse(valid.error().message);
-  if (!arguments.html.empty()) {  // sooner than after a run of half an hour
+  if (!arguments.html.empty()) {  // Checked before a run that may take half an hour.
     if (const Status writable = check_writable(arguments.html); !writable.ok()) return refuse(writable.error());
   }
-  const sigset_t interrupts = block_interrupts();  // before gRPC starts its threads
+  const sigset_t interrupts = block_interrupts();  // Before gRPC starts its threads.
   load::Stopper stopper;
   const Result<load::Report> report = [&] {
-    // So that its sheets are deleted and what was measured is told.
+    // Ends the run in order, so that its sheets are deleted and its results are printed.
     const OnSignal interrupted(interrupts, [&stopper] { stopper.stop(); });
     ProgressBar bar(session);
     return load::run(

@@ -21,11 +21,11 @@ int run(int argc, char** argv) {
   if (const char* server = std::getenv("KERF_SERVER")) session.server = server;  // NOLINT(concurrency-mt-unsafe)
   const std::unique_ptr<CLI::App> app = kerf::cli::make_app(session);
 
-  // Words of somebody's unfinished command line, which are not ours to read.
+  // Passes on an unfinished command line without parsing it.
   if (argc > 1 && std::string_view(argv[1]) == "__complete") {
     return kerf::cli::print_completion(*app, {argv + 2, argv + argc}, kerf::cli::with_port(session.server));
   }
-  // Also where the rest cannot be parsed.
+  // Takes effect even if the rest cannot be parsed.
   if (std::find(argv, argv + argc, std::string_view("--json")) != argv + argc) kerf::cli::refuse_in_json();
   try {
     app->parse(argc, argv);
@@ -38,7 +38,7 @@ int run(int argc, char** argv) {
   return session.action();
 }
 
-// What was printed may not have come out: a full disk, say, behind a redirection.
+// Checks that the output was written: it may be lost on a full disk behind a redirection.
 int flushed(int code) {
   errno = 0;
   if ((std::fflush(stdout) == 0 && std::ferror(stdout) == 0) || code != kerf::cli::kDone) return code;
@@ -50,7 +50,7 @@ int flushed(int code) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::signal(SIGXFSZ, SIG_IGN);  // a file beyond `ulimit -f` is a write that fails, and is said so
+  std::signal(SIGXFSZ, SIG_IGN);  // A file beyond `ulimit -f` is a failed write, and reported.
   try {
     return flushed(run(argc, argv));
   } catch (const std::exception& error) {

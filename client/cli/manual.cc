@@ -9,8 +9,8 @@
 namespace kerf::cli {
 namespace {
 
-// What man(7) would read as its own: backslashes, dashes (which it makes hyphens of) and a full stop or an apostrophe
-// at the beginning of a line.
+// Escapes characters special to man(7): backslashes, dashes (which become hyphens), and a full stop or an apostrophe at
+// the beginning of a line.
 std::string escape(const std::string& text) {
   std::string escaped;
   for (const char letter : text) {
@@ -33,7 +33,7 @@ std::string italic(const std::string& text) {
   return "\\fI" + escape(text) + "\\fR";
 }
 
-// Paragraphs; examples and lines that begin with a blank stay as they are.
+// Formats paragraphs; examples and lines that begin with a blank stay unchanged.
 std::string prose(const std::string& text) {
   std::string page;
   bool verbatim = false;
@@ -47,7 +47,7 @@ std::string prose(const std::string& text) {
   return verbatim ? page + ".fi\n" : page;
 }
 
-// "FILE", "top|corners|none"
+// Returns the name of a value, such as "FILE" or "top|corners|none".
 std::string value_name(const CLI::Option& option) {
   std::string name;
   for (const std::string& choice : choices_of(option)) name += (name.empty() ? "" : "|") + choice;
@@ -56,7 +56,7 @@ std::string value_name(const CLI::Option& option) {
   return type.substr(0, type.find(':', type == "HOST:PORT" ? type.size() : 0));
 }
 
-// Ends with a full stop.
+// Adds a final full stop if it is missing.
 std::string sentence(const std::string& text) {
   return text.empty() || text.back() == '.' ? text : text + ".";
 }
@@ -81,7 +81,7 @@ std::string synopsis(const CLI::App& command) {
   return line;
 }
 
-// A command, or those below it where it is none by itself.
+// Describes a command, or its subcommands if it is none by itself.
 std::string command_entry(const CLI::App& command) {
   const std::vector<const CLI::App*> below = commands_of(command);
   std::string page;
@@ -100,7 +100,7 @@ std::string upper(std::string text) {
   return text;
 }
 
-// Under the headings of the help, in its order.
+// Lists the commands under the headings of the help, in its order.
 std::string commands_by_group(const CLI::App& app) {
   std::vector<std::string> groups;
   for (const CLI::App* command : commands_of(app)) {

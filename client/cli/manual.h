@@ -8,17 +8,16 @@
 
 namespace kerf::cli {
 
-// What a manual page says beside what the CLI::App knows.
+// Holds the parts of a manual page that the CLI::App lacks.
 struct ManualText {
   std::string title;        // "kerf"
-  std::string summary;      // one line, for NAME
-  std::string description;  // paragraphs, an empty line between them
-  // Heading and text of what stands at the end. Lines that begin with a blank are shown as they are.
+  std::string summary;      // One line, for NAME.
+  std::string description;  // Paragraphs, separated by empty lines.
+  // Headings and texts of the last sections. Lines that begin with a blank are shown unchanged.
   std::vector<std::pair<std::string, std::string>> sections;
 };
 
-// A page of section 1 for man(1), in the language of man(7), with every command, argument and option that is not
-// hidden.
+// Returns a page of section 1 for man(1), in the language of man(7), with every visible command, argument and option.
 std::string manual_page(const CLI::App& app, const ManualText& text, const std::string& version);
 
 }  // namespace kerf::cli

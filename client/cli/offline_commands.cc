@@ -112,7 +112,7 @@ int run(const Session& session, const RunArguments& arguments) {
   return done->result.has_static_() ? check_converged(done->result.static_()) : kDone;
 }
 
-// Returns what to add to a line about the replay; nothing where the file is whole.
+// Returns a note on torn bytes for the line about a replay; empty if the file is whole.
 std::string describe_tear(std::int64_t torn_bytes) {
   if (torn_bytes == 0) return "";
   return "; the last " + std::to_string(torn_bytes) + (torn_bytes == 1 ? " byte is" : " bytes are") +

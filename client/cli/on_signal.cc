@@ -30,7 +30,8 @@ void OnSignal::run() {
     came_ = true;
     act_();
   }
-  if (came_) pthread_sigmask(SIG_UNBLOCK, &signals_, nullptr);  // in this thread, where the next one does what it does
+  // Unblocks them here, so that the next one has its usual effect.
+  if (came_) pthread_sigmask(SIG_UNBLOCK, &signals_, nullptr);
   while (!over_) nanosleep(&wait, nullptr);
 }
 

@@ -5,13 +5,13 @@
 #include <functional>
 #include <thread>
 
-// Ctrl-C as an orderly end of what goes on.
+// Turns Ctrl-C into an orderly end.
 namespace kerf::cli {
 
-// Ctrl-C and SIGTERM, blocked in this thread and those that it starts from now on.
+// Blocks Ctrl-C and SIGTERM in this thread and those started later; returns them.
 sigset_t block_interrupts();
 
-// Calls `act` at the first of the signals, in a thread of its own. A second one ends the program at once.
+// Calls `act` at the first of the signals, on its own thread. A second one ends the program at once.
 class OnSignal {
  public:
   OnSignal(const sigset_t& signals, std::function<void()> act);

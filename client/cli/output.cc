@@ -83,7 +83,7 @@ std::string notes(const v1::CutResult& result) {
   return text;
 }
 
-// Says how long a tick takes, and its parts from the largest on.
+// Describes the time of a tick, and its parts from the largest on.
 std::string tick_parts(const v1::TickEstimate& estimate) {
   std::vector<std::pair<double, std::string>> parts;
   for (const auto& [part, us] : estimate.parts_us()) parts.emplace_back(us, part);
@@ -97,7 +97,7 @@ std::string tick_parts(const v1::TickEstimate& estimate) {
   return text;
 }
 
-// Measurements and counts of the server, each in a line.
+// Lists the server's measurements and counts, one per line.
 std::string measurements(const v1::Sheet& sheet) {
   std::string text = tick_parts(sheet.tick_estimate()) + "\n  " + sheet.integrator();
   if (sheet.has_local_inertia()) {
@@ -116,7 +116,7 @@ std::string measurements(const v1::Sheet& sheet) {
   return text + flags;
 }
 
-// Shapes of the new triangles.
+// Describes the shapes of the new triangles.
 std::string shapes(const v1::CutResult& result) {
   const v1::CutQuality& quality = result.quality();
   std::string text = format(
@@ -145,7 +145,7 @@ std::string shapes(const v1::CutResult& result) {
   return text;
 }
 
-// Names, layers, gaps, pieces and times of an applied cut.
+// Describes names, layers, gaps, pieces and times of an applied cut.
 std::string outcome(const v1::CutResult& result) {
   // A dry run has no name.
   std::string text = format(
@@ -172,7 +172,7 @@ std::string outcome(const v1::CutResult& result) {
   return text;
 }
 
-// What stands in the message's first quotation marks.
+// Returns the text in the message's first quotation marks.
 std::string quoted_in(const std::string& message) {
   const std::size_t begin = message.find('"') + 1;
   return begin == 0 ? std::string() : message.substr(begin, message.find('"', begin) - begin);
@@ -180,7 +180,7 @@ std::string quoted_in(const std::string& message) {
 
 bool in_json = false;
 
-// `line`: for people. What is for programs stands in `failure`.
+// Prints an error. `line` is for people; `failure` has the parts for programs.
 void complain(const std::string& line, const std::string& code, const Error& failure) {
   if (in_json) {
     const Json error{

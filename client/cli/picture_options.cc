@@ -9,7 +9,7 @@
 namespace kerf::cli {
 namespace {
 
-// Of an argument that was checked to be one of them.
+// Converts an argument already checked to be valid.
 v1::ColorBy color_by_of(const std::string& name) {
   if (name == "pieces") return v1::PIECES;
   return name == "strains" ? v1::STRAINS : v1::SIDES;

@@ -8,10 +8,10 @@
 #include "client/cli/arguments.h"
 #include "kerf/v1/render.pb.h"
 
-// What `kerf render` and `kerf images` draw.
+// Defines the options of `kerf render` and `kerf images`.
 namespace kerf::cli {
 
-// As it was typed.
+// Holds the options as typed.
 struct PictureOptions {
   std::string size = "640x360";
   std::optional<std::string> view;
@@ -31,7 +31,7 @@ struct Picture {
   v1::ColorBy color_by = v1::SIDES;
 };
 
-// --size, --view, --fov, --wireframe, --undeformed, --dark, --color-by.
+// Adds --size, --view, --fov, --wireframe, --undeformed, --dark, --color-by.
 void add_picture_options(CLI::App& command, PictureOptions& options);
 
 Parsed<Picture> parse_picture(const PictureOptions& options);

@@ -10,7 +10,7 @@ namespace kerf::cli {
 namespace {
 
 constexpr std::chrono::milliseconds kRedrawn{100};
-constexpr std::chrono::milliseconds kPatience{500};  // waiting that short needs no note
+constexpr std::chrono::milliseconds kPatience{500};  // Shorter waits need no note.
 constexpr double kStepNewsHz = 5.0;
 
 void draw(const std::string& line) {
@@ -18,7 +18,7 @@ void draw(const std::string& line) {
   std::fflush(stderr);
 }
 
-// "1:02:03", "2:03"
+// Returns "1:02:03" or "2:03".
 std::string clock_time(double seconds) {
   const auto whole = static_cast<long long>(seconds + 0.5);
   char text[40];
@@ -111,7 +111,7 @@ StepProgress::~StepProgress() {
 void StepProgress::run(const std::string& name, std::int64_t first, std::int32_t ticks) {
   client::WatchOptions options;
   options.max_rate_hz = kStepNewsHz;
-  // How it ends is told by the call that steps.
+  // Ignores the end of the stream; the StepSheet call reports the result.
   static_cast<void>(watcher_->run(name, options, [&](const v1::Frame& frame, const client::Mirror& /*mirror*/) {
     const std::int64_t done = frame.tick() - first;
     bar_.show(static_cast<double>(done) / ticks, std::to_string(done) + " of " + std::to_string(ticks) + " ticks");

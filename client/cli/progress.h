@@ -10,16 +10,17 @@
 #include "client/cli/output.h"
 #include "client/cpp/watcher.h"
 
-// What a person sees who waits: on stderr, only where that is a terminal, and not with --json or --quiet. All of it is
-// gone from the screen when the work is done.
+// Shows progress to a waiting user: on stderr, only if that is a terminal, and not with --json or --quiet. It is erased
+// from the screen when the work is done.
 namespace kerf::cli {
 
 bool is_watched(const Session& session);
 
-// "[####............] 25 %  0:12 left  what". `done`: 0..1; no time is told before a second has passed and 1 % is done.
+// Returns "[####............] 25 %  0:12 left  what". `done`: 0..1. The time is left out before a second has passed and
+// 1 % is done.
 std::string progress_line(double done, double elapsed_s, const std::string& what);
 
-// Of work that tells how far it is.
+// Shows the progress of work that reports it.
 class ProgressBar {
  public:
   explicit ProgressBar(const Session& session) : live_(is_watched(session)) {}
@@ -27,21 +28,21 @@ class ProgressBar {
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
-  // Draws at most ten times a second, so it may be called as often as there is news.
+  // Draws at most ten times a second, so it may be called for each change.
   void show(double done, const std::string& what);
-  void show(const std::string& what);  // of work without an end
+  void show(const std::string& what);  // For work without a known end.
 
  private:
   using Clock = std::chrono::steady_clock;
-  // Whether there is somebody to see it, and the last one is old enough.
+  // True if the bar is visible and the last drawing is old enough.
   bool is_due();
 
   bool live_ = false;
   Clock::time_point started_ = Clock::now();
-  Clock::time_point drawn_;  // the epoch: not yet
+  Clock::time_point drawn_;  // The epoch: not yet.
 };
 
-// Of a call that does not: what it is and for how long it has been under way, from half a second on.
+// Shows a call without progress: its name and its time so far, from half a second on.
 class WaitingNote {
  public:
   WaitingNote(const Session& session, std::string what);
@@ -56,13 +57,13 @@ class WaitingNote {
   std::mutex mutex_;
   std::condition_variable ended_;
   bool has_ended_ = false;
-  std::thread thread_;  // only where somebody watches
+  std::thread thread_;  // Runs only if the note is visible.
 };
 
-// Of a StepSheet to come, told by the frames of the sheet: made before the call, gone after it.
+// Shows the progress of a StepSheet call from the sheet's frames: made before the call, destroyed after it.
 class StepProgress {
  public:
-  // name: "sheets/demo"; ticks: that it is asked to step.
+  // `name`: "sheets/demo"; `ticks`: number requested.
   StepProgress(const Session& session, const std::string& name, std::int32_t ticks);
   ~StepProgress();
   StepProgress(const StepProgress&) = delete;
@@ -72,7 +73,7 @@ class StepProgress {
   void run(const std::string& name, std::int64_t first, std::int32_t ticks);
 
   ProgressBar bar_;
-  std::unique_ptr<client::Client> client_;  // only where somebody watches, as the next two
+  std::unique_ptr<client::Client> client_;  // Set only if the bar is visible, as are the next two.
   std::unique_ptr<client::Watcher> watcher_;
   std::thread thread_;
 };

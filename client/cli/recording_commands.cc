@@ -13,11 +13,11 @@
 #include "client/cpp/transfers.h"
 #include "server/base/disk.h"
 
-// Recordings of live sheets: fetched, and played live.
+// Implements commands that fetch recordings of live sheets and play them live.
 namespace kerf::cli {
 namespace {
 
-constexpr std::size_t kMaxUploadedRecordingBytes = std::size_t{128} << 20;  // what a server takes
+constexpr std::size_t kMaxUploadedRecordingBytes = std::size_t{128} << 20;  // Limit of a server.
 
 struct PlayArguments {
   std::string file;

@@ -80,7 +80,7 @@ class StageTimer : public sheet::StageObserver {
   std::vector<Times> commands_;
 };
 
-// Gathers what RunResult.tick_times says.
+// Collects the times of RunResult.tick_times.
 class TickTimes {
  public:
   void add(std::int64_t tick, const StageTimer::Times& times, const fem::TickCost& cost) {
@@ -133,7 +133,7 @@ class TickTimes {
   std::array<double, fem::kTickPartNames.size()> parts_{};
 };
 
-// The outcomes of a Cut or CutBatch; the cuts of a batch share its time equally.
+// Adds the outcomes of a Cut or CutBatch; the cuts of a batch share its time equally.
 void add_cuts(const sheet::CommandReply& reply, const StageTimer::Times& time, v1::RunResult& result) {
   std::vector<v1::CutResult> cuts = wire::encode_cut_results(reply);
   const auto count = static_cast<double>(cuts.size());
@@ -156,7 +156,7 @@ void describe_end(const sheet::Sheet& sheet, v1::RunResult& result) {
   result.set_integrator(sheet.integrator_description());
 }
 
-// Steps a dynamic scene, and records it where asked to.
+// Steps a dynamic scene, and records it if requested.
 Result<analysis::Outcome> step_scene(sheet::Sheet& sheet, const SceneRunOptions& options, SceneRun& run) {
   const std::int64_t scene_ticks = sheet.config().ticks > 0 ? sheet.config().ticks : kDefaultTicks;
   sheet::DynamicAnalysis analysis = std::get<sheet::DynamicAnalysis>(sheet.config().analysis);

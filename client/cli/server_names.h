@@ -3,11 +3,11 @@
 #include <string>
 #include <vector>
 
-// Names that only a server knows, for tab completion and "did you mean". Each asks for at most a quarter of a second,
-// and is empty where no server answers by then.
+// Asks the server for names, for tab completion and "did you mean". Each waits at most a quarter of a second, and is
+// empty without an answer by then.
 namespace kerf::cli {
 
-std::vector<std::string> sheet_ids(const std::string& address);         // the first 1000, by name
-std::vector<std::string> material_presets(const std::string& address);  // as `kerf info` lists them
+std::vector<std::string> sheet_ids(const std::string& address);         // The first 1000, by name.
+std::vector<std::string> material_presets(const std::string& address);  // As listed by `kerf info`.
 
 }  // namespace kerf::cli

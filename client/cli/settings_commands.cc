@@ -15,7 +15,7 @@
 #include "client/cpp/client.h"
 #include "server/service/wire/json.h"
 
-// What of a live sheet can be set: its material, its speed.
+// Implements the settings of a live sheet: its material, its speed.
 namespace kerf::cli {
 namespace {
 
@@ -26,8 +26,8 @@ struct MaterialArguments {
   std::optional<std::int32_t> part;
 };
 
-// The material that the preset and the numbers put over it describe; kDone, or the exit code of what is wrong, which
-// has been said.
+// Reads the material given by the preset and the numbers that override it. Returns kDone, or an exit code after
+// printing the error.
 int read_material(const MaterialArguments& arguments, v1::Material& material) {
   nlohmann::json json = nlohmann::json::object();
   if (!arguments.preset.empty()) json["preset"] = arguments.preset;
@@ -41,7 +41,7 @@ int read_material(const MaterialArguments& arguments, v1::Material& material) {
     }
     json[number.substr(0, equals)] = value;
   }
-  // What is no UTF-8 names no field and no preset, which the answer then says.
+  // Replaces invalid UTF-8, which matches no field and no preset, so that the error names it.
   const Status read = wire::from_json(json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace), material);
   return read.ok() ? kDone : refuse(read.error());
 }

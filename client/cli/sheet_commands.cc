@@ -27,19 +27,19 @@
 namespace kerf::cli {
 namespace {
 
-constexpr std::size_t kMaxMeshFileBytes = std::size_t{64} << 20;  // what a server takes
+constexpr std::size_t kMaxMeshFileBytes = std::size_t{64} << 20;  // Limit of a server.
 
 struct CreateArguments {
   std::string id;
   std::string grid = "50x50";
   std::string size = "1x1";
-  std::string obj;  // a file, instead of a grid
-  std::string ply;  // a file, instead of a grid
+  std::string obj;  // A file, instead of a grid.
+  std::string ply;  // A file, instead of a grid.
   std::string rest = "auto";
   std::string pin = "top";
   std::string material;
-  std::vector<std::string> parts;  // of other materials: x0,y0,x1,y1=PRESET
-  std::string scene;               // a file, instead of all of the above
+  std::vector<std::string> parts;  // Parts of other materials: x0,y0,x1,y1=PRESET.
+  std::string scene;               // A file, instead of all of the above.
   IntegratorArguments integrator;
   std::string fidelity;
   bool paused = false;
@@ -50,7 +50,7 @@ v1::RestShape rest_shape(const std::string& name) {
   return name == "surface" ? v1::REST_SHAPE_SURFACE : v1::REST_SHAPE_UNSPECIFIED;
 }
 
-// The sheet's mesh; kDone, or the exit code of what is wrong, which has been said.
+// Adds the sheet's mesh. Returns kDone, or an exit code after printing the error.
 int add_mesh(const CreateArguments& arguments, v1::Scene& scene) {
   if (const std::string& path = arguments.obj.empty() ? arguments.ply : arguments.obj; !path.empty()) {
     host::RealDisk disk;
@@ -76,7 +76,7 @@ int add_mesh(const CreateArguments& arguments, v1::Scene& scene) {
   return kDone;
 }
 
-// The parts of other materials; kDone, or the exit code of what is wrong, which has been said.
+// Adds the parts of other materials. Returns kDone, or an exit code after printing the error.
 int add_parts(const std::vector<std::string>& parts, v1::Scene& scene) {
   for (const std::string& part : parts) {
     const std::size_t equals = part.find('=');
@@ -92,8 +92,8 @@ int add_parts(const std::vector<std::string>& parts, v1::Scene& scene) {
   return kDone;
 }
 
-// What a scene file says, the files that it names included; kDone, or the exit code of what is wrong, which has been
-// said.
+// Adds the content of a scene file and of the files named in it. Returns kDone, or an exit code after printing the
+// error.
 int add_scene_file(const CreateArguments& arguments, v1::Scene& scene) {
   host::RealDisk disk;
   Result<sheet::SheetConfig> config = read_scene(disk, arguments.scene);
@@ -104,7 +104,7 @@ int add_scene_file(const CreateArguments& arguments, v1::Scene& scene) {
   return kDone;
 }
 
-// The sheet that the options describe; likewise.
+// Adds the sheet described by the options. Returns kDone, or an exit code after printing the error.
 int add_options(const CreateArguments& arguments, v1::Scene& scene) {
   if (const int code = add_mesh(arguments, scene); code != kDone) return code;
   if (!arguments.material.empty()) scene.mutable_material()->set_preset(arguments.material);
@@ -160,7 +160,7 @@ int list_sheets(const Session& session) {
   return kDone;
 }
 
-// The calls that take a sheet's name and answer with the sheet.
+// Makes a call that takes a sheet's name and returns the sheet.
 template <typename Request>
 int call_with_name(const Session& session, const std::string& id,
                    grpc::Status (v1::SheetService::Stub::*method)(grpc::ClientContext*, const Request&, v1::Sheet*)) {
@@ -174,7 +174,7 @@ int call_with_name(const Session& session, const std::string& id,
   return kDone;
 }
 
-// Asks at a terminal where others watch the sheet. A server that cannot be asked says why at the reset.
+// Asks for confirmation at a terminal if others watch the sheet. If the server cannot be reached, the reset reports it.
 int reset_sheet(const Session& session, const std::string& id, bool is_sure) {
   if (!is_sure && isatty(STDIN_FILENO) != 0) {
     client::Client client(session.server);

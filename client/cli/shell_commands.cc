@@ -1,4 +1,4 @@
-// What concerns the shell that kerf is called from.
+// Implements commands for the calling shell.
 
 #include <cstdio>
 #include <memory>

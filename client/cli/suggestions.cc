@@ -11,9 +11,10 @@
 namespace kerf::cli {
 namespace {
 
-// Optimal string alignment: insertions, deletions, substitutions and swaps of neighbours, each 1.
+// Computes the optimal string alignment distance: insertions, deletions, substitutions and swaps of neighbours cost 1
+// each.
 std::size_t edit_distance(const std::string& a, const std::string& b) {
-  std::array<std::vector<std::size_t>, 3> rows;  // of a's first i - 2, i - 1 and i letters
+  std::array<std::vector<std::size_t>, 3> rows;  // Rows for a's first i - 2, i - 1 and i letters.
   rows[1].resize(b.size() + 1);
   for (std::size_t j = 0; j <= b.size(); ++j) rows[1][j] = j;
   for (std::size_t i = 1; i <= a.size(); ++i) {
@@ -44,14 +45,14 @@ std::vector<std::string> command_names(const CLI::App& app) {
   return names;
 }
 
-// The command that was given, as far as it was understood.
+// Returns the given command, as far as it was recognised.
 const CLI::App& given_command(const CLI::App& app) {
   const CLI::App* command = &app;
   while (!command->get_subcommands().empty()) command = command->get_subcommands().back();
   return *command;
 }
 
-// An option that there is none of, or else the first word too many; empty where every word was understood.
+// Returns an unknown option, or else the first extra word; empty if every word was recognised.
 std::string unknown_word(const CLI::App& app) {
   const std::vector<std::string> words = app.remaining(true);
   const auto option =
@@ -60,7 +61,7 @@ std::string unknown_word(const CLI::App& app) {
   return words.empty() ? std::string() : words.front();
 }
 
-// Words of other programs, each with the command that does the same.
+// Words of other programs, each with the equivalent command.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 18> kOtherNames{{
     {"snip", "cut"},
     {"slice", "cut"},
@@ -82,7 +83,7 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 18> kOtherNa
     {"benchmark", "load"},
 }};
 
-// Names near the word, or else the command that does the same.
+// Returns names similar to the word, or else the equivalent command.
 std::vector<std::string> near_commands(const std::string& word, const std::vector<std::string>& commands) {
   std::vector<std::string> near = near_names(word, commands);
   for (const auto& [other, name] : kOtherNames) {

@@ -26,7 +26,7 @@ std::string to_csv(const v1::Table& table) {
   return text;
 }
 
-// What acts on the sheet in time and was left out, on a line of its own.
+// Returns a line about the time-dependent influences that were left out.
 std::string left_out(const v1::StaticResult& statics) {
   std::string line;
   for (int i = 0; i < statics.left_out_size(); ++i) line += (i == 0 ? "\n  left out: " : ", ") + statics.left_out(i);

@@ -10,21 +10,21 @@
 #include "server/base/disk.h"
 #include "server/base/result.h"
 
-// Tables of probes and vibrations, for people and for other programs.
+// Formats tables of probes and vibrations, for people and for other programs.
 namespace kerf::cli {
 
-// Each as `folder`/NAME.csv, numbers to the last bit; nothing where `folder` is empty.
+// Writes each as `folder`/NAME.csv, with numbers that read back exactly; does nothing if `folder` is empty.
 Status write_csv(host::Disk& disk, const std::string& folder,
                  const google::protobuf::RepeatedPtrField<v1::Table>& tables);
 
-// The first rows and the last of a table, each line begun with a newline.
+// Returns the first rows and the last of a table, each line begun with a newline.
 std::string excerpt(const v1::Table& table);
 std::string describe(const v1::StaticResult& statics);
 std::string describe(const v1::DynamicResult& dynamics);
-// A line each, begun with a newline.
+// Returns a line per flag, begun with a newline.
 std::string describe_flags(const google::protobuf::Map<std::string, std::int64_t>& flagged_ticks);
 
-// An exit code; says how far it came where that is not to the end.
+// Returns an exit code; prints the load reached if the analysis did not complete.
 int check_converged(const v1::StaticResult& statics);
 
 }  // namespace kerf::cli

@@ -59,7 +59,7 @@ void print_json(const v1::Frame& frame, const WatchMeter::Frame& measured) {
   std::fflush(stdout);
 }
 
-// Redraws the status line at a terminal, at most ten times a second; elsewhere there is a line a frame.
+// Redraws the status line at a terminal, at most ten times a second; elsewhere prints a line per frame.
 class FrameLine {
  public:
   explicit FrameLine(const Session& session) : live_(isatty(STDOUT_FILENO) != 0), quiet_(session.quiet) {}
@@ -83,7 +83,7 @@ class FrameLine {
 };
 
 int watch(const Session& session, const WatchArguments& arguments) {
-  const sigset_t interrupts = block_interrupts();  // before gRPC starts its threads
+  const sigset_t interrupts = block_interrupts();  // Before gRPC starts its threads.
   client::Client client(session.server);
   client::Watcher watcher(client);
   const OnSignal interrupted(interrupts, [&watcher] { watcher.stop(); });

@@ -9,7 +9,7 @@ namespace {
 constexpr double kRecent = 2.0;  // s
 constexpr std::size_t kKeptAges = 4096;
 
-// The least value that a share of them do not exceed; 0 of none.
+// Returns the smallest value not exceeded by a share of them; 0 without values.
 double percentile(std::vector<double> values, double share) {
   if (values.empty()) return 0.0;
   const auto index = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1) + 0.5);
@@ -17,7 +17,7 @@ double percentile(std::vector<double> values, double share) {
   return values[static_cast<std::size_t>(index)];
 }
 
-// "812 B", "4.2 kB", "1.3 MB"
+// Returns "812 B", "4.2 kB" or "1.3 MB".
 std::string byte_count(double bytes) {
   char text[32];
   if (bytes < 1e3) {
@@ -50,7 +50,7 @@ void WatchMeter::add(const Frame& frame) {
 std::string WatchMeter::status() const {
   if (recent_.empty()) return "waiting for the first frame";
   const Frame& last = recent_.back();
-  // The first frame of the span begins it and is not of it.
+  // The first frame marks the start of the span and is not counted.
   const double span = last.at_s - recent_.front().at_s;
   double bytes = 0.0;
   std::vector<double> ages;

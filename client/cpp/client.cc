@@ -12,9 +12,9 @@ namespace {
 std::shared_ptr<grpc::Channel> open_channel(const std::string& address, Client::Connection connection) {
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(Client::kMaxReceiveBytes);
-  // Never through a proxy of the environment: Kerf servers are near, and a proxy that buffers would spoil the stream.
+  // Ignores proxies set in the environment: Kerf servers are near, and a buffering proxy would spoil the stream.
   arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
-  arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 2000);  // a server that was started again is found soon
+  arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 2000);  // Finds a restarted server soon.
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, connection == Client::Connection::kOwn ? 1 : 0);
   return grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
 }

@@ -17,22 +17,21 @@
 
 namespace kerf::client {
 
-// A connection to one Kerf server with the typed stubs of all services. Connecting is lazy: an unreachable server shows
-// at the first call, as UNAVAILABLE. Thread-safe, as gRPC stubs are.
+// Connects to one Kerf server, with the typed stubs of all services. Connecting is lazy: an unreachable server gives
+// UNAVAILABLE at the first call. Thread-safe, as gRPC stubs are.
 class Client {
  public:
-  // Messages up to this size are received: a 500,000-vertex sheet's OBJ file, 90 MB and more, with room to spare.
+  // Largest message received: a 500,000-vertex sheet's OBJ file, 90 MB and more, with room to spare.
   static constexpr int kMaxReceiveBytes = 256 << 20;
 
-  // Of clients of one process and address: whether calls go over one connection, or each has its own, as programs on
-  // different machines have.
+  // Chooses whether clients of one process and address share a connection, or have their own as on different machines.
   enum class Connection { kShared, kOwn };
 
-  // "HOST:PORT".
+  // `address`: "HOST:PORT".
   explicit Client(const std::string& address, Connection connection = Connection::kShared);
   explicit Client(std::shared_ptr<grpc::Channel> channel);
 
-  // One unary call with a deadline:
+  // Makes one unary call with a deadline:
   //   client.call(&v1::CutService::Stub::CreateCut, client.cuts(), request, response)
   template <typename Service, typename Request, typename Response>
   grpc::Status call(grpc::Status (Service::*method)(grpc::ClientContext*, const Request&, Response*), Service& service,
@@ -43,7 +42,7 @@ class Client {
     return (service.*method)(&context, request, &response);
   }
 
-  // Connects now. False: not within `timeout`.
+  // Connects now. Returns false if that takes longer than `timeout`.
   bool wait_until_connected(std::chrono::milliseconds timeout) {
     return channel_->WaitForConnected(std::chrono::system_clock::now() + timeout);
   }

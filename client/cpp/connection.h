@@ -8,12 +8,12 @@
 
 namespace kerf::client {
 
-// A Client whose calls answer with a Result. Thread-safe.
+// Wraps a Client so that calls return a Result. Thread-safe.
 class Connection {
  public:
   Connection(const std::string& address, std::chrono::milliseconds timeout) : client_(address), timeout_(timeout) {}
 
-  //   connection.call(&v1::CutService::Stub::CreateCut, connection.client().cuts(), request)
+  // Makes one unary call: connection.call(&v1::CutService::Stub::CreateCut, connection.client().cuts(), request)
   template <typename Service, typename Request, typename Response>
   Result<Response> call(grpc::Status (Service::*method)(grpc::ClientContext*, const Request&, Response*),
                         Service& service, const Request& request) {

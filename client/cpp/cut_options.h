@@ -10,33 +10,33 @@
 
 namespace kerf::client {
 
-// A box in material coordinates, m.
+// Represents a box in material coordinates, m.
 struct Box {
   Point low;
   Point high;
 };
 
-// What may be said of a cut beside its curve; 0 and absent stand for the defaults. Field by field in
-// proto/kerf/v1/scene.proto. make_cut() below has them once more.
+// Holds the options of a cut besides its curve; 0 and absent mean the defaults. proto/kerf/v1/scene.proto describes
+// each field. make_cut() below lists them once more.
 struct CutOptions {
-  double tolerance = 0.0;              // curve to lips at most, as a share of the edge length there, 1e-6..0.5
-  double tolerance_m = 0.0;            // the same in metres, instead
-  double min_angle_deg = 0.0;          // asked of new triangles, 5..28
+  double tolerance = 0.0;  // Largest distance of the curve to the lips, as a share of the edge length there, 1e-6..0.5.
+  double tolerance_m = 0.0;            // The same in metres, instead.
+  double min_angle_deg = 0.0;          // Wanted of new triangles, 5..28.
   std::int32_t max_new_triangles = 0;  // 1..1000000
   v1::Cut::Method method = v1::Cut::METHOD_UNSPECIFIED;
   v1::Cut::Quality quality = v1::Cut::QUALITY_UNSPECIFIED;
-  double tip_edge_length_m = 0.0;     // at the tips inside the sheet
-  double tip_grading = 0.0;           // growth of edges away from them, 1.05..10
-  bool relax = true;                  // old vertices may move in material space
-  double width_m = 0.0;               // of the strip that is taken away around the curve
-  bool fit_sheet = false;             // scaled and moved into the sheet less its margin
-  std::optional<Box> fit = {};        // or into this box
-  std::vector<double> dash = {};      // m cut and m left, in turn
-  double dash_offset = 0.0;           // m into the pattern at which it begins
-  std::optional<v1::View> view = {};  // the curve is in pixels of this picture
+  double tip_edge_length_m = 0.0;     // At the tips inside the sheet.
+  double tip_grading = 0.0;           // Growth of edges away from them, 1.05..10.
+  bool relax = true;                  // Old vertices may move in material space.
+  double width_m = 0.0;               // Width of the strip removed around the curve.
+  bool fit_sheet = false;             // Scale and move into the sheet less its margin.
+  std::optional<Box> fit = {};        // Or into this box.
+  std::vector<double> dash = {};      // m cut and m left, in turn.
+  double dash_offset = 0.0;           // m into the pattern at which it begins.
+  std::optional<v1::View> view = {};  // The curve is in pixels of this picture.
 };
 
-// A cut to be made later, one of Sheet::cut_all().
+// Returns a cut to be made later, as one of Sheet::cut_all().
 inline v1::Cut make_cut(v1::Curve curve, const CutOptions& options = {}) {
   v1::Cut cut;
   *cut.mutable_curve() = std::move(curve);
@@ -61,8 +61,8 @@ inline v1::Cut make_cut(v1::Curve curve, const CutOptions& options = {}) {
   return cut;
 }
 
-// The picture that a cut is drawn on: as Sheet::render() draws it with the same camera and size. Pixel (0, 0) is its
-// top left corner.
+// Returns the view of a cut in pixels of a picture, as drawn by Sheet::render() with the same camera and size. Pixel
+// (0, 0) is its top left corner.
 v1::View picture_view(const v1::Camera& camera, double width_px, double height_px,
                       v1::View::Layers layers = v1::View::NEAREST);
 

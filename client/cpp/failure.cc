@@ -7,7 +7,7 @@ namespace kerf::client {
 
 namespace {
 
-// gRPC's own refusals, in which it does not say what to do.
+// Adds the remedy to gRPC's own refusals, which name none.
 void explain(Failure& failure) {
   if (failure.code == grpc::StatusCode::RESOURCE_EXHAUSTED &&
       failure.message.find("larger than max") != std::string::npos) {

@@ -6,25 +6,25 @@
 
 namespace kerf::client {
 
-// Why a call was refused, for people and for programs.
+// Describes why a call was refused, for people and for programs.
 struct Failure {
   grpc::StatusCode code = grpc::StatusCode::UNKNOWN;
-  std::string reason;   // stable, e.g. "CURVE_NOT_FINITE"; empty where the server gave none (it was not reached, say)
-  std::string message;  // what is wrong and what to do
-  std::string field;    // path of the offending request field; may be empty
+  std::string reason;   // Stable, e.g. "CURVE_NOT_FINITE"; empty if the server gave none (it was not reached, say).
+  std::string message;  // Fault and remedy.
+  std::string field;    // Path of the offending request field; may be empty.
 };
 
-// Reads google.rpc.Status out of the trailing metadata that gRPC keeps in `status`. `status` must not be OK.
+// Reads google.rpc.Status from the trailing metadata that gRPC keeps in `status`. `status` must not be OK.
 Failure failure_of(const grpc::Status& status);
 
-// "INVALID_ARGUMENT" and so on.
+// Returns the name of a code, e.g. "INVALID_ARGUMENT".
 std::string name_of(grpc::StatusCode code);
 
-// The server's reason, or where it gave none the code's name and gRPC's words: short, and the same for the same thing.
-// Of a status that is not OK.
+// Returns the server's reason, or without one the code's name and gRPC's words: short, and the same for the same fault.
+// `status` must not be OK.
 std::string reason_of(const grpc::Status& status);
 
-// One line: message, field, code.
+// Returns one line: message, field, code.
 std::string describe(const Failure& failure);
 
 }  // namespace kerf::client

@@ -6,8 +6,8 @@
 
 #include "kerf/v1/geometry.pb.h"
 
-// Points, curves to cut along and cameras, as kerf.v1 takes them. A curve is in metres of material coordinates, or in
-// pixels for a cut with a view. What is out of range is refused by the server, with the field.
+// Makes points, curves to cut along and cameras, as kerf.v1 takes them. A curve is in metres of material coordinates,
+// or in pixels for a cut with a view. The server refuses values out of range, naming the field.
 namespace kerf::client {
 
 struct Point {
@@ -28,41 +28,41 @@ struct Vector {
 v1::Vec2 vec2(Point point);
 v1::Vec3 vec3(Vector vector);
 
-// Straight pieces; closed if the last point equals the first. 2..4096 points.
+// Returns straight pieces; closed if the last point equals the first. 2..4096 points.
 v1::Curve polyline(std::span<const Point> points);
 v1::Curve polyline(std::initializer_list<Point> points);
-// Cubic pieces joined end to start: 3 n + 1 points for n of 1..64 pieces.
+// Returns cubic pieces joined end to start: 3 n + 1 points for n of 1..64 pieces.
 v1::Curve bezier(std::span<const Point> points);
 v1::Curve bezier(std::initializer_list<Point> points);
-// A full circle: a punch.
+// Returns a full circle: a punch.
 v1::Curve circle(Point center, double radius_m);
-// A full ellipse, turned counter-clockwise.
+// Returns a full ellipse, turned counter-clockwise.
 v1::Curve ellipse(Point center, double semi_axis_x_m, double semi_axis_y_m, double rotation_rad = 0.0);
-// The outlines of a drawing, given as SVG text. Without CutOptions::fit it is fitted into the sheet.
+// Returns the outlines of a drawing, given as SVG text. Without CutOptions::fit it is fitted into the sheet.
 v1::Curve svg(std::string text);
 
-// Lines of any pieces, built one after the other:
+// Builds lines of any pieces, one after the other:
 //   PathBuilder({0.1, 0.1}).line({0.3, 0.1}).arc({0.1, 0.1}, 0.1).close().move({0.6, 0.6}).line({0.8, 0.7}).curve()
 class PathBuilder {
  public:
   explicit PathBuilder(Point start) { move(start); }
 
-  PathBuilder& move(Point start);  // begins another line
+  PathBuilder& move(Point start);  // Begins another line.
   PathBuilder& line(Point end);
   PathBuilder& quadratic(Point control, Point end);
   PathBuilder& cubic(Point control_1, Point control_2, Point end);
-  // Rational pieces; `start_weight` is that of where the piece begins.
+  // Add rational pieces; `start_weight` is the weight of their starting point.
   PathBuilder& quadratic(double start_weight, WeightedPoint control, WeightedPoint end);
   PathBuilder& cubic(double start_weight, WeightedPoint control_1, WeightedPoint control_2, WeightedPoint end);
   struct ArcOptions {
-    double semi_axis_y_m = 0.0;  // 0: that of x, a circle
+    double semi_axis_y_m = 0.0;  // 0: that of x, a circle.
     double rotation_rad = 0.0;
-    bool large = false;  // the longer way round
+    bool large = false;  // The longer way round.
     bool counter_clockwise = true;
   };
   PathBuilder& arc(Point end, double semi_axis_x_m, const ArcOptions& options);
   PathBuilder& arc(Point end, double radius_m) { return arc(end, radius_m, ArcOptions{}); }
-  PathBuilder& close();  // ends the line where it began
+  PathBuilder& close();  // Ends the line at its start.
 
   [[nodiscard]] v1::Curve curve() const;
 
@@ -72,7 +72,7 @@ class PathBuilder {
   v1::Path path_;
 };
 
-// A perspective camera in the world, metres; +z is up unless told.
+// Returns a perspective camera in the world, metres; +z is up by default.
 v1::Camera camera(Vector eye, Vector target, double vertical_fov_deg = 40.0);
 
 }  // namespace kerf::client

@@ -18,26 +18,26 @@
 
 namespace kerf::client {
 
-// When a stream that has ended is opened again, and what was set is set again.
+// Chooses when an ended stream is reopened, with the same settings.
 struct Reopening {
-  bool when_slow = true;                   // the server ended it as TOO_SLOW
-  std::chrono::milliseconds when_lost{0};  // the server stops, or is not there: tried for so long
+  bool when_slow = true;                   // The server ended it as TOO_SLOW.
+  std::chrono::milliseconds when_lost{0};  // The server stops or cannot be reached: retried for this long.
 };
 
-// What the streams have in common whose messages are acknowledged: Watch, WatchImages. For one run().
+// Runs a stream whose messages are acknowledged: Watch or WatchImages. For one run().
 template <typename Request, typename Response>
 class LiveStream {
  public:
   using Stream = grpc::ClientReaderWriter<Request, Response>;
 
-  // What became of one message: it is acknowledged, and the stream goes on or ends as `over` says.
+  // Describes one message taken: its acknowledgement, and the end of the stream if `over` is set.
   struct Taken {
-    std::int64_t sequence = 0;  // 0: nothing to acknowledge
+    std::int64_t sequence = 0;  // 0: nothing to acknowledge.
     std::optional<grpc::Status> over = {};
   };
 
-  // `open(context)` begins a call, `start()` gives its first message, `take(response)` gets each answer but the last.
-  // OK where the stream was stopped or the server ended it.
+  // Runs the stream: `open(context)` begins a call, `start()` returns its first message, `take(response)` gets each
+  // answer except the last. OK if the stream was stopped or the server ended it.
   template <typename Open, typename Start, typename Take>
   grpc::Status run(const Open& open, const Start& start, const Take& take, const Reopening& reopening) {
     auto lost_at = std::chrono::steady_clock::now();
@@ -47,7 +47,7 @@ class LiveStream {
       has_answers_ = false;
       const grpc::Status status = run_once(open, start, take);
       const auto now = std::chrono::steady_clock::now();
-      // A server that is back says nothing on a stream that is paused.
+      // Counts the server as back after a while, because a paused stream has no messages.
       if (has_answers_ || now - opened_at > kIsBackAfter) lost_at = now;
       const bool again = is_lost(status) ? now - lost_at < reopening.when_lost && wait_to_retry()
                                          : reopening.when_slow && status.ok() && ended_.reason() == v1::Ended::TOO_SLOW;
@@ -55,14 +55,14 @@ class LiveStream {
     }
   }
 
-  // From any thread. What is set before run() goes behind its start; of each kind the newest counts.
+  // Sends a setting, from any thread. Settings made before run() follow its start; the newest of each kind counts.
   void set(const Request& request) {
     const std::lock_guard lock(mutex_);
     settings_[request.kind_case()] = request;
     if (stream_ != nullptr) stream_->Write(request);
   }
 
-  // From any thread: ends run().
+  // Ends run(); callable from any thread.
   void stop() {
     const std::lock_guard lock(context_mutex_);
     stopped_ = true;
@@ -107,25 +107,26 @@ class LiveStream {
     if (over) return *over;
     if (stopped_) return grpc::Status::OK;
     if (status.error_code() != grpc::StatusCode::CANCELLED) return status;
-    // A server that cannot write, as nobody reads, has no way to say why it breaks the call off.
+    // Supplies a reason, because a server cannot send one on a stream that is not read.
     ended_.set_reason(v1::Ended::TOO_SLOW);
     ended_.set_message("the server broke the stream off: it was not read in time");
     return grpc::Status::OK;
   }
 
-  // Of gRPC itself, which gives no reason, and not of the server; or the server said so.
+  // True if the server stopped, or if the error has no reason and so comes from gRPC itself.
   [[nodiscard]] bool is_lost(const grpc::Status& status) const {
     if (status.ok()) return ended_.reason() == v1::Ended::SERVER_STOPPING;
     return status.error_code() == grpc::StatusCode::UNAVAILABLE && failure_of(status).reason.empty();
   }
 
-  // False: stopped.
+  // Waits before a retry; returns false if stopped.
   bool wait_to_retry() {
     std::unique_lock lock(context_mutex_);
     return !stopping_.wait_for(lock, kRetryAfter, [this] { return stopped_.load(); });
   }
 
-  // While it lives, stop() cancels the call; also where `take` throws. False: run() was stopped, and begins nothing.
+  // Lets stop() cancel the call while this exists, also if `take` throws. Converts to false if run() was stopped and
+  // must begin nothing.
   class Entered {
    public:
     Entered(LiveStream& live, grpc::ClientContext& context) : live_(live) {
@@ -146,7 +147,7 @@ class LiveStream {
     bool is_in_ = false;
   };
 
-  // While it lives, set() writes to the stream, until end().
+  // Lets set() write to the stream while this exists, until end().
   class Writable {
    public:
     Writable(LiveStream& live, Stream& stream, const Request& start) : live_(live) {
@@ -177,17 +178,17 @@ class LiveStream {
   }
 
   static constexpr std::chrono::milliseconds kRetryAfter{250};
-  static constexpr std::chrono::seconds kIsBackAfter{30};  // longer than gRPC tries to connect
+  static constexpr std::chrono::seconds kIsBackAfter{30};  // Longer than gRPC tries to connect.
 
   v1::Ended ended_;
-  bool has_answers_ = false;  // the call under way
+  bool has_answers_ = false;  // For the call in progress.
   std::atomic<bool> stopped_{false};
-  std::mutex context_mutex_;  // not held over a write, so that stop() is not held up by one
+  std::mutex context_mutex_;  // Not held over a write, so that stop() never waits for one.
   std::condition_variable stopping_;
-  grpc::ClientContext* context_ = nullptr;  // of the call under way; guarded by context_mutex_
+  grpc::ClientContext* context_ = nullptr;  // Context of the call in progress; guarded by context_mutex_.
   std::mutex mutex_;
-  Stream* stream_ = nullptr;         // of the call under way, while it may be written to; guarded by mutex_
-  std::map<int, Request> settings_;  // by kind; guarded by mutex_
+  Stream* stream_ = nullptr;         // Stream of the call in progress, while it is writable; guarded by mutex_.
+  std::map<int, Request> settings_;  // By kind; guarded by mutex_.
 };
 
 }  // namespace kerf::client

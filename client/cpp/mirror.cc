@@ -12,7 +12,7 @@
 namespace kerf::client {
 namespace {
 
-// Little-endian words of a packed array, whatever the byte order here.
+// Reads little-endian words of a packed array, regardless of the byte order of this machine.
 std::uint32_t word_at(std::string_view bytes, std::size_t index) {
   std::uint32_t word = 0;
   for (std::size_t i = 0; i < 4; ++i) {
@@ -32,7 +32,7 @@ std::string wrong_size(const char* what, std::size_t got, std::size_t expected) 
   return std::string(what) + " has " + std::to_string(got) + " bytes instead of " + std::to_string(expected);
 }
 
-// The ids that a patch lists, or all of them in a full one.
+// Returns the ids listed by a patch, or all of them in a full one.
 std::optional<std::vector<std::uint32_t>> read_ids(const std::string& bytes, std::int32_t count, bool full,
                                                    bool compact) {
   if (count < 0) return std::nullopt;

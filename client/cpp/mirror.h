@@ -12,13 +12,12 @@
 
 namespace kerf::client {
 
-// A viewer's copy of a sheet, kept up to date by the frames of one Watch stream. The reference for every other client:
-// after each frame it holds exactly the integers and triangles that the server sent.
+// Keeps a viewer's copy of a sheet up to date by the frames of one Watch stream. It is the reference for every other
+// client: after each frame it holds exactly the integers and triangles that the server sent.
 class Mirror {
  public:
-  // Applies the next frame of the stream. On a frame that cannot follow what is here (a gap, an index out of range, an
-  // array of the wrong size) it returns what is wrong; the mirror is then useless, and the stream should be opened
-  // anew.
+  // Applies the next frame of the stream. Returns the fault of a frame that cannot follow (a gap, an index out of
+  // range, an array of the wrong size). The mirror is then useless, and the stream should be reopened.
   [[nodiscard]] std::optional<std::string> apply(const v1::Frame& frame);
 
   [[nodiscard]] std::int64_t tick() const { return tick_; }  // -1 before the first frame
@@ -27,31 +26,31 @@ class Mirror {
   [[nodiscard]] std::int32_t num_slots() const { return static_cast<std::int32_t>(triangles_.size()); }
   [[nodiscard]] std::int32_t num_pieces() const { return num_pieces_; }
 
-  // 3 V numbers, x, y, z interleaved, in the box.
+  // Returns 3 V numbers, x, y, z interleaved, in the box.
   [[nodiscard]] const std::vector<std::uint16_t>& quantised_positions() const { return quantised_; }
   [[nodiscard]] const v1::Box3& box() const { return box_; }
-  // World position of a vertex in 0..V-1, m.
+  // Returns the world position of a vertex in 0..V-1, m.
   [[nodiscard]] std::array<double, 3> position(std::int32_t vertex) const;
-  // A slot's vertices, counter-clockwise in material coordinates; -1 thrice without material.
+  // Returns each slot's vertices, counter-clockwise in material coordinates; -1 thrice without material.
   [[nodiscard]] const std::vector<std::array<std::int32_t, 3>>& triangles() const { return triangles_; }
-  // A slot's piece; -1 without material.
+  // Returns each slot's piece; -1 without material.
   [[nodiscard]] const std::vector<std::int32_t>& pieces() const { return pieces_; }
-  // Principal strain of the largest magnitude at a vertex in 0..V-1, -; see kerf.v1.Frame.strains. Where the last frame
-  // had none: has_strains() is false.
+  // Returns the principal strain of the largest magnitude at a vertex in 0..V-1, -; see kerf.v1.Frame.strains. Valid
+  // only if has_strains(), that is if the last frame had strains.
   [[nodiscard]] bool has_strains() const { return !strains_.empty(); }
   [[nodiscard]] double strain(std::int32_t vertex) const {
     const double share = strains_[static_cast<std::size_t>(vertex)] / 127.0;
     return share * std::abs(share) * strain_scale_;
   }
-  // 2 V numbers, x, y interleaved, m.
+  // Returns 2 V numbers, x, y interleaved, m.
   [[nodiscard]] const std::vector<float>& material_positions() const { return material_positions_; }
 
  private:
-  // The arrays of a TopologyPatch, read as its encoding says.
+  // Holds the decoded arrays of a TopologyPatch.
   struct Patch {
     std::vector<std::uint32_t> slots;
-    std::vector<std::array<std::int32_t, 3>> triangles;  // of `slots`
-    std::vector<std::int32_t> pieces;                    // likewise
+    std::vector<std::array<std::int32_t, 3>> triangles;  // For `slots`.
+    std::vector<std::int32_t> pieces;                    // For `slots`.
     std::vector<std::uint32_t> vertices;
   };
 
@@ -75,7 +74,7 @@ class Mirror {
   std::vector<float> material_positions_;
   std::vector<std::int8_t> strains_;
   double strain_scale_ = 0.0;
-  std::optional<std::vector<codec::VertexPredictor>> predictors_;  // of triangles_, once a compact frame has come
+  std::optional<std::vector<codec::VertexPredictor>> predictors_;  // For triangles_, once a compact frame has come.
 };
 
 }  // namespace kerf::client

@@ -8,7 +8,7 @@
 
 namespace kerf::client {
 
-// What value() throws where there is none: what() is describe(failure).
+// Is thrown by value() of a failed Result: what() is describe(failure).
 class CallFailed : public std::runtime_error {
  public:
   explicit CallFailed(Failure reason) : std::runtime_error(describe(reason)), failure(std::move(reason)) {}
@@ -17,7 +17,7 @@ class CallFailed : public std::runtime_error {
 
 struct Done {};
 
-// What a call gave, or why it was refused. A refusal has changed nothing.
+// Holds the value of a call, or why it was refused. A refusal has changed nothing.
 template <typename T>
 class [[nodiscard]] Result {
  public:
@@ -28,7 +28,7 @@ class [[nodiscard]] Result {
   [[nodiscard]] bool ok() const { return content_.index() == 0; }
   explicit operator bool() const { return ok(); }
 
-  // Throws CallFailed where there is none, for programs that have nothing else to do then.
+  // Return the value; throw CallFailed without one, for programs that cannot continue then.
   T& value() & { return got(*this); }
   [[nodiscard]] const T& value() const& { return got(*this); }
   T&& value() && { return std::move(got(*this)); }
@@ -37,7 +37,7 @@ class [[nodiscard]] Result {
   T* operator->() { return &got(*this); }
   const T* operator->() const { return &got(*this); }
 
-  // Of a refused call only.
+  // Returns the failure; for refused calls only.
   [[nodiscard]] const Failure& failure() const { return std::get<1>(content_); }
 
  private:

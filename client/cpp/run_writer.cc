@@ -18,12 +18,12 @@
 namespace kerf::client {
 namespace {
 
-constexpr std::size_t kChunkBytes = std::size_t{8} << 20;  // of positions kept in memory before they are written
+constexpr std::size_t kChunkBytes = std::size_t{8} << 20;  // Positions kept in memory before they are written.
 
 static_assert(std::endian::native == std::endian::little, "arrays are written as they are in memory");
 
-// What stands before the numbers in an .npy file of version 1.0, a multiple of 64 bytes long. See NumPy's
-// numpy.lib.format. `shape`: "3, 2", or "3," for one dimension.
+// Returns the header of an .npy file of version 1.0, a multiple of 64 bytes long. See NumPy's numpy.lib.format.
+// `shape`: "3, 2", or "3," for one dimension.
 std::string npy_header(const std::string& type, const std::string& shape) {
   constexpr std::size_t kPrefix = 10;
   std::string text = "{'descr': '" + type + "', 'fortran_order': False, 'shape': (" + shape + "), }";
@@ -41,7 +41,7 @@ std::string shape_of(std::initializer_list<std::size_t> lengths) {
 
 }  // namespace
 
-// The .npz file: a zip file of .npy files. After a failure nothing more is written.
+// Writes the .npz file: a zip file of .npy files. After a failure nothing more is written.
 class RunWriter::Archive {
  public:
   explicit Archive(const std::string& path)
@@ -62,10 +62,10 @@ class RunWriter::Archive {
     if (!is_open()) return;
     errno = 0;
     zip_fileinfo about{};
-    about.tmz_date.tm_year = 1980;  // the same run, the same bytes
+    about.tmz_date.tm_year = 1980;  // Equal runs give equal bytes.
     about.tmz_date.tm_mday = 1;
     const std::string header = npy_header(type, shape);
-    constexpr int kStored = 0;  // positions hardly compress
+    constexpr int kStored = 0;  // Positions hardly compress.
     if (zipOpenNewFileInZip64(zip_, (name + ".npy").c_str(), &about, nullptr, 0, nullptr, 0, nullptr, kStored, 0, 1) !=
             ZIP_OK ||
         !put(header.data(), header.size()) || !put(numbers.data(), numbers.size_bytes()) ||
@@ -100,7 +100,7 @@ class RunWriter::Archive {
 
   std::string path_;
   std::string part_;
-  zipFile zip_;  // null once closed
+  zipFile zip_;  // Null once closed.
   std::optional<Failure> failure_;
 };
 
@@ -110,7 +110,7 @@ RunWriter::~RunWriter() = default;
 Result<std::unique_ptr<RunWriter>> RunWriter::open(const std::string& path) {
   std::error_code broken;
   std::filesystem::path meant = path;
-  if (std::filesystem::is_symlink(path)) meant = std::filesystem::canonical(path, broken);  // so that a link stays one
+  if (std::filesystem::is_symlink(path)) meant = std::filesystem::canonical(path, broken);  // Keeps a link a link.
   if (broken || (std::filesystem::exists(meant) && !std::filesystem::is_regular_file(meant))) {
     return Failure{grpc::StatusCode::UNKNOWN, "FILE_NOT_WRITTEN", path + " is no regular file, as a run must be", ""};
   }
@@ -175,7 +175,7 @@ void RunWriter::add_topology(const Mirror& mirror) {
   const std::string number = std::to_string(topology_versions_.size());
   topology_versions_.push_back(mirror.topology_version());
   num_vertices_ = static_cast<std::size_t>(mirror.num_vertices());
-  std::vector<std::int32_t> triangles, pieces;  // without the slots that have no material
+  std::vector<std::int32_t> triangles, pieces;  // Without empty slots.
   for (std::size_t slot = 0; slot < mirror.triangles().size(); ++slot) {
     const auto& triangle = mirror.triangles()[slot];
     if (triangle[0] < 0) continue;

@@ -11,30 +11,30 @@
 
 namespace kerf::client {
 
-// Writes the frames of a Watcher to an .npz file as they come: at most some 8 MiB of them are in memory. NumPy reads
-// it, and kerf.load_run() of the Python package, whose RunWriter says what is in it. The file is there, whole, when
-// close() returns; until then what is written stands in FILE.part.
+// Writes the frames of a Watcher to an .npz file as they come, with at most some 8 MiB of them in memory. NumPy reads
+// it, and so does kerf.load_run() of the Python package, whose RunWriter documents the content. The file exists,
+// complete, when close() returns; until then the data is in FILE.part.
 class RunWriter {
  public:
-  // UNKNOWN FILE_NOT_WRITTEN where there can be no such file.
+  // Opens a file. UNKNOWN FILE_NOT_WRITTEN if it cannot be written.
   static Result<std::unique_ptr<RunWriter>> open(const std::string& path);
-  // Leaves no file behind where there was no close(); one of before stays.
+  // Removes the unfinished file if close() was not called; an earlier file stays.
   ~RunWriter();
   RunWriter(const RunWriter&) = delete;
   RunWriter& operator=(const RunWriter&) = delete;
 
-  // Adds what the mirror shows. FAILED_PRECONDITION FRAME_ORDER where its tick is before the last one's: the server was
-  // started anew. FILE_NOT_WRITTEN where the disk is full, say. Not after close().
+  // Adds the mirror's present state; not after close(). FAILED_PRECONDITION FRAME_ORDER if its tick is before the last
+  // one's, as after a restart of the server; FILE_NOT_WRITTEN if the disk is full, say.
   Result<Done> add(const Mirror& mirror);
-  // Ends the file and gives it its name. Idempotent. FILE_NOT_WRITTEN.
+  // Completes the file and gives it its name. Idempotent. FILE_NOT_WRITTEN.
   Result<Done> close();
 
   [[nodiscard]] std::int64_t num_frames() const { return static_cast<std::int64_t>(ticks_.size()); }
 
  private:
   struct Chunk {
-    std::size_t topology;  // into topology_versions_
-    std::size_t number;    // of the topology's chunks
+    std::size_t topology;  // Index into topology_versions_.
+    std::size_t number;    // Number among the topology's chunks.
     std::size_t frames;
   };
   class Archive;
@@ -48,11 +48,11 @@ class RunWriter {
   std::vector<std::int64_t> ticks_;
   std::vector<Chunk> chunks_;
   std::vector<std::int32_t> topology_versions_;
-  // Of the chunk that is not written yet:
+  // These describe the chunk not yet written:
   std::size_t num_vertices_ = 0;
-  std::size_t num_waiting_ = 0;   // frames
+  std::size_t num_waiting_ = 0;   // Frames.
   std::vector<float> positions_;  // num_waiting_ x num_vertices_ x 3, m
-  std::vector<float> strains_;    // num_waiting_ x num_vertices_, or fewer where a frame had none
+  std::vector<float> strains_;    // num_waiting_ x num_vertices_, or fewer if a frame had none.
 };
 
 }  // namespace kerf::client

@@ -9,25 +9,25 @@
 
 #include "client/cpp/client.h"
 
-// Files that are larger than a message, to the server and from it.
+// Transfers files larger than a message to the server and from it.
 namespace kerf::client {
 
-inline constexpr std::size_t kUploadChunkBytes = std::size_t{256} << 10;  // below what a message may have, 1 MiB
-inline constexpr std::chrono::minutes kTransferTimeout{10};               // of a whole file
+inline constexpr std::size_t kUploadChunkBytes = std::size_t{256} << 10;  // Below the limit of a message, 1 MiB.
+inline constexpr std::chrono::minutes kTransferTimeout{10};               // For a whole file.
 
-// CreateSheet, or upload_sheet() where the mesh file in the request would make it too large for one message.
+// Calls CreateSheet, or upload_sheet() if the mesh file would make the request too large for one message.
 grpc::Status create_sheet(Client& client, v1::CreateSheetRequest request, v1::Sheet& sheet,
                           std::chrono::milliseconds timeout = kTransferTimeout);
 
-// CreateSheet with the mesh file as the text or data that request.scene's obj or ply leaves empty.
+// Creates a sheet with the mesh file as the text or data left empty in request.scene's obj or ply.
 grpc::Status upload_sheet(Client& client, const v1::CreateSheetRequest& request, std::string_view mesh_file,
                           v1::Sheet& sheet, std::chrono::milliseconds timeout = kTransferTimeout);
 
-// A new sheet that plays the recording. `sheet_id`: empty: that of the recording.
+// Creates a sheet that plays the recording. `sheet_id`: empty: that of the recording.
 grpc::Status replay_recording(Client& client, const std::string& sheet_id, bool paused, std::string_view recording,
                               v1::Sheet& sheet, std::chrono::milliseconds timeout = kTransferTimeout);
 
-// The recording of the sheet ("sheets/ID") up to now, as a file's bytes.
+// Fetches the recording of the sheet ("sheets/ID") up to now, as a file's bytes.
 grpc::Status fetch_recording(Client& client, const std::string& name, std::string& recording,
                              std::chrono::milliseconds timeout = kTransferTimeout);
 

@@ -1,4 +1,5 @@
-// Kerf without any server: a hanging cloth, cut along a curve while it moves, and written as a Wavefront OBJ file.
+// Uses Kerf without a server: a hanging cloth, cut along a curve while it moves, and written as a Wavefront OBJ file.
+//
 //   embed_core [FILE.obj]
 
 #include <array>
@@ -21,7 +22,7 @@ kerf::Result<sheet::Sheet> hang_cloth() {
   return sheet::Sheet::create(config);
 }
 
-// What has become of the sheet, its numbers as 1, 2, 3, ... of the lines before.
+// Writes the sheet's present shape; vertices are numbered 1, 2, 3, ... in the order of their lines.
 bool write_obj(const sheet::Sheet& cloth, const char* path) {
   std::ofstream file(path);
   for (const auto& position : cloth.state().x.colwise()) file << "v " << position.transpose() << "\n";
@@ -45,7 +46,7 @@ int main(int argc, char** argv) {
   if (!cloth.ok()) return refuse(cloth.error());
   for (int tick = 0; tick < 30; ++tick) cloth->step({});
 
-  // A command takes effect at the start of the tick that it is given to: whole, or not at all.
+  // A command takes effect at the start of its tick: wholly, or not at all.
   sheet::Cut across;
   across.curve = kerf::cut::CubicBezier{{{-0.1, 0.4}, {0.3, 0.7}, {0.7, 0.2}, {1.1, 0.5}}};
   const sheet::TickReport report = cloth->step(std::array<sheet::Command, 1>{across});

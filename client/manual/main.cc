@@ -1,4 +1,4 @@
-// Writes the manual pages from the tables that read the command lines: `kerf_manual kerf` or `kerf_manual kerfd`.
+// Writes the manual pages from the tables that parse the command lines: `kerf_manual kerf` or `kerf_manual kerfd`.
 
 #include <cstdio>
 #include <memory>
