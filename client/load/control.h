@@ -8,13 +8,13 @@
 
 namespace kerf::load {
 
-// What this machine does to everybody: a thread that does nothing but sleep to absolute deadlines, as the server's
-// sheets and this program's cuts do, and notes how late it wakes.
+// Measures the delays of this machine: a thread only sleeps to absolute deadlines, as the server's sheets and this
+// program's cuts do, and notes how late it wakes.
 class Control {
  public:
   // Begins at `schedule.start`, ends at `end`; `waiter` must outlive it.
   Control(const Schedule& schedule, Nanoseconds end, Waiter& waiter);
-  ~Control();  // waits for the end
+  ~Control();  // Waits for the end.
   Control(const Control&) = delete;
   Control& operator=(const Control&) = delete;
 

@@ -13,27 +13,28 @@
 
 namespace kerf::load {
 
-// When cuts become visible: brings together the replies, which tell the tick, and the frames of one viewer for each
-// watched sheet, which may come before. Thread-safe.
+// Measures when cuts become visible. It combines the replies, which name the tick, with the frames of one viewer for
+// each watched sheet; frames may come first. Thread-safe.
 class CutTracker {
  public:
   explicit CutTracker(Recorder& recorder) : recorder_(recorder) {}
 
-  // Before any frame or reply of that sheet.
+  // Starts watching a sheet; to be called before any frame or reply of it.
   void watch(std::size_t sheet);
-  // A frame was decoded.
+  // Records a decoded frame.
   void frame(std::size_t sheet, std::int64_t tick, std::int32_t topology_version, Nanoseconds decoded);
-  // Of the newest decoded frame; nothing for sheets that are not watched or have shown nothing yet.
+  // Returns the tick of the newest decoded frame; nothing for sheets that are not watched or have shown nothing yet.
   [[nodiscard]] std::optional<std::int64_t> newest_tick(std::size_t sheet) const;
-  // A cut was applied at `tick`, after which the topology has this version; `intended`: when it should have been sent.
+  // Records a cut applied at `tick`, after which the topology has this version. `intended`: when it should have been
+  // sent.
   void applied(std::size_t sheet, std::int64_t tick, std::int32_t topology_version, Nanoseconds intended);
-  // Cuts that were applied and are not shown yet.
+  // Returns the number of applied cuts not shown yet.
   [[nodiscard]] std::int64_t num_waiting() const;
-  // The run is over: what has not been seen will not be.
+  // Ends the run; cuts not seen yet count as unseen.
   void finish();
 
  private:
-  static constexpr std::size_t kFrames = 256;  // kept of each sheet: some seconds, longer than any reply takes
+  static constexpr std::size_t kFrames = 256;  // Kept per sheet: some seconds, longer than any reply takes.
 
   struct Frame {
     std::int64_t tick = 0;
@@ -46,7 +47,7 @@ class CutTracker {
     Nanoseconds intended{0};
   };
   struct Sheet {
-    std::deque<Frame> frames;  // oldest first
+    std::deque<Frame> frames;  // Oldest first.
     std::vector<Cut> waiting;
   };
 

@@ -12,9 +12,9 @@
 namespace kerf::load {
 namespace {
 
-constexpr double kLongest = 0.1;  // m, of a slit
-constexpr double kLength = 0.3;   // of the sheet's shorter side, at most
-constexpr double kMargin = 0.2;   // of each side, of a slit's middle from the border: it stays inside
+constexpr double kLongest = 0.1;  // m, length of a slit.
+constexpr double kLength = 0.3;   // Share of the sheet's shorter side, at most.
+constexpr double kMargin = 0.2;   // Share of each side between a slit's middle and the border: the slit stays inside.
 constexpr std::chrono::seconds kPatience(60);
 
 void add_point(double x, double y, v1::Polyline& line) {
@@ -25,7 +25,7 @@ void add_point(double x, double y, v1::Polyline& line) {
 
 }  // namespace
 
-// One CreateCut under way.
+// Holds one CreateCut in progress.
 struct Cutter::Call {
   std::size_t sheet = 0;
   Nanoseconds intended{0};

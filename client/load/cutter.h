@@ -17,16 +17,16 @@
 
 namespace kerf::load {
 
-// Cuts sheets in turn, at times that are fixed beforehand, whether the cuts before are answered or not. Slits of at
+// Cuts sheets in turn at times fixed beforehand, without waiting for the answers to earlier cuts. Cuts are slits of at
 // most 0.1 m at places drawn from the plan's seed.
 class Cutter {
  public:
-  static constexpr std::int32_t kMostUnderWay = 10'000;  // calls; beyond that one is not made, and is an error
+  static constexpr std::int32_t kMostUnderWay = 10'000;  // Calls; any further call is not made and counts as an error.
 
-  // Cuts between recorder.begin() and its end. Everything must outlive it.
+  // Cuts between recorder.begin() and its end. All references must outlive it.
   Cutter(const Plan& plan, const std::vector<std::string>& sheets, client::Client& client, Recorder& recorder,
          CutTracker& tracker, Waiter& waiter);
-  ~Cutter();  // waits for the end and for all answers
+  ~Cutter();  // Waits for the end and for all answers.
   Cutter(const Cutter&) = delete;
   Cutter& operator=(const Cutter&) = delete;
 
@@ -46,7 +46,7 @@ class Cutter {
   CutTracker& tracker_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::int32_t under_way_ = 0;  // guarded by mutex_
+  std::int32_t under_way_ = 0;  // Guarded by mutex_.
   SeededRandom random_;
   std::thread thread_;
 };

@@ -18,7 +18,7 @@
 #include "client/load/endpoint.h"
 
 namespace kerf::load {
-namespace proxy {  // named, as DelayingProxy::Impl has parts of these types
+namespace proxy {  // Named, because DelayingProxy::Impl has members of these types.
 
 namespace asio = boost::asio;
 using Tcp = asio::ip::tcp;
@@ -36,7 +36,7 @@ struct Pair {
   }
 };
 
-// One direction of one connection. Keeps itself alive while anything is under way.
+// Carries one direction of one connection. Keeps itself alive while work is in progress.
 class Pump : public std::enable_shared_from_this<Pump> {
  public:
   Pump(std::shared_ptr<Pair> pair, Tcp::socket& from, Tcp::socket& to, const Way& way)
@@ -66,7 +66,7 @@ class Pump : public std::enable_shared_from_this<Pump> {
            static_cast<std::size_t>(std::min(under_way, static_cast<double>(DelayingProxy::kMostUnderWay)));
   }
 
-  // No more comes from this side. What it said last is passed on first.
+  // Ends reading from this side; bytes read before are still passed on.
   void end(const NetError& how) {
     ended_ = how;
     if (held_.empty()) pass_on_end();
@@ -75,7 +75,7 @@ class Pump : public std::enable_shared_from_this<Pump> {
   void pass_on_end() {
     if (*ended_ != asio::error::eof) return pair_->close();
     NetError ignored;
-    to_.shutdown(Tcp::socket::shutdown_send, ignored);  // the other direction goes on until it ends, too
+    to_.shutdown(Tcp::socket::shutdown_send, ignored);  // The other direction continues until it ends too.
   }
 
   void hold(std::size_t bytes) {
@@ -114,11 +114,11 @@ class Pump : public std::enable_shared_from_this<Pump> {
   Tcp::socket& from_;
   Tcp::socket& to_;
   const Way way_;
-  const std::size_t most_;  // bytes held at once
+  const std::size_t most_;  // Bytes held at once.
   asio::steady_timer timer_;
   std::array<char, 16384> buffer_{};
   bool reading_ = false;
-  std::optional<NetError> ended_;  // how reading did
+  std::optional<NetError> ended_;  // Result of reading, once it has ended.
   std::deque<Chunk> held_;
   std::size_t held_bytes_ = 0;
   Clock::time_point free_at_{};
@@ -150,7 +150,7 @@ struct DelayingProxy::Impl {
       accept();
     });
   }
-  // Out of file descriptors, most likely: who waits is still there when some are free again.
+  // Retries later. Most likely descriptors ran out; waiting connections stay until some are free.
   void accept_later() {
     retry.expires_after(kAcceptAgainAfter);
     retry.async_wait([this](const NetError& /*cancelled*/) { accept(); });

@@ -10,7 +10,7 @@ struct Endpoint {
   std::string port;
 };
 
-// "HOST:PORT"; a host with colons in it stands in brackets, "[::1]:50051".
+// Parses "HOST:PORT"; a host with colons needs brackets, "[::1]:50051".
 inline std::optional<Endpoint> parse_endpoint(const std::string& text) {
   const std::size_t colon = text.rfind(':');
   if (colon == std::string::npos || colon == 0 || colon + 1 == text.size()) return std::nullopt;

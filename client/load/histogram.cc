@@ -8,11 +8,10 @@
 namespace kerf::load {
 namespace {
 
-constexpr std::uint64_t kExact = std::uint64_t{1}
-                                 << Histogram::kPreciseBits;  // smaller values have classes of their own
+constexpr std::uint64_t kExact = std::uint64_t{1} << Histogram::kPreciseBits;  // Smaller values have bins of their own.
 constexpr std::uint64_t kHalf = kExact / 2;
 
-// Values of 2^k .. 2^(k+1) - 1 share kHalf classes, told apart by their leading kPreciseBits bits.
+// Returns the bin of a value. Values of 2^k .. 2^(k+1) - 1 share kHalf bins by their leading kPreciseBits bits.
 std::size_t class_of(std::uint64_t value) {
   if (value < kExact) return static_cast<std::size_t>(value);
   const int shift = static_cast<int>(std::bit_width(value)) - Histogram::kPreciseBits;

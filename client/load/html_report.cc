@@ -35,8 +35,9 @@ svg .grid { stroke: var(--line); stroke-width: 1; } svg polyline { fill: none; s
 )css";
 
 constexpr double kMega = 1e6;
-constexpr std::ptrdiff_t kColours = 8;  // s0 to s7
-constexpr double kShortest_s = 0.25;    // of a point of a plot over time; shorter ones show the single frames
+constexpr std::ptrdiff_t kColours = 8;  // s0 to s7.
+// Shortest interval per point of a plot over time; shorter ones show single frames.
+constexpr double kShortest_s = 0.25;
 
 std::string fixed(double value, int digits) {
   std::array<char, 64> text{};
@@ -103,12 +104,12 @@ std::string reader_table(const Report& report) {
   return "<div class=\"wide\"><table>" + html + "</table></div>";
 }
 
-// Value against the share of all values above it, from a half to one in 100,000.
+// Plots value against the share of all values above it, from a half to one in 100,000.
 std::string percentile_plot(const Report& report) {
   std::vector<PlotSeries> series;
   std::vector<Latency> shown = latencies(report);
   if (std::ssize(shown) > kColours)
-    shown.erase(shown.begin() + kColours - 1, shown.end() - 1);  // the control run stays
+    shown.erase(shown.begin() + kColours - 1, shown.end() - 1);  // The control run stays.
   for (const Latency& latency : shown) {
     PlotSeries line{latency.name, {}};
     const auto most = static_cast<double>(latency.us->count());
@@ -127,7 +128,7 @@ std::string stretch_plots(const Report& report) {
   PlotSeries bytes{"all viewers", {}};
   const double length = report.plan.duration_s / static_cast<double>(report.stretches.size());
   const auto group = static_cast<std::size_t>(std::max(1.0, std::ceil(kShortest_s / length)));
-  // Of a run that was interrupted, what never came is no stall.
+  // Ignores stretches after an interruption: missing frames there are no stall.
   const auto measured = static_cast<std::size_t>(std::max(report.window_s / length, 0.0));
   for (std::size_t i = 0; i < std::min(measured, report.stretches.size()); i += group) {
     Stretch sum;
@@ -140,7 +141,7 @@ std::string stretch_plots(const Report& report) {
     const double span = length * static_cast<double>(end - i);
     const double time = length * static_cast<double>(i) + 0.5 * span;
     bytes.points.emplace_back(time, static_cast<double>(sum.bytes) / span / kMega);
-    if (sum.frames == 0) continue;  // no frame has no age; that none came the other plot shows
+    if (sum.frames == 0) continue;  // Without frames there is no age; the other plot shows the gap.
     median.points.emplace_back(time, static_cast<double>(sum.age_us.quantile(0.5)) / 1e3);
     high.points.emplace_back(time, static_cast<double>(sum.age_us.quantile(0.99)) / 1e3);
   }

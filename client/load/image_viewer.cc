@@ -43,7 +43,7 @@ class ImageViewer : public Viewer {
       if (response.has_ended()) ended = response.ended();
       if (!response.has_image()) continue;
       const v1::Image& image = response.image();
-      // A picture is not decoded here: its age is that of the bytes.
+      // Does not decode the picture: its age is that of the bytes.
       log_.seen(image.tick(), 0, image.stats(), static_cast<std::int64_t>(image.ByteSizeLong()), image.key());
       v1::WatchImagesRequest ack;
       ack.mutable_ack()->set_sequence(image.sequence());

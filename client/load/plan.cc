@@ -7,7 +7,7 @@
 namespace kerf::load {
 namespace {
 
-constexpr std::int64_t kMaxVertices = 500'000;  // of a sheet
+constexpr std::int64_t kMaxVertices = 500'000;  // Per sheet.
 constexpr std::size_t kMaxPrefix = 41;
 
 struct Range {

@@ -18,34 +18,34 @@ enum class Role { kViewer, kSlow, kStalled, kImage };
 inline constexpr std::array<Role, 4> kRoles{Role::kViewer, Role::kSlow, Role::kStalled, Role::kImage};
 [[nodiscard]] const char* name_of(Role role);  // "viewers", "slow readers" ...
 
-// What readers of one role saw.
+// Sums the observations of readers of one role.
 struct ReaderTotals {
-  std::int32_t readers = 0;                  // that got a first frame
-  std::int64_t frames = 0;                   // decoded
-  std::int64_t keyframes = 0;                // of these
-  std::int64_t bytes = 0;                    // of these
-  std::int64_t skipped = 0;                  // ticks that were not sent
-  Histogram age_us;                          // from the end of the tick until the frame is decoded, frame by frame
-  Histogram shown_us;                        // of what a reader shows, at times that are fixed beforehand: see ShownAge
-  Histogram join_us;                         // from opening the stream to the first decoded frame; warm-up included
-  std::map<std::string, std::int64_t> ends;  // how streams ended before the run did
-  std::int64_t ended_without = 0;            // of these: without a first frame
+  std::int32_t readers = 0;                  // Readers that got a first frame.
+  std::int64_t frames = 0;                   // Decoded.
+  std::int64_t keyframes = 0;                // Keyframes among these.
+  std::int64_t bytes = 0;                    // Bytes of these.
+  std::int64_t skipped = 0;                  // Ticks that were not sent.
+  Histogram age_us;                          // From the end of the tick until the frame is decoded, frame by frame.
+  Histogram shown_us;                        // Age of the frame shown by a reader, at fixed times: see ShownAge.
+  Histogram join_us;                         // From opening the stream to the first decoded frame; warm-up included.
+  std::map<std::string, std::int64_t> ends;  // Reasons for streams that ended before the run did.
+  std::int64_t ended_without = 0;            // Those without a first frame.
 };
 
 struct CutTotals {
   std::int64_t sent = 0;
   std::int64_t applied = 0;
-  std::int64_t missed = 0;  // answered NO_INTERSECTION
-  std::int64_t undone = 0;  // taken back
-  Histogram late_us;        // from the intended time to when it was really sent
-  Histogram reply_us;       // from the intended time to the reply
-  Histogram reply_ticks;    // from the newest tick that a viewer had when it was sent to the tick it was applied at
-  Histogram seen_us;        // from the intended time to the first decoded frame of its tick or a later one
-  std::int64_t seen_without = 0;  // of those frames: lacked the cut
-  std::int64_t unseen = 0;        // of cuts on watched sheets: no such frame came before the run ended
+  std::int64_t missed = 0;        // Answered NO_INTERSECTION.
+  std::int64_t undone = 0;        // Undone again.
+  Histogram late_us;              // From the intended time to the time of sending.
+  Histogram reply_us;             // From the intended time to the reply.
+  Histogram reply_ticks;          // From the newest tick of a viewer at the time of sending to the tick of the cut.
+  Histogram seen_us;              // From the intended time to the first decoded frame of its tick or a later one.
+  std::int64_t seen_without = 0;  // Such frames that lacked the cut.
+  std::int64_t unseen = 0;        // Cuts on watched sheets without such a frame before the run ended.
 };
 
-// A stretch of the run, of the role kViewer.
+// Counts the frames of role kViewer in a stretch of the run.
 struct Stretch {
   std::int64_t frames = 0;
   std::int64_t bytes = 0;
@@ -54,21 +54,21 @@ struct Stretch {
 
 struct FrameSeen {
   Nanoseconds decoded{0};
-  std::int64_t age_us = 0;  // 0 where the clocks disagree by more than that
+  std::int64_t age_us = 0;  // 0 if the clocks disagree by more than that.
   std::int64_t bytes = 0;
   std::int64_t skipped = 0;
   bool keyframe = false;
 };
 
-// Everything that is measured while a run goes on, from many threads. What happens outside begin..end is left out,
-// except joins, ends and errors. Thread-safe.
+// Collects all measurements of a run, from many threads. Events outside begin..end are ignored, except joins, ends and
+// errors. Thread-safe.
 class Recorder {
  public:
   static constexpr std::size_t kStretches = 120;
 
-  // Counts nothing before measure() says from when.
+  // Counts nothing before measure() is called.
   Recorder() : stretches_(kStretches) {}
-  // Once: what is decoded in begin..end counts.
+  // Makes frames decoded in begin..end count; to be called once.
   void measure(Nanoseconds begin, Nanoseconds end);
 
   [[nodiscard]] Nanoseconds begin() const { return begin_; }
@@ -81,7 +81,7 @@ class Recorder {
   // `joined`: the reader had a first frame.
   void ended(Role role, const std::string& how, bool joined);
   void error(const std::string& reason);
-  // `change` is called with the lock held.
+  // Calls `change` with the lock held.
   template <typename Change>
   void cuts(Change change) {
     const std::lock_guard lock(mutex_);
@@ -102,18 +102,18 @@ class Recorder {
   std::array<ReaderTotals, kRoles.size()> readers_;
   CutTotals cuts_;
   std::vector<Stretch> stretches_;
-  std::map<std::string, std::int64_t> errors_;  // by reason
+  std::map<std::string, std::int64_t> errors_;  // By reason.
 };
 
-// The age of what a reader shows, at fixed times, from the frames that it decodes: between two frames the first is
-// shown, and grows older. A frame that comes late counts at every one of these times, and not once.
+// Samples the age of the frame shown by a reader at fixed times. Between two decoded frames the first is shown and
+// ages. A late frame thus counts at every one of these times, not only once.
 class ShownAge {
  public:
   explicit ShownAge(Schedule times) : times_(times) {}
 
-  // `age`: of the frame when it was decoded; `moves`: it will be followed by others, and what is shown until then grows
-  // old; of a sheet that sleeps or stands it does not. Calls `sample(time, age_us)` for each of the times until
-  // `decoded` at which the frame before this one was shown.
+  // Records a decoded frame. `age`: of the frame when it was decoded. `moves`: other frames will follow, so that this
+  // one ages while shown; false for a sheet that sleeps or stands still. Calls `sample(time, age_us)` for each of the
+  // times until `decoded` at which the frame before was shown.
   template <typename Sample>
   void frame(Nanoseconds decoded, Nanoseconds age, bool moves, Sample sample) {
     sample_until(decoded, sample);
@@ -122,7 +122,7 @@ class ShownAge {
     moves_ = moves;
   }
 
-  // Nobody looks any more from `end` on: the last frame was shown until then.
+  // Ends at `end`, until which the last frame was shown.
   template <typename Sample>
   void finish(Nanoseconds end, Sample sample) {
     sample_until(end, sample);
@@ -142,7 +142,7 @@ class ShownAge {
   std::int64_t next_ = 0;
   Nanoseconds decoded_{0};
   Nanoseconds age_{0};
-  bool moves_ = false;  // nothing is shown before the first frame
+  bool moves_ = false;  // Nothing is shown before the first frame.
 };
 
 }  // namespace kerf::load

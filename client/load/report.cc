@@ -8,9 +8,9 @@
 namespace kerf::load {
 namespace {
 
-constexpr double kClientBusy = 0.7;  // of the machine's processors: from here on the client measures itself
+constexpr double kClientBusy = 0.7;  // Share of the machine's processors: above it the client measures itself.
 
-// Between the first and the last probe.
+// Returns the time between the first and the last probe.
 double probed_s(const Report& report) {
   return 1e-9 * static_cast<double>((report.probes.back().time - report.probes.front().time).count());
 }
@@ -40,7 +40,7 @@ std::string sentence(const char* form, double a, double b) {
   return text.data();
 }
 
-// Of readers that are not in the figures, or not for the whole run.
+// Adds warnings about readers that are missing from the figures, or from part of the run.
 void add_reader_warnings(const Report& report, std::vector<std::string>& found) {
   for (const Role role : kRoles) {
     const ReaderTotals& of = report.of(role);

@@ -24,11 +24,11 @@ namespace kerf::load {
 namespace {
 
 constexpr std::chrono::milliseconds kProgressEvery(250);
-constexpr std::chrono::seconds kGrace(10);  // at most, and the way, for frames that show the last cuts
+constexpr std::chrono::seconds kGrace(10);  // At most, plus the delay, to wait for frames that show the last cuts.
 constexpr std::chrono::milliseconds kLookEvery(50);
-constexpr std::size_t kProbes = 60;                    // at most, of one run
-constexpr std::chrono::milliseconds kProbeEvery(500);  // at the most
-constexpr std::size_t kMostSheetsListedOften = 1000;   // more are listed at the begin and the end only
+constexpr std::size_t kProbes = 60;                    // At most, in one run.
+constexpr std::chrono::milliseconds kProbeEvery(500);  // At most this often.
+constexpr std::size_t kMostSheetsListedOften = 1000;   // More are listed at the beginning and the end only.
 
 Nanoseconds nanoseconds(double seconds) {
   return Nanoseconds(std::llround(1.0e9 * seconds));
@@ -53,7 +53,7 @@ Error error_of(const grpc::Status& status, const std::string& server) {
           failure.field};
 }
 
-// One run, in the order of its stages.
+// Makes one run, in the order of its stages.
 class Run {
  public:
   Run(const Plan& plan, const std::function<void(const Progress&)>& progress, Stopper& stopper)
@@ -102,7 +102,7 @@ class Run {
     Recorder recorder;
     CutTracker tracker(recorder);
     open_readers(names, recorder, tracker);
-    // A thousand readers take a while to open: what was to happen meanwhile would be late by that.
+    // Starts the schedule only now: a thousand readers take a while to open, and events due meanwhile would be late.
     const Nanoseconds begin = now() + nanoseconds(plan.warm_up_s);
     recorder.measure(begin, begin + nanoseconds(plan.duration_s));
     wait(begin, "warming up", recorder);
@@ -115,7 +115,7 @@ class Run {
       report_.interrupted = stopper_.stopped();
       report_.window_s =
           1e-9 * static_cast<double>(std::max((std::min(now(), recorder.end()) - begin).count(), std::int64_t{1}));
-      cutter.reset();  // all its answers have come
+      cutter.reset();  // All its answers have come.
       report_.control_us = control.lateness_us();
     }
     wait_for_cuts(tracker, recorder);
@@ -150,7 +150,7 @@ class Run {
     open(Role::kImage, plan.image_viewers);
   }
 
-  // Where readers of frames connect to, but for a proxy.
+  // Returns the address for readers of frames, without a proxy.
   [[nodiscard]] const std::string& frames_at() const {
     return report_.plan.transport == Transport::kGrpc ? report_.plan.server : report_.plan.http;
   }
@@ -168,7 +168,7 @@ class Run {
     }
   }
 
-  // Cuts that were answered last are still on their way to viewers, and the slower that is, the more of them.
+  // Waits for frames of the last cuts, which are still in transit to viewers; the slower that is, the more of them.
   void wait_for_cuts(const CutTracker& tracker, const Recorder& recorder) {
     const Nanoseconds from = now();
     const Nanoseconds end = from + kGrace + nanoseconds(1e-3 * report_.plan.way_ms);
@@ -177,7 +177,7 @@ class Run {
     }
   }
 
-  // Probes from the begin of what is measured to its end.
+  // Probes the server during the measurement.
   void watch_over(const Recorder& recorder) {
     first_ = probe_.sheets();
     first_listed_ = now();
@@ -192,7 +192,7 @@ class Run {
       if (first_.size() <= kMostSheetsListedOften) add_probe(probe_.sheets());
     }
     wait(recorder.end(), "measuring", recorder);
-    // Listing ten thousand sheets takes more CPU time than they do asleep: it comes after the last reading.
+    // Lists the sheets after the last reading: listing ten thousand takes more CPU time than they do asleep.
     Probe last = probe_.probe();
     last_ = probe_.sheets();
     last_listed_ = now();

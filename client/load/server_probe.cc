@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::int32_t kPageSize = 1000;
 constexpr std::chrono::seconds kHttpPatience(5);
-constexpr std::size_t kMaxMetrics = std::size_t{4} << 20;  // bytes
+constexpr std::size_t kMaxMetrics = std::size_t{4} << 20;  // Bytes.
 
 }  // namespace
 
@@ -87,7 +87,7 @@ std::optional<std::string> http_get(const std::string& address, const std::strin
   boost::system::error_code error;
   const auto found = asio::ip::tcp::resolver(context).resolve(endpoint->host, endpoint->port, error);
   if (error) return std::nullopt;
-  // Asynchronous calls only because those that block know no time limit.
+  // Uses asynchronous calls, because blocking ones have no time limit.
   stream.expires_after(kHttpPatience);
   beast::http::request<beast::http::empty_body> request(beast::http::verb::get, target, 11);
   request.set(beast::http::field::host, address);

@@ -13,7 +13,7 @@
 
 namespace kerf::load {
 
-// One sheet as the server lists it.
+// Holds the server's counts for one sheet.
 struct SheetCounts {
   std::int64_t tick = 0;
   std::int64_t overruns = 0;
@@ -21,33 +21,33 @@ struct SheetCounts {
   std::string run_state;  // "RUNNING", "SLEEPING" ...
 };
 
-// What the server and this program had done by some time.
+// Holds the totals of the server and of this program at some time.
 struct Probe {
   Nanoseconds time{0};
-  double load = 0.0;       // see ServerInfo.load
-  std::int64_t ticks = 0;  // of the run's sheets, sums
+  double load = 0.0;       // See ServerInfo.load.
+  std::int64_t ticks = 0;  // Sums over the run's sheets.
   std::int64_t overruns = 0;
   double slipped_s = 0.0;
   std::optional<ProcessUsage> server;
   ProcessUsage client;
-  std::optional<double> frames_encoded;  // of all sheets, from the metrics page
+  std::optional<double> frames_encoded;  // For all sheets, from the metrics page.
 };
 
-// Puts the sums over `sheets` into `probe`.
+// Stores the sums over `sheets` in `probe`.
 void add_sums(const std::map<std::string, SheetCounts>& sheets, Probe& probe);
 
-// Asks the server how it does.
+// Reads the server's counters.
 class ServerProbe {
  public:
   ServerProbe(const Plan& plan, client::Client& client) : plan_(plan), client_(client) {}
 
-  // By name, of the run's sheets. Of a call that fails nothing, and failure() says why.
+  // Returns the counts of the run's sheets by name. If the call fails it returns none, and failure() has the error.
   std::map<std::string, SheetCounts> sheets();
-  // Pages that the last sheets() took, and how long they took together.
+  // Return the number of pages of the last sheets(), and their total time.
   [[nodiscard]] std::int32_t pages() const { return pages_; }
   [[nodiscard]] Nanoseconds listing_took() const { return listing_took_; }
 
-  // All but the sums over sheets.
+  // Reads everything except the sums over sheets.
   Probe probe();
 
   [[nodiscard]] const std::optional<grpc::Status>& failure() const { return failure_; }
@@ -60,7 +60,7 @@ class ServerProbe {
   std::optional<grpc::Status> failure_;
 };
 
-// The body of http://`address``target`; nothing where it is not answered with 200 within some seconds.
+// Returns the body of http://`address``target`; nothing without an answer of 200 within some seconds.
 std::optional<std::string> http_get(const std::string& address, const std::string& target);
 
 }  // namespace kerf::load

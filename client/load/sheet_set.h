@@ -16,30 +16,30 @@
 
 namespace kerf::load {
 
-// The sheets of a run: hung from their top corners, which move to and fro, so that they never come to rest; or, of a
-// still plan, lying flat without gravity, so that they fall asleep.
+// Owns the sheets of a run. They hang from their top corners, which move to and fro, so that they never come to rest.
+// With a still plan they lie flat without gravity and fall asleep.
 class SheetSet {
  public:
   static constexpr std::chrono::seconds kPatience{30};
-  // "making sheets" and "taking down", and how much of that is done, 0..1; some times a second.
+  // Reports "making sheets" and "taking down" with the share done, 0..1; some times a second.
   using Tell = std::function<void(const char* stage, double share)>;
 
-  // Creates them until one is refused for want of capacity. What of a still plan is refused as the server is
-  // overloaded is asked for again, for kPatience: those that are there soon sleep.
+  // Creates the sheets until one is refused for lack of capacity. With a still plan, a sheet refused because of
+  // overload is retried for kPatience: existing ones soon sleep.
   SheetSet(const Plan& plan, client::Client& client, Waiter& waiter, Tell tell);
-  ~SheetSet();  // deletes them
+  ~SheetSet();  // Deletes them.
   SheetSet(const SheetSet&) = delete;
   SheetSet& operator=(const SheetSet&) = delete;
 
-  // What ended the run before it began: anything but a want of capacity.
+  // Returns the error that ended the run before it began: anything except a lack of capacity.
   [[nodiscard]] const grpc::Status& failure() const { return failure_; }
   [[nodiscard]] const std::vector<std::string>& names() const { return names_; }  // "sheets/load-0" ...
-  [[nodiscard]] const std::map<std::string, std::int64_t>& refusals() const { return refusals_; }  // by reason
-  [[nodiscard]] const std::string& first_refusal() const { return first_refusal_; }                // the server's words
-  [[nodiscard]] const std::string& integrator() const { return integrator_; }                      // of the first sheet
+  [[nodiscard]] const std::map<std::string, std::int64_t>& refusals() const { return refusals_; }  // By reason.
+  [[nodiscard]] const std::string& first_refusal() const { return first_refusal_; }  // The server's words.
+  [[nodiscard]] const std::string& integrator() const { return integrator_; }        // Used by the first sheet.
 
  private:
-  // Of one CreateSheet; whether to go on.
+  // Records the result of one CreateSheet; returns true if more are to follow.
   bool take(const grpc::Status& status, const v1::Sheet& sheet);
 
   const Plan& plan_;

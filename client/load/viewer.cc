@@ -11,7 +11,7 @@
 namespace kerf::load {
 namespace {
 
-// As far apart as ticks. Readers open before it is known from when they count.
+// Returns times one tick apart. Readers open before the start of counting is known.
 Schedule shown_times(const Plan& plan, Nanoseconds opened) {
   return {opened, Nanoseconds(std::llround(1.0e9 / plan.tick_rate_hz))};
 }
@@ -96,7 +96,7 @@ void ReaderLog::shown(Nanoseconds time, std::int64_t age_us) {
 
 client::WatchOptions options_of(const Plan& plan, Role role) {
   client::WatchOptions options;
-  options.reopening.when_slow = false;  // how often the server gives a reader up is a result
+  options.reopening.when_slow = false;  // The number of readers ended by the server is a result.
   if (role == Role::kViewer) options.max_rate_hz = plan.viewer_rate_hz;
   return options;
 }

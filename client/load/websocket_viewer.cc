@@ -23,8 +23,8 @@ namespace beast = boost::beast;
 
 using NetError = boost::system::error_code;
 
-constexpr std::chrono::seconds kOpeningPatience(10);         // with each step of opening the stream
-constexpr std::size_t kMaxMessage = std::size_t{256} << 20;  // bytes, as client::Client::kMaxReceiveBytes
+constexpr std::chrono::seconds kOpeningPatience(10);         // For each step of opening the stream.
+constexpr std::size_t kMaxMessage = std::size_t{256} << 20;  // Bytes, as client::Client::kMaxReceiveBytes.
 
 class WebSocketViewer : public Viewer {
  public:
@@ -58,7 +58,7 @@ class WebSocketViewer : public Viewer {
     if (!endpoint) return ended("write HOST:PORT");
     resolver_.async_resolve(endpoint->host, endpoint->port, [this](const NetError& error, const Addresses& found) {
       if (error) return ended(error.message());
-      // What was closed before would be opened again.
+      // Connects unless stopped: connecting would reopen a closed socket.
       if (!stopped_) connect(found);
     });
   }
@@ -76,7 +76,7 @@ class WebSocketViewer : public Viewer {
     beast::tcp_stream& lowest = beast::get_lowest_layer(socket_);
     NetError ignored;
     lowest.socket().set_option(boost::asio::ip::tcp::no_delay(true), ignored);
-    lowest.expires_never();  // the WebSocket has its own time limit
+    lowest.expires_never();  // The WebSocket has its own time limit.
     socket_.set_option(
         beast::websocket::stream_base::timeout{kOpeningPatience, beast::websocket::stream_base::none(), false});
     socket_.set_option(beast::websocket::stream_base::decorator([](beast::websocket::request_type& request) {
@@ -111,12 +111,12 @@ class WebSocketViewer : public Viewer {
     log_.seen(frame.tick(), frame.topology_version(), frame.stats(), bytes, frame.base_tick() < 0);
     const Nanoseconds hold = hold_of(plan_, watching_.role, ++frames_);
     if (hold > Nanoseconds(0) && !waiter_.wait_until(waiter_.now() + hold)) return;
-    // A reset in answer to what is sent too late would take with it what the server said before it closed.
+    // Sends nothing more for a stalled reader: the server's reset in answer could discard its last message.
     if (watching_.role == Role::kStalled) return read();
     send(client::acknowledgement(frame.sequence(), arrived));
   }
 
-  // And reads on when that is done.
+  // Sends a request, then reads again.
   void send(const v1::WatchRequest& request) {
     sent_ = request.SerializeAsString();
     socket_.async_write(boost::asio::buffer(sent_), [this](const NetError& error, std::size_t /*bytes*/) {
@@ -125,7 +125,7 @@ class WebSocketViewer : public Viewer {
     });
   }
 
-  // Ends the thread at once: the WebSocket's timer of an opening would keep it for as long as that may take.
+  // Ends the thread at once, since the WebSocket's timer for opening would delay it.
   void ended(const std::string& how) {
     if (!stopped_) log_.ended(how);
     context_.stop();
@@ -142,7 +142,7 @@ class WebSocketViewer : public Viewer {
   boost::asio::ip::tcp::resolver resolver_{context_};
   beast::websocket::stream<beast::tcp_stream> socket_;
   beast::flat_buffer buffer_;
-  std::string sent_;  // being written
+  std::string sent_;  // Being written.
   std::thread thread_;
 };
 
