@@ -26,13 +26,13 @@ class Robot:
         self.counts: Counter[str] = collections.Counter()
 
     def cut(self) -> str:
-        """Cuts once, and lets some ticks pass; what became of it."""
+        """Cuts once, and lets some ticks pass; returns the outcome."""
         kind, cut = random_cut(self._chance)
         try:
             result = self._sheet.cut(cut)
             outcome = f"{kind} cut" if result.status == kerf.APPLIED else "missed"
         except kerf.Error as refusal:
-            # What may not be cut is part of what is tried out.
+            # Refused cuts are part of the experiment.
             outcome = f"refused, {refusal.reason}"
         self.counts[outcome] += 1
         self._disturb()

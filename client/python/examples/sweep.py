@@ -55,7 +55,7 @@ def scene(columns: int) -> Dict[str, Any]:
 
 
 def opening_m(sheet: kerf.Sheet, share: float, edge_m: float) -> float:
-    """How far a slit of this share of the width opens in its middle, at rest. edge_m: of the mesh away from the slit."""
+    """Returns the opening at rest, in its middle, of a slit with this share of the width. edge_m: edges away from the slit."""
     sheet.reset()
     middle, half = _WIDTH_M / 2, share * _WIDTH_M / 2
     slit = kerf.polyline((middle - half, _HEIGHT_M / 2), (middle + half, _HEIGHT_M / 2))

@@ -1,4 +1,4 @@
-"""What is asked of Sheet.analyze(), as kerf.v1.AnalyzeSheetRequest."""
+"""Makes kerf.v1.AnalyzeSheetRequest from the arguments of Sheet.analyze()."""
 
 from __future__ import annotations
 

@@ -96,10 +96,10 @@ class Table:
 
 @dataclass(frozen=True)
 class Analysis:
-    """What Sheet.analyze() found, of a copy of the sheet."""
+    """Holds the results of Sheet.analyze(), for a copy of the sheet."""
 
     tick: int  # of the sheet that was copied
-    topology_version: int  # likewise
+    topology_version: int  # of the sheet that was copied
     tables: Dict[str, Table]  # by name: "probes" where there were some, "modes"
     static: Optional[analysis_pb2.StaticResult]  # of an equilibrium
     dynamic: Optional[analysis_pb2.DynamicResult]  # of ticks to come

@@ -1,4 +1,4 @@
-"""How channels to servers are set up."""
+"""Options of channels to servers."""
 
 # Never through a proxy of the environment: Kerf servers are near. The exact state of half a million vertices fits. A server
 # that was started again is found soon.

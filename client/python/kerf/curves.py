@@ -142,7 +142,7 @@ class Path:
         large: bool = False,
         counter_clockwise: bool = True,
     ) -> Path:
-        """Of an ellipse; of a circle where there is one semi-axis. large: the longer way round."""
+        """Adds an arc of an ellipse, or of a circle if there is one semi-axis. large: the longer way round."""
         segment = geometry_pb2.Path.Arc(
             semi_axis_x_m=semi_axis_x,
             semi_axis_y_m=semi_axis_x if semi_axis_y is None else semi_axis_y,

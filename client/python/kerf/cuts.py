@@ -15,7 +15,7 @@ from kerf.v1 import conditions_pb2, cuts_pb2, geometry_pb2, scene_pb2
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-# What became of a cut: CutResult.status.
+# Outcomes of a cut: CutResult.status.
 APPLIED = cuts_pb2.CutResult.APPLIED
 NO_INTERSECTION = cuts_pb2.CutResult.NO_INTERSECTION  # misses the sheet; nothing changed
 SCHEDULED = cuts_pb2.CutResult.SCHEDULED  # waits for its tick
@@ -25,7 +25,7 @@ Fit = Union[Literal["sheet"], Tuple[float, float, float, float]]
 
 
 class CutOptions(TypedDict, total=False):
-    """What may be said of a cut beside its curve; each has its default where it is left out. Ranges: proto/kerf/v1/scene.proto."""
+    """Holds the options of a cut besides its curve; those left out have their defaults. Ranges: proto/kerf/v1/scene.proto."""
 
     tolerance: float  # largest distance curve to lips, as a fraction of the edge length there
     tolerance_m: float  # the same in metres, instead

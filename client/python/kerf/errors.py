@@ -1,4 +1,4 @@
-"""What the server refuses, as exceptions: one class a gRPC status code."""
+"""Exceptions for refusals of the server: one class per gRPC status code."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ class DeadlineExceeded(Error):
 
 
 class DataLoss(Error):
-    """What came cannot be read: a damaged recording, or a frame that does not follow those before it."""
+    """The data received is faulty: a damaged recording, or a frame that does not follow those before it."""
 
 
 class Internal(Error):
@@ -134,20 +134,20 @@ def no_server(address: str, why: str) -> Unavailable:
 
 
 def connection_closed(address: str) -> Error:
-    """What a stream comes to whose connection this side has closed."""
+    """Returns the error of a stream whose connection this side has closed."""
     return Error("CANCELLED", "", f"the connection to {address} was closed")
 
 
 def cut_off(address: str) -> Unavailable:
-    """What a stream comes to that the server broke off, as it could not write: there is no saying why then."""
+    """Returns the error of a stream that the server broke off because it could not write, not even the reason."""
     return Unavailable("UNAVAILABLE", "TOO_SLOW", f"the server at {address} broke the stream off: it was not read in time")
 
 
 def is_cancelled(failure: Any) -> bool:
-    """Whether a call failed because one of its sides broke it off."""
+    """Returns True if a call failed because one of its sides broke it off."""
     return bool(failure.code() == grpc.StatusCode.CANCELLED)
 
 
 def is_out_of_time(failure: Any) -> bool:
-    """Whether a call failed because its time limit ran out."""
+    """Returns True if a call failed because its time limit ran out."""
     return bool(failure.code() == grpc.StatusCode.DEADLINE_EXCEEDED)

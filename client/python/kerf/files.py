@@ -28,7 +28,7 @@ def whole_file(path: "str | os.PathLike[str]") -> Iterator[IO[bytes]]:
 
 
 def real_target(path: "str | os.PathLike[str]") -> pathlib.Path:
-    """What a link leads to, so that it stays one."""
+    """Returns the target of a link, so that the link is kept."""
     return pathlib.Path(os.path.realpath(path) if os.path.islink(path) else path)
 
 

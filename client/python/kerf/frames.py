@@ -49,7 +49,7 @@ class FrameDecoder:
         self._pieces: Any = None
 
     def begin_stream(self) -> None:
-        """The next frame is the first of another stream, which was told epoch and topology_version."""
+        """Expects the first frame of a new stream, whose start named epoch and topology_version."""
         self._sequence = 0
 
     def decode(self, message: stream_pb2.Frame) -> Frame:

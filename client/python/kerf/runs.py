@@ -168,7 +168,7 @@ class Run(Sequence[Frame]):
 
 
 def load_run(path: "str | os.PathLike[str]") -> Run:
-    """What Sheet.recorder() wrote. Raises ValueError where the file is something else, OSError where it cannot be read."""
+    """Loads a file of Sheet.recorder(). Raises ValueError if the file is something else, OSError if it cannot be read."""
     name = os.fspath(path)
     try:
         return Run(numpy_module().load(name, allow_pickle=False), name)

@@ -27,17 +27,17 @@ _REST_SHAPES = {
 
 
 class SheetOptions(TypedDict, total=False):
-    """How Server.create_sheet() makes a sheet; what is left out has its default."""
+    """Holds the options of Server.create_sheet(); those left out have their defaults."""
 
     grid: Tuple[int, int]  # columns and rows of vertices; default (50, 50)
     size_m: Tuple[float, float]  # width and height, metres; default (1, 1)
     mesh_file: "Union[str, os.PathLike[str]]"  # .obj or .ply: then grid and size_m do not count
-    # What the rest shape of a mesh file is: "flat" (its texture coordinates, or its plane), "surface" (its positions, curved
+    # The rest shape of a mesh file: "flat" (its texture coordinates, or its plane), "surface" (its positions, curved
     # as they are), or "auto", the default: flat where the file allows it.
     rest: Literal["auto", "flat", "surface"]
     pins: Iterable[Place]  # default ["top"]
     material: AnyMaterial  # a preset, Server.info() lists them; or numbers, {"youngs_modulus_pa": 1e6}
-    # Of other materials, each a box (x0, y0, x1, y1) in metres on the undeformed sheet and a material; a later one over
+    # Parts of other materials, each a box (x0, y0, x1, y1) in metres on the undeformed sheet and a material; a later one over
     # those before.
     parts: Iterable[Part]
     paused: bool  # its clock stands until resume() or step(); default False
@@ -81,7 +81,7 @@ def as_material(material: AnyMaterial) -> scene_pb2.Material:
 
 
 def as_scene(scene: AnyScene) -> scene_pb2.Scene:
-    """Of a message, its JSON form, or the path of a scene file. Raises ValueError where the JSON is no scene, OSError."""
+    """Converts a message, its JSON form, or the path of a scene file. Raises ValueError if the JSON is no scene; OSError."""
     if isinstance(scene, scene_pb2.Scene):
         return scene
     try:

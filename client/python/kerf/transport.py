@@ -61,7 +61,7 @@ class Stream:
         self.close()
 
     def send(self, request: Any) -> None:
-        """Of a stream that has ended, nothing: receive() tells why."""
+        """Sends a request; does nothing if the stream has ended: receive() then raises the reason."""
         self._requests.put(request)
 
     def receive(self) -> Any:

@@ -1,4 +1,4 @@
-"""What acts on a sheet: hands that pull at it, pins, gravity, wind."""
+"""Actions on a sheet: grabs, pins, gravity, wind."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from kerf.v1 import interaction_pb2, scene_pb2
 
 
 class Hands(SheetPart):
-    """What acts on the sheet. Each returns the tick at which it took effect."""
+    """Acts on the sheet. Each method returns the tick at which it took effect."""
 
     async def grab(
         self, grab_id: str, point: Union[int, Point], target: Optional[Vector] = None, stiffness_npm: float = 0.0

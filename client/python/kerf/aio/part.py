@@ -1,4 +1,4 @@
-"""What the parts of a Sheet have in common."""
+"""The base class of the parts of a Sheet."""
 
 from __future__ import annotations
 

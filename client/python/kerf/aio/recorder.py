@@ -1,4 +1,4 @@
-"""Recording what a sheet does while a script goes on."""
+"""Records a sheet while a script continues."""
 
 from __future__ import annotations
 

@@ -31,7 +31,7 @@ class Running(SheetPart):
         return await self._call(self._server.sheet_service.PauseSheet, sheets_pb2.PauseSheetRequest(name=self.name))
 
     async def resume(self) -> sheets_pb2.Sheet:
-        """Lets the clock go on.
+        """Resumes the clock.
 
         >>> (await sheet.resume()).run_state == kerf.v1.sheets_pb2.Sheet.RUNNING
         True

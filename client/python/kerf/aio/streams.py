@@ -36,10 +36,10 @@ class _Loop:
 
 
 class AcknowledgedStream(_Loop):
-    """What streams with acknowledgements have in common. The answer that a loop holds is acknowledged when it comes back for
-    the next, so that the server sends no more than the loop can take. A server ends a stream that acknowledges nothing for
-    10 seconds: it is opened again then, and the loop sees nothing of that. So is one whose server was lost, for as long as
-    that is to be tried."""
+    """The base class of streams with acknowledgements. The answer held by a loop is acknowledged when it asks for the next,
+    so that the server sends no more than the loop can take. The server ends a stream that acknowledges nothing for 10
+    seconds; it is then reopened, unnoticed by the loop. A stream whose server was lost is reopened as long as
+    reconnect_s allows."""
 
     _answer = ""  # the field of responses that is given to the loop
 
@@ -62,7 +62,7 @@ class AcknowledgedStream(_Loop):
     async def aclose(self) -> None:
         """Ends the stream; idempotent. A loop over it ends."""
         self._closed = True
-        stream = self._stream  # which a loop on another thread may be opening anew
+        stream = self._stream  # a loop on another thread may be reopening it
         if stream is not None:
             await stream.close()
 
@@ -72,7 +72,7 @@ class AcknowledgedStream(_Loop):
         await self._send(self._request(pace=self._pace))
 
     async def _send(self, request: Any) -> None:
-        """Where no stream is open the next one begins with what is set, and has nothing to acknowledge."""
+        """Sends a request if a stream is open; otherwise the next one begins with the settings and acknowledges nothing."""
         stream = self._stream
         if stream is not None:
             await stream.send(request)
@@ -94,7 +94,7 @@ class AcknowledgedStream(_Loop):
         raise NotImplementedError
 
     def _expects_answer(self) -> bool:
-        """Whether nothing has come so far, though a server sends the first answer at once."""
+        """Returns True if no answer has come so far, though a server sends the first one at once."""
         return not self._arrived_ns and not (self._pace is not None and self._pace.paused)
 
     async def _next(self) -> Any:
@@ -131,7 +131,7 @@ class AcknowledgedStream(_Loop):
         raise StopAsyncIteration
 
     async def _waits_for_server(self, failure: Unavailable) -> bool:
-        """Whether a stream that failed so is to be opened again; after a while, where the server was lost."""
+        """Returns True if a stream with this failure is to be reopened; waits a while first if the server was lost."""
         is_slow = failure.reason == "TOO_SLOW"
         if not is_slow:
             now = time.monotonic()

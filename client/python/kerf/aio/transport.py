@@ -60,7 +60,7 @@ class Stream:
             self._end()
 
     async def send(self, request: Any) -> None:
-        """Of a stream that has ended, nothing: receive() tells why."""
+        """Sends a request; does nothing if the stream has ended: receive() then raises the reason."""
         self._requests.put_nowait(request)
 
     async def receive(self) -> Any:
@@ -94,7 +94,7 @@ class Stream:
             self._closed = True
             self._requests.put_nowait(None)
             self._call.cancel()
-            if self._reading is not None:  # whose caller gave up: nobody else will ask what came of it
+            if self._reading is not None:  # its caller gave up, so its exception is consumed here
                 self._reading.add_done_callback(lambda reading: reading.cancelled() or reading.exception())
 
 

@@ -33,8 +33,8 @@ class Viewing(SheetPart):
         the loop comes back for it; more keep a fast loop busy over a long way; 0: the server finds out. strains: frames have
         the strains of the vertices. duration_s: the stream ends after so long, with Unavailable where not even a first frame
         came; None: only when it is closed, or a NotFound (the sheet was deleted) or Unavailable (the server stops) comes.
-        reconnect_s: how long a server that is lost is tried; one that was started anew goes on with a keyframe, and its ticks
-        count anew. A paused sheet has a frame when something changes. Needs NumPy.
+        reconnect_s: how long to retry a lost server; a restarted one continues with a keyframe, and its ticks
+        begin again. A paused sheet has a frame when something changes. Needs NumPy.
 
         >>> async with sheet.watch(rate_hz=30, strains=True) as frames:
         ...     async for frame in frames:
@@ -49,7 +49,7 @@ class Viewing(SheetPart):
 
     def subscribe(self, *, rate_hz: float = 1.0, max_frames: int = 0) -> Subscription:
         """Frames at a low rate, 0.001..10 Hz, without acknowledgements: what is not read in time waits, so that a slow loop
-        lags. For steady logging; watch() is for all else. max_frames: ends after so many; 0: goes on.
+        lags. For steady logging; watch() is for all else. max_frames: ends after so many; 0: no limit.
 
         >>> async for frame in sheet.subscribe(max_frames=1):
         ...     frame.positions.shape
