@@ -12,7 +12,7 @@ import sys
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-FOLDERS = ("server", "render", "client", "tests")
+FOLDERS = ("server", "render", "client")
 OPENERS = re.compile(r"(Of|What|Whether|Where|How|Whom|Whose)\b")
 WORDS = re.compile(r"\b(told|goes on|go on|went on|but for|anew|nobody|somebody|likewise)\b", re.IGNORECASE)
 MOST_WORDS = 25
@@ -74,7 +74,7 @@ class Comments(unittest.TestCase):
 
 
 def main():
-    if len(sys.argv) == 1:
+    if len(sys.argv) == 1 or sys.argv[1].startswith("-"):
         return unittest.main()
     count = 0
     for path in sources(sys.argv[1:]):
