@@ -22,7 +22,7 @@ constexpr double kTraction = 1000.0;  // Pa
 struct Slit {
   cut::Curve curve;
   double half_length = 0.0;  // m; of an edge slit the whole
-  // Of a point on it: coordinate along it (m) and unit normal.
+  // Maps a point on it to the coordinate along it (m) and the unit normal.
   std::function<std::pair<double, Vector2d>(const Vector2d&)> frame;
 };
 
@@ -76,7 +76,7 @@ struct Opening {
   double s = 0.0, normal = 0.0, tangential = 0.0;  // m
 };
 
-// What was one point of the slit before it opened, along the slit.
+// Returns the openings along the slit, each of vertices that were one point before it opened.
 std::vector<Opening> openings(const mesh::TriangleMesh& mesh, const Slit& slit, const mesh::VertexField& x) {
   std::map<std::pair<double, double>, std::vector<int>> at;
   for (int v = 0; v < mesh.num_vertices(); ++v) {

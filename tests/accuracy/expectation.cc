@@ -73,7 +73,7 @@ std::vector<double> evaluate(const v1::Table& table, const json& found, std::siz
 double interpolate(const std::vector<double>& times, const std::vector<double>& values, double at) {
   const auto above = std::lower_bound(times.begin(), times.end(), at);
   if (above == times.end()) {
-    // The last row's time, but for rounding.
+    // Accepts the last row's time up to rounding.
     if (at - times.back() < 1e-9 * std::abs(at)) return values.back();
     throw std::runtime_error("the scene ends before " + std::to_string(at));
   }
@@ -111,7 +111,7 @@ std::size_t find_column(const json& quantity, const std::string& name) {
   throw std::runtime_error("the reference's table has no column \"" + name + "\"");
 }
 
-// What the k-th of the rows that are compared finds in the series.
+// Returns the value of the series for the k-th of the rows compared.
 double pick(const json& over, const v1::Table& table, const std::vector<double>& series, std::size_t k,
             const json* row_of_reference, const json& quantity) {
   if (series.empty()) throw std::runtime_error("the scene's table is empty");
@@ -131,7 +131,7 @@ double pick(const json& over, const v1::Table& table, const std::vector<double>&
   throw std::runtime_error("no such \"over\": " + how);
 }
 
-// What errors are relative to: the largest of these columns, a number, or the expected value itself.
+// Returns the reference of relative errors: the largest of these columns, a number, or the expected value itself.
 double scale_of(const json& check, const json& quantity, double expected) {
   if (!check.contains("relative_to")) return std::abs(expected);
   const json& relative = check.at("relative_to");
@@ -182,7 +182,7 @@ double Expectation::tolerance_of(const json& check) const {
   const bool is_named = given.contains(name);
   const double of_reference = is_named ? given.at(name).get<double>() : check.at("tolerance").get<double>();
   const double tolerance = check.value("tolerance", of_reference);
-  // What the reference says in words only must be quoted.
+  // Requires a quotation for references given in words only.
   if ((!is_named || tolerance > of_reference) && !check.contains("because")) {
     throw std::runtime_error("a tolerance of its own without \"because\": " + check.dump());
   }
@@ -200,7 +200,7 @@ CheckedQuantity Expectation::compare_one(const json& check, const v1::RunResult&
   const auto add = [&](const std::string& what, std::size_t k, const json* row, double expected) {
     const std::vector<double> series = evaluate(table, check.at("found"), k);
     const double found = pick(over, table, series, k, row, quantity);
-    // What must stay as it was is compared with itself.
+    // Compares a quantity that must not change with its own start.
     if (check.value("expected", "reference") == "start") expected = series.front();
     const double scale = is_absolute ? 1.0 : scale_of(check, quantity, expected);
     checked.comparisons.push_back({what, expected, found, (found - expected) / scale, tolerance});

@@ -8,7 +8,7 @@
 
 #include "kerf/v1/run.pb.h"
 
-// What a scene of tests/data/scenes/reference must show: <scene>.expect.json, see tests/accuracy/README.md.
+// Checks a scene of tests/data/scenes/reference against <scene>.expect.json, see tests/accuracy/README.md.
 namespace kerf::accuracy {
 
 // One number of the reference against one that was found.

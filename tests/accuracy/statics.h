@@ -71,7 +71,7 @@ struct Cantilever {
     model.bend_by_angles(mesh);
     rest = x;
   }
-  // Of the end, m: mean over its vertices.
+  // Returns the position of the end, m: the mean over its vertices.
   [[nodiscard]] Eigen::Vector3d tip() const {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (const int v : end) sum += x.col(v) - rest.col(v);

@@ -1,4 +1,4 @@
-// What probes measure, against what is known of simple states.
+// Compares measurements of probes with known values of simple states.
 #include "server/core/analysis/probe.h"
 
 #include <cmath>

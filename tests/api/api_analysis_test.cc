@@ -32,8 +32,8 @@ class AnalysisApiTest : public ApiTest {
     return request;
   }
 
-  // Of a sheet that falls: a pressure turns with it, so that only the search, which goes on until it is told to stop,
-  // can tell that it has no equilibrium.
+  // Requests an endless analysis of a falling sheet. Its pressure turns with it, so only the search itself, which runs
+  // until it is stopped, can find that there is no equilibrium.
   v1::AnalyzeSheetRequest create_endless(const std::string& id) {
     v1::CreateSheetRequest request;
     request.set_sheet_id(id);
@@ -156,7 +156,7 @@ TEST_F(DynamicAnalysisApiTest, GoesOnAsTheSheetItselfWillWhichIsLeftAsItIs) {
   v1::GetSheetStateRequest exact;
   exact.set_name("sheets/a");
   EXPECT_EQ(found.positions(), call(&Api::get_sheet_state, exact).value().positions());
-  // What is measured now is the last row of what was foretold, but for what the motion of the held takes.
+  // Equals the last row of the forecast, except for the forces of the held vertices' motion.
   const v1::AnalyzeSheetResponse now = analyze(ticks_of("sheets/a", 0)).value();
   EXPECT_EQ(now.dynamic().ticks(), 0);
   EXPECT_EQ(now.dynamic().state_hash(), after.state_hash());

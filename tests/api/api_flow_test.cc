@@ -1,5 +1,5 @@
-// What a stream can be asked for beside its frames: another pace, raw arrays, what it still has of an earlier one; and
-// the subscription that acknowledges nothing.
+// Tests the requests of a stream besides frames: another pace, raw arrays, topology kept from an earlier stream; and
+// the subscription without acknowledgements.
 
 #include <limits>
 #include <string>

@@ -1,4 +1,4 @@
-// What is encoded for many viewers of one sheet: frames of a tick, not of a viewer.
+// Counts the encodings for many viewers of one sheet: one per tick, not per viewer.
 
 #include <memory>
 #include <string>
@@ -28,7 +28,7 @@ class FrameCountsTest : public ApiTest {
   void drain() {
     for (const auto& viewer : viewers_) viewer->drain();
   }
-  // What kEncodedTicks ticks are encoded and sent.
+  // Counts the frames encoded and sent in kEncodedTicks ticks.
   FrameCounts watch() {
     const FrameCounts before = api_->frame_counts();
     for (int tick = 0; tick < kEncodedTicks; ++tick) {

@@ -1,4 +1,4 @@
-// What the Api remembers: requests by their id, and the cuts of every sheet.
+// Tests the memory of the Api: requests by their id, and the cuts of every sheet.
 #include <future>
 
 #include <gtest/gtest.h>

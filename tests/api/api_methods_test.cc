@@ -112,7 +112,7 @@ TEST_F(ApiTest, ListsSheetsByPage) {
   ASSERT_EQ(first.sheets_size(), 3);
   EXPECT_EQ(first.sheets(0).name(), "sheets/a");
   EXPECT_EQ(first.sheets(2).name(), "sheets/c");
-  // What was listed goes away in between: nothing is skipped.
+  // Deletes a listed sheet in between: nothing is skipped.
   v1::DeleteSheetRequest remove;
   remove.set_name("sheets/a");
   ASSERT_TRUE(call(&Api::delete_sheet, remove).ok());
@@ -308,7 +308,7 @@ TEST_F(ApiTest, AfterStopEverythingIsUnavailable) {
   EXPECT_EQ(asked, 28);
 }
 
-// Draws nothing, and not before it is told to.
+// Draws nothing, and returns only when released.
 class SlowRenderer : public render::Renderer {
  public:
   render::Status render(const render::Scene&, const render::Camera&, int width, int height, render::Pixels& pixels,

@@ -321,7 +321,7 @@ TEST(ReadySignal, TakingItAwayWaitsForACallUnderWay) {
   });
   signal.set({});
   EXPECT_TRUE(returned);
-  signal.raise();  // nobody listens
+  signal.raise();  // No callback is set.
   caller.join();
   liberator.join();
 }

@@ -105,7 +105,7 @@ TEST_F(ApiFilesTest, RecordingsOnTheirWayAreLimited) {
   EXPECT_EQ(third.error().code, ErrorCode::kResourceExhausted);
   EXPECT_EQ(third.error().reason, "TOO_MANY_RECORDINGS");
   second.reset();
-  // What was refused is let go when its replies are, which the filer does after it has given them.
+  // Retries: the filer frees refused work only after it has called the replies.
   Result<std::shared_ptr<const std::string>> next = recording("sheets/a");
   while (!next.ok()) next = recording("sheets/a");
   EXPECT_EQ(**next, *first);

@@ -19,7 +19,7 @@ using kerf::testing::FrameMirror;
 
 class WatchTest : public ApiTest {
  protected:
-  // What GetSheetState says, in the quanta of the mirror's box.
+  // Compares with GetSheetState, in the quanta of the mirror's box.
   void expect_equal_to_server(const FrameMirror& mirror, const std::string& name) {
     v1::GetSheetStateRequest request;
     request.set_name(name);
@@ -160,7 +160,7 @@ TEST_F(WatchTest, RateIsKeptWithATimer) {
   int woken = -1;
   for (int tick = 0; tick < 500; ++tick) {  // ten seconds
     run_for(kTick);
-    if (viewer.woken() == woken) continue;  // a transport asks only when it is told to
+    if (viewer.woken() == woken) continue;  // A transport calls next() only when woken.
     woken = viewer.woken();
     frames += viewer.drain() ? 1 : 0;
   }

@@ -59,7 +59,7 @@ class ImageViewer {
     send(request);
   }
 
-  // What there is now, as a transport asks for it: orders a picture if one is due.
+  // Returns the next message, as a transport would; orders a picture if one is due.
   std::optional<v1::WatchImagesResponse> next() {
     const std::optional<stream::Message> message = session_->next();
     if (!message) return std::nullopt;

@@ -22,12 +22,12 @@ struct AuditedCut {
   cut::CutOutcome outcome;  // of an applied or missed cut
 };
 
-// What is checked beside find_cut_flaw().
+// Chooses the checks besides find_cut_flaw().
 struct Depth {
   bool violation = false;  // the mesh's own find_violation()
   bool undo = false;       // taking the cut back gives the mesh before, bit for bit
   bool reload = false;     // the mesh before, read back from its records, is cut to the same hash
-  int curve_samples = 0;   // of a piece, see find_curve_flaw(); with a width all told, see find_strewn_flaw()
+  int curve_samples = 0;   // Per piece, see find_curve_flaw(); with a width in all, see find_strewn_flaw().
 };
 inline constexpr Depth kDeepest{true, true, true, 60};
 

@@ -128,7 +128,7 @@ class CutAudit {
     return std::nullopt;
   }
 
-  // What a strip takes away is measured by find_strip_flaw.
+  // Leaves the area of a removed strip to find_strip_flaw.
   Finding check_areas() {
     if (takes_material()) return std::nullopt;
     std::map<std::int32_t, Wide> area;  // twice the change, by region
@@ -248,7 +248,7 @@ class CutAudit {
   }
 
   enum class EdgeKind { kAbsent, kInner, kOpen };
-  // Of the side of an old solid triangle that runs from a to b.
+  // Returns the kind of the side of an old solid triangle that runs from a to b.
   [[nodiscard]] EdgeKind edge_kind(VertexId a, VertexId b) const {
     const auto found = std::lower_bound(old_edges_.begin(), old_edges_.end(), OldEdge{{a, b}, false});
     if (found == old_edges_.end() || found->first != std::pair{a, b}) return EdgeKind::kAbsent;
@@ -320,7 +320,7 @@ class CutAudit {
     return text("in a sector that belonged to another vertex", static_cast<VertexId>(v));
   }
 
-  // Whether the point was put on a lip or border that was there before.
+  // True if the point was put on an existing lip or border.
   bool lies_on_lip(const VertexSource& source) {
     const LatticePoint& place = now_.points[index(now_.vertices[index(source.vertex)].point)].at;
     const Vector2d here(static_cast<double>(place.x), static_cast<double>(place.y));
@@ -451,7 +451,7 @@ class CutAudit {
                          now_.triangles.end(), is_solid);
   }
 
-  // Where the corners of a triangle are, in a fixed order.
+  // Returns the positions of a triangle's corners, in a fixed order.
   static std::array<LatticePoint, 3> places_of(const MeshRecords& records, const TriangleRecord& r) {
     std::array<LatticePoint, 3> places{};
     for (std::size_t k = 0; k < 3; ++k) places[k] = records.points[index(r.points[k])].at;
@@ -471,7 +471,7 @@ class CutAudit {
     return std::sqrt((axes.transpose() * axes).determinant());
   }
 
-  // Of the triangles that were not there before. Angles from side lengths, heights from the area.
+  // Checks the shapes of new triangles. Angles come from side lengths, heights from the area.
   Finding check_shapes() {
     const cut::CutQuality& quality = outcome_.report.quality;
     std::vector<std::array<LatticePoint, 3>> old_places;

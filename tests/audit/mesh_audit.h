@@ -14,7 +14,7 @@ namespace kerf::audit {
 
 using Finding = std::optional<std::string>;
 
-// What a sheet consists of, counted in the opened mesh but where said otherwise.
+// Counts the parts of a sheet, in the opened mesh unless stated otherwise.
 struct Census {
   std::int64_t vertices = 0;
   std::int64_t edges = 0;
@@ -29,7 +29,7 @@ struct Census {
   std::array<std::int64_t, 6> points_by_degree{};
 
   [[nodiscard]] std::int64_t characteristic() const { return vertices - edges + triangles; }
-  // Of the sheet before anything was cut: cuts leave it alone.
+  // Returns the characteristic of the sheet before all cuts, which do not change it.
   [[nodiscard]] std::int64_t welded_characteristic() const { return characteristic() - extra_fans + lip_edges; }
 };
 

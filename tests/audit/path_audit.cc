@@ -246,7 +246,7 @@ class PathAudit {
     return (report.deviation_m - plan.curve_deviation_m) / before_.records().lattice.spacing;
   }
 
-  // Whether no material is left, farther than `radius` from its border, where `range` of the segment lies.
+  // True if no material, farther than `radius` from its border, is left at `range` of the segment.
   [[nodiscard]] bool lies_in_void(const Segment& segment, const Range& range, double radius) const {
     constexpr int kSamples = 16;
     for (const mesh::TriangleRecord& r : after_.records().triangles) {

@@ -9,20 +9,19 @@
 
 namespace kerf::audit {
 
-// Whether path and lips cover each other, by lengths and not by samples: every stretch of the plan's strokes inside the
-// sheet lies within the reported deviation of a lip or of the border, every lip that is new lies within it of the
-// strokes, and every lip and border edge there was before is still there, unless the cut takes material away. Also that
-// the report's crossed_triangles is the number of old triangles that the strokes run through, those grazed counted or
-// not.
+// Checks that path and lips cover each other, by lengths and not by samples. Every stretch of the plan's strokes inside
+// the sheet lies within the reported deviation of a lip or of the border. Every new lip lies within it of the strokes.
+// Every old lip and border edge still exists, unless the cut removes material. Also checks that the report's
+// crossed_triangles is the number of old triangles that the strokes cross, with or without those grazed.
 Finding find_path_flaw(const mesh::TriangleMesh& before, const mesh::TriangleMesh& after, const cut::CutPlan& plan,
                        const cut::CutReport& report);
 
 // The first half of that, by itself: a stretch of the strokes inside the sheet that no lip or border is near.
 Finding find_uncovered_path(const mesh::TriangleMesh& mesh, const cut::CutPlan& plan, const cut::CutReport& report);
 
-// Whether points of the curve itself, `samples` to a piece, that lie inside the sheet are within the reported deviation
-// of a lip or of the border. Lines of a path that are a point are left out, and so, where the report says that some
-// merged, are those no larger than `dust_m` (m).
+// Checks points of the curve itself, `samples` per piece. Those inside the sheet must lie within the reported deviation
+// of a lip or of the border. Lines of a path that are a point are left out. If the report has merged segments, lines no
+// larger than `dust_m` (m) are left out too.
 Finding find_curve_flaw(const mesh::TriangleMesh& before, const mesh::TriangleMesh& after, const cut::Curve& curve,
                         const cut::CutReport& report, int samples, double dust_m);
 

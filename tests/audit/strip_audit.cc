@@ -60,7 +60,7 @@ double winding(const std::vector<std::vector<Vector2d>>& lines, const Vector2d& 
   return angle / (2.0 * 3.14159265358979323846);
 }
 
-// Where material is.
+// Locates material.
 class Solid {
  public:
   explicit Solid(const mesh::TriangleMesh& mesh) : records_(mesh.records()), grid_({}) {
@@ -76,7 +76,7 @@ class Solid {
     grid_ = BoxGrid(std::move(boxes));
   }
 
-  // Whether `p` is inside a triangle by more than `margin` (below 0: or outside by no more than that).  m
+  // True if `p` is inside a triangle by more than `margin`, m (below 0: or outside by no more than that).
   bool holds(const Vector2d& p, double margin) {
     bool found = false;
     grid_.for_touching(Box(p, p), [&](std::size_t i) {
@@ -151,7 +151,7 @@ Finding find_wrong_counts(const MeshRecords& before, const MeshRecords& after, c
 Finding find_strip_flaw(const mesh::TriangleMesh& before, const mesh::TriangleMesh& after, const cut::CutPlan& plan,
                         const cut::CutOutcome& outcome) {
   if (Finding found = find_wrong_counts(before.records(), after.records(), outcome)) return found;
-  // What is left is outside, what is gone inside: looked at where triangles were rewritten.
+  // Checks rewritten triangles: those left are outside, those removed inside.
   constexpr std::size_t kLookedAt = 100;
   const auto& rewritten = outcome.edit.rewritten_triangles;
   const std::size_t stride = rewritten.size() / kLookedAt + 1;

@@ -6,8 +6,8 @@
 // Checks of cuts that take a strip away, by sampling: they share no code with the cutter.
 namespace kerf::audit {
 
-// What was removed is the inside of the outline of the plan and nothing else, area by area, but for the deviation;
-// vertices and pieces that are gone are those said to be.
+// Checks that exactly the inside of the plan's outline was removed, area by area, up to the deviation. Vertices and
+// pieces that are gone must be those reported.
 Finding find_strip_flaw(const mesh::TriangleMesh& before, const mesh::TriangleMesh& after, const cut::CutPlan& plan,
                         const cut::CutOutcome& outcome);
 

@@ -15,7 +15,7 @@ class UnionFind {
     while (parent_[item] != item) item = parent_[item] = parent_[parent_[item]];
     return item;
   }
-  // Whether they were apart before.
+  // Joins two sets; returns true if they were separate.
   bool join(std::size_t a, std::size_t b) {
     a = root(a);
     b = root(b);

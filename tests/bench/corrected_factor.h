@@ -11,8 +11,8 @@
 
 namespace kerf::bench {
 
-// A factor of the matrix from before a cut, corrected on a part S of the sheet, the new vertices among them, whose
-// block A_SS is factored anew: symmetric multiplicative Schwarz, S - old - S. The old factor leaves new vertices at 0.
+// Corrects a factor from before a cut on a part S of the sheet that includes the new vertices. The block A_SS is
+// factored again: symmetric multiplicative Schwarz, S - old - S. The old factor leaves new vertices at 0.
 //
 // The first S has nothing to do where the residual is 0 there. It is after start(), and stays so to rounding: each
 // direction ends with S, which makes (A z)_S = r_S, and r_S = 0 then makes (A p)_S = 0. So old - S is the same

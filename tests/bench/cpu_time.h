@@ -10,12 +10,12 @@ inline double cpu_s(clockid_t clock) {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-// Of the calling thread, s.
+// Returns the CPU time of the calling thread, s.
 inline double thread_cpu_s() {
   return cpu_s(CLOCK_THREAD_CPUTIME_ID);
 }
 
-// Of all threads, s.
+// Returns the CPU time of all threads, s.
 inline double process_cpu_s() {
   return cpu_s(CLOCK_PROCESS_CPUTIME_ID);
 }

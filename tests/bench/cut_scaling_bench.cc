@@ -14,7 +14,7 @@
 #include "tests/bench/scenes.h"
 #include "tests/bench/stage_clock.h"
 
-// What a cut costs, by the number of triangles it crosses and by the size of the mesh, and where the time goes.
+// Measures the cost of a cut by the number of triangles crossed and by the size of the mesh, and its parts.
 namespace kerf::bench {
 namespace {
 

@@ -17,9 +17,9 @@
 #include "server/core/mesh/build/grid_mesh.h"
 #include "tests/bench/expected.h"
 
-// What two threads inside one sheet could gain at most: substeps of a whole sheet on one thread beside those of two
-// sheets of half its size on two, apart and meeting after each, asleep until the other is there. What a real division
-// would cost besides, the seam and the exchange over it, is left out.
+// Measures the largest possible gain of two threads inside one sheet. It compares substeps of a whole sheet on one
+// thread with those of two half sheets on two. The threads work apart, or meet after each step, asleep until the other
+// arrives. The further cost of a real division, the seam and the exchange over it, is left out.
 namespace kerf::bench {
 namespace {
 
@@ -43,7 +43,7 @@ class Swinging {
     state_.v = 0.1 * state_.x;
   }
 
-  // Of what begin() takes over, so that each round is the same.
+  // Begins from the same state in each round.
   void begin(int substeps) {
     const bool fits = sweep_.begin(model_, loads_, terms_, h_ * substeps, state_);
     KERF_CHECK(fits, "mixed precision refuses the benchmark's sheet");

@@ -74,7 +74,7 @@ Result<Encoded> timed(const Encode& encode) {
   return Encoded{std::move(*bytes), ms};
 }
 
-// What an image stream would have of one size, and its checks.
+// Measures an image stream of one size, and checks it.
 class Measurement {
  public:
   Measurement(TimedRenderer& renderer, int height) : renderer_(renderer), look_(look_of(height)), video_(look_.video) {}

@@ -15,7 +15,7 @@
 namespace kerf::bench {
 namespace {
 
-// Of a pixel, 0..255: BT.601, as all three codecs have it.
+// Returns the brightness of a pixel, 0..255: BT.601, as in all three codecs.
 double brightness(const std::uint8_t* rgba) {
   return 0.299 * rgba[0] + 0.587 * rgba[1] + 0.114 * rgba[2];
 }

@@ -8,7 +8,7 @@
 
 #include "render/image.h"
 
-// Whether encoded pictures show what was drawn: each is decoded by the library that its readers use.
+// Checks that encoded pictures show the drawing: each is decoded by the library that its readers use.
 namespace kerf::bench {
 
 // Empty where it is right, else what is wrong: of another size, or less than `min_psnr` dB near to the brightness of
@@ -16,7 +16,7 @@ namespace kerf::bench {
 std::string jpeg_fault(std::span<const std::uint8_t> jpeg, const render::Pixels& drawn, double min_psnr);
 std::string png_fault(std::span<const std::uint8_t> png, const render::Pixels& drawn);
 
-// Of one VP8 stream, all of whose frames must be given in their order.
+// Checks one VP8 stream, whose frames must all be given in order.
 class VideoCheck {
  public:
   VideoCheck();

@@ -42,7 +42,7 @@ btSoftBody* make_sheet(btSoftBodyWorldInfo& world, const Scene& scene) {
   return sheet;
 }
 
-// What every world of Bullet's needs, and nothing else in it.
+// Holds the objects that every Bullet world needs.
 struct Surroundings {
   btSoftBodyRigidBodyCollisionConfiguration configuration;
   btCollisionDispatcher dispatcher{&configuration};

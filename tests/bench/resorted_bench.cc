@@ -22,14 +22,14 @@
 #include "tests/bench/resorted_mesh.h"
 #include "tests/support/cut_patterns.h"
 
-// What sorting a cut sheet anew could gain at most: the race's sheet as cuts leave it beside the same sheet with its
-// triangles, or triangles and vertices, numbered by place.
+// Measures the largest possible gain of sorting a cut sheet again. It compares the race's sheet as cuts leave it with
+// the same sheet, its triangles, or triangles and vertices, numbered by place.
 namespace kerf::bench {
 namespace {
 
 constexpr int kSubsteps = 120;  // of a round, about
 constexpr int kRounds = 7;
-// Short ones before, which finish what cuts put off: LeapfrogSweep makes 16 slices of bending anew in each.
+// Short steps before, which finish work deferred by cuts: LeapfrogSweep rebuilds 16 slices of bending in each.
 constexpr int kStepsBefore = 130;
 
 struct Row {

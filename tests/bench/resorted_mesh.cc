@@ -15,7 +15,7 @@ using mesh::kNone;
 using mesh::TriangleId;
 using mesh::VertexId;
 
-// Of a place in the unit square: bits of both coordinates by turns (Morton 1966).
+// Returns the code of a place in the unit square: bits of both coordinates in turn (Morton 1966).
 std::uint64_t along_curve(const Eigen::Vector2d& at) {
   constexpr int kBits = 20;
   std::uint64_t code = 0;

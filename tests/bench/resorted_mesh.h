@@ -21,7 +21,7 @@ enum class Order {
   kCurve,        // all vertices by place, along a Z curve, triangles by their lowest vertex
 };
 
-// Of a unit square that was side x side vertices before it was cut.
+// Numbers a unit square that had side x side vertices before it was cut.
 Numbering number(const mesh::TriangleMesh& mesh, int side, Order order);
 
 // A mesh of its own, as one imported in that order would be.

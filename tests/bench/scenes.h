@@ -4,7 +4,7 @@
 
 #include "server/core/sheet/sheet.h"
 
-// What the benchmarks run. Grids of 225, 2,500, 10,000 and 40,000 vertices, 1 m x 1 m.
+// Scenes of the benchmarks. Grids of 225, 2,500, 10,000 and 40,000 vertices, 1 m x 1 m.
 namespace kerf::bench {
 
 inline constexpr int kGridSides[] = {15, 50, 100, 200};

@@ -13,7 +13,7 @@
 #include "tests/bench/expected.h"
 #include "tests/bench/scenes.h"
 
-// What a second thread is worth: the same sheets in a host with one worker and in one with two, by turns.
+// Measures the gain of a second thread: the same sheets in a host with one worker and in one with two, by turns.
 namespace kerf::bench {
 namespace {
 
@@ -86,7 +86,7 @@ class PausedSheets {
   host::Host host_;
 };
 
-// What they are without any host.
+// Returns the hashes without any host.
 std::vector<std::uint64_t> hashes_alone(const Case& scene) {
   std::vector<std::uint64_t> all;
   for (int i = 0; i < scene.sheets; ++i) {

@@ -121,7 +121,7 @@ std::vector<Row> rows() {
   };
 }
 
-// What stands in place of A; for preconditioned solvers a matrix of the same condition as what they see.
+// Returns the matrix used in place of A; for preconditioned solvers one with the condition of their system.
 Eigen::MatrixXd matrix_of(const Row& row, const System& system) {
   const fem::BlockMatrix& A = system.tangent.blocks();
   fem::CovarianceRoot root(row.root);

@@ -205,7 +205,7 @@ bool measure(const char* name, const Falling& sheet, int side, double step) {
            Row{"S - old - S, old of a tenth of a tick ago", rewritten.size(), corrected(tenth, rewritten, system)},
            Row{"S - old - S, old of a tick ago", rewritten.size(), corrected(tick, rewritten, system)},
        }) {
-    // Of large sheets it takes minutes.
+    // Takes minutes for large sheets.
     if (side > 50 && row.name == "block-jacobi-cg") continue;
     is_right = report(row, repeats, exact) && is_right;
   }

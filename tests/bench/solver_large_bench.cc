@@ -65,7 +65,7 @@ mesh::TriangleMesh make_sheet(int side, bool slits) {
   return mesh;
 }
 
-// What a grid of side x side vertices on the unit square has at `rest`, linear in its triangles.
+// Interpolates a grid of side x side vertices on the unit square at `rest`, linearly in its triangles.
 Eigen::Vector3d interpolate(const mesh::VertexField& field, int side, const Eigen::Vector2d& rest) {
   const Eigen::Vector2d scaled = rest * (side - 1);
   const int i = std::clamp(static_cast<int>(scaled.x()), 0, side - 2);

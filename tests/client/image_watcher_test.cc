@@ -114,7 +114,7 @@ TEST_F(ImageWatcherTest, VideoBeginsWithAKeyFrame) {
   EXPECT_EQ(keys, (std::vector<bool>{true, false, false}));
 }
 
-// What is said before run() holds from its first picture on: paused, nothing comes until the pause is over.
+// Settings made before run() hold from its first picture on: paused, nothing comes until the pause is over.
 TEST_F(ImageWatcherTest, ThePaceMayBeSetBeforeAndFromAnotherThread) {
   ImageWatcher images(server_->client());
   Watcher frames(server_->client());

@@ -27,7 +27,7 @@ class RunWriterTest : public testing::Test {
     server_ = std::make_unique<Server>(running_->grpc_address());
   }
   [[nodiscard]] std::string path(const std::string& name) const { return (folder_ / name).string(); }
-  // What Debian's Python prints, with NumPy and the file as `run`.
+  // Returns the output of Debian's Python, with NumPy and the file as `run`.
   static std::string numpy(const std::string& file, const std::string& expression) {
     const std::string command =
         "/usr/bin/python3 -c \"import numpy, json; run = numpy.load('" + file + "'); print(" + expression + ")\" 2>&1";

@@ -170,7 +170,7 @@ TEST_F(ServerTest, TimeGoesAsItIsTold) {
   EXPECT_EQ(sheet.get().failure().reason, "SHEET_NOT_FOUND");
 }
 
-// Where a vertex is, m.
+// Returns the position of a vertex, m.
 Vector place(const State& state, std::size_t vertex) {
   return {state.positions[3 * vertex], state.positions[3 * vertex + 1], state.positions[3 * vertex + 2]};
 }

@@ -65,7 +65,7 @@ TEST_F(WatcherTest, AStreamThatWasGivenUpIsOpenedAgain) {
   EXPECT_EQ(watcher.ended().reason(), v1::Ended::REASON_UNSPECIFIED);
 }
 
-// What is on its way fills the connection, so that the server cannot even say why it gives the stream up.
+// Frames in transit fill the connection, so that the server cannot even send the reason for ending the stream.
 TEST_F(WatcherTest, OneThatCouldNotBeWrittenToIsOpenedAgainToo) {
   ASSERT_TRUE(server_->create(grid_scene(150, 150, 1.0, 1.0), {"large", false, ""}).ok());
   WatchOptions options;

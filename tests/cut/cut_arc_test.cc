@@ -142,7 +142,7 @@ TEST(CutArc, ArcsAtTheEdgesOfTheirCases) {
     const FlatCurve line = flatten(path_of({0, 0}, {ArcTo{{1, thin}, 0, false, true, {0.3, 1}}}), 1e-2);
     EXPECT_EQ(line.strokes.at(0).points, (std::vector<Vector2d>{{0, 0}, {0.3, 1}})) << thin;
   }
-  // Between equal points: nothing, and the path goes on.
+  // Draws nothing between equal points, and the path continues.
   const FlatCurve none = flatten(path_of({1, 0}, {ArcTo{{1, 1}, 0, true, true, {1, 0}}, LineTo{{2, 0}}}), 1e-2);
   EXPECT_EQ(none.strokes.at(0).points, (std::vector<Vector2d>{{1, 0}, {2, 0}}));
 }

@@ -31,7 +31,7 @@ inline CutOutcome cut(mesh::TriangleMesh& mesh, const CutRequest& request) {
   return std::move(done.outcome);
 }
 
-// Of the opened mesh: border and lips.
+// Counts the loops of the opened mesh: border and lips.
 inline int count_boundary_loops(const mesh::TriangleMesh& mesh) {
   audit::Census census;
   EXPECT_EQ(audit::find_flaw(mesh, &census).value_or(""), "");

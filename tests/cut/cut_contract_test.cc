@@ -1,4 +1,4 @@
-// What cut.h promises beside topology: exact counts, refusals, transactions, determinism.
+// Tests the promises of cut.h besides topology: exact counts, refusals, transactions, determinism.
 #include <cmath>
 #include <limits>
 #include <numbers>

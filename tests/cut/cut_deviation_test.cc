@@ -1,4 +1,4 @@
-// How close a cut comes to its curve: both measured by dense samples, apart from the code that bounds it.
+// Measures the distance between a cut and its curve by dense samples, apart from the code that bounds it.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -228,7 +228,7 @@ TEST(CutDeviation, AnyToleranceInMetres) {
   }
 }
 
-// What cannot be kept is refused, not quietly missed: by the number of chords, and by the lattice.
+// Refuses a tolerance that cannot be kept: by the number of chords, and by the lattice.
 TEST(CutDeviation, RefusesATolerancePastTheLimits) {
   const auto planned = [](const mesh::TriangleMesh& mesh, const Curve& curve, double tolerance_m) {
     CutRequest request{curve, {}, {}};

@@ -52,7 +52,7 @@ std::vector<Real> parameters() {
   return all;
 }
 
-// What a random segment is like: most draw on the corners of the space.
+// Draws a random segment; most draw on the corners of the space.
 std::vector<Vector2d> random_points(SeededRandom& random, std::size_t count) {
   std::vector<Vector2d> points;
   for (std::size_t i = 0; i < count; ++i) points.emplace_back(random.uniform(-1, 1), random.uniform(-1, 1));

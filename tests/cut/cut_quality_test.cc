@@ -1,4 +1,4 @@
-// How good the triangles of a cut are.
+// Tests the quality of the triangles of a cut.
 #include <algorithm>
 #include <array>
 #include <cmath>

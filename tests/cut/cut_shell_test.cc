@@ -42,7 +42,7 @@ double area_of(const mesh::TriangleMesh& mesh) {
   return sum;
 }
 
-// Where a vertex lies on the surface must not depend on the triangle that is asked.
+// The position of a vertex on the surface must not depend on the triangle used.
 double widest_tear(const mesh::TriangleMesh& mesh) {
   double widest = 0.0;
   std::vector<mesh::TriangleId> ring;
@@ -56,7 +56,7 @@ double widest_tear(const mesh::TriangleMesh& mesh) {
   return widest;
 }
 
-// Where the middle of the sheet lies in its chart.
+// Returns the middle of the sheet in its chart.
 Eigen::Vector2d middle(const mesh::TriangleMesh& mesh) {
   return mesh.bounding_box().center();
 }

@@ -90,7 +90,7 @@ std::function<Vector3d(const Vector2d&)> folded(int layers, double gap) {
   };
 }
 
-// Where the folded sheet of that many layers is seen from straight above.
+// Views the folded sheet of that many layers from straight above.
 View from_above(int layers) {
   return view_from({0.5 / layers, 0.5, 3.0}, {0.5 / layers, 0.5, 0.0});
 }

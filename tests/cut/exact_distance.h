@@ -9,7 +9,7 @@
 
 #include "server/core/cut/curve.h"
 
-// What flattened curves are checked with: distances in long double.
+// Checks flattened curves by distances in long double.
 namespace kerf::cut {
 
 using Real = long double;

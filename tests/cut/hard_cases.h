@@ -17,7 +17,7 @@ namespace kerf::cut {
 
 inline constexpr int kCells = 12;
 
-// What the cuts of a case must come to. Vertices and triangles are those added on the regular grid with neither
+// Expected results of the cuts of a case. Vertices and triangles are those added on the regular grid with neither
 // relaxation nor refinement.
 struct Counts {
   int pieces = 0;           // more than before
@@ -33,7 +33,7 @@ struct HardCase {
   std::vector<Curve> curves;  // cut one after the other
   Counts counts;
   CutStatus last = CutStatus::kApplied;
-  // Of the last cut, or of those after `first_strip`.  cells
+  // For the last cut, or for those after `first_strip`.  cells
   double width = 0.0;
   std::size_t first_strip = 0;
   DashPattern dash = {};

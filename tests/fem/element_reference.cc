@@ -49,7 +49,7 @@ struct Triangle {
     smaller_stretch = largest > 0.0L ? static_cast<double>(d / largest) : 0.0;
   }
 
-  // Whether double precision can tell the smaller stretch from 0, and polar_decomposition() does.
+  // True if double precision distinguishes the smaller stretch from 0, and so does polar_decomposition().
   [[nodiscard]] bool is_resolved() const {
     return smaller_stretch > std::max(1e3 * delta, 1.001e-12 * static_cast<double>(F.norm()));
   }

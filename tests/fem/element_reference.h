@@ -7,24 +7,26 @@
 
 #include "server/core/fem/model/model.h"
 
-// What the energy of a sheet and its derivatives are by the definitions of membrane.h, bending.h, bending_edge.h and
-// hinge.h, taken from the constants of a model in long double, and how far double precision may be off them.
+// Computes the energy of a sheet and its derivatives by the definitions of membrane.h, bending.h, bending_edge.h and
+// hinge.h, from the constants of a model in long double. Also bounds the error of double precision.
 //
 // The noise of a triangle. Differences of positions and their products with the gradients g of its corners, whose size
 // is G = |g1| + |g2|, leave in F an error of
 //   delta = u (1 + |d1| |g1| + |d2| |g2|) + moved G,   u = 2^-53,
 // where positions are themselves off by `moved`. On a sliver |d| |g| is its aspect ratio and this is far more than u,
-// of a sheet of ordinary triangles a few u. Its stretch S changes by as much, its rotation R by that over the smaller
-// principal stretch s, by which the normal turns (s is 1 in the law of Green's strain, which has no rotation). With the
-// law's norm |C|, the area A and the strain e:
+// in a sheet of ordinary triangles a few u. Its stretch S changes by as much. Its rotation R changes by that over the
+// smaller principal stretch s, by which the normal turns (s is 1 in the law of Green's strain, which has no rotation).
+// With the law's norm |C|, the area A and the strain e:
 //   energy  A |C| (|e| + delta) delta,   force  A G |C| (1 + |e| / s) delta,
-//   stiffness  A G^2 |C| (1 + |e| / s) (u + delta / s),
-// of Green's strain, of which delta makes |F| delta, with 1 + |F|^2 in place of 1 + |e| / s.
-// Of bending, with differences d of positions, each entry of Q has u of the sum of its terms, and the force on a vertex
-// u sum |Q| |d| + moved sum |Q|.
-// Of bending by angles, a triangle of doubled area n over an edge of length l, its corner at a distance of a, has its
-// normal off by (u l a + moved (l + a)) / n, at most 2: so is the angle, and its derivatives by that share of their
-// terms. Beside pi an angle is off by 2 pi.
+//   stiffness  A G^2 |C| (1 + |e| / s) (u + delta / s).
+// For Green's strain, where delta becomes |F| delta, 1 + |F|^2 replaces 1 + |e| / s.
+//
+// The noise of bending. With differences d of positions, each entry of Q has u of the sum of its terms, and the force
+// on a vertex u sum |Q| |d| + moved sum |Q|.
+//
+// The noise of bending by angles. A triangle of doubled area n over an edge of length l, its corner at a distance of a,
+// has its normal off by (u l a + moved (l + a)) / n, at most 2. So is the angle, and its derivatives by that share of
+// their terms. Near pi an angle is off by 2 pi.
 namespace kerf::fem {
 
 struct Reference {
@@ -41,16 +43,16 @@ struct Reference {
   Eigen::MatrixXd stiffness_noise;  // N/m, V x V
   // Largest force there can be on a vertex, N, length V, whatever frame a collapsed triangle is given.
   Eigen::VectorXd force_bound;
-  // Whether the energy has derivatives there that double precision resolves: not at a corner of a triangle of the
-  // co-rotational law that is collapsed to a line or a point, where S = sqrt(F^T F) has a kink; not at a vertex of a
-  // hinge that counts as collapsed, whose angle has other derivatives than those it is given (see hinge.h).
+  // True where double precision resolves the derivatives of the energy. They are unresolved at a corner of a triangle
+  // of the co-rotational law that is collapsed to a line or a point, where S = sqrt(F^T F) has a kink. The same holds
+  // at a vertex of a hinge that counts as collapsed, whose angle is given other derivatives (see hinge.h).
   std::vector<bool> is_smooth;
 };
 
 // x (3 x V, m), known to within `moved` (m).
 Reference membrane_reference(const Model& model, const mesh::VertexField& x, double moved);
 Reference bending_reference(const Model& model, const mesh::VertexField& x, double moved);
-// Of a model that bends by angles, without clamps.
+// Returns the reference of a model that bends by angles, without clamps.
 Reference angle_reference(const Model& model, const mesh::VertexField& x, double moved);
 
 // N/m, of the terms that the stiffness of one triangle is summed of: A G^2 |C| (1 + |e| / s), without s where it is not

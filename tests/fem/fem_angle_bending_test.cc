@@ -160,7 +160,7 @@ TEST(AngleBending, IsTheQuadraticFormOfSmallDeflections) {
   }
 }
 
-// Where the quadratic form has an energy, of strains that change from place to place.
+// The quadratic form has an energy for strains that change from place to place; angles have none.
 TEST(AngleBending, HasNothingAgainstStrainInThePlane) {
   for (const FoldedMesh& tested : folded_meshes()) {
     SCOPED_TRACE(tested.name);
@@ -180,7 +180,7 @@ TEST(AngleBending, HasNothingAgainstStrainInThePlane) {
   }
 }
 
-// Of any amplitude: no way to feed on a sheet that is folded however far.
+// Holds at any amplitude: a folded sheet offers no way to gain energy.
 TEST(AngleBending, IsNeverNegative) {
   SeededRandom random(9);
   for (const FoldedMesh& tested : folded_meshes()) {
@@ -244,8 +244,8 @@ TEST(AngleBending, TakesTheSlopesThatClampsHold) {
   EXPECT_NEAR(-f.cwiseProduct(direction).sum(), slope, 1e-6 * std::abs(slope));
 }
 
-// Where one of two materials does not bend, with clamps, on cut meshes: forces along a random direction against
-// differences of the energy, and stiffness against those of forces.
+// One of two materials does not bend, with clamps, on cut meshes. Forces along a random direction are compared with
+// differences of the energy, and stiffness with those of forces.
 TEST(AngleBending, HasTheDerivativesOfItsEnergyOnEveryMesh) {
   SeededRandom random(11);
   for (const FoldedMesh& tested : folded_meshes()) {

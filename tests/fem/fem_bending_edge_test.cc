@@ -1,4 +1,4 @@
-// What bending moments do at the edges between patches.
+// Tests bending moments at the edges between patches.
 #include <cmath>
 #include <limits>
 
@@ -54,7 +54,7 @@ std::vector<int> rings_from_border(const mesh::TriangleMesh& mesh) {
   return ring;
 }
 
-// Of the fit alone forces of a hundredth of the stiffness times the deflection are left over.
+// The fit alone would leave forces of a hundredth of the stiffness times the deflection.
 TEST(BendingEdges, ConstantMomentsAreInBalanceInside) {
   for (const Sheet& sheet : irregular_sheets()) {
     const Model model(sheet.mesh, orthotropic_cloth());

@@ -15,7 +15,8 @@
 namespace kerf::fem {
 namespace {
 
-// One of a regular hexagon, whose six points lie on a circle, with any kinds of edges, and jittered but for the first.
+// Makes patches with any kinds of edges: one of a regular hexagon, whose six points lie on a circle, the others
+// jittered.
 std::vector<PatchGeometry> patches(std::size_t count) {
   SeededRandom random(3);
   std::vector<PatchGeometry> made(count);

@@ -103,7 +103,7 @@ TEST_P(CovarianceRootOf, NewtonSchulzIsThatOfTheFormulas) {
 
 INSTANTIATE_TEST_SUITE_P(Sizes, CovarianceRootOf, testing::Values(3, 9, 11));
 
-// Where |M - I| < 1 on the range of M, it is the square root.
+// If |M - I| < 1 on the range of M, it is the square root.
 TEST(CovarianceRoot, NewtonSchulzConvergesForSmallCovariance) {
   System system = random_system(4, 0.3, 5);
   const double to_one = 1.0 / std::sqrt(covariance(system.dense).norm());

@@ -132,14 +132,14 @@ class ElementContractOnMeshes : public testing::TestWithParam<std::tuple<TestedE
 
   static bool bends_by_angles(const Element& element) { return element.model.angle_bending() != nullptr; }
 
-  // At rest but for displacements of up to `share` of the least height at each vertex.
+  // Returns the rest positions, displaced by up to `share` of the least height at each vertex.
   mesh::VertexField jittered(double share) {
     return rest_ + random_field(random_, rest_.cols(), share) * heights_.asDiagonal();
   }
   mesh::VertexField turned(const mesh::VertexField& x) {
     return (random_rotation(random_) * x).colwise() + random_vector(random_, 2.0);
   }
-  // What is left of `share` of its width is laid over the rest.
+  // Folds the left `share` of the width over the rest.
   static mesh::VertexField folded(mesh::VertexField x, double share) {
     const double least = x.row(0).minCoeff();
     const double edge = least + share * (x.row(0).maxCoeff() - least);
@@ -311,7 +311,7 @@ TEST_P(ElementContractOnMeshes, ForcesOfAnglesBalanceWhereTrianglesHaveCollapsed
   }
 }
 
-// Of each triangle, and so of their sum.
+// Holds for each triangle, and so for their sum.
 TEST_P(ElementContractOnMeshes, ProjectedStiffnessIsPositiveSemidefinite) {
   const std::unique_ptr<Element> element = tested().make(mesh());
   const auto expect_positive = [](const Eigen::MatrixXd& K, double terms) {

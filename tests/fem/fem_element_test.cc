@@ -49,7 +49,7 @@ class ElementContract : public testing::Test {
     const Eigen::Matrix3d R = random_rotation(random_);
     return (R * (rest_ + random_field(random_, rest_.cols(), size))).colwise() + random_vector(random_, 2.0);
   }
-  // Of a force at strain 1, for tolerances.
+  // Returns the scale of forces at strain 1, for tolerances.
   double force_scale() { return element_.forces(deformed(0.1)).cwiseAbs().maxCoeff(); }
 
   mesh::TriangleMesh mesh_;

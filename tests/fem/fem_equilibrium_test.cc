@@ -1,4 +1,4 @@
-// What the search for an equilibrium promises. Against references: tests/accuracy.
+// Tests the promises of the search for an equilibrium. Comparisons with references: tests/accuracy.
 #include <cmath>
 
 #include "server/core/fem/statics/equilibrium.h"

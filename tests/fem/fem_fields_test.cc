@@ -199,7 +199,7 @@ TEST(VertexField, KeepsTheTwoSidesOfACutApart) {
   ASSERT_TRUE(plan.ok());
   ASSERT_TRUE(cut::apply(mesh, *plan).ok());
   const Model model(mesh, orthotropic_cloth());
-  // What hangs together with the triangle at the upper right corner.
+  // Finds the part connected to the triangle at the upper right corner.
   std::vector<bool> is_above(static_cast<std::size_t>(mesh.num_vertices()), false);
   std::vector<mesh::TriangleId> stack;
   std::vector<bool> seen(static_cast<std::size_t>(mesh.num_triangle_slots()), false);

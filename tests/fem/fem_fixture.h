@@ -65,7 +65,7 @@ inline mesh::VertexField random_field(SeededRandom& random, Eigen::Index n, doub
   return field;
 }
 
-// Of M^-1 K at `rest`, by power iteration on differences of forces, 1/s^2.
+// Returns the largest eigenvalue of M^-1 K at `rest`, by power iteration on differences of forces, 1/s^2.
 inline double largest_eigenvalue(const Model& model, const mesh::VertexField& rest, int iterations) {
   const Eigen::Index n = rest.cols();
   SeededRandom random(31);

@@ -171,7 +171,7 @@ TEST(FollowerWork, IsTheIntegralOfTheForcesAlongTheWay) {
   SeededRandom random(13);
   for (int t = 0; t < mesh.num_triangle_slots(); ++t) loads.pressure.push_back(random.uniform(-50.0, 50.0));
   EXPECT_NEAR(follower_work(model.element_blocks(), loads, from, to), integrated_work(model, loads, from, to), 1e-9);
-  // Of a moment only where its edge keeps its direction: rolled up about the y axis.
+  // A moment is tested only while its edge keeps its direction: rolled up about the y axis.
   loads.pressure.clear();
   loads.edge_moments = moments_at_right(model, mesh, 2.0);
   ASSERT_EQ(loads.edge_moments.size(), 3U);
@@ -301,8 +301,9 @@ TEST(Pressure, InflatesAStripToTheArcOfTheClosedForm) {
   }
 }
 
-// Of an inextensible cantilever under a pressure p that stays normal to it, by Heun's method from the free end on,
-// where force and moment are 0, turned so that the root is level: M' = -t x F, F' = -p n, EI theta' = M.
+// Returns the tip of an inextensible cantilever under a pressure p that stays normal to it. Heun's method starts from
+// the free end, where force and moment are 0, and turns the result so that the root is level: M' = -t x F, F' = -p n,
+// EI theta' = M.
 Eigen::Vector2d follower_tip(double pressure, double stiffness, double length) {
   constexpr int kSteps = 20000;
   using Vector6 = Eigen::Matrix<double, 6, 1>;  // x, z, theta, M, F

@@ -164,8 +164,8 @@ double relative_sag(const Material& material, int breadths_long, double D) {
   return x(2, (across / 2) * (along + 1) + along) / (kForce * std::pow(length, 3) / (3.0 * kBreadth * D));
 }
 
-// Its free edges let it curl across, but for some breadths' length at the clamp: so D = D11 - D12^2 / D22, and what is
-// missing is as one over the length.
+// Its free edges let it curl across, except near the clamp, over some breadths' length. So D = D11 - D12^2 / D22, and
+// the error is as one over the length.
 TEST(GivenBending, NarrowStripSagsAsTheBeamOfItsFreeEdges) {
   Material material = woven();
   material.bending_coupling = 0.0;

@@ -109,7 +109,7 @@ TEST(GreenStretch, BoundsTheStiffnessOfAnyShape) {
             model.stiffness_bound() * green_stretch(model.element_blocks(), model.materials(), x).stiffening;
         const double largest = largest_eigenvalue(model, x, 100);
         EXPECT_LE(largest, bound);
-        // Where the sheet is folded so hard that it is unstable, the largest of all is negative.
+        // If the sheet is folded so hard that it is unstable, the largest of all is negative.
         EXPECT_TRUE(largest < 0.0 || largest > 0.05 * bound) << largest << " of " << bound;
       }
     }
@@ -192,8 +192,8 @@ TEST_P(GreenIntegrators, SwingAlike) {
   EXPECT_LT((state.x - expected.x).cwiseAbs().maxCoeff(), tolerance);
 }
 
-// What is stable at rest is not when stretched to three times the length. Implicit steps do not resolve that at all,
-// and may gain what their guard lets pass in each.
+// Steps that are stable at rest are not when the sheet is stretched to three times its length. Implicit steps do not
+// resolve that at all, and may gain as much as their guard permits in each.
 TEST_P(GreenIntegrators, KeepTheEnergyOfASheetLetGoWhenStretched) {
   const mesh::TriangleMesh mesh = square_grid(9);
   Material material = soft_cloth();

@@ -1,4 +1,5 @@
-// What only one kind of integrator does, and how the automatic one chooses. What all do: fem_integrator_test.cc.
+// Tests properties of single kinds of integrators, and the choice of the automatic one. Properties of all:
+// fem_integrator_test.cc.
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -161,7 +162,7 @@ TEST(ImplicitIntegrator, SaysWhenItDidNotConvergeAndStepsAllTheSame) {
   }
 }
 
-// Of a hanging cloth after 0.1 s, against the explicit integrator in steps of 10 us.
+// Returns the error of a hanging cloth after 0.1 s, relative to the explicit integrator in steps of 10 us.
 double error_of(IntegratorKind kind, double dt) {
   const mesh::TriangleMesh mesh = square_grid(9);
   Material material = soft_cloth();
@@ -229,7 +230,7 @@ TEST(ImplicitIntegrator, LeavesWhatSecondOrderFailsAtToImplicitEulerAndSaysSo) {
   EXPECT_EQ(tr_bdf2.v, euler.v);
 }
 
-// Accelerations of 1e10 m/s^2 and more add up to nothing but for their rounding, of which momentum must not be made.
+// Accelerations of 1e10 m/s^2 and more add up to nothing but rounding, which must not become momentum.
 TEST(ImplicitIntegrator, KeepsTheMomentumOfAStiffSheetThatIsLetGo) {
   const mesh::TriangleMesh mesh = square_grid(6);
   const Model model(mesh, isotropic(1e12, 0.3, 5.0e-4, 1000.0));

@@ -17,7 +17,7 @@
 namespace kerf::fem {
 namespace {
 
-// Of one substep so short that the sheet does not get anywhere, v = step f / m: over the largest f / m.
+// Returns the error of one substep so short that the sheet hardly moves, v = step f / m: over the largest f / m.
 double acceleration_error(const Model& model, const State& start, Precision precision, double step) {
   mesh::VertexField expected(start.x.cols());
   model.internal_forces(start.x, expected);
@@ -36,7 +36,7 @@ void set_moving(State& state) {
   state.v.colwise() = Eigen::Vector3d(1e-2, 0.0, -1e-2);
 }
 
-// Of mixed precision strains of some percent from floats: a few units of 2^-24 of 1.
+// Mixed precision computes strains of some percent from floats: a few units of 2^-24 of 1.
 double tolerance_of(Precision precision) {
   return precision == Precision::kDouble ? 1e-9 : 1e-4;
 }

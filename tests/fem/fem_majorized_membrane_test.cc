@@ -129,7 +129,7 @@ TEST(MajorizedTriangle, LiesAboveTheEnergyEverywhere) {
   int num_compared = 0;
   for_triangles([&](SeededRandom& random, const Triangle& triangle, const Deformation& at, double stiffness) {
     const MajorizedTriangle q = triangle.majorized(triangle.positions(at.F));
-    // Of H, which is large where the triangle is nearly a line.
+    // Rounding of H, which is large if the triangle is nearly a line.
     const double rounding = 1e-14 / std::max(at.least_stretch, MajorizedTriangle::kLeastStretch);
     for (int i = 0; i < 200; ++i) {
       Eigen::Matrix<double, 3, 2> F = random_gradient(random, std::pow(10.0, random.uniform(-2.0, 1.0)));
@@ -179,7 +179,7 @@ TEST(MajorizedTriangle, IsAConvexQuadraticWithItsStiffness) {
   });
 }
 
-// Of what no smaller quadratic lies above: nu >= 0, isotropic.
+// Holds if no smaller quadratic lies above: nu >= 0, isotropic.
 TEST(MajorizedTriangle, IsTheKnownOneOfIsotropicMaterial) {
   SeededRandom random(3);
   const Triangle triangle(random, isotropic(1.0e6, 0.3, kThickness, 300.0));
@@ -219,7 +219,8 @@ std::vector<State> bad_states(const mesh::TriangleMesh& mesh) {
   mesh::VertexField folded = rest.x;
   folded.row(0) = (rest.x.row(0).array() - 0.5).abs().matrix();
   add(folded, 0.1);
-  add(Eigen::Vector3d(1.0, 1e-5, 1.0).asDiagonal() * rest.x, 0.1);  // about as thin as the bound is told apart from
+  // About the smallest height that the bound distinguishes from 0.
+  add(Eigen::Vector3d(1.0, 1e-5, 1.0).asDiagonal() * rest.x, 0.1);
   add(Eigen::Vector3d(1.0, 1e-7, 1.0).asDiagonal() * rest.x, 0.1);  // and thinner
   // Thrown as a whole: what a solve that stops early leaves of its momentum must not be made up for afterwards.
   State thrown{rest.x, Eigen::Matrix3Xd::Zero(3, n)};
@@ -247,7 +248,7 @@ MajorizedStep step_majorized(const Model& model, const Loads& loads, double dt, 
   return step;
 }
 
-// Of one step of no loads.
+// Checks one step without loads.
 void expect_no_gain(const Model& model, double dt, const IntegratorOptions& options, const State& start) {
   const double before = internal_energy(model, start);
   const auto [end, stats] = step_majorized(model, no_loads(), dt, options, start);

@@ -97,7 +97,7 @@ TEST(MassRedistribution, CostsWhatACutTouchesAmongManyOthers) {
 }
 
 TEST(MassRedistribution, StopsWhereThereIsNotEnoughMass) {
-  // One triangle: nobody to take from, and no vertex above its floor.
+  // One triangle: no neighbour to take from, and no vertex above its floor.
   RowStore<mesh::TriangleId> incident;
   incident.resize(3);
   const std::vector<mesh::TriangleId> slot{0};

@@ -85,7 +85,7 @@ TEST(MixedPrecision, KeepsMotionSlowerThanItsUnitOfLength) {
   const Eigen::Vector3d way = kTicks * kTick * velocity;
   const mesh::VertexField moved = state.x - start;
   EXPECT_LT((model.centre_of_mass(moved) - way).norm(), 1e-2 * way.norm());
-  // What rounded constants make of the rest shape, 1 m wide, is another one by some 2^-24 of it.
+  // Rounded constants make the rest shape, 1 m wide, another one by some 2^-24 of it.
   EXPECT_LT((moved.colwise() - way).cwiseAbs().maxCoeff(), 1e-2 * way.norm() + 2.0 * 0x1p-24);
 }
 

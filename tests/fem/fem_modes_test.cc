@@ -34,7 +34,7 @@ TEST(Modes, OfOneEigenvalueAreAllFound) {
   }
 }
 
-// Of a sheet in many pieces there are hundreds of such motions, of which some are asked for.
+// A sheet in many pieces has hundreds of such motions, of which some are requested.
 TEST(Modes, AreTheFirstOfASheetInManyPieces) {
   constexpr int kPieces = 90;
   mesh::IndexedMesh pieces;

@@ -1,4 +1,4 @@
-// What multigrid is made of: aggregates, and a preconditioner with which stiff and large sheets take few iterations.
+// Tests the parts of multigrid: aggregates, and a preconditioner with which stiff and large sheets take few iterations.
 #include "server/core/linear/multigrid_preconditioner.h"
 
 #include <algorithm>
@@ -184,7 +184,7 @@ TEST(Multigrid, IsSymmetricAndPositive) {
   }
 }
 
-// What pins hold has a row of its own, whose entry says nothing about the others.
+// A pinned vertex has a row of its own, whose entry says nothing about the others.
 TEST(Multigrid, LeavesPinnedVerticesOutOfBodies) {
   Rolled sheet = rolled_grid(12);
   BlockMatrix& A = sheet.tangent.blocks();

@@ -45,7 +45,7 @@ TEST(Shell, FeelsNothingAtRestHoweverItIsTurned) {
     ASSERT_TRUE(mesh.is_curved());
     const Model model(mesh, shell_material());
     const State rest = rest_on_surface(mesh);
-    // What a flat sheet would feel in this shape.
+    // Forces of a flat sheet in this shape.
     mesh::VertexField flat(rest.x.cols());
     flat.setZero();
     add_bending_forces(model.bending_rows(), rest.x, flat);

@@ -129,7 +129,7 @@ TEST_P(IntegratorStress, LeavesANotFiniteStateAsItWasAndSaysSo) {
     EXPECT_EQ(std::memcmp(state.v.data(), before.v.data(), sizeof(double) * static_cast<std::size_t>(state.v.size())),
               0);
   }
-  // And goes on with a good one as if nothing had been.
+  // Continues with a good one as if nothing had happened.
   State state = rest_state(mesh);
   State fresh_state = state;
   integrator->step(model, Loads{}, 1.0 / 60.0, nullptr, state);

@@ -16,7 +16,7 @@
 namespace kerf::fem {
 namespace {
 
-// Of the lower triangle, by columns of the elimination order, vertices.
+// Returns the lower triangle's pattern by columns of the elimination order, vertices.
 std::vector<std::set<int>> dense_pattern(const BlockMatrix& A, const Supernodes& supernodes) {
   const int n = A.num_rows();
   std::vector<std::set<int>> rows(static_cast<std::size_t>(n));

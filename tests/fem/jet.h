@@ -6,9 +6,9 @@
 
 namespace kerf::fem {
 
-// A function of N variables at one place with its first and second derivatives, by forward differentiation (Griewank
-// and Walther 2008, "Evaluating Derivatives", chapter 3): exact but for the rounding of long double, with no step whose
-// size would have to suit a mesh.
+// Holds a function of N variables at one place with its first and second derivatives, by forward differentiation
+// (Griewank and Walther 2008, "Evaluating Derivatives", chapter 3). It is exact up to the rounding of long double,
+// without a step whose size must suit a mesh.
 template <int N>
 struct Jet {
   using Gradient = Eigen::Matrix<long double, N, 1>;
@@ -61,14 +61,14 @@ struct Jet {
   }
 };
 
-// Of a positive value.
+// Requires a positive value.
 template <int N>
 Jet<N> sqrt(const Jet<N>& a) {
   const long double root = std::sqrt(a.value);
   return a.through(root, 0.5L / root, -0.25L / (root * a.value));
 }
 
-// Where not both are 0.
+// Requires that not both are 0.
 template <int N>
 Jet<N> atan2(const Jet<N>& y, const Jet<N>& x) {
   const long double squared = x.value * x.value + y.value * y.value;

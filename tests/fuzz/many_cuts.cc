@@ -171,7 +171,7 @@ class LiveSheet {
     return check(expected);
   }
 
-  // What must hold after every cut, and is looked at after some. `expected`: the mesh that the cuts make.
+  // Checks conditions that hold after every cut, and are tested after some. `expected`: the mesh that the cuts make.
   audit::Finding check(const mesh::TriangleMesh& expected) {
     if (sheet_.mesh().state_hash() != expected.state_hash()) return "the sheet has another mesh than its cuts make";
     if (sheet_.model().hash() != fem::Model(sheet_.mesh(), sheet_.config().material).hash()) {

@@ -33,7 +33,7 @@ std::optional<sheet::Command> decode(std::string_view text, bool is_json) {
     KERF_CHECK(!command.error().reason.empty() && !command.error().message.empty(), "a refusal says why");
     return std::nullopt;
   }
-  // What was decoded is encoded to something that decodes the same way.
+  // A decoded request is encoded to one that decodes the same way.
   const v1::Command encoded = wire::encode_command(*command);
   KERF_CHECK(wire::decode_command(encoded).ok(), "an accepted command is accepted again");
   return *command;

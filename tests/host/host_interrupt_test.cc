@@ -18,7 +18,7 @@ constexpr int kVertices = 25;  // of small_sheet()
 
 struct Watched {
   std::atomic<int> begun = 0;           // steps that do not end by themselves
-  std::atomic<std::int64_t> asked = 0;  // times that they asked whether to go on
+  std::atomic<std::int64_t> asked = 0;  // Times that they polled the stop condition.
 };
 
 // Never ends a step of a sheet that is cut, unless it is asked to.
@@ -313,7 +313,7 @@ TEST_F(LongTickTest, IsEndedByAnUndoThatCameJustTooLateForIt) {
   EXPECT_EQ(undone.reason(0), "done");
 }
 
-// Where nothing recorded the tick before, and where something did.
+// Tests both cases: the tick before was recorded, or not.
 TEST_F(LongTickTest, LeavesARecordingThatReplays) {
   begin_long_tick();
   for (int round = 0; round < 3; ++round) {

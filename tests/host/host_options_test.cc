@@ -88,7 +88,7 @@ class BudgetHostTest : public HostTest {
     host_->delete_sheet(id, [](const Result<Nothing>& deleted) { EXPECT_TRUE(deleted.ok()); });
     host_->wait_idle();
   }
-  // Of a disk: how many vertices it has is not known before it is built.
+  // Returns a disk, whose number of vertices is unknown before it is built.
   static sheet::SheetConfig outlined_sheet(double edge_length) {
     sheet::SheetConfig config = small_sheet();
     config.pins.clear();

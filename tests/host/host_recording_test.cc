@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kEntryBytes = 10;  // of every entry, whatever is in it
 
-// What a host has encoded, of one sheet.
+// Entries that a host has encoded, of one sheet.
 using Entries = std::vector<sheet::RecordedTick>;
 
 class KeepingHostTest : public HostTest {
@@ -38,7 +38,7 @@ class KeepingHostTest : public HostTest {
     host_->wait_idle();
     return answers.at(0);
   }
-  // Of sheet a, up to now.
+  // Returns the recording of sheet a, up to now.
   sheet::Recording taken() {
     const Result<KeptRun> run = recording("a");
     EXPECT_TRUE(run.ok());

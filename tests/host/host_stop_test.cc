@@ -8,11 +8,11 @@
 #include "tests/host/host_fixture.h"
 #include "tests/support/failing_integrator.h"
 
-// What a host that stops does not do any more, however many sheets it has.
+// Tests that a stopping host starts no new work, however many sheets it has.
 namespace kerf::host {
 namespace {
 
-// Of all integrators, which live as long as their sheets.
+// Counts all integrators, which live as long as their sheets.
 struct Lives {
   std::atomic<int> begun = 0;
   std::atomic<int> ended_on_workers = 0;
@@ -37,7 +37,7 @@ class Counted : public scenes::FailingIntegrator {
 HostOptions counting(const std::shared_ptr<Lives>& lives) {
   HostOptions options;
   options.workers = 1;
-  options.long_work = 0ms;  // what waits for the only worker goes on waiting
+  options.long_work = 0ms;  // Work that waits for the only worker keeps waiting.
   options.max_load = 0.0;
   options.make_integrator = [lives, elsewhere = std::this_thread::get_id()](const fem::IntegratorOptions& wanted) {
     return std::make_unique<Counted>(wanted, lives, elsewhere);

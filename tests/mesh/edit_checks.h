@@ -1,6 +1,6 @@
 #pragma once
 
-// What must hold of any committed edit, told from the mesh before, the mesh after and the record alone.
+// Checks any committed edit from the mesh before, the mesh after and the record alone.
 
 #include <algorithm>
 

@@ -207,8 +207,8 @@ std::int32_t num_lone_slits(const TriangleMesh& mesh) {
   return num_sides / 2;
 }
 
-// What an opened mesh looks like from outside is enough to weld it again, but for slits that opened nothing. Operations
-// at random places leave a triangle too flat for import now and then.
+// The opened mesh suffices to weld it again, except for slits that opened nothing. Operations at random places leave a
+// triangle too flat for import now and then.
 TEST(RandomEdits, AnOpenedMeshCanBeImportedAgain) {
   int num_too_flat = 0;
   for (std::uint64_t seed = 1; seed <= 100; ++seed) {

@@ -182,7 +182,7 @@ TEST(FindViolation, SeesADoubleCover) {
   records.triangles[edge.u + n].neighbours[edge.m] = edge.t;
   records.triangles[edge.u].neighbours[edge.m] = edge.t + n;
   records.triangles[edge.t + n].neighbours[edge.k] = edge.u;
-  for (const PointId branch : {p, q}) {  // their second records would belong to nobody: give them a place of their own
+  for (const PointId branch : {p, q}) {  // Their second records would be orphaned: give them a place of their own.
     records.points[branch + num_points] = records.points.back();
   }
   records.points.resize(static_cast<std::size_t>(2 * num_points));

@@ -329,7 +329,7 @@ TEST(OutlineMesh, RefusesWhatIsNoOutline) {
             "OUTLINE_NESTING hole");
   EXPECT_EQ(of({square, ellipse({0.5, 0.5}, 0.2, 0.2), ellipse({0.5, 0.5}, 0.1, 0.1, "inner")}),
             "OUTLINE_NESTING inner");
-  // As near as can be told apart is near enough.
+  // The smallest distinguishable distance is near enough.
   EXPECT_EQ(of({square, polygon({{1e-4, 0.5}, {0.5, 0.4}, {0.5, 0.6}}, "hole")}), "");
 }
 

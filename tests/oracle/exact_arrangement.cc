@@ -214,8 +214,8 @@ class Arrangement {
     }
   }
 
-  // Where the whole line of a segment passes the border, each passage counted once: an end of a border edge that is on
-  // the line counts as left of it.
+  // Returns where the whole line of a segment crosses the border, each crossing counted once. An end of a border edge
+  // that is on the line counts as left of it.
   [[nodiscard]] std::vector<Ratio> border_crossings(const Segment& segment) const {
     std::vector<Ratio> crossings;
     for (std::size_t j = 0; j < num_locks_; ++j) {
@@ -228,8 +228,8 @@ class Arrangement {
     return crossings;
   }
 
-  // Whether the stretch of a path that begins at `start`, and has no border inside it, lies in the sheet: whether an
-  // odd number of passages lies ahead.
+  // True if the stretch of a path that begins at `start`, with no border inside it, lies in the sheet: an odd number of
+  // crossings lies ahead.
   static bool is_inside(const Ratio& start, const std::vector<Ratio>& border) {
     return std::count_if(border.begin(), border.end(), [&](const Ratio& at) { return compare(at, start) > 0; }) % 2 ==
            1;
@@ -272,7 +272,7 @@ class Arrangement {
     return count;
   }
 
-  // Of the sheet as if nothing had been cut.
+  // Returns the characteristic of the sheet as if nothing had been cut.
   [[nodiscard]] std::int64_t solid_characteristic() const {
     std::set<mesh::PointId> points;
     std::int64_t twice_edges = 0;

@@ -9,7 +9,7 @@
 
 namespace kerf::oracle {
 
-// What a sheet must come to when it is cut along strokes with nothing rounded and nothing snapped.
+// Expected result of cutting a sheet along strokes without rounding or snapping.
 struct Outcome {
   std::int64_t pieces = 0;
   std::int64_t characteristic = 0;  // Euler's, of the opened sheet

@@ -45,7 +45,7 @@ struct Tally {
   int cuts = 0, applied = 0, skipped = 0, refused = 0;
 };
 
-// What a cut came to, and what it should have.
+// Holds the result of a cut, and the expected one.
 struct Case {
   Outcome expected, is;
   const cut::CutReport& report;
@@ -123,9 +123,9 @@ TEST_P(Oracle, AgreesWithoutSnapping) {
       tally.cuts, tally.applied, tally.refused, tally.skipped, kClear);
 }
 
-// Where the two differ, the reply says of gaps closed or dust merged; of gaps, how wide the widest was. And there is
-// something narrower than two places can be moved towards each other, but in the few where strands cross at so small an
-// angle that their crossing moves farther.
+// If the two differ, the reply reports gaps closed or dust merged, and for gaps the widest. There must also be
+// something narrower than two places can be moved towards each other. Exceptions are the few trials with strands that
+// cross at so small an angle that their crossing moves farther.
 TEST_P(Oracle, DiffersWithSnappingOnlyWhereTheReplySaysSo) {
   int differ = 0, gaps = 0, dust = 0, shallow = 0;
   const auto judge = [&](const Case& c) {

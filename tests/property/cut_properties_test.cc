@@ -98,7 +98,7 @@ Scene any_scene() {
   return scene;
 }
 
-// What a cut may be refused for: there would be nothing left.
+// True for the permitted refusal: no material would be left.
 bool is_fair_refusal(const std::string& reason) {
   return reason == "STRIP_COVERS_SHEET";
 }

@@ -42,8 +42,8 @@ TEST(RandomCuts, KeepEveryInvariant) {
   EXPECT_LE(tally.invalid, tally.cuts / 100);
 }
 
-// Where the search for a tip that is a point of the mesh ended, graded refinement began: it depended on what walks
-// start from.
+// Graded refinement began at the end of the search for a tip that is a point of the mesh: it depended on the start of
+// walks.
 TEST(RandomCuts, SeedsThatFoundBugs) {
   for (const std::uint64_t seed : {4561U, 6649U, 20185U}) {
     Tally tally;

@@ -25,7 +25,7 @@
 
 namespace kerf::property {
 
-// Where the unit square, in which sheets and curves are drawn, lies in material coordinates.
+// Maps the unit square, in which sheets and curves are drawn, to material coordinates.
 struct Frame {
   Eigen::Matrix2d turn = Eigen::Matrix2d::Identity();  // a rotation
   double scale = 1.0;                                  // m

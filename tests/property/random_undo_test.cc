@@ -25,7 +25,7 @@ struct UndoTally {
   int undos = 0, redos = 0, steps = 0, batches = 0, strips = 0;
 };
 
-// What an undo or a redo must bring back bit for bit.
+// State that an undo or a redo must restore bit for bit.
 struct Level {
   std::uint64_t mesh = 0;
   std::vector<std::int64_t> pieces;  // ids, by label

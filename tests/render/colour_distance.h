@@ -6,7 +6,7 @@
 #include "render/colours.h"
 #include "render/linear.h"
 
-// How different colours look.
+// Measures the visible difference of colours.
 namespace kerf::render::testing {
 
 inline Vec3 light_of(Rgb8 colour) {
@@ -34,8 +34,8 @@ inline double distance_of(Rgb8 a, Rgb8 b) {
 
 enum class Cone { kNone, kLong, kMiddle };
 
-// What somebody without that kind of cone sees, in linear light: F. Viénot, H. Brettel, J. D. Mollon, "Digital video
-// colourmaps for checking the legibility of displays by dichromats" (1999), where red and green become one.
+// Returns the colour as seen without that kind of cone, in linear light. F. Viénot, H. Brettel, J. D. Mollon, "Digital
+// video colourmaps for checking the legibility of displays by dichromats" (1999), where red and green become one.
 inline Vec3 as_seen_without(Cone cone, Rgb8 colour) {
   const Vec3 light = light_of(colour);
   if (cone == Cone::kNone) return light;

@@ -5,7 +5,7 @@
 #include "render/gl_canvas.h"
 #include "tests/render/render_fixture.h"
 
-// How the renderer takes calls.
+// Tests calls of the renderer.
 namespace kerf::render {
 namespace {
 
@@ -25,7 +25,7 @@ TEST_F(RenderCalls, TheSameSceneGivesTheSameBytes) {
   scene.ground = Plane{{0.0, 0.0, -0.6}, {0.0, 0.0, 1.0}};
   scene.style.wireframe = true;
   const Pixels first = draw(scene);
-  draw(scene, front_camera(), 64, 48);  // something else in between, so that the targets are made anew
+  draw(scene, front_camera(), 64, 48);  // Draws something else in between, so that the targets are made again.
   EXPECT_EQ(first.rgba, draw(scene).rgba);
   const std::unique_ptr<Renderer> other = make_renderer();
   Pixels by_other;

@@ -36,7 +36,7 @@ class DescribedCanvas final : public Canvas {
   std::string words_;
 };
 
-// What the devices of kOffered do when they are opened: the description of their canvas, or nothing and they refuse.
+// Behaviour of the devices of kOffered when opened: the description of their canvas; without an entry they fail.
 using Behaviour = std::map<std::size_t, std::string>;
 
 struct Attempt {

@@ -2,7 +2,7 @@
 
 #include "tests/render/render_fixture.h"
 
-// What is in the pictures.
+// Tests the content of pictures.
 namespace kerf::render {
 namespace {
 

@@ -13,7 +13,7 @@
 namespace kerf::render {
 namespace {
 
-// What the canvases of a test saw and do.
+// Holds the observations and behaviour of the canvases of a test.
 struct Studio {
   std::mutex mutex;
   std::set<std::thread::id> threads;  // that made, used or destroyed a canvas
@@ -21,7 +21,7 @@ struct Studio {
   int num_drawn = 0;
   int num_alive = 0;
   std::vector<Status> next_outcomes;  // of the next draws, last first; ok when empty
-  std::vector<Status> next_makings;   // of the next canvases, likewise
+  std::vector<Status> next_makings;   // Results of making the next canvases.
   std::latch* begun = nullptr;        // counted down by each draw
   std::latch* go_on = nullptr;        // waited for by each draw
 

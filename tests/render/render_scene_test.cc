@@ -214,7 +214,7 @@ TEST(RenderRidges, AreWhereTheSheetBulges) {
   const Mesh mesh = sheet.mesh();
   const std::vector<float> heights = ridges(mesh, vertex_normals(mesh), 0.1);
   const std::size_t middle = 8 * 17 + 8;
-  // Of the six edges at a vertex two go across, two along, two askew.
+  // Two of the six edges at a vertex go across, two along, two askew.
   EXPECT_GT(heights[middle], 0.08F);
   EXPECT_LT(heights[middle], 0.24F);
   for (std::size_t i = 0; i < sheet.triangles.size(); i += 3) std::swap(sheet.triangles[i], sheet.triangles[i + 1]);
@@ -235,7 +235,8 @@ TEST(RenderNormals, AreUnitAndPointToTheFront) {
                       static_cast<double>(corner.normal[2])};
     EXPECT_NEAR(norm(normal), 1.0, 1e-5);
     EXPECT_LT(normal.y, -0.5);
-    // Of the parabola y = -1.2 u (1 - u): within the error of a sixteenth's facets, at half of it on the border.
+    // Compares with the parabola y = -1.2 u (1 - u): within the error of a sixteenth's facets, at half of it on the
+    // border.
     const double slope = -1.2 * (1.0 - 2.0 * (static_cast<double>(corner.position[0]) + 0.5));
     EXPECT_NEAR(normal.x / normal.y, -slope, 0.09);
     EXPECT_NEAR(normal.z, 0.0, 1e-5);

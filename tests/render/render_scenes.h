@@ -29,7 +29,7 @@ struct Sheet {
   }
 };
 
-// What becomes of the sheet's middle column of vertices in the rows strictly between a quarter and three quarters.
+// Selects the state of the sheet's middle column of vertices in the rows strictly between a quarter and three quarters.
 enum class Slit {
   kNone,    // a whole sheet
   kClosed,  // two vertices at each place: a cut that has not opened

@@ -7,7 +7,7 @@
 #include "tests/render/colour_distance.h"
 #include "tests/render/render_fixture.h"
 
-// What pictures are to make plain: cuts, what stands near the ground, pieces, strains, triangles.
+// Tests the visibility of cuts, objects near the ground, pieces, strains, triangles.
 namespace kerf::render {
 namespace {
 

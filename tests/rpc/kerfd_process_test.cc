@@ -71,7 +71,7 @@ TEST_F(KerfdTest, StopsWithViewersAndWorkUnderWay) {
   EXPECT_EQ(kerfd.wait(), 0);
 }
 
-// As with Ctrl-C, where a script around kerfd passes on what the terminal has told both.
+// Simulates Ctrl-C when a script around kerfd passes on the signal that the terminal sends to both.
 TEST_F(KerfdTest, TwoSignalsAtOnceAreOneWish) {
   Kerfd kerfd(free_ports({"--scene", write("a.json", kScene)}));
   const std::unique_ptr<ws_test::RawClient> half = unfinished_request(kerfd);

@@ -1,5 +1,5 @@
-// Readers of WatchImages that stall, and requests that no reader should send: what they cost, and that nobody else
-// pays.
+// Tests readers of WatchImages that stall, and requests that no reader should send: their cost, borne by no other
+// reader.
 
 #include <gtest/gtest.h>
 

@@ -257,7 +257,7 @@ TEST_F(RpcServerTest, ACancelledStepEnds) {
   }
   context.TryCancel();
   caller.join();
-  // Refused as long as the first goes on.
+  // Refused while the first call runs.
   request.set_ticks(1);
   v1::Sheet stepped;
   grpc::Status status;

@@ -16,7 +16,7 @@ namespace {
 
 using grpc::StatusCode;
 
-// Of sheets/large, paused.
+// Creates sheets/large, paused.
 v1::CreateSheetRequest of_a_mesh_file() {
   v1::CreateSheetRequest request;
   request.set_sheet_id("large");

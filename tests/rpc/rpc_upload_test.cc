@@ -105,7 +105,7 @@ class UploadTest : public api::ApiTest {
     options.encode_tick = wire::encode_recorded_tick;
     return options;
   }
-  // Of a mesh file with so many bytes.
+  // Starts the upload of a mesh file with so many bytes.
   static v1::UploadSheetRequest start_of(std::size_t num_bytes) {
     v1::UploadSheetRequest start;
     start.mutable_start()->mutable_sheet()->mutable_scene()->mutable_obj()->set_rest_shape(v1::REST_SHAPE_FLAT);
@@ -138,7 +138,7 @@ class UploadTest : public api::ApiTest {
   void wait_for_timer() const {
     while (clock_.num_timers() == 0) std::this_thread::yield();
   }
-  // As the client is told of a call that it goes on with for ever.
+  // Lets the time limit pass, and returns the client's error of its unfinished call.
   template <typename Writer>
   client::Failure after_30_s(Writer& writer) {
     wait_for_timer();
@@ -230,7 +230,7 @@ TEST_F(UploadTest, AReaderThatTakesNothingOfARecordingIsCutOff) {
   ASSERT_TRUE(upload_in_one(obj_of(1'000'000)).ok());
   v1::GetSheetRecordingRequest request;
   request.set_name("sheets/large");
-  // Whose windows do not grow: a chunk is larger than they are.
+  // Keeps windows from growing: a chunk is larger than they are.
   grpc::ChannelArguments narrow;
   narrow.SetInt(GRPC_ARG_HTTP2_BDP_PROBE, 0);
   narrow.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);

@@ -40,7 +40,7 @@ class SlowWatchTest : public testing::Test {
     while (ws_test::request(port, "GET", "/metrics").body.find(line) == std::string::npos) {
     }
   }
-  // What is left when the server has let go of a stream.
+  // Checks the stream after the server has released it.
   template <typename Stream>
   void expect_cut_off(Stream& stream) {
     v1::WatchResponse response;

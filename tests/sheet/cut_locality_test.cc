@@ -47,7 +47,7 @@ Work work_of(int side, IntegratorKind integrator) {
   config.mesh = GridSource{side, side, size, size, GridPattern::kUniformDiagonals, 0};
   config.integrator.kind = integrator;
   Sheet sheet = Sheet::create(config).value();
-  // What grows with the sheet grows seldom, by half or more: here, so that it does not below.
+  // Makes buffers that grow with the sheet grow here, by half or more, so that they do not below.
   EXPECT_TRUE(sheet.apply({{Command(cut_of(side, 12.0))}}).replies[0].ok());
   Work work;
   const auto bytes_of = [&](const Command& command) {
@@ -88,7 +88,7 @@ INSTANTIATE_TEST_SUITE_P(Integrators, CutLocality,
 
 class FollowedCuts : public testing::TestWithParam<IntegratorSettings> {};
 
-// A copy makes its integrator anew.
+// A copy makes a new integrator.
 TEST_P(FollowedCuts, StepAsIfTheIntegratorWereNew) {
   SheetConfig config = scenes::hanging(14);
   config.integrator = GetParam();

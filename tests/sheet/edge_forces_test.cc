@@ -70,7 +70,7 @@ TEST(NormalForces, ActOnBothLipsOfACutAgainstEachOther) {
   for (mesh::VertexId v = 0; v < sheet.mesh().num_vertices(); ++v) {
     (force_at(sheet, v).y() > 0.0 ? up : down) += force_at(sheet, v).y();
   }
-  // But for the halves of the last edges that meet at the tips, where both cancel.
+  // Equal except for the halves of the last edges that meet at the tips, where both cancel.
   EXPECT_NEAR(up, -down, 1e-12);
   EXPECT_GE(up, 0.5 - 0.125 - 1e-9);
   EXPECT_LT(up, 0.5);
@@ -91,7 +91,7 @@ TEST(LinearFactors, GiveTheIntegralsOfALinearTraction) {
     force += force_at(sheet, 5 * j + 4).x();
     moment += force_at(sheet, 5 * j + 4).x() * 0.25 * j;
   }
-  // Of 8 (y - 1/4) from 0 to 1: 2 and 5/3; hat functions give both exactly.
+  // Integrals of 8 (y - 1/4) from 0 to 1: 2 and 5/3; hat functions give both exactly.
   EXPECT_NEAR(force, 2.0, 1e-14);
   EXPECT_NEAR(moment, 5.0 / 3.0, 1e-14);
   EXPECT_NEAR(force_at(sheet, 4).x(), 8.0 * (-0.25 * 0.25 / 2.0 + 0.25 * 0.25 / 6.0), 1e-14);

@@ -337,7 +337,7 @@ TEST(Limits, OfNumbersThatCount) {
   });
 }
 
-// Of one region, and of the regions of a list together; one vertex may be listed any number of times.
+// Limits apply to one region, and to the regions of a list together; one vertex may be listed any number of times.
 TEST(Limits, OfListedVertices) {
   const auto listed = [](int count) { return std::vector<mesh::VertexId>(static_cast<std::size_t>(count), 5); };
   constexpr int kMost = 1'000'000;

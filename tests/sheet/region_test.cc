@@ -167,7 +167,7 @@ TEST(CurveRegions, HaveTheTrianglesOnTheirSide) {
   SheetConfig config = ring();
   fem::Material stiff = config.material;
   stiff.youngs_modulus_1 *= 2.0;
-  // What a circle surrounds: its left, within its radius.
+  // The inside of a circle: its left, within its radius.
   const MaterialCurve disc{cut::Circle{{0.0, 0.0}, 0.35}, 0.35, MaterialLine::Side::kLeft};
   config.materials = {{disc, stiff}};
   const Sheet sheet = make(config);

@@ -53,8 +53,8 @@ TEST_P(SheetContact, SticksOnAnInclineWithoutCreeping) {
   EXPECT_LT((sheet.state().x - before).cwiseAbs().maxCoeff(), 1e-7);
 }
 
-// What hangs below the sphere pulls at the vertices that touch it: a solve that knows nothing of the contact stretches
-// the sheet by what each vertex is then moved back.
+// The part below the sphere pulls at the vertices that touch it. A solve without contact stretches the sheet by the
+// distance that each vertex is then moved back.
 TEST_P(SheetContact, ASheetDrapedOverASphereIsHardlyStretched) {
   SheetConfig config = scenes::draped_over_sphere(14);
   config.material.mass_damping = 5.0;

@@ -55,7 +55,7 @@ TEST(Reset, InARunningTickBeginsWithTheFirstTickOfTheScene) {
   }
 }
 
-// How the last step was made says nothing of the sheet as it is now.
+// The last step's integrator says nothing about the present sheet.
 TEST(Reset, ChoosesTheIntegratorOfAFreshSheetAfterAStepInDouble) {
   SheetConfig config = scenes::hanging(24);
   Sheet sheet = make(config);

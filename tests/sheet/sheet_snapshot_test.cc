@@ -23,7 +23,7 @@ TEST(Snapshot, SharesTheTopologyUntilItChanges) {
   EXPECT_EQ(third->topology->material_positions.cols(), sheet.mesh().num_vertices());
 }
 
-// What a viewer has, brought up to date slot by slot from versions alone.
+// Copy of a viewer, updated slot by slot from versions alone.
 struct Mirror {
   std::int32_t version = 0;
   std::vector<std::array<mesh::VertexId, 3>> triangles;
@@ -87,7 +87,7 @@ TEST(Snapshot, CutsThatNobodyLookedAtAreInTheNextPatch) {
   EXPECT_EQ(mirror.triangles, topology->triangles);
   EXPECT_EQ(mirror.pieces, topology->pieces);
   EXPECT_EQ(mirror.material, topology->material_positions);
-  // After an undo that nobody looked at either, a patch would not do.
+  // After an undo that was not viewed either, a patch would not suffice.
   ASSERT_TRUE(apply(sheet, UndoCut{}).ok());
   ASSERT_TRUE(apply(sheet, scenes::circle_cut({0.7, 0.3}, 0.1)).ok());
   const auto after = sheet.snapshot()->topology;

@@ -63,12 +63,12 @@ struct Outcome {
   std::string integrator;
 };
 
-// Where a run ends before its num_steps are done; Outcome::num_steps tells.
+// Limits at which a run ends before its num_steps are done; see Outcome::num_steps.
 struct Budget {
   long vertex_steps = std::numeric_limits<long>::max();  // steps times vertices
   long substeps = std::numeric_limits<long>::max();      // that stiff steps are divided into
 };
-// Of the cases of the matrix: 1,666 steps of a grid, some 30 of a sheet after 200 cuts.
+// Budget of the cases of the matrix: 1,666 steps of a grid, some 30 of a sheet after 200 cuts.
 inline constexpr Budget kMatrixBudget{60'000, 50'000};
 Outcome run(const Case& tested, int num_steps, const Budget& budget);
 

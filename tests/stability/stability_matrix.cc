@@ -14,7 +14,7 @@ namespace {
 using kerf::stability::Case;
 using kerf::stability::Outcome;
 
-// What is known of the cases of one start.
+// Results of the cases of one start.
 struct Row {
   int cases = 0, not_finite = 0, failed = 0;
   std::array<int, 3> classes{};  // A, B, C

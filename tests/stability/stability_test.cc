@@ -50,7 +50,7 @@ TEST_P(StabilityMatrixCase, StaysFiniteAndKeepsItsEnergy) {
 
 INSTANTIATE_TEST_SUITE_P(Share, StabilityMatrixCase, testing::ValuesIn(matrix(share())));
 
-// Where users ask for double precision.
+// Returns the cases in double precision, as users may request.
 std::vector<Case> in_double(std::vector<Case> cases) {
   for (Case& each : cases) each.precision = fem::Precision::kDouble;
   return cases;

@@ -182,7 +182,7 @@ TEST(Channel, EndReachesEveryoneOnceAndLast) {
 }
 
 // One thread publishes, as a sheet's strand does; others take and acknowledge; viewers come and go. For the thread
-// sanitizer, and to see that nobody waits for a frame that is there.
+// sanitizer, and to check that no viewer waits for a frame that exists.
 TEST(Channel, ServesThreadsWhileItIsPublishedTo) {
   const auto channel = std::make_shared<Channel>(64);
   ChangingSheet sheet(15, 60, 90);

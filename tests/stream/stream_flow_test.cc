@@ -63,7 +63,7 @@ class Simulated {
     return static_cast<double>(count) / std::chrono::duration<double>(to - from).count();
   }
   [[nodiscard]] std::int32_t window() const { return subscriber_->window(); }
-  // But for the first frame's.
+  // Leaves out the first frame.
   [[nodiscard]] double longest_on_link_ms() const {
     return std::chrono::duration<double, std::milli>(longest_on_link_).count();
   }

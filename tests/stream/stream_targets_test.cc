@@ -144,7 +144,7 @@ TEST(StreamTargets, ASheetThatIsCutAgainAndAgainKeepsToItsBytes) {
   EXPECT_LE(bytes, budget);
 }
 
-// What they hold is what may be under way to each of them, as if no two shared a byte.
+// They hold the bytes that may be in flight to each of them, as if no two shared a byte.
 TEST(StreamTargets, AHundredStalledViewersHoldLittleAndDelayNobody) {
   Stage stage(100);
   std::vector<std::shared_ptr<Subscriber>> stalled;

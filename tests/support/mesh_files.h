@@ -24,7 +24,7 @@ inline std::string ply_start(PlyKind kind) {
   return "ply\nformat " + std::string(kNames[static_cast<std::size_t>(kind)]) + " 1.0\n";
 }
 
-// What follows the header.
+// Writes the part after the header.
 class PlyBody {
  public:
   explicit PlyBody(PlyKind kind) : kind_(kind) {}

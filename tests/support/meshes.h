@@ -150,7 +150,7 @@ inline mesh::IndexedMesh two_regions() {
   return sheet;
 }
 
-// What every mesh of the zoo looks like when opened, by name.
+// Holds an opened mesh of the zoo, by name.
 struct ZooMesh {
   std::string name;
   mesh::IndexedMesh sheet;

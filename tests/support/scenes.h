@@ -80,7 +80,7 @@ inline sheet::SheetConfig draped_over_sphere(std::int32_t n) {
   return config;
 }
 
-// A small sheet lying on a floor, at rest from the start but for settling.
+// Returns a small sheet lying on a floor, initially at rest except for settling.
 inline sheet::SheetConfig lying_on_floor(std::int32_t n) {
   sheet::SheetConfig config = hanging(n);
   config.placement.origin = {0.0, 0.0, 0.5 * config.material.thickness};

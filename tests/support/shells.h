@@ -32,7 +32,7 @@ mesh::IndexedMesh shell(std::int32_t num, bool jittered, const Map& map) {
   return sheet;
 }
 
-// Rolled about an axis along y, with this radius (m): an isometry but for the chords.
+// Returns a square rolled about an axis along y, with this radius (m): an isometry except for the chords.
 inline mesh::IndexedMesh rolled_square(std::int32_t num, double radius, bool jittered = false) {
   return shell(num, jittered, [radius](const Eigen::Vector2d& at) {
     const double angle = (at.x() - 0.5) / radius;

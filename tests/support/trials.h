@@ -1,6 +1,6 @@
 #pragma once
 
-// How many random trials a test makes and from which seed, by two variables of the environment:
+// Sets the number of random trials of a test and their seed by two variables of the environment:
 //   KERF_TRIALS=few|usual|many   few under sanitizers, usual (the default) in deploy/test, many in deploy/test deep
 //   KERF_SEED=N                  0 (the default) makes the same trials every time; any other N makes trials of its own
 // A failure prints the seed of its trial; KERF_CUT_SEED=<seed> runs that trial alone.

@@ -59,7 +59,7 @@ std::string kind_of(const std::string& warning) {
   return times == std::string::npos ? warning : warning.substr(times + 3);
 }
 
-// What the server does with the drawing: read, fitted into the sheet, cut. Every eighth is looked at more closely.
+// Processes a drawing like the server: read, fitted into the sheet, cut. Every eighth is checked more closely.
 audit::Finding cut_drawing(const mesh::TriangleMesh& sheet, const fs::path& file, bool closely, Tally& tally) {
   ++tally.drawings;
   const std::string path = file.lexically_relative(KERF_CLIPART).string();

@@ -209,7 +209,7 @@ bool contains(const std::vector<std::string>& names, std::string_view name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-// What is wrong with this include, or nothing.
+// Returns the fault of this include, or nothing.
 std::optional<std::string> fault_of(const Row& row, const Include& include) {
   const std::string& path = include.path;
   for (const std::string_view root : {"server", "render", "client", "tests"}) {

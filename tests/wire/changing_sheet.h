@@ -28,7 +28,7 @@ class ChangingSheet {
     ++tick_;
   }
 
-  // What a cut does: some slots rewritten, some added, some vertices added and moved in the material.
+  // Simulates a cut: some slots rewritten, some added, some vertices added and moved in the material.
   void cut(int num_changes) {
     auto next = std::make_shared<sheet::Topology>(*topology_);
     ++next->version;

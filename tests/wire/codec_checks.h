@@ -7,7 +7,7 @@
 
 #include "server/service/wire/scene_codec.h"
 
-// What is decoded, and messages compared field by field.
+// Decodes messages, and compares them field by field.
 namespace kerf::wire {
 
 inline void expect_equal(const google::protobuf::Message& a, const google::protobuf::Message& b) {

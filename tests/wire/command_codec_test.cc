@@ -102,7 +102,7 @@ TEST(CommandCodec, CamerasAndMatricesAreOneView) {
       view.projection * (view.view * Eigen::Vector4d(0.0, 0.0, 2.0 * std::tan(0.43633231), 1.0));
   EXPECT_NEAR(top.x() / top.w(), 0.0, 1e-12);
   EXPECT_NEAR(top.y() / top.w(), 1.0, 1e-6);
-  // It is told as matrices, which mean the same again.
+  // It is encoded as matrices, which mean the same again.
   const v1::Command told = encode_command(*command);
   EXPECT_EQ(told.cut().view().view_size(), 16);
   EXPECT_EQ(told.cut().view().projection_size(), 16);

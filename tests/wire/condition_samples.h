@@ -6,7 +6,7 @@
 
 #include "kerf/v1/scene.pb.h"
 
-// What of a full scene is held, pushed, analysed and measured.
+// The parts of a full scene that are held, pushed, analysed and measured.
 namespace kerf::testing {
 
 inline v1::MaterialLine& set_line(v1::Region& region, double ax, double ay, double bx, double by) {

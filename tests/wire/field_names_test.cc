@@ -22,7 +22,7 @@ namespace {
 using google::protobuf::Descriptor;
 using google::protobuf::FieldDescriptor;
 
-// Whether "loads[2].edge.region.line.a.x" is a field of the message, or, at its end, one of its choices ("mesh").
+// True if "loads[2].edge.region.line.a.x" is a field of the message, or, at its end, one of its choices ("mesh").
 bool exists(const Descriptor* message, const std::string& path) {
   std::istringstream names(std::regex_replace(path, std::regex(R"(\[\d+\])"), ""));
   std::string name;

@@ -1,5 +1,5 @@
-// How many bytes the frames of real sheets take: the targets of the protocol, held on frames of sheets that swing, fall
-// on a ball and are cut. Counts, so the same on every machine.
+// Counts the bytes of frames of real sheets: the targets of the protocol, for sheets that swing, fall on a ball and are
+// cut. Counts are the same on every machine.
 
 #include <cstdio>
 #include <optional>
@@ -52,7 +52,7 @@ sheet::Sheet falling() {
 
 struct Sizes {
   double delta = 0.0;     // bytes a vertex, mean; whole bodies, with box and statistics
-  double keyframe = 0.0;  // likewise
+  double keyframe = 0.0;  // bytes per vertex, mean
 };
 
 Sizes measure(sheet::Sheet sheet) {

@@ -1,6 +1,6 @@
-// Frames whose bytes are written down, in both encodings, and what a mirror holds after each. The viewer's decoder,
+// Tests frames with recorded bytes, in both encodings, and the state of a mirror after each. The viewer's decoder,
 // which shares no code with this one, reads the same files: web/test/golden_frames.test.ts.
-//   KERF_WRITE_GOLDEN=1 golden_frames_test     writes them anew, after the format has changed on purpose
+//   KERF_WRITE_GOLDEN=1 golden_frames_test     writes them again, after the format has changed on purpose
 
 #include <bit>
 #include <cstdint>

@@ -30,7 +30,7 @@ TEST(CurveCodec, DrawingsBecomePathsThatAreFitted) {
   EXPECT_THAT(cut.remarks, ::testing::Contains(HasSubstr("1 x text element")));
   ASSERT_TRUE(cut.options.fit.has_value());
   EXPECT_FALSE(cut.options.fit->box.has_value());
-  // What is kept of it, in recordings and by ListCuts, is the same cut again.
+  // The form kept in recordings and by ListCuts is the same cut again.
   const v1::Command kept = encode_command(*decoded_once);
   EXPECT_TRUE(kept.cut().curve().has_path());
   EXPECT_TRUE(kept.cut().has_fit());

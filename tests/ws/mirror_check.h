@@ -18,8 +18,8 @@ std::vector<T> unpack(const std::string& bytes) {
   return values;
 }
 
-// What a viewer has that the server has not, or the other way round; empty where they agree: every triangle, piece and
-// material position equal, every coordinate the integer that the server's own position gives in the mirror's box.
+// Returns a difference between viewer and server; empty if they agree: every triangle, piece and material position
+// equal, every coordinate the integer that the server's own position gives in the mirror's box.
 inline std::string difference(const client::Mirror& mirror, const v1::SheetState& state) {
   if (mirror.tick() != state.tick()) return "tick";
   if (mirror.topology_version() != state.topology_version()) return "topology_version";

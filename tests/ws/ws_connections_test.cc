@@ -231,7 +231,7 @@ TEST_F(HttpServerTest, AStepWhoseClientHangsUpEnds) {
     }
   }
   Response response;
-  do {  // refused as long as the first goes on
+  do {  // Refused while the first one runs.
     response = call("SheetService/StepSheet", R"({"name":"sheets/a","ticks":1})");
   } while (response.status == 400);
   ASSERT_EQ(response.status, 200) << response.body;

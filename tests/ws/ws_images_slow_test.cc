@@ -1,4 +1,4 @@
-// Readers of pictures that stall, and messages that no reader should send: what they cost, and that nobody else pays.
+// Tests readers of pictures that stall, and messages that no reader should send: their cost, borne by no other reader.
 
 #include <gtest/gtest.h>
 
@@ -94,7 +94,7 @@ TEST_F(ImagesTest, WhoSaysAWordAndHangsUpGivesItsStreamBack) {
   }
 }
 
-// A picture that nobody acknowledges ends the connection of a reader that has vanished.
+// A picture without acknowledgement ends the connection of a reader that has vanished.
 TEST_F(ImagesTest, APictureIsSentAgainWhereThereIsNoOther) {
   app::Config config = config_;
   config.http_options.picture_repeat = milliseconds(50);

@@ -1,4 +1,4 @@
-// What is asked over HTTP, and answered.
+// Tests requests over HTTP and their answers.
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// What a client is told of a file that is not taken.
+// Tests the errors that a client gets for a refused file.
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
-// What is wrong with a scene's numbers, as JSON: {vertices, triangles, cpu_s, converged, stable, checks: [{name,
-// error}]}, the worst error of every check, with its sign.
+// Prints the errors of a scene's numbers as JSON: {vertices, triangles, cpu_s, converged, stable, checks: [{name,
+// error}]}, with the worst error of every check and its sign.
 //   scene_errors EXPECTATION SCENE
-// EXPECTATION: a file as tests/data/scenes/reference has them; SCENE: its scene, on this mesh or another.
+// EXPECTATION: a file as in tests/data/scenes/reference; SCENE: its scene, on this mesh or another.
 #include <cstdio>
 #include <exception>
 

@@ -1,14 +1,14 @@
-// What ticks of a sheet cost and how far it is off at the end of them, against explicit steps without damping of its
-// own mesh. Of these and then of each scene one line of JSON: {vertices, integrator, substeps, solves,
+// Measures the cost of ticks of a sheet, and its error at the end of them relative to undamped explicit steps of its
+// own mesh. Prints one line of JSON for the reference and for each scene: {vertices, integrator, substeps, solves,
 // linear_iterations, ticks_not_converged, ticks_repaired, simulated_s, cpu_s, error_m}.
 //   size_errors REFERENCE_CFL MOST_CPU_S SCENE...
-// REFERENCE_CFL: of the reference's stable step. MOST_CPU_S: after this a run ends, short of its time; the reference
-// does not. SCENE: files as `kerf run` reads them, all of one sheet over one time; their commands are done before it
-// begins, and are not timed.
+// REFERENCE_CFL: share of the reference's stable step. MOST_CPU_S: a run ends early after this; the reference does not.
+// SCENE: files as `kerf run` reads them, all of one sheet over one time; their commands are done before it begins, and
+// are not timed.
 //   size_errors --threads SCENE...
-// What two threads are worth that step a sheet each, both equal: of each scene {vertices, integrator, simulated_s,
-// rounds, one_wall_s, one_cpu_s, two_wall_s, two_cpu_s}, the time of a sheet on one thread and, the slower of both, on
-// two.
+// Measures the gain of two threads that step a sheet each, both equal. Prints for each scene {vertices, integrator,
+// simulated_s, rounds, one_wall_s, one_cpu_s, two_wall_s, two_cpu_s}: the time of a sheet on one thread, and on two
+// that of the slower one.
 #include <algorithm>
 #include <barrier>
 #include <chrono>
@@ -41,7 +41,7 @@ constexpr double kEnoughCpu = 0.1;  // s; what takes less is done again
 constexpr int kMostRuns = 3;
 constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 
-// Of one thread beside two.
+// Parameters of the comparison of one thread with two.
 constexpr double kEnoughWall = 0.05;  // s; what takes less is done several times a round, as threads take time to start
 constexpr double kEnoughRounds = 1.5;  // s; rounds are made until they took this, but
 constexpr int kFewestRounds = 3;
@@ -139,7 +139,7 @@ void print(const sheet::Sheet& sheet, const Run& done, const fem::State& fine) {
   std::fflush(stdout);
 }
 
-// Of several where they are short the time of the fastest.
+// Returns the fastest of several runs if they are short.
 Run timed(const sheet::Sheet& sheet, double most_cpu_s) {
   Run done = run(sheet, most_cpu_s);
   double spent = done.cpu_s;
@@ -171,7 +171,7 @@ int measure_all(double cfl, double most_cpu_s, const std::vector<std::string>& f
   return 1;
 }
 
-// Of a thread that steps a sheet, s.
+// Times of a thread that steps a sheet, s.
 struct Spent {
   double wall = kUnlimited;
   double cpu = 0.0;

@@ -51,7 +51,7 @@ TEST_F(CutTrackerTest, AFrameWithoutItIsAnError) {
 
 TEST_F(CutTrackerTest, WhatIsNeverShownIsCountedAtTheEnd) {
   tracker_.applied(3, 11, 2, 100ms);
-  tracker_.applied(4, 11, 2, 100ms);  // nobody watches that one
+  tracker_.applied(4, 11, 2, 100ms);  // That one is not watched.
   tracker_.frame(3, 10, 1, 110ms);
   EXPECT_EQ(tracker_.num_waiting(), 1);
   tracker_.finish();

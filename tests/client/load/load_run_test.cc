@@ -155,7 +155,7 @@ TEST_F(LoadRunTest, TellsOfSheetsThatAreRefused) {
   EXPECT_EQ(sheets_left(), 0);
 }
 
-// Of a server that takes none, now or later. Its time goes by in seconds.
+// The server takes no sheets, now or later. Its time passes in seconds.
 TEST_F(LoadRunTest, AServerThatStaysOverloadedIsGivenUp) {
   class Hasty : public Waiter {
    public:

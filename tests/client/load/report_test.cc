@@ -16,7 +16,7 @@ namespace {
 
 using testing::HasSubstr;
 
-// Of a run that has something of everything.
+// Returns the report of a run that has something of everything.
 Report sample_report() {
   Report report;
   report.plan.sheets = 5;

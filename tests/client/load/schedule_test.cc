@@ -15,7 +15,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// Time that passes only where somebody waits for it, or spends it.
+// Simulates time that passes only when waited for or spent.
 class FakeTime : public Waiter {
  public:
   [[nodiscard]] Nanoseconds now() const override { return now_; }
@@ -32,7 +32,7 @@ class FakeTime : public Waiter {
   Nanoseconds over_at_{Nanoseconds::max()};
 };
 
-// 100 arrivals a second for 10 s, at a server that answers in 1 ms but for one second in the middle.
+// 100 arrivals a second for 10 s, at a server that answers in 1 ms except during one second in the middle.
 constexpr Schedule kHundredHz{Nanoseconds(0), 10ms};
 constexpr Nanoseconds kStallBegin = 5s;
 constexpr Nanoseconds kStallEnd = 6s;
@@ -99,7 +99,7 @@ TEST(Schedule, RealTimeComesAndEnds) {
   EXPECT_FALSE(stopper.wait_until(begin - 1s));
 }
 
-// What is shown grows older from frame to frame: at 0, 10, 20 ... a frame 3 ms old, and one that stays for a second.
+// Shown frames grow older from frame to frame: at 0, 10, 20 ... a frame 3 ms old, and one that stays for a second.
 TEST(ShownAge, AFrameThatStaysCountsAtEveryTime) {
   ShownAge shown(kHundredHz);
   Histogram age_us;
