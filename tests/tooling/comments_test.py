@@ -12,7 +12,7 @@ import sys
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-FOLDERS = ("server", "render", "client")
+FOLDERS = ("server", "render", "client", "tests")
 OPENERS = re.compile(r"(Of|What|Whether|Where|How|Whom|Whose)\b")
 WORDS = re.compile(r"\b(told|goes on|go on|went on|but for|anew|nobody|somebody|likewise)\b", re.IGNORECASE)
 MOST_WORDS = 25
