@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "server/base/result.h"
-#include "server/core/fem/step/integrator.h"
+#include "server/core/fem/step/integrator_options.h"
 #include "server/core/linear/linear_solver_kind.h"
 
 namespace kerf::sheet {

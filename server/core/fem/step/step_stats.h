@@ -1,0 +1,72 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+namespace kerf::fem {
+
+enum StepFlags : std::uint32_t {
+  kNoFlags = 0,
+  kNotConverged = 1U << 0,   // Newton or the linear solver stopped above its tolerance; the step was still accepted
+  kSubstepped = 1U << 1,     // more substeps than planned: a failed attempt was discarded and the step divided
+  kSubstepLimit = 1U << 2,   // stability needs more than max_substeps: the step covers less time than dt
+  kFrozen = 1U << 3,         // no finite step was found: the state is as it was before
+  kRepaired = 1U << 4,       // the fast nonlinear iteration failed; a line-searched one replaced it
+  kEnergyLimited = 1U << 5,  // the step would have ended with more energy than it began with: see EnergyGuard
+  kWidened = 1U << 6,        // too large, too fast or too flat for mixed precision: made in double
+  kDamped = 1U << 7,         // a step of second order failed: implicit Euler replaced it
+  kMajorized =
+      1U << 8,  // no attempt was finite and kept the energy: one linear step that cannot gain any replaced them
+  kInsideBody =
+      1U << 9,  // the step began with vertices inside a body, deeper than the sheet is thick: moved out slowly
+};
+
+// Names of the flags in metrics and results, in the order of their bits.
+inline constexpr std::array<std::string_view, 10> kStepFlagNames{
+    "not_converged",  "substepped", "substep_limit", "frozen",    "repaired",
+    "energy_limited", "widened",    "damped",        "majorized", "inside_body"};
+static_assert(kInsideBody == 1U << (kStepFlagNames.size() - 1));
+
+// Number of steps that reported each flag, by bit.
+using FlagCounts = std::array<std::int64_t, kStepFlagNames.size()>;
+inline void count_flags(std::uint32_t flags, FlagCounts& counts) {
+  for (std::size_t bit = 0; bit < counts.size(); ++bit) counts[bit] += flags >> bit & 1U;
+}
+
+inline constexpr double kWorstLinearResidual = 1e6;
+
+// Statistics of a step. Degradation is reported as a value, and the caller decides how to treat it.
+struct StepStats {
+  std::uint32_t flags = kNoFlags;
+  int substeps = 0;
+  int newton_iterations = 0;  // summed over substeps
+  int linear_iterations = 0;  // summed over Newton iterations
+  // Largest relative residual |b - A x| / |b| of a linear solve, recomputed from x; at most kWorstLinearResidual.
+  double linear_residual = 0.0;
+  double residual = 0.0;    // largest final Newton residual of a substep, relative (see IntegratorOptions); 0: explicit
+  double max_strain = 0.0;  // -, largest |principal strain| at the end of the step
+  double strained_share = 0.0;  // -, share of the area beyond Material::strain_limit at the end: see StrainExtent
+  double simulated = 0.0;       // s, time the state advanced: dt, 0 if frozen, less than dt with kSubstepLimit
+  // Number of evaluations of forces on vertices that are neither of the membrane nor linear in positions. These are
+  // external forces, wind, follower loads, clamps and a curved rest shape. Implicit integrators count wind only. 0
+  // without such forces.
+  int load_phases = 0;
+  int cluster_pushes = 0;    // number of times that bodies pushed a cluster of local inertia
+  int bending_interval = 0;  // explicit: substeps from one kick of bending to the next
+  bool is_double = false;    // explicit: made in double precision
+  bool interrupted = false;  // stopped early, see Integrator::heed: the state is unchanged, all else is invalid
+};
+
+// Clusters of vertices that cuts made stiff: see LocalInertia.
+struct LocalInertiaStats {
+  int clusters = 0;  // >= 1
+  int vertices = 0;  // of all clusters
+  int largest = 0;   // vertices of one cluster
+  // Least number of substeps of a step with clusters and without them, regardless of the limit.
+  double planned_substeps = 0.0;
+  double plain_substeps = 0.0;
+};
+
+}  // namespace kerf::fem
