@@ -11,6 +11,8 @@
 
 #include "server/base/overloaded.h"
 #include "server/core/analysis/analysis.h"
+#include "server/core/fem/model/tick_cost.h"
+#include "server/core/mesh/triangle_mesh.h"
 #include "server/core/sheet/recording.h"
 #include "server/core/sheet/sheet.h"
 #include "server/service/wire/analysis_codec.h"

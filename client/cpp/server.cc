@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "client/cpp/client.h"
+#include "client/cpp/connection.h"
 #include "client/cpp/transfers.h"
 
 namespace kerf::client {
@@ -50,6 +52,14 @@ Result<std::vector<Sheet>> Server::sheets() {
     request.set_page_token(page->next_page_token());
   } while (!request.page_token().empty());
   return all;
+}
+
+Sheet Server::sheet(const std::string& id) const {
+  return {connection_, id};
+}
+
+Client& Server::client() {
+  return connection_->client();
 }
 
 }  // namespace kerf::client

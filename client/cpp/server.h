@@ -5,11 +5,13 @@
 #include <string>
 #include <vector>
 
-#include "client/cpp/connection.h"
 #include "client/cpp/scene.h"
 #include "client/cpp/sheet.h"
 
 namespace kerf::client {
+
+class Client;
+class Connection;
 
 struct ServerOptions {
   // Time after which a call fails with DEADLINE_EXCEEDED; a cut may still have been made.
@@ -38,10 +40,10 @@ class Server {
   Result<Sheet> replay(const std::string& recording, const std::string& id = {}, bool paused = false);
   Result<std::vector<Sheet>> sheets();  // By name.
   // Refers to an existing sheet, without a call to the server.
-  [[nodiscard]] Sheet sheet(const std::string& id) const { return {connection_, id}; }
+  [[nodiscard]] Sheet sheet(const std::string& id) const;
 
   // Returns the stubs, for calls without a method here.
-  [[nodiscard]] Client& client() { return connection_->client(); }
+  [[nodiscard]] Client& client();
 
  private:
   std::shared_ptr<Connection> connection_;

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <utility>
 
+#include "client/cpp/connection.h"
 #include "client/cpp/transfers.h"
 
 namespace kerf::client {

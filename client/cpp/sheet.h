@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "client/cpp/connection.h"
 #include "client/cpp/cut_options.h"
 #include "client/cpp/geometry.h"
 #include "client/cpp/image_watcher.h"
@@ -15,6 +14,8 @@
 #include "client/cpp/watcher.h"
 
 namespace kerf::client {
+
+class Connection;
 
 // Holds the exact state of a sheet after a tick, in the solver's 64-bit numbers, for V vertices and S triangle slots.
 struct State {

@@ -10,7 +10,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-#include "client/cpp/server.h"
+#include <kerf/client.h>
 
 // Draws two pixels per character: the upper one in the text colour, the lower one in the background colour. Surfaces
 // that face the light are brighter.

@@ -4,8 +4,6 @@
 #include <utility>
 #include <variant>
 
-#include "server/base/check.h"
-
 namespace kerf {
 
 // Kinds of errors, named as the gRPC status codes that they become on the wire.
@@ -59,6 +57,9 @@ inline Error internal_error(std::string reason, std::string message, std::string
   return {ErrorCode::kInternal, std::move(reason), std::move(message), std::move(field)};
 }
 
+// Prints `message` to stderr and aborts: a Result was read without asking ok() first.
+[[noreturn]] void wrong_result_access(const char* message);
+
 // A value or an Error. No exception crosses a module boundary; this does.
 template <typename T>
 class [[nodiscard]] Result {
@@ -69,15 +70,15 @@ class [[nodiscard]] Result {
   [[nodiscard]] bool ok() const { return content_.index() == 0; }
 
   T& value() & {
-    KERF_CHECK(ok(), "value() of a failed Result");
+    if (!ok()) wrong_result_access("value() of a failed Result");
     return *std::get_if<0>(&content_);
   }
   [[nodiscard]] const T& value() const& {
-    KERF_CHECK(ok(), "value() of a failed Result");
+    if (!ok()) wrong_result_access("value() of a failed Result");
     return *std::get_if<0>(&content_);
   }
   T&& value() && {
-    KERF_CHECK(ok(), "value() of a failed Result");
+    if (!ok()) wrong_result_access("value() of a failed Result");
     return std::move(*std::get_if<0>(&content_));
   }
   T& operator*() & { return value(); }
@@ -86,7 +87,7 @@ class [[nodiscard]] Result {
   const T* operator->() const { return &value(); }
 
   [[nodiscard]] const Error& error() const {
-    KERF_CHECK(!ok(), "error() of a successful Result");
+    if (ok()) wrong_result_access("error() of a successful Result");
     return *std::get_if<1>(&content_);
   }
 

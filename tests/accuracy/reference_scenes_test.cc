@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "server/core/mesh/triangle_mesh.h"
 #include "tests/accuracy/expectation.h"
 #include "tests/accuracy/scene_file.h"
 

@@ -4,6 +4,9 @@
 #include <cmath>
 #include <map>
 
+#include "server/core/fem/element/state.h"
+#include "server/core/fem/model/model.h"
+#include "server/core/fem/statics/equilibrium.h"
 #include "tests/sheet/sheet_calls.h"
 
 namespace kerf::analysis {
@@ -107,7 +110,7 @@ TEST(Probes, PatchesOfAUniformFieldAreThatFieldEverywhere) {
                             over("all", Quantity::kStrain, sheet::WholeSheet{}, Reduce::kMean),
                             over("edge", Quantity::kStrain, sheet::RegionEdge::kTop, Reduce::kMean),
                             over("most", Quantity::kStrain, sheet::RegionEdge::kTop, Reduce::kMax)};
-  for (Probe& probe : probes) probe.recovery = fem::Recovery::kPatch;
+  for (Probe& probe : probes) probe.recovery = sheet::Recovery::kPatch;
   const auto found = measure(sheet, probes);
   EXPECT_EQ(found.size(), 21U);
   for (const auto& [column, value] : found) {
@@ -132,12 +135,12 @@ TEST(Probes, PatchesFollowALinearFieldWhereTrianglesStepAlongIt) {
   sheet::Sheet sheet = sheet::make(config);
   ASSERT_TRUE(sheet.settle(1.0, {}, {}).converged);
   Probe patch = at_points("patch", Quantity::kStrain, {{0.25, 0.5}, {0.3, 0.61}, {1.0, 0.5}, {0.9, 0.45}});
-  patch.recovery = fem::Recovery::kPatch;
+  patch.recovery = sheet::Recovery::kPatch;
   Probe mean = at_points("mean", Quantity::kStrain, {{1.0, 0.5}});
   Probe middle = over("middle", Quantity::kStrain, sheet::WholeSheet{}, Reduce::kMean);
-  middle.recovery = fem::Recovery::kPatch;
+  middle.recovery = sheet::Recovery::kPatch;
   Probe edge = over("edge", Quantity::kStrain, sheet::RegionEdge::kRight, Reduce::kMax);
-  edge.recovery = fem::Recovery::kPatch;
+  edge.recovery = sheet::Recovery::kPatch;
   auto found = measure(sheet, {patch, mean, middle, edge});
   EXPECT_NEAR(found.at("patch[0].xx"), 0.25 * kSlope, 1e-9);
   EXPECT_NEAR(found.at("patch[1].xx"), 0.3 * kSlope, 1e-9);
@@ -160,7 +163,7 @@ TEST(Probes, CauchyStressIsForceByAreaAsItIs) {
   cauchy.measure = sheet::StressMeasure::kCauchy;
   Probe by_patch = cauchy;
   by_patch.name = "patch";
-  by_patch.recovery = fem::Recovery::kPatch;
+  by_patch.recovery = sheet::Recovery::kPatch;
   auto found = measure(sheet, {biot, cauchy, by_patch});
   const double q = 2.0e6 / (1.0 - 0.25 * 0.25);
   EXPECT_NEAR(found.at("biot.xx"), q * (0.2 - 0.25 * 0.1), 1e-3);

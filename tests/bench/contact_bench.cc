@@ -12,7 +12,10 @@
 #include <vector>
 
 #include "server/core/contact/collider.h"
+#include "server/core/contact/prepared_collider.h"
 #include "server/core/fem/element/material.h"
+#include "server/core/fem/element/state.h"
+#include "server/core/mesh/triangle_mesh.h"
 #include "server/core/sheet/sheet.h"
 #include "tests/bench/cpu_time.h"
 

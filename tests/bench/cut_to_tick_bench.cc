@@ -8,6 +8,7 @@
 #include <benchmark/benchmark.h>
 
 #include "server/base/check.h"
+#include "server/core/mesh/triangle_mesh.h"
 #include "tests/bench/expected.h"
 #include "tests/bench/scenes.h"
 #include "tests/bench/stage_clock.h"

@@ -13,6 +13,8 @@
 #include "server/base/state_hash.h"
 #include "server/core/fem/step/automatic_integrator.h"
 #include "server/core/fem/step/explicit_integrator.h"
+#include "server/core/mesh/triangle_mesh.h"
+#include "server/core/scene/integrator_settings.h"
 #include "tests/bench/cpu_time.h"
 #include "tests/bench/expected.h"
 #include "tests/bench/random_cuts_scene.h"

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "server/core/fem/step/explicit_integrator.h"
+#include "server/core/mesh/triangle_mesh.h"
 #include "tests/bench/cpu_time.h"
 #include "tests/bench/random_cuts_scene.h"
 

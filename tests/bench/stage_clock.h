@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "server/core/sheet/sheet.h"
+#include "server/core/sheet/stage_observer.h"
 #include "tests/bench/cpu_time.h"
 
 namespace kerf::bench {

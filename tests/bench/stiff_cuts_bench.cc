@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "server/base/check.h"
+#include "server/core/fem/step/softening.h"
 #include "tests/bench/cpu_time.h"
 #include "tests/bench/scenes.h"
 #include "tests/support/cut_patterns.h"

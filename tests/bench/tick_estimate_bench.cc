@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "server/base/check.h"
+#include "server/core/fem/model/tick_cost.h"
 #include "tests/bench/cpu_time.h"
 #include "tests/bench/random_cuts_scene.h"
 #include "tests/bench/scenes.h"

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "server/base/random.h"
+#include "server/core/fem/element/state.h"
 #include "server/core/sheet/sheet.h"
 #include "tests/property/random_curves.h"
 #include "tests/property/random_sheets.h"

@@ -14,6 +14,7 @@
 #include "server/core/fem/model/model.h"
 #include "server/core/sheet/sheet.h"
 #include "server/core/sheet/topology.h"
+#include "server/core/sheet/undo_history.h"
 #include "tests/property/moving_sheets.h"
 #include "tests/property/random_curves.h"
 #include "tests/support/trials.h"

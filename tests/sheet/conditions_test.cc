@@ -2,6 +2,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "server/core/fem/element/loads.h"
+#include "server/core/fem/element/state.h"
+#include "server/core/fem/model/model.h"
 #include "tests/sheet/sheet_calls.h"
 
 namespace kerf::sheet {

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "server/core/fem/element/loads.h"
 #include "tests/sheet/sheet_calls.h"
 
 namespace kerf::sheet {

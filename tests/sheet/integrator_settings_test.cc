@@ -1,6 +1,7 @@
 // Linear solvers as a sheet has them: what dense ones refuse, and that those that solve a different system do no harm.
 #include "server/core/scene/integrator_settings.h"
 
+#include "server/core/fem/element/state.h"
 #include "tests/sheet/sheet_calls.h"
 #include "tests/support/scenes.h"
 

@@ -1,6 +1,8 @@
 // The family tree of a sheet's pieces.
 #include <numeric>
 
+#include "server/core/scene/lineage.h"
+#include "server/core/scene/sheet_materials.h"
 #include "tests/sheet/sheet_calls.h"
 
 namespace kerf::sheet {

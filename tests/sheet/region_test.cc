@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/core/fem/element/loads.h"
+#include "server/core/fem/model/model.h"
+#include "server/core/scene/sheet_materials.h"
 #include "tests/sheet/sheet_calls.h"
 
 namespace kerf::sheet {

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "server/core/fem/model/tick_cost.h"
 #include "tests/sheet/sheet_calls.h"
 
 namespace kerf::sheet {

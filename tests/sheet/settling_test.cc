@@ -1,4 +1,8 @@
 // Equilibria of sheets: Sheet::settle and Sheet::bend_by_angles.
+#include "server/core/fem/element/state.h"
+#include "server/core/fem/model/model.h"
+#include "server/core/fem/statics/equilibrium.h"
+#include "server/core/scene/sheet_materials.h"
 #include "tests/sheet/sheet_calls.h"
 
 namespace kerf::sheet {

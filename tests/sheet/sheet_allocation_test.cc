@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "server/base/random.h"
+#include "server/core/contact/prepared_collider.h"
 #include "server/core/sheet/sheet.h"
 #include "tests/support/allocation_counter.h"
 #include "tests/support/random_cuts.h"

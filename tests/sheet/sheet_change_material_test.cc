@@ -1,7 +1,10 @@
 // Another material while the sheet runs.
+#include "server/core/fem/element/state.h"
 #include "server/core/fem/model/condition.h"
+#include "server/core/fem/model/model.h"
 #include "server/core/scene/sheet_materials.h"
 #include "server/core/sheet/recording.h"
+#include "server/core/sheet/undo_history.h"
 #include "tests/sheet/sheet_calls.h"
 
 namespace kerf::sheet {

@@ -1,6 +1,7 @@
 #include <cmath>
 #include <limits>
 
+#include "server/core/fem/element/state.h"
 #include "tests/sheet/sheet_calls.h"
 #include "tests/support/meshes.h"
 #include "tests/support/scenes.h"

@@ -1,4 +1,5 @@
 // Ticks whose integration is ended early: all is as after Sheet::apply.
+#include "server/core/linear/goes_on.h"
 #include "tests/sheet/sheet_calls.h"
 
 namespace kerf::sheet {

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 
+#include "server/core/fem/model/model.h"
 #include "server/core/scene/sheet_materials.h"
 #include "server/core/sheet/recording.h"
 #include "tests/sheet/sheet_calls.h"

@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "server/core/fem/element/state.h"
 #include "server/core/sheet/sheet.h"
 #include "tests/sheet/sheet_calls.h"
 #include "tests/support/scenes.h"

@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "server/core/fem/model/tick_cost.h"
+#include "server/core/sheet/undo_history.h"
 #include "tests/sheet/sheet_calls.h"
 
 namespace kerf::sheet {

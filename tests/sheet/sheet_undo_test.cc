@@ -1,7 +1,10 @@
 // Undo and redo of cuts, and batches of cuts.
 #include <algorithm>
 
+#include "server/core/fem/element/state.h"
+#include "server/core/fem/model/model.h"
 #include "server/core/sheet/recording.h"
+#include "server/core/sheet/undo_history.h"
 #include "tests/sheet/sheet_calls.h"
 
 namespace kerf::sheet {

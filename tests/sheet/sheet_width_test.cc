@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/core/fem/element/state.h"
+#include "server/core/fem/model/model.h"
 #include "tests/sheet/sheet_calls.h"
 
 namespace kerf::sheet {

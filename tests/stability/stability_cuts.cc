@@ -10,7 +10,11 @@
 #include <vector>
 
 #include "server/base/random.h"
+#include "server/core/fem/element/state.h"
+#include "server/core/fem/model/model.h"
+#include "server/core/mesh/triangle_mesh.h"
 #include "server/core/sheet/sheet.h"
+#include "server/core/sheet/stage_observer.h"
 #include "tests/support/scenes.h"
 
 namespace {

@@ -7,6 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include "server/core/fem/element/state.h"
+#include "server/core/linear/vertex_field.h"
 #include "server/core/sheet/sheet.h"
 #include "tests/stability/bad_values.h"
 #include "tests/support/scenes.h"

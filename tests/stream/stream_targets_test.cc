@@ -14,7 +14,9 @@
 
 #include "kerf/v1/stream.pb.h"
 #include "server/core/fem/element/material.h"
+#include "server/core/mesh/triangle_mesh.h"
 #include "server/core/sheet/sheet.h"
+#include "server/core/sheet/stage_observer.h"
 #include "server/service/stream/channel.h"
 
 namespace kerf::stream {

@@ -32,6 +32,7 @@ struct Group {
 
 const std::vector<Group>& groups() {
   static const std::vector<Group> all = {
+      {"front_doors", {"kerf/kerf.h", "kerf/client.h"}},
       {"clipper", {"polyclipping/"}},
       {"eigen", {"Eigen/"}},
       {"highway", {"hwy/"}},
@@ -94,6 +95,10 @@ const std::vector<Row>& table() {
        {"server/core/sheet", "server/core/scene", "server/core/fem/statics", "server/core/mesh", "server/core/linear",
         "server/base"},
        {"eigen"}},
+      {"server/core/kerf",
+       {"server/core/analysis", "server/core/sheet", "server/core/scene", "server/core/contact", "server/core/cut",
+        "server/core/fem/element", "server/base"},
+       {}},
       // The service around it.
       {"server/service/codec", {"server/base"}, {}},
       {"server/service/svg", {"server/core/cut", "server/base"}, {"eigen", "xml"}},
@@ -128,7 +133,8 @@ const std::vector<Row>& table() {
       {"render", {}, {"gl", "images"}},
       {"client/cpp", {"server/service/codec"}, {"proto", "protobuf", "grpc_stubs", "grpc", "zip"}},
       // One embeds the core, the other asks a server.
-      {"client/examples", {"client/cpp", "server/core/sheet"}, {"posix"}},
+      {"client/cpp/kerf", {"client/cpp"}, {}},
+      {"client/examples", {}, {"front_doors", "posix"}},
       {"client/load", {"client/cpp", "server/base"}, {"proto", "grpc_stubs", "grpc", "boost", "json", "posix"}},
       // `kerf run` and `kerf replay` need no server: they step the sheet themselves.
       {"client/cli",

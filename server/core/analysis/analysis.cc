@@ -11,6 +11,7 @@
 #include "server/core/analysis/probe.h"
 #include "server/core/fem/statics/equilibrium.h"
 #include "server/core/fem/statics/modes.h"
+#include "server/core/sheet/unheld.h"
 
 namespace kerf::analysis {
 

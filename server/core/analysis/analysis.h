@@ -6,8 +6,12 @@
 #include <vector>
 
 #include "server/base/result.h"
-#include "server/core/scene/analysis_request.h"
+#include "server/core/scene/sheet_config.h"
 #include "server/core/sheet/sheet.h"
+
+namespace kerf::sheet {
+class StageObserver;
+}  // namespace kerf::sheet
 
 // Analyses of a scene: equilibria, vibrations, and measurements over time or load.
 namespace kerf::analysis {

@@ -10,6 +10,7 @@
 
 #include "server/core/fem/statics/reactions.h"
 #include "server/core/fem/statics/recovered_fields.h"
+#include "server/core/scene/region.h"
 
 namespace kerf::analysis {
 
@@ -129,6 +130,10 @@ mesh::VertexField reactions(const sheet::Sheet& sheet, const mesh::VertexField& 
   return reaction;
 }
 
+fem::Recovery recovery_of(sheet::Recovery recovery) {
+  return recovery == sheet::Recovery::kPatch ? fem::Recovery::kPatch : fem::Recovery::kMean;
+}
+
 // Components xx, yy, xy of strain or stress along material x and y, in a triangle or at a vertex.
 class InPlane {
  public:
@@ -140,11 +145,11 @@ class InPlane {
     }
     return tensor(of_slots_[static_cast<std::size_t>(slot)]);
   }
-  Vector at(const sheet::Sheet& sheet, mesh::VertexId vertex, fem::Recovery recovery) {
-    std::vector<Eigen::Vector3d>& recovered = recovery == fem::Recovery::kPatch ? by_patches_ : of_vertices_;
+  Vector at(const sheet::Sheet& sheet, mesh::VertexId vertex, sheet::Recovery recovery) {
+    std::vector<Eigen::Vector3d>& recovered = recovery == sheet::Recovery::kPatch ? by_patches_ : of_vertices_;
     if (recovered.empty()) {
       in(sheet, 0);
-      recovered = fem::vertex_field(sheet.model(), of_slots_, recovery);
+      recovered = fem::vertex_field(sheet.model(), of_slots_, recovery_of(recovery));
     }
     return tensor(recovered[static_cast<std::size_t>(vertex)]);
   }
@@ -153,7 +158,7 @@ class InPlane {
     Vector sum = Vector::Zero(3);
     for (std::size_t k = 0; k < 3; ++k) {
       if (point.vertices[k] == mesh::kNone) continue;
-      sum += point.weights[static_cast<Eigen::Index>(k)] * at(sheet, point.vertices[k], fem::Recovery::kPatch);
+      sum += point.weights[static_cast<Eigen::Index>(k)] * at(sheet, point.vertices[k], sheet::Recovery::kPatch);
     }
     return sum;
   }
@@ -218,7 +223,7 @@ struct Probes::Context {
     if (probe.quantity == Quantity::kVelocity) return place.point.of(state.v);
     if (probe.quantity == Quantity::kDisplacement) return Eigen::Vector3d(place.point.of(state.x) - place.start);
     InPlane& field = field_of(probe);
-    if (probe.recovery == fem::Recovery::kPatch) return field.by_patches(sheet, place.point);
+    if (probe.recovery == sheet::Recovery::kPatch) return field.by_patches(sheet, place.point);
     return place.vertex != mesh::kNone ? field.at(sheet, place.vertex, probe.recovery) : field.in(sheet, place.slot);
   }
   [[nodiscard]] Vector value(const Probe& probe, const Member& member) {
@@ -232,8 +237,8 @@ struct Probes::Context {
         return state.x.col(member.id) - member.start;
       case Quantity::kStrain:
       case Quantity::kStress:
-        return probe.recovery == fem::Recovery::kPatch ? field_of(probe).at(sheet, member.id, probe.recovery)
-                                                       : field_of(probe).in(sheet, member.id);
+        return probe.recovery == sheet::Recovery::kPatch ? field_of(probe).at(sheet, member.id, probe.recovery)
+                                                         : field_of(probe).in(sheet, member.id);
       default:
         if (reaction.cols() == 0) reaction = reactions(sheet, v_before, dt);
         return reaction.col(member.id);
@@ -324,7 +329,7 @@ std::vector<Probes::Member> Probes::members_of(const sheet::Sheet& sheet, const 
   const std::vector<mesh::VertexId> vertices = find_vertices(mesh, region, "").value();
   std::vector<Member> members;
   const bool is_field = is_in_plane(probe.quantity);
-  if (is_field && probe.recovery == fem::Recovery::kMean) {
+  if (is_field && probe.recovery == sheet::Recovery::kMean) {
     for (const mesh::TriangleId t : sheet::triangles_in(mesh, vertices)) {
       members.push_back({t, sheet::rest_area(mesh, t), Eigen::Vector3d::Zero()});
     }

@@ -9,8 +9,8 @@
 #include "server/base/result.h"
 #include "server/core/analysis/lips.h"
 #include "server/core/linear/vertex_field.h"
-#include "server/core/scene/analysis_request.h"
 #include "server/core/scene/material_point.h"
+#include "server/core/scene/sheet_config.h"
 #include "server/core/sheet/sheet.h"
 
 namespace kerf::analysis {

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/base/check.h"
+#include "server/core/contact/prepared_collider.h"
+
 namespace kerf::contact {
 
 namespace {

@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "server/core/contact/collider.h"
+#include "server/core/contact/prepared_collider.h"
 #include "server/core/mesh/vertex_lanes.h"
 
 // One collider against the vertices of a block, in vector code chosen for the processor at run time. Results have the

@@ -89,6 +89,16 @@ struct Path {
   std::vector<Subpath> subpaths;  // at least 1; at most kMaxPathSegments segments in all
 };
 
+// An axis-aligned box in material coordinates.  m
+struct Box {
+  Eigen::Vector2d low{0.0, 0.0};
+  Eigen::Vector2d high{0.0, 0.0};
+
+  [[nodiscard]] bool contains(const Eigen::Vector2d& point) const {
+    return (point.array() >= low.array()).all() && (point.array() <= high.array()).all();
+  }
+};
+
 // A curve drawn by a client, in material coordinates. flatten() turns each alternative into Strokes; later stages do
 // not distinguish them.
 using Curve = std::variant<CubicBezier, Polyline, Circle, Ellipse, Path>;

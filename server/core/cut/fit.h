@@ -1,21 +1,9 @@
 #pragma once
 
-#include <optional>
-
 #include "server/base/result.h"
-#include "server/core/cut/box.h"
-#include "server/core/cut/curve.h"
+#include "server/core/cut/cut_types.h"
 
 namespace kerf::cut {
-
-// Target placement of a curve, independent of its own size and place.
-struct Fit {
-  std::optional<Box>
-      box;  // m, each side > 0; absent: the sheet's bounding box less kFitMargin of each side at each end
-};
-
-inline constexpr double kFitMargin = 0.05;        // -
-inline constexpr double kMinFitExtentM = 1.0e-9;  // m, of the larger side of a curve that is fitted
 
 // Errors, kInvalidArgument: FIT_OUT_OF_RANGE, FIT_EMPTY ("cut.fit.max.x").
 Status validate(const Fit& fit);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "server/base/check.h"
 #include "server/base/sort_unique.h"
 #include "server/core/mesh/lattice_geometry.h"
 

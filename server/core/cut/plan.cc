@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <string>
 
+#include "server/base/check.h"
 #include "server/core/cut/cut.h"
 #include "server/core/cut/element_path.h"
 #include "server/core/cut/outline.h"

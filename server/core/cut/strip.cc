@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 
+#include "server/base/check.h"
 #include "server/core/cut/outline.h"
 
 namespace kerf::cut {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "server/core/cut/box.h"
 #include "server/core/cut/curve.h"
 
 namespace kerf::cut {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 namespace kerf::mesh {
@@ -17,5 +18,17 @@ using TriangleId = std::int32_t;
 using PointId = std::int32_t;
 
 inline constexpr std::int32_t kNone = -1;
+
+// Most vertices (of the opened mesh) that a sheet may have: importers refuse more, and cuts that would make more.
+inline constexpr std::int32_t kMaxVertices = 500'000;
+
+inline constexpr std::size_t kMaxMeshFileBytes = 64u << 20;
+
+// Selects the part of a mesh file that gives the rest shape.
+enum class RestShape {
+  kAutomatic,  // kFlat where there are texture coordinates or the positions lie in one plane, else kSurface
+  kFlat,       // the texture coordinates, metres; without any the positions, which must lie in one plane
+  kSurface,    // the positions, however curved; texture coordinates, where there are some, only say where cuts go
+};
 
 }  // namespace kerf::mesh

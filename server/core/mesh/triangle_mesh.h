@@ -15,9 +15,6 @@
 
 namespace kerf::mesh {
 
-// Most vertices (of the opened mesh) that a sheet may have: importers refuse more, and cuts that would make more.
-inline constexpr std::int32_t kMaxVertices = 500'000;
-
 // Location of a lattice point in the welded mesh. It does not depend on the search.
 struct Location {
   enum class Kind { kOutside, kFace, kEdge, kPoint };

@@ -1,4 +1,4 @@
-#include "server/core/scene/analysis_request.h"
+#include "server/core/scene/sheet_config.h"
 
 #include <algorithm>
 #include <set>
@@ -69,7 +69,7 @@ Status validate_place(const Probe& probe, const std::string& path) {
 
 // Choices that only some quantities have.
 Status validate_field(const Probe& probe, const std::string& path) {
-  if (probe.recovery != fem::Recovery::kMean && !is_in_plane(probe.quantity)) {
+  if (probe.recovery != Recovery::kMean && !is_in_plane(probe.quantity)) {
     return invalid_argument("RECOVERY_UNUSED", path + ".recovery is of STRAIN and STRESS; leave it out",
                             path + ".recovery");
   }

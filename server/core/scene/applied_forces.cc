@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "server/core/scene/material_point.h"
+#include "server/core/scene/region.h"
 
 namespace kerf::sheet {
 

@@ -9,11 +9,11 @@
 #include <Eigen/Core>
 
 #include "server/base/result.h"
-#include "server/core/cut/cut.h"
+#include "server/core/cut/curve.h"
+#include "server/core/cut/cut_types.h"
 #include "server/core/fem/element/material.h"
 #include "server/core/mesh/ids.h"
-#include "server/core/scene/lineage.h"
-#include "server/core/scene/region.h"
+#include "server/core/scene/conditions.h"
 
 // Commands to a running sheet, and their replies: kerf.v1.Command without Protocol Buffers. Each takes effect whole at
 // a tick boundary, or is refused and changes nothing.
@@ -122,6 +122,32 @@ using Command = std::variant<Cut, Grab, Drag, Release, SetPins, SetGravity, SetW
 // kerf.v1.Command ("cut.curve.bezier.points[1].x", "cut_batch.cuts[3].curve.circle.radius_m", "grab.stiffness_npm"); a
 // Sheet checks the rest.
 Status validate(const Command& command);
+
+// Pieces of a sheet have ids of their own, see lineage.h.
+struct PieceBirth {
+  std::int64_t id = 0;
+  std::int64_t parent = 0;  // 0: existed when the sheet was made
+  std::int64_t cut = 0;     // number of the cut that made it; 0: existed when the sheet was made
+};
+
+// A piece as it is.
+struct Piece {
+  PieceBirth birth;
+  std::int32_t label = 0;  // its number in the mesh, and in frames, now
+  std::int32_t num_triangles = 0;
+  double area = 0.0;                              // m^2, at rest
+  double mass = 0.0;                              // kg
+  Eigen::Vector2d centroid{0.0, 0.0};             // m, material coordinates
+  Eigen::Vector3d world_centroid{0.0, 0.0, 0.0};  // m, mean position of its material
+};
+
+// A piece that fell apart or was removed.
+struct SplitPiece {
+  std::int64_t id = 0;          // ended with this
+  std::vector<Piece> children;  // two or more, by id, or none where all of it was removed; as they are when the whole
+                                // command is done. Where a later cut of a batch divided one again: the sum of its
+                                // parts, label -1; where one removed it: nothing, label -1
+};
 
 // Part of a CommandReply.
 struct CutReply {

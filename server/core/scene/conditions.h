@@ -9,11 +9,71 @@
 #include <Eigen/Core>
 
 #include "server/base/result.h"
-#include "server/core/scene/region.h"
+#include "server/core/cut/curve.h"
+#include "server/core/mesh/ids.h"
 
-// Boundary conditions, loads and initial velocities of a scene: kerf.v1.Constraint, Load and InitialVelocity without
+// Regions of a sheet, and what holds and pushes them: kerf.v1.Region, Constraint, Load and InitialVelocity without
 // Protocol Buffers.
 namespace kerf::sheet {
+
+inline constexpr std::size_t kMaxRegions = 64;                // in one list
+inline constexpr std::size_t kMaxListedVertices = 1'000'000;  // in all vertex lists of one list of regions together
+inline constexpr double kMaxMaterialCoordinate = 1.0e4;       // m
+inline constexpr double kMaxWorldCoordinate = 1.0e6;          // m, a component of any world vector
+
+// Edges of the material bounding box.
+enum class RegionEdge {
+  kTop,         // y = maximum
+  kBottom,      // y = minimum
+  kLeft,        // x = minimum
+  kRight,       // x = maximum
+  kCorners,     // the vertex nearest to each corner of the bounding box; the smallest id of several
+  kTopCorners,  // of those, the two at y = maximum
+};
+
+// Closed box in material coordinates.
+struct MaterialBox {
+  Eigen::Vector2d min{0.0, 0.0};  // m
+  Eigen::Vector2d max{0.0, 0.0};  // m, each >= min's
+};
+
+// All closer to the segment from a to b than `within`, in material coordinates.
+struct MaterialLine {
+  enum class Side { kBoth, kLeft, kRight };  // of the two lips of a cut along the line, looking from a to b
+
+  Eigen::Vector2d a{0.0, 0.0};  // m
+  Eigen::Vector2d b{0.0, 0.0};  // m; may be a
+  double within = 0.0;          // m, 0..kMaxMaterialCoordinate; 0: kRegionTolerance of the sheet's size
+  Side side = Side::kBoth;
+};
+
+// All closer to a curve than `within`, in material coordinates.
+struct MaterialCurve {
+  cut::Curve curve;
+  double within = 0.0;  // m, 0..kMaxMaterialCoordinate; 0: kCurveTolerance of the sheet's edge length there, as built
+  MaterialLine::Side side = MaterialLine::Side::kBoth;  // looking along the curve
+};
+
+// The whole border around the hole, or around the outside, that comes nearest to a material point.
+struct NearestBorder {
+  Eigen::Vector2d point{0.0, 0.0};  // m
+};
+
+// The one vertex that is nearest to a material point; of several the smallest id.
+struct NearestVertex {
+  Eigen::Vector2d point{0.0, 0.0};  // m
+};
+
+struct WholeSheet {};
+
+// Vertices of the sheet.
+using Region = std::variant<RegionEdge, MaterialBox, std::vector<mesh::VertexId>, MaterialLine, NearestVertex,
+                            WholeSheet, MaterialCurve, NearestBorder>;
+
+// A vertex counts as on an edge or a line within this.
+inline constexpr double kRegionTolerance = 1.0e-9;  // -, of the larger side of the material bounding box
+// A vertex counts as on a curve within this. Lips keep to their curve within 0.02, unless a cut allows more.
+inline constexpr double kCurveTolerance = 0.05;  // -, of the edge length there
 
 inline constexpr std::size_t kMaxConstraints = 64;
 inline constexpr std::size_t kMaxLoads = 64;
@@ -111,6 +171,11 @@ struct InitialVelocity {
   Eigen::Vector3d angular{0.0, 0.0, 0.0};  // rad/s
   std::optional<Eigen::Vector3d> centre;   // m; absent: the centre of mass
 };
+
+// Check ranges only; the sheet checks that listed vertices exist. `field`: the path of the list ("pins"), or of the
+// region.
+Status validate(const std::vector<Region>& regions, const std::string& field);
+Status validate(const Region& region, const std::string& field);
 
 // Ranges only; fields are named as in kerf.v1.Scene ("constraints[1].region.line.a.x", "loads[0].edge.force_n.x").
 Status validate(const History& history, const std::string& field);

@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 
 #include "server/core/scene/material_point.h"
+#include "server/core/scene/region.h"
 
 namespace kerf::sheet {
 

@@ -9,37 +9,13 @@
 #include "server/core/fem/element/material.h"
 #include "server/core/linear/vertex_field.h"
 #include "server/core/mesh/triangle_mesh.h"
+#include "server/core/scene/command.h"
 
 // The family tree of a sheet's pieces. The mesh numbers its pieces 0..n-1 and a piece that falls apart keeps its number
 // in one of its parts; here each piece has an id of its own. A piece that falls apart ends, and each of its parts is a
 // new piece with it as parent. Ids count from 1 and are never given to another piece; those of pieces that an undo took
 // away come back only with the redo of that same cut.
 namespace kerf::sheet {
-
-struct PieceBirth {
-  std::int64_t id = 0;
-  std::int64_t parent = 0;  // 0: existed when the sheet was made
-  std::int64_t cut = 0;     // number of the cut that made it; 0: existed when the sheet was made
-};
-
-// A piece as it is.
-struct Piece {
-  PieceBirth birth;
-  std::int32_t label = 0;  // its number in the mesh, and in frames, now
-  std::int32_t num_triangles = 0;
-  double area = 0.0;                              // m^2, at rest
-  double mass = 0.0;                              // kg
-  Eigen::Vector2d centroid{0.0, 0.0};             // m, material coordinates
-  Eigen::Vector3d world_centroid{0.0, 0.0, 0.0};  // m, mean position of its material
-};
-
-// A piece that fell apart or was removed.
-struct SplitPiece {
-  std::int64_t id = 0;          // ended with this
-  std::vector<Piece> children;  // two or more, by id, or none where all of it was removed; as they are when the whole
-                                // command is done. Where a later cut of a batch divided one again: the sum of its
-                                // parts, label -1; where one removed it: nothing, label -1
-};
 
 // Records the effect of one edit on the tree. Each piece is listed with its number in the mesh.
 struct LineageChange {

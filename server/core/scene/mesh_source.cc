@@ -3,6 +3,7 @@
 #include <string>
 #include <utility>
 
+#include "server/base/check.h"
 #include "server/core/mesh/build/grid_mesh.h"
 #include "server/core/mesh/build/mesh_import.h"
 #include "server/core/mesh/build/obj_import.h"

@@ -4,7 +4,9 @@
 #include <cmath>
 
 #include "server/core/scene/field_checks.h"
+#include "server/core/scene/integrator_settings.h"
 #include "server/core/scene/outline_source.h"
+#include "server/core/scene/sheet_materials.h"
 
 namespace kerf::sheet {
 

@@ -11,15 +11,12 @@
 
 #include "server/base/result.h"
 #include "server/core/contact/collider.h"
+#include "server/core/cut/curve.h"
 #include "server/core/fem/element/material.h"
-#include "server/core/mesh/build/face_list.h"
+#include "server/core/linear/linear_solver_kind.h"
 #include "server/core/mesh/ids.h"
-#include "server/core/mesh/triangle_mesh.h"
-#include "server/core/scene/analysis_request.h"
 #include "server/core/scene/command.h"
 #include "server/core/scene/conditions.h"
-#include "server/core/scene/integrator_settings.h"
-#include "server/core/scene/sheet_materials.h"
 
 // All input needed to start one sheet and to run it again, bit for bit: kerf.v1.Scene without Protocol Buffers. SI
 // units throughout; right-handed world, +z up. Nothing changes a SheetConfig after Sheet::create.
@@ -107,6 +104,113 @@ struct ScheduledCommand {
   Command command;
 };
 
+// A part of the sheet of another material.
+struct RegionMaterial {
+  Region region;  // see find_triangles
+  fem::Material material;
+};
+
+// How a sheet is stepped in time.
+enum class IntegratorKind {
+  kAutomatic,         // see fem::AutomaticIntegrator
+  kExplicitLeapfrog,  // stable substeps
+  kImplicitEuler,     // Newton iterations; first order, strongly damped
+  kTrapezoidal,       // Newton iterations; second order, damps nothing
+  kBdf2,              // Newton iterations; second order, damps unresolved frequencies
+  kTrBdf2,            // Newton iterations; second order, damps unresolved frequencies
+};
+using fem::EigenvalueNorm;
+using fem::LinearSolverKind;
+enum class Precision { kDouble, kMixed };  // explicit: see fem::Precision
+
+struct IntegratorSettings {
+  IntegratorKind kind = IntegratorKind::kAutomatic;
+  std::int32_t max_substeps = 20000;   // explicit: a tick, 1..100000
+  std::int32_t newton_iterations = 2;  // implicit: a solve, 1..100
+  double solver_tolerance = 1.0e-4;    // implicit: relative residual of the linear solver, 1e-14..0.1; below 1e-4 of
+                                       // Newton's method as well
+  LinearSolverKind solver = LinearSolverKind::kBlockJacobiCg;  // implicit; kAutomatic chooses for itself
+  std::int32_t max_linear_iterations = 1000;                   // implicit: of a solve by conjugate gradients, 1..100000
+  fem::CovarianceRootOptions covariance_root{};                // power 0.01..2, newton_schulz_iterations 1..50
+  double highest_mode_damping = 0.05;                          // explicit: -, 0..0.5, see fem::IntegratorOptions
+  Precision precision = Precision::kMixed;
+};
+
+// Analyses and measurements that can be asked for: kerf.v1.Analysis and Probe. They have no effect on a running sheet.
+inline constexpr std::size_t kMaxProbes = 64;
+inline constexpr std::size_t kMaxProbeNameBytes = 63;
+inline constexpr std::size_t kMaxProbePoints = 1024;
+inline constexpr std::size_t kMaxLoadSteps = 10'000;
+inline constexpr double kMinResidual = 1.0e-13;
+inline constexpr double kMaxResidual = 0.1;
+inline constexpr std::int32_t kMaxStaticIterations = 100'000;
+inline constexpr std::int32_t kMaxModes = 200;
+inline constexpr std::int64_t kMaxAnalyzedTicks = 100'000;
+inline constexpr std::int32_t kMaxMeasureEvery = 10'000'000;
+
+// Steps in time.
+struct DynamicAnalysis {
+  std::int64_t ticks = 0;          // 0..kMaxAnalyzedTicks; of a scene 0: SheetConfig::ticks
+  std::int32_t measure_every = 1;  // ticks, 1..kMaxMeasureEvery; the start and the end are measured anyway
+};
+
+// Equilibria under a load that grows from 0 to 1.
+struct StaticAnalysis {
+  std::vector<double> loads{1.0};     // (0, 1], ascending
+  double tolerance = 1.0e-9;          // -, kMinResidual..kMaxResidual; see fem::EquilibriumStats::residual
+  std::int32_t max_iterations = 300;  // Newton steps a load, 1..kMaxStaticIterations
+};
+
+// The lowest vibrations about a state.
+struct ModalAnalysis {
+  std::int32_t count = 10;              // 1..kMaxModes
+  std::optional<StaticAnalysis> about;  // its last equilibrium; absent: the state that the scene begins with, after the
+                                        // commands of tick 1
+};
+
+using Analysis = std::variant<DynamicAnalysis, StaticAnalysis, ModalAnalysis>;
+
+enum class Quantity {
+  kDisplacement,     // m, x y z
+  kPosition,         // m, x y z
+  kVelocity,         // m/s, x y z
+  kReaction,         // N, x y z
+  kStrain,           // -, xx yy xy in material coordinates, co-rotational; xy: half the shear angle
+  kStress,           // Pa, xx yy xy: of Probe::measure
+  kEnergy,           // J, kinetic, membrane, bending, gravity, total
+  kMomentum,         // kg m/s, x y z
+  kAngularMomentum,  // kg m^2/s, x y z about the centre of mass
+  kCentreOfMass,     // m, x y z
+  kOpening,          // m, normal sliding lateral
+  kExtent,           // m, x y z
+};
+
+enum class Reduce { kEach, kMean, kSum, kMin, kMax };
+
+// Value of strain or stress at a vertex; see fem::Recovery.
+enum class Recovery {
+  kMean,   // mean of the triangles around it
+  kPatch,  // superconvergent patch recovery
+};
+
+// Measure of stress; see fem::MembraneField.
+enum class StressMeasure {
+  kBiot,    // force by undeformed area
+  kCauchy,  // force by area as it is
+};
+
+// A measurement made after each tick, or at each load. See kerf.v1.Probe.
+struct Probe {
+  std::string name;  // [a-z][a-z0-9_]{0,62}, unique
+  Quantity quantity = Quantity::kDisplacement;
+  std::vector<Eigen::Vector2d> points;  // m, material; at most kMaxProbePoints
+  std::optional<Region> region;
+  Reduce reduce = Reduce::kEach;
+  std::optional<Eigen::Vector2d> side;           // m, material: of a cut, the side of this point
+  Recovery recovery = Recovery::kMean;           // of strain and stress; kMean where a place is no vertex: triangles
+  StressMeasure measure = StressMeasure::kBiot;  // of stress
+};
+
 struct SheetConfig {
   std::string sheet_id;  // for the owner: [a-z][a-z0-9-]{0,62} or empty; no effect on the simulation
   MeshSource mesh;
@@ -136,6 +240,13 @@ struct SheetConfig {
   std::vector<Probe> probes;      // what it measures; at most kMaxProbes
   std::string description;        // for people; at most 1000 bytes; no effect on the simulation
 };
+
+// Strain or stress: constant in each triangle.
+[[nodiscard]] bool is_in_plane(Quantity quantity);
+
+// Check ranges; fields are named as in kerf.v1.Scene ("analysis.static.loads[2]", "probes[1].points[0].x").
+Status validate(const Analysis& analysis);
+Status validate(const std::vector<Probe>& probes);
 
 // Returns true if cuts are scheduled; they may bring vertices and lips to a region that has none yet.
 bool schedules_cuts(const SheetConfig& config);

@@ -8,6 +8,7 @@
 #include "server/core/mesh/regions.h"
 #include "server/core/scene/command.h"
 #include "server/core/scene/field_checks.h"
+#include "server/core/scene/region.h"
 #include "server/core/scene/sheet_config.h"
 
 namespace kerf::sheet {

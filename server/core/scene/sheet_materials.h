@@ -7,20 +7,13 @@
 #include "server/base/state_hash.h"
 #include "server/core/fem/element/material_table.h"
 #include "server/core/mesh/triangle_mesh.h"
-#include "server/core/scene/region.h"
+#include "server/core/scene/sheet_config.h"
 
 namespace kerf::sheet {
 
 struct SetMaterial;
-struct SheetConfig;
 
 using fem::kMaxMaterials;  // different ones of a sheet, its own among them
-
-// A part of the sheet of another material.
-struct RegionMaterial {
-  Region region;  // see find_triangles
-  fem::Material material;
-};
 
 // Ranges, and the number of different materials.
 Status validate(const std::vector<RegionMaterial>& materials, const fem::Material& own);

@@ -7,10 +7,12 @@
 
 #include "server/base/interruption.h"
 #include "server/core/fem/element/follower_loads.h"
+#include "server/core/scene/integrator_settings.h"
 #include "server/core/scene/material_point.h"
 #include "server/core/scene/mesh_source.h"
 #include "server/core/scene/region.h"
 #include "server/core/sheet/sheet_impl.h"
+#include "server/core/sheet/unheld.h"
 #include "server/core/sheet/vertex_strains.h"
 
 namespace kerf::sheet {
@@ -293,6 +295,10 @@ Sheet& Sheet::operator=(const Sheet& other) {
 Sheet::Sheet(Sheet&&) noexcept = default;
 Sheet& Sheet::operator=(Sheet&&) noexcept = default;
 Sheet::~Sheet() = default;
+
+Result<Sheet> Sheet::create(SheetConfig config) {
+  return create(std::move(config), fem::make_integrator);
+}
 
 Result<Sheet> Sheet::create(SheetConfig config, IntegratorFactory make_integrator) {
   KERF_TRY(validate(config));

@@ -11,43 +11,35 @@
 
 #include <Eigen/Core>
 
-#include "server/base/phase_observer.h"
 #include "server/base/result.h"
-#include "server/core/fem/element/loads.h"
-#include "server/core/fem/element/state.h"
-#include "server/core/fem/model/model.h"
-#include "server/core/fem/statics/equilibrium.h"
-#include "server/core/fem/step/integrator.h"
-#include "server/core/fem/step/softening.h"
-#include "server/core/mesh/mesh_edit.h"
-#include "server/core/mesh/triangle_mesh.h"
+#include "server/core/fem/step/step_stats.h"
+#include "server/core/mesh/ids.h"
 #include "server/core/scene/command.h"
 #include "server/core/scene/sheet_config.h"
 #include "server/core/sheet/snapshot.h"
-#include "server/core/sheet/undo_history.h"
-#include "server/core/sheet/unheld.h"
+
+// Declares what only some users of a sheet look into; their headers define it.
+namespace kerf::fem {
+class Integrator;
+class Model;
+struct EquilibriumOptions;
+struct EquilibriumStats;
+struct IntegratorOptions;
+struct Loads;
+struct Softening;
+struct State;
+struct TickCost;
+}  // namespace kerf::fem
+namespace kerf::mesh {
+class TriangleMesh;
+}  // namespace kerf::mesh
 
 namespace kerf::sheet {
 
-// The parts of a tick, in the order in which they run.
-enum class Stage {
-  kCut,          // plan, apply, local remesh of one cut
-  kModelUpdate,  // model, state, pins and grabs of the slots a cut touched
-  kLoads,        // gravity, wind, pins and grabs handed to the integrator
-  kIntegrate,    // the integrator's substeps, contact among them
-};
-
-// Receives the beginning and the end of each stage, so that the owner can time them: the sheet itself reads no clock.
-class StageObserver : public PhaseObserver {
- public:
-  // `command`: which of the commands of this step() or apply(), in the order in which they are done: scheduled ones
-  // first, then those given, then what falls due as one of these was a Reset; -1 where the stage serves none of them
-  // (loads, integration).
-  virtual void begin(Stage stage, std::int32_t command) = 0;
-  virtual void end(Stage stage, std::int32_t command) = 0;
-  // The parts of kCut and kModelUpdate, as they begin.
-  void enter(const char* /*phase*/) override {}
-};
+class StageObserver;
+class UndoHistory;
+struct SheetMaterials;
+struct UnheldPiece;
 
 // The answer to a command of SheetConfig::commands.
 struct ScheduledReply {
@@ -108,7 +100,8 @@ class Sheet {
   // Checks the whole config and builds the sheet at tick 0.
   // Errors: kInvalidArgument with the field of kerf.v1.Scene ("pins[1].vertices.vertices[0]"); kResourceExhausted
   // TOO_MANY_VERTICES, of the config's own limit.
-  static Result<Sheet> create(SheetConfig config, IntegratorFactory make_integrator = fem::make_integrator);
+  static Result<Sheet> create(SheetConfig config);  // with fem::make_integrator
+  static Result<Sheet> create(SheetConfig config, IntegratorFactory make_integrator);
 
   Sheet(const Sheet& other);
   Sheet& operator=(const Sheet& other);
@@ -125,14 +118,14 @@ class Sheet {
   // it at any point, as can a lack of memory. Both also freeze the sheet, with the state before the integration; see
   // gave_up.
   TickReport step(std::span<const Command> commands, StageObserver* observer = nullptr,
-                  const fem::GoesOn* goes_on = nullptr, const fem::GoesOn* may_go_on = nullptr);
+                  const std::function<bool()>* goes_on = nullptr, const std::function<bool()>* may_go_on = nullptr);
 
   // Puts the sheet into equilibrium, at rest, under `load` (-, 0..1). Loads and constraints without a history scale
   // with it; histories are read at it. Gravity without a history acts in full. Starts from the current state, which
   // stays as it is if no equilibrium is found. Time does not advance; wind, contact and grabs are left out. `watch`:
   // see fem::EquilibriumSolver. Bends by angles, see bend_by_angles().
   fem::EquilibriumStats settle(double load, const fem::EquilibriumOptions& options,
-                               const fem::EquilibriumSolver::Watch& watch);
+                               const std::function<bool(const fem::EquilibriumStats&)>& watch);
   // Makes the model bend by angles (see fem::AngleBending), as equilibria and vibrations need and steps in time do not.
   // Lasts until the next step, or until the mesh or the clamped vertices change.
   void bend_by_angles();

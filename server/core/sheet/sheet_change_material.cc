@@ -6,6 +6,7 @@
 
 #include "server/core/fem/model/condition.h"
 #include "server/core/fem/step/softening.h"
+#include "server/core/scene/integrator_settings.h"
 #include "server/core/scene/sheet_materials.h"
 #include "server/core/sheet/sheet_impl.h"
 

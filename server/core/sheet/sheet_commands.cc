@@ -6,6 +6,7 @@
 #include "server/base/overloaded.h"
 #include "server/core/cut/cut.h"
 #include "server/core/fem/model/condition.h"
+#include "server/core/scene/integrator_settings.h"
 #include "server/core/scene/material_point.h"
 #include "server/core/scene/region.h"
 #include "server/core/sheet/sheet_impl.h"

@@ -8,7 +8,9 @@
 #include <utility>
 #include <vector>
 
+#include "server/core/cut/cut.h"
 #include "server/core/fem/model/model.h"
+#include "server/core/fem/statics/equilibrium.h"
 #include "server/core/fem/step/softening.h"
 #include "server/core/scene/applied_forces.h"
 #include "server/core/scene/held_vertices.h"
@@ -18,6 +20,7 @@
 #include "server/core/sheet/contact_bridge.h"
 #include "server/core/sheet/rest_watch.h"
 #include "server/core/sheet/sheet.h"
+#include "server/core/sheet/stage_observer.h"
 #include "server/core/sheet/topology.h"
 #include "server/core/sheet/undo_history.h"
 

@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "server/core/fem/element/state.h"
 #include "server/service/api/used_vertices.h"
 #include "server/service/wire/reply_codec.h"
 

@@ -11,6 +11,8 @@
 #include <Eigen/Core>
 
 #include "server/base/result.h"
+#include "server/core/fem/step/integrator.h"
+#include "server/core/fem/step/softening.h"
 #include "server/core/scene/command.h"
 #include "server/core/scene/sheet_config.h"
 #include "server/core/sheet/recording.h"

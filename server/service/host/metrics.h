@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "server/core/fem/model/tick_cost.h"
 #include "server/core/sheet/sheet.h"
 
 namespace kerf::host {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "server/base/caught.h"
+#include "server/core/scene/sheet_materials.h"
 
 namespace kerf::host {
 

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "server/core/sheet/sheet.h"
+#include "server/core/sheet/stage_observer.h"
 #include "server/service/host/clock.h"
 
 namespace kerf::host {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "render/colours.h"
+#include "server/core/mesh/triangle_mesh.h"
 #include "server/service/picture/picture_colours.h"
 
 namespace kerf::api {

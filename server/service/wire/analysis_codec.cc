@@ -41,9 +41,9 @@ constexpr std::array<std::pair<v1::Probe::Reduce, Reduce>, 5> kReductions{{
     {v1::Probe::MAX, Reduce::kMax},
 }};
 
-constexpr std::array<std::pair<v1::Probe::Recovery, fem::Recovery>, 2> kRecoveries{{
-    {v1::Probe::OF_TRIANGLES, fem::Recovery::kMean},
-    {v1::Probe::PATCH, fem::Recovery::kPatch},
+constexpr std::array<std::pair<v1::Probe::Recovery, sheet::Recovery>, 2> kRecoveries{{
+    {v1::Probe::OF_TRIANGLES, sheet::Recovery::kMean},
+    {v1::Probe::PATCH, sheet::Recovery::kPatch},
 }};
 
 constexpr std::array<std::pair<v1::Probe::StressMeasure, sheet::StressMeasure>, 2> kStressMeasures{{

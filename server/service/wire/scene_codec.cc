@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "server/base/overloaded.h"
+#include "server/core/scene/sheet_materials.h"
 #include "server/service/wire/analysis_codec.h"
 #include "server/service/wire/choices.h"
 #include "server/service/wire/command_codec.h"

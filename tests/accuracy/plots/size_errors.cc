@@ -30,6 +30,10 @@
 #include <nlohmann/json.hpp>
 
 #include "server/base/check.h"
+#include "server/core/fem/element/state.h"
+#include "server/core/fem/step/integrator.h"
+#include "server/core/fem/step/integrator_options.h"
+#include "server/core/mesh/triangle_mesh.h"
 #include "server/core/sheet/sheet.h"
 #include "server/service/wire/scene_codec.h"
 #include "tests/bench/cpu_time.h"

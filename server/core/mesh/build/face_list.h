@@ -13,15 +13,7 @@
 
 namespace kerf::mesh {
 
-inline constexpr std::size_t kMaxMeshFileBytes = 64u << 20;
 inline constexpr std::size_t kMaxFaceCorners = 64;
-
-// Selects the part of a mesh file that gives the rest shape.
-enum class RestShape {
-  kAutomatic,  // kFlat where there are texture coordinates or the positions lie in one plane, else kSurface
-  kFlat,       // the texture coordinates, metres; without any the positions, which must lie in one plane
-  kSurface,    // the positions, however curved; texture coordinates, where there are some, only say where cuts go
-};
 
 // Contents of a mesh file: input of import_mesh, and the state to start from.
 struct ImportedSheet {
