@@ -1,4 +1,4 @@
-// The table of tests/bench/README.md: what each way of cutting leaves of a mesh, pattern by pattern.
+// The tables of tests/bench/notes/cut-quality.md: what each way of cutting leaves of a mesh, pattern by pattern.
 //   cut_quality_bench [--json FILE] [--method NAME] [--pattern TEXT]
 #include <chrono>
 #include <cstdio>

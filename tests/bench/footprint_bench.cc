@@ -1,4 +1,4 @@
-// The tables of tests/bench/README.md "Footprint": memory of a sheet, and what sheets cost that are asleep.
+// The tables of tests/bench/notes/threads-and-memory.md: memory of a sheet, and what sheets cost that are asleep.
 //   footprint_bench [SHEETS]
 #include <malloc.h>
 

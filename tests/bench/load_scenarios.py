@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The figures of tests/bench/README.md "Under load": kerfd and `kerf load` on this machine, scenario by scenario.
+"""The figures of tests/bench/notes/load.md: kerfd and `kerf load` on this machine, scenario by scenario.
 
   tests/bench/load_scenarios.py --bin build/release/bin [--only NAME] [--duration SECONDS]
 

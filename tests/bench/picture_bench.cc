@@ -1,4 +1,4 @@
-// From a tick to the bytes of a picture, stage by stage: see README.md, "From a tick to a picture". Exits with 1 where
+// From a tick to the bytes of a picture, stage by stage: see notes/pictures.md. Exits with 1 where
 // a picture is not what it should be.
 
 #include <algorithm>

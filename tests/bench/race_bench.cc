@@ -1,4 +1,4 @@
-// The table of tests/bench/README.md "The race": the scene at which other programs are compared, per tick of 1/60 s.
+// The tables of tests/bench/notes/race.md: the scene at which other programs are compared, per tick of 1/60 s.
 //   race_bench [MESH [PROGRAM]]: with PROGRAM, a part of a name, the tables of programs and schemes alone
 #include <algorithm>
 #include <cmath>

@@ -10,7 +10,7 @@
 #include "server/core/fem/step/integrator.h"
 #include "server/core/mesh/triangle_mesh.h"
 
-// The scene of tests/bench/README.md "The race".
+// The scene of tests/bench/notes/race.md.
 namespace kerf::bench {
 
 inline constexpr double kTick = 1.0 / 60.0;  // s

@@ -1,4 +1,4 @@
-// The tables of tests/bench/README.md "Linear solvers": what each makes of the same linear system of a step.
+// The tables of tests/bench/notes/linear-solvers.md: what each makes of the same linear system of a step.
 //   solver_bench [wool|soft|large [SIDE]|cut [SIDE]]
 #include <cmath>
 #include <cstdio>

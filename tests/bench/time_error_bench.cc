@@ -1,4 +1,4 @@
-// The table of tests/bench/README.md "Time integration": how far each integrator is from a fine reference, for how many
+// The tables of tests/bench/notes/time-integration.md: how far each integrator is from a fine reference, for how many
 // linear solves.
 //   time_error_bench [wool|soft]
 #include <cstdio>

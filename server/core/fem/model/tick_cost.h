@@ -20,7 +20,7 @@ inline constexpr std::array<std::string_view, 6> kTickPartNames{"membrane", "ben
                                                                 "contact",  "loads",   "solve"};
 
 // Time of a tick estimated from counts alone, the same on every machine. It is in ns on one core of 2024, within 1.5
-// times of measured ticks (tests/bench/README.md, "The estimate of a tick").
+// times of measured ticks (tests/bench/notes/tick-estimate.md).
 struct TickCost {
   double substeps = 0.0;                           // per tick; 0 for implicit steps
   double bending_interval = 1.0;                   // substeps from one kick of bending to the next

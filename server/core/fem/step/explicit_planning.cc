@@ -88,7 +88,7 @@ void ExplicitIntegrator::plan(const Model& model, bool follows) {
 
 std::optional<InertiaTerms> ExplicitIntegrator::inertia_terms(const Model& model) {
   // -, ratio of the frequencies of the shortest step to those of the sheet as built. Longer steps err more, above all
-  // once cuts cross: see "Random cuts" in tests/bench/README.md.
+  // once cuts cross: see tests/bench/notes/random-cuts.md.
   constexpr double kNominal = 2.3;
   // -, for curved rest shapes. Their cuts make larger clusters: the facets' edges are sharp bends of tiny triangles.
   constexpr double kCurved = 3.5;
