@@ -30,7 +30,7 @@ std::vector<fs::path> expectations() {
   return files;
 }
 
-// One row of the table of tests/accuracy/README.md.
+// One row of the table of tests/accuracy/errors.md.
 void print(const Expectation& expectation, const CheckedQuantity& checked, int num_vertices) {
   const Comparison& worst = checked.worst();
   std::printf("| %s | %s | %s | %d | %+.2g | %.2g |\n", expectation.scene().stem().c_str(), checked.name.c_str(),

@@ -20,7 +20,7 @@ def percent(value):
 
 
 def order_text(found, uncertainty):
-    """Where the reference allows no order, that which is seen all the same."""
+    """Gives the order that is seen even where the reference allows none."""
     order = studies.observed_order(found, uncertainty)
     return f"order {order:.1f}" if order is not None else f"(order {studies.observed_order(found, 0):.1f})"
 
@@ -109,7 +109,7 @@ def history_table(rows):
 
 
 def time_table(rows):
-    """Orders are those of the runs solved to the end, but for explicit ones."""
+    """Orders are those of the runs solved to the end, except explicit ones."""
     lines = ["| | step (ms) | error solved to the end (mm) | order | error as by default (mm) | of that left by solving (mm) |",
              "|---|---|---|---|---|---|"]
     for name in dict.fromkeys(integrator_of(row) for row in rows):
