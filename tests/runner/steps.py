@@ -111,7 +111,7 @@ LONG = {
                     "build/release/bin/stability_matrix",
                     "3 minutes on one core"),
     "ten-thousand-cuts": Proof(
-        "a hanging sheet that is cut 10,000 times goes on without a failed step",
+        "a hanging sheet that is cut 10,000 times continues without a failed step",
         "cmake --preset release >/dev/null; cmake --build --preset release --target stability_cuts >/dev/null; "
         "build/release/bin/stability_cuts 10000 200 10",
         "2 minutes on one core"),
