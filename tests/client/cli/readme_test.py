@@ -19,7 +19,9 @@ from cli_case import ROOT, Case, address, main, path, tearDownModule
 from reflection import Reflection
 
 PAGES = ("README.md", "client/tutorial.md", "deploy/troubleshooting.md", "client/howto.md", "client/cli/README.md")
-PAGES_FOR_DEVELOPERS = ("CONTRIBUTING.md", "tests/bench/performance.md")  # whose lines build and test, which no test can do
+# Their lines build and test, which no test can do.
+PAGES_FOR_DEVELOPERS = ("CONTRIBUTING.md", "server/README.md", "tests/bench/README.md", "tests/bench/performance.md",
+                        "tests/stability/README.md")
 PROGRAMS = ("kerf", "kerfd", "curl", "grpcurl")
 SHELL = ("cd", "export")
 BUILD_TOOLS = ("clang-tidy", "cmake", "ctest")
@@ -198,6 +200,13 @@ class Readme(Case):
                     self.assertLessEqual(len(line), MOST_LETTERS, line)
             for file in re.findall(r"\b(?:deploy|tests/data)/[\w/-]+\.\w+", text):
                 self.assertTrue((ROOT / file).is_file(), f"{page} names {file}")
+
+    def test_page_of_options_lists_those_of_kerfd(self):
+        text = (ROOT / "server/configuration.md").read_text()
+        table = re.search(r"^\| option \|.*?\n\n", text, re.DOTALL | re.MULTILINE).group()
+        listed = re.findall(r"`(--[\w-]+)", "\n".join(line.split("|")[1] for line in table.splitlines() if line))
+        printed = subprocess.run([cli_case.OPTIONS.kerfd, "--help"], capture_output=True, text=True, timeout=60, check=True).stdout
+        self.assertEqual(sorted(listed), sorted(re.findall(r"^  (?:-\w,)?(--[\w-]+)", printed, re.MULTILINE)))
 
     def test_curl_answers_are_json(self):
         for line in lines():
