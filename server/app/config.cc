@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <memory>
 #include <optional>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -34,6 +35,7 @@ struct Arguments {
   double max_load = Config().max_load;
   std::optional<std::int64_t> max_total_vertices;  // The default depends on the machine.
   std::string web;
+  std::string docs;
   bool no_render = false;
   std::string render_device = render::kAnyDevice;
   bool list_render_devices = false;
@@ -88,6 +90,10 @@ void declare(CLI::App& parser, Arguments& arguments) {
       ->take_all();
   declare_limits(parser, arguments);
   parser.add_option("--web", arguments.web, "Folder of the built viewer (default: found beside the program)")
+      ->type_name("DIR");
+  parser
+      .add_option("--docs", arguments.docs,
+                  "Folder of the built documentation, served at /docs (default: found beside the program)")
       ->type_name("DIR");
   CLI::Option* no_render =
       parser.add_flag("--no-render", arguments.no_render, "Draw no pictures, even where EGL works");
@@ -167,6 +173,7 @@ Result<std::variant<Config, Notice>> to_config(const Arguments& arguments) {
   config.max_connections_per_address = arguments.max_connections_per_address;
   config.scenes.assign(arguments.scenes.begin(), arguments.scenes.end());
   config.web = arguments.web;
+  config.docs = arguments.docs;
   config.render = !arguments.no_render && arguments.render_device != render::kNoDevice;
   config.render_device = arguments.render_device;
   config.allow_remote = arguments.allow_remote;
@@ -187,6 +194,23 @@ std::string render_device_table() {
     table += (state == render::DeviceState::kRejected ? ": does not draw: " : ": ") + words + "\n";
   }
   return table + "* is what --render-device auto takes\n";
+}
+
+// Returns the folder of a built site: share/kerf/NAME beside the executable's folder, else `built` in a folder above
+// it. Empty if neither has an index.html.
+std::filesystem::path find_site(const std::filesystem::path& executable, std::string_view name,
+                                const std::filesystem::path& built) {
+  const auto has_index = [](const std::filesystem::path& folder) {
+    std::error_code ignored;
+    return std::filesystem::is_regular_file(folder / "index.html", ignored);
+  };
+  const std::filesystem::path bin = executable.parent_path();
+  if (auto installed = bin.parent_path() / "share" / "kerf" / name; has_index(installed)) return installed;
+  // Handles build/<preset>/bin/kerfd in a source tree.
+  for (std::filesystem::path folder = bin; folder != folder.root_path(); folder = folder.parent_path()) {
+    if (auto site = folder / built; has_index(site)) return site;
+  }
+  return {};
 }
 
 }  // namespace
@@ -223,17 +247,11 @@ Result<std::variant<Config, Notice>> parse_command_line(int argc, const char* co
 }
 
 std::filesystem::path default_web_directory(const std::filesystem::path& executable) {
-  const auto has_viewer = [](const std::filesystem::path& folder) {
-    std::error_code ignored;
-    return std::filesystem::is_regular_file(folder / "index.html", ignored);
-  };
-  const std::filesystem::path bin = executable.parent_path();
-  if (auto installed = bin.parent_path() / "share" / "kerf" / "web"; has_viewer(installed)) return installed;
-  // Handles build/<preset>/bin/kerfd in a source tree.
-  for (std::filesystem::path folder = bin; folder != folder.root_path(); folder = folder.parent_path()) {
-    if (auto built = folder / "web" / "dist"; has_viewer(built)) return built;
-  }
-  return {};
+  return find_site(executable, "web", "web/dist");
+}
+
+std::filesystem::path default_docs_directory(const std::filesystem::path& executable) {
+  return find_site(executable, "docs", "build/docs/site");
 }
 
 }  // namespace kerf::app

@@ -27,6 +27,7 @@ struct Config {
   double max_load = 1.0;                      // See host::HostOptions.
   std::int64_t max_total_vertices = 0;        // See host::HostOptions; 0..kMostTotalVertices.
   std::filesystem::path web;                  // Folder of the built viewer; empty: none is served.
+  std::filesystem::path docs;                 // Folder of the built documentation; empty: none is served.
   bool render = true;                         // Draws pictures if EGL works.
   std::string render_device = "auto";         // As render::RendererOptions::device; only "auto" may find no device.
   bool allow_remote = false;                  // May listen on addresses other than loopback.
@@ -62,5 +63,7 @@ Result<std::variant<Config, Notice>> parse_command_line(int argc, const char* co
 // Returns the default folder of the built viewer. That is share/kerf/web beside the executable's folder, the place of
 // `cmake --install`, else web/dist of a source tree above the executable. Empty if neither has an index.html.
 std::filesystem::path default_web_directory(const std::filesystem::path& executable);
+// Does the same for the documentation: share/kerf/docs, else build/docs/site of a source tree.
+std::filesystem::path default_docs_directory(const std::filesystem::path& executable);
 
 }  // namespace kerf::app

@@ -120,10 +120,10 @@ int main(int argc, char** argv) {
     return EXIT_SUCCESS;
   }
   auto config = std::get<kerf::app::Config>(std::move(parsed).value());
-  if (config.web.empty()) {
-    std::error_code ignored;
-    config.web = kerf::app::default_web_directory(std::filesystem::read_symlink("/proc/self/exe", ignored));
-  }
+  std::error_code ignored;
+  const std::filesystem::path executable = std::filesystem::read_symlink("/proc/self/exe", ignored);
+  if (config.web.empty()) config.web = kerf::app::default_web_directory(executable);
+  if (config.docs.empty()) config.docs = kerf::app::default_docs_directory(executable);
 
   const std::shared_ptr<kerf::app::Server> server = start(config);
   if (!server) return kExitRefused;

@@ -33,6 +33,10 @@ namespace {
 
 constexpr std::chrono::seconds kStopGrace{3};  // For each transport.
 
+Result<ws::AssetTable> read_site(const std::filesystem::path& folder) {
+  return folder.empty() ? ws::AssetTable() : ws::AssetTable::read(folder);
+}
+
 }  // namespace
 
 // Members in the order of construction; destroyed in reverse.
@@ -58,7 +62,7 @@ struct Server::Impl {
   void tell_what_is_missing() const;
   ConnectionLimits limit_connections() const;
   Status check_record_dir();
-  Status listen(ws::AssetTable viewer);
+  Status listen(ws::AssetTable files);
   Status start();
   void stop();
 };
@@ -115,7 +119,7 @@ ConnectionLimits Server::Impl::limit_connections() const {
   return limits;
 }
 
-Status Server::Impl::listen(ws::AssetTable viewer) {
+Status Server::Impl::listen(ws::AssetTable files) {
   const ConnectionLimits connections = limit_connections();
   rpc::RpcOptions rpc_options;
   rpc_options.max_connections = connections.grpc;
@@ -127,7 +131,7 @@ Status Server::Impl::listen(ws::AssetTable viewer) {
   options.max_connections = std::min(options.max_connections, connections.http);
   options.max_connections_per_address = config.max_connections_per_address;
   http = std::make_unique<ws::HttpServer>(
-      *api, std::move(viewer),
+      *api, std::move(files),
       [this](const ws::HttpCounts& counts) {
         const rpc::GateCounts gate = rpc->connections();
         return ws::metrics_page(host->metrics(), counts,
@@ -158,7 +162,9 @@ Status Server::Impl::check_record_dir() {
 
 Status Server::Impl::start() {
   KERF_TRY(check_record_dir());
-  KERF_TRY_ASSIGN(ws::AssetTable viewer, config.web.empty() ? ws::AssetTable() : ws::AssetTable::read(config.web));
+  KERF_TRY_ASSIGN(ws::AssetTable files, read_site(config.web));
+  KERF_TRY_ASSIGN(ws::AssetTable docs, read_site(config.docs));
+  files.mount("/docs", std::move(docs));
   host = std::make_unique<host::Host>(host_options(), clock, entropy);
   KERF_TRY_ASSIGN(const std::vector<std::string> sheets, load_scenes(config.scenes, disk, *host));
   KERF_TRY(build_renderer());
@@ -167,7 +173,7 @@ Status Server::Impl::start() {
   options.instance_id = instance_id;
   options.limits = config.limits;
   api = std::make_unique<api::Api>(*host, renderer.get(), options, clock);
-  KERF_TRY(listen(std::move(viewer)));
+  KERF_TRY(listen(std::move(files)));
   KERF_TRY(resume_sheets(sheets, *host));
   tell_what_is_missing();
   return Nothing{};

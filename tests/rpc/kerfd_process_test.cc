@@ -184,6 +184,7 @@ TEST_F(KerfdTest, RefusesOnOneLine) {
   EXPECT_NE(device.find("--render-device: \"abacus\" is no device here"), std::string::npos) << device;
   EXPECT_NE(refusal(free_ports({"--render-device", "auto"})).find("--no-render"), std::string::npos);
   EXPECT_NE(refusal(free_ports({"--web", (folder_ / "none").string()})).find("none"), std::string::npos);
+  EXPECT_NE(refusal(free_ports({"--docs", (folder_ / "none").string()})).find("none"), std::string::npos);
 }
 
 TEST_F(KerfdTest, RefusesATakenPort) {
@@ -205,8 +206,8 @@ TEST_F(KerfdTest, ExplainsItself) {
   EXPECT_EQ(help.wait(), 0);
   for (const char* option :
        {"--listen", "--http", "--scene", "--workers", "--max-sheets", "--max-load", "--max-total-vertices", "--web",
-        "--no-render", "--render-device", "--list-render-devices", "--record", "--max-connections-per-address",
-        "--allow-remote", "--allow-origin", "--version"}) {
+        "--docs", "--no-render", "--render-device", "--list-render-devices", "--record",
+        "--max-connections-per-address", "--allow-remote", "--allow-origin", "--version"}) {
     EXPECT_NE(text.find(option), std::string::npos) << option;
   }
   Kerfd devices({"--list-render-devices"});
@@ -250,6 +251,16 @@ TEST_F(KerfdTest, FindsTheViewerBesideOrAboveTheProgram) {
   folder_.write("tree/build/dev/share/kerf/web/index.html", "x");
   EXPECT_EQ(app::default_web_directory(folder_ / "tree/build/dev/bin/kerfd"),
             folder_ / "tree/build/dev/share/kerf/web");
+}
+
+TEST_F(KerfdTest, FindsTheDocumentationBesideOrAboveTheProgram) {
+  fs::create_directories(folder_ / "tree/build/dev/bin");
+  EXPECT_EQ(app::default_docs_directory(folder_ / "tree/build/dev/bin/kerfd"), fs::path());
+  folder_.write("tree/build/docs/site/index.html", "x");
+  EXPECT_EQ(app::default_docs_directory(folder_ / "tree/build/dev/bin/kerfd"), folder_ / "tree/build/docs/site");
+  folder_.write("tree/build/dev/share/kerf/docs/index.html", "x");
+  EXPECT_EQ(app::default_docs_directory(folder_ / "tree/build/dev/bin/kerfd"),
+            folder_ / "tree/build/dev/share/kerf/docs");
 }
 
 }  // namespace

@@ -51,6 +51,49 @@ TEST_F(HttpServerTest, NoPathLeadsOutOfTheViewer) {
   }
 }
 
+TEST_F(HttpServerTest, ServesTheDocumentation) {
+  folder_.write("kerf-secret.txt", "not for you");
+  app::Config config = test_config();
+  config.docs = folder_.write("docs/index.html", "<p>docs</p>").parent_path();
+  folder_.write("docs/client/tutorial.html", "<p>tutorial</p>");
+  folder_.write("docs/assets/site.js", "let docs;");
+  start(config);
+  const Response bare = get("/docs");
+  EXPECT_EQ(bare.status, 302);
+  EXPECT_EQ(bare.headers.at("location"), "docs/");
+  const Response index = get("/docs/");
+  EXPECT_EQ(index.status, 200);
+  EXPECT_EQ(index.body, "<p>docs</p>");
+  EXPECT_EQ(index.headers.at("content-type"), "text/html; charset=utf-8");
+  EXPECT_EQ(index.headers.at("cache-control"), "no-cache");
+  EXPECT_EQ(index.headers.at("content-security-policy"), get("/").headers.at("content-security-policy"));
+  EXPECT_EQ(get("/docs/", "If-None-Match: " + index.headers.at("etag") + "\r\n").status, 304);
+  EXPECT_EQ(get("/docs/index.html").body, index.body);
+  EXPECT_EQ(get("/docs/client/tutorial.html?highlight=cut").body, "<p>tutorial</p>");
+  const Response script = get("/docs/assets/site.js");
+  EXPECT_EQ(script.headers.at("content-type"), "text/javascript; charset=utf-8");
+  EXPECT_EQ(script.headers.at("cache-control"), "no-cache") << "its name does not change with its content";
+  EXPECT_EQ(get("/").body, "<p>viewer</p>");
+  for (const char* path : {"/docs/../kerf-secret.txt", "/docs/..%2fkerf-secret.txt", "/docs/%2e%2e/kerf-secret.txt",
+                           "/docs/client/../../kerf-secret.txt", "/docs//etc/passwd", "/docs/client/", "/docs/client",
+                           "/docs/../index.html", "/docs/none.html", "/docsindex.html", "/docs/index.html/"}) {
+    const Response response = get(path);
+    EXPECT_EQ(response.status, 404) << path;
+    EXPECT_EQ(response.body.find("not for you"), std::string::npos) << path;
+  }
+  EXPECT_EQ(request(port_, "POST", "/docs/").status, 404);
+}
+
+TEST_F(HttpServerTest, SaysHowToBuildTheDocumentation) {
+  start();
+  for (const char* path : {"/docs", "/docs/"}) {
+    const Response none = get(path);
+    EXPECT_EQ(none.status, 404) << path;
+    EXPECT_EQ(none.headers.at("content-type"), "text/plain; charset=utf-8");
+    EXPECT_NE(none.body.find("deploy/docs"), std::string::npos) << none.body;
+  }
+}
+
 TEST_F(HttpServerTest, CallsMethodsWithJson) {
   start();
   v1::ServerInfo info;

@@ -135,7 +135,7 @@ Result<AssetTable> AssetTable::read(const fs::path& directory) {
     if (files.size() == kMaxFiles || bytes > kMaxBytes) {
       return resource_exhausted("VIEWER_TOO_LARGE",
                                 directory.string() + " holds more than " + std::to_string(kMaxFiles) + " files or " +
-                                    std::to_string(kMaxBytes >> 20) + " MiB; give the folder of the built viewer");
+                                    std::to_string(kMaxBytes >> 20) + " MiB; give the folder of a built site");
     }
     std::string path = "/" + file.path().lexically_relative(directory).generic_string();
     files.emplace(std::move(path), File{std::move(*content), file.last_write_time(ignored)});
@@ -149,8 +149,15 @@ Result<AssetTable> AssetTable::read(const fs::path& directory) {
   return table;
 }
 
+void AssetTable::mount(std::string_view prefix, AssetTable site) {
+  for (auto& [path, asset] : site.assets_) {
+    asset.immutable = false;  // Only the viewer's names change with their content.
+    assets_.emplace(std::string(prefix) + path, std::move(asset));
+  }
+}
+
 const Asset* AssetTable::find(std::string_view path) const {
-  const auto found = assets_.find(path == "/" ? std::string_view("/index.html") : path);
+  const auto found = path.ends_with('/') ? assets_.find(std::string(path) + "index.html") : assets_.find(path);
   return found == assets_.end() ? nullptr : &found->second;
 }
 

@@ -44,8 +44,11 @@ class AssetTable {
   // NOT_FOUND if there is no directory or no index.html in it; RESOURCE_EXHAUSTED beyond the limits above.
   static Result<AssetTable> read(const std::filesystem::path& directory);
 
+  // Adds the files of `site` below `prefix`, such as "/docs"; files that are there already stay.
+  void mount(std::string_view prefix, AssetTable site);
+
   // Finds a file. `path` is the path part of a request target, compared byte for byte, e.g. "/assets/index-1a2b.js";
-  // "/" is "/index.html". Returns nullptr if there is none.
+  // "/" is "/index.html", and "/docs/" is "/docs/index.html". Returns nullptr if there is none.
   [[nodiscard]] const Asset* find(std::string_view path) const;
   [[nodiscard]] std::size_t num_files() const { return assets_.size(); }
 

@@ -47,7 +47,7 @@ struct HttpCounts {
 };
 
 // Serves browsers on one TCP port, HTTP/1.1 without TLS:
-//   GET /...                          the viewer's files
+//   GET /...                          the viewer's files; /docs/...: those of the documentation
 //   POST /kerf.v1.Service/Method      a unary RPC as JSON; errors as {"code", "message", "details"}; a long call
 //                                     (StepSheet) ends early if the client hangs up
 //   GET /watch                        WebSocket, subprotocol kerf.v1: StreamService.Watch, each message a binary one

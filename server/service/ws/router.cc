@@ -11,8 +11,10 @@
 namespace kerf::ws {
 namespace {
 
+constexpr std::string_view kDocs = "/docs";
 constexpr std::string_view kSubprotocol = "kerf.v1";
-// Restricts the viewer to this server: it loads and contacts nothing else, and no other site may frame it.
+// Restricts the viewer and the documentation to this server: a page loads and contacts nothing else, and no other site
+// may frame it.
 constexpr std::string_view kContentSecurityPolicy =
     "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self' 'unsafe-inline'; "
     "img-src 'self' data: blob:; worker-src 'self' blob:; frame-ancestors 'none'; base-uri 'none'";
@@ -24,6 +26,15 @@ HttpResponse text(int status, std::string body) {
 HttpResponse refusal_with_status(int status, const Error& error) {
   HttpResponse response = refusal(error);
   response.status = status;
+  return response;
+}
+
+// Leads from /docs to /docs/, because links of its pages are relative. So is this one, which a proxy may serve
+// elsewhere.
+HttpResponse to_docs() {
+  HttpResponse response = text(302, "see docs/\n");
+  response.headers.emplace_back("Location", "docs/");
+  response.headers.emplace_back("Cache-Control", "no-cache");
   return response;
 }
 
@@ -131,8 +142,13 @@ HttpResponse Router::get(const HttpRequest& request, std::string_view path) cons
     return {200, "text/plain; version=0.0.4; charset=utf-8", std::make_shared<const std::string>(metrics_())};
   }
   if (const Asset* asset = assets_.find(path)) return serve(*asset, request);
-  if (path == "/" && assets_.num_files() == 0) {
-    return text(404, "kerfd runs, but no viewer was found; build web/ or give --web DIR\n");
+  if (path == "/") return text(404, "kerfd runs, but no viewer was found; build web/ or give --web DIR\n");
+  if (path == kDocs && assets_.find("/docs/") != nullptr) return to_docs();
+  if (path == kDocs || path == "/docs/") {
+    return text(
+        404,
+        "kerfd runs, but its documentation was not found; build it with deploy/docs, or give --docs DIR, and start "
+        "kerfd again\n");
   }
   if (methods_.contains(path)) return method_not_allowed("POST");
   return refusal(no_such_path(path));
