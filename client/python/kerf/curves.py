@@ -96,7 +96,7 @@ def svg_file(path: "str | os.PathLike[str]") -> geometry_pb2.Curve:
 class Path:
     """Lines of any pieces, built one after the other; each method returns the path, so that they chain:
 
-    kerf.Path((0.1, 0.1)).line((0.3, 0.1)).arc((0.3, 0.3), 0.1).close().move((0.6, 0.6)).line((0.8, 0.7)).curve()
+        kerf.Path((0.1, 0.1)).line((0.3, 0.1)).arc((0.3, 0.3), 0.1).close().move((0.6, 0.6)).line((0.8, 0.7)).curve()
 
     >>> half_disc = Path((0.4, 0.5)).line((0.6, 0.5)).arc((0.4, 0.5), 0.1).close()
     >>> sheet.cut(half_disc.curve()).pieces
