@@ -8,6 +8,7 @@ import gzip
 import os
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 
@@ -79,6 +80,7 @@ def main():
         [sys.executable, "-m", "sphinx", "-b", "html", "-q", "-W", "--keep-going", "-j", "2", "-c", HERE, "-d", folder / "doctrees",
          folder / "source", folder / "html"], env={**os.environ, "PYTHONPATH": str(package)})
     if done.returncode:
+        shutil.rmtree(folder / "doctrees")  # so that a page with a warning is read again
         raise SystemExit("deploy/docs: a warning above is an error; the site was not built")
     publish(folder / "html", folder / "site")
 

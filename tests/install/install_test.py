@@ -118,6 +118,13 @@ class Programs(unittest.TestCase):
                 self.assertEqual(copy.read_bytes(), file.read_bytes())
                 self.assertEqual(int(copy.stat().st_mtime), int(file.stat().st_mtime))
 
+    def test_the_documentation_has_all_its_files(self):
+        """Tests a site that deploy/docs has built."""
+        built = pathlib.Path(OPTIONS.source, "build/docs/site")
+        for file in built.rglob("*"):
+            if file.is_file():
+                self.assertEqual((self.prefix / "share/kerf/docs" / file.relative_to(built)).read_bytes(), file.read_bytes())
+
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
