@@ -46,7 +46,7 @@ python_use_unqualified_type_names = True
 add_module_names = False
 # Types of other packages, and names of the annotations for arrays: reference/python/index says what they are.
 nitpick_ignore_regex = [("py:.*", r"(typing|collections|numpy|os|pathlib|grpc|abc)\..*"),
-                        ("py:.*", r"(Any|Optional|None|Sequence|Mapping|Literal|PathLike|NDArray|AnyScene|Floats|Float32s|Ints|Bytes)")]
+                        ("py:.*", r"(Any|Optional|None|Sequence|Mapping|Literal|PathLike|NDArray|AnyScene|AnyMaterial|Part|Fit|Floats|Float32s|Ints|Bytes)")]
 
 
 def parse_member(env, signature, node):
@@ -100,12 +100,39 @@ def resolve(app, env, node, content):
         names = [name for kind, name in objects if kind == "kerf" and (name == f"kerf.v1.{message[1]}" or name.endswith(f".{message[1]}"))]
         name = min(names, key=len, default="")  # Python does not say which message a nested one is in
         return make_refnode(app.builder, node["refdoc"], *objects["kerf", name], content, name) if name else None
-    found = env.get_domain("py").objects.get(PUBLIC_NAMES.get(target, target))
+    objects = env.get_domain("py").objects
+    found = objects.get(PUBLIC_NAMES.get(target, target)) or objects.get(f"kerf.{target}")
     return make_refnode(app.builder, node["refdoc"], found.docname, found.node_id, content, target) if found else None
 
 
+def is_made_by_server(cls):
+    return cls.__module__.startswith(("kerf.blocking", "kerf.aio"))
+
+
+def attributes(cls):
+    """Returns name, type and comment of each attribute that a class declares: those of options, frames and states."""
+    found, comment = [], []
+    for line in inspect.getsource(cls).split("\n")[1:]:
+        alone = re.fullmatch(r"    # (.*)", line)
+        declared = re.fullmatch(r"    ([a-z]\w*): (.*?)(?: = [^#]*?)?(?:  # (.*))?", line)
+        if alone:
+            comment.append(alone[1])
+            continue
+        if declared and declared[1] in vars(cls).get("__annotations__", {}) and not line.rstrip().endswith(("(", "[")):
+            found.append((declared[1], declared[2].strip("\"'"), " ".join((*comment, declared[3] or "")).strip()))
+        comment = []
+        if line.startswith(("    def ", "    @")):
+            break
+    return found
+
+
+def as_prose(line):
+    """Takes no stars and bars outside of code for marks."""
+    return "`".join(re.sub(r"([*|])", r"\\\1", part) if k % 2 == 0 else part for k, part in enumerate(line.split("`")))
+
+
 def mark_examples(app, what, name, thing, options, lines):
-    """Marks what is set in within a docstring as Python, and takes no stars and bars of its prose for marks."""
+    """Marks what is set in within a docstring as Python, and lists the attributes of a class below it."""
     marked, in_doctest = [], False
     for i, line in enumerate(lines):
         in_doctest = bool(line.strip()) and (in_doctest or line.lstrip().startswith(">>>"))
@@ -113,15 +140,18 @@ def mark_examples(app, what, name, thing, options, lines):
         if is_set_in and (i == 0 or not lines[i - 1].strip()) and not any(before.startswith("    ") for before in lines[max(0, i - 2):i]):
             marked += [".. code-block:: python", ""]
         if not in_doctest and not is_set_in:
-            line = "`".join(re.sub(r"([*|])", r"\\\1", part) if k % 2 == 0 else part for k, part in enumerate(line.split("`")))
+            line = as_prose(line)
         marked.append(line)
+    if what == "class" and not is_made_by_server(thing):
+        for attribute, kind, comment in attributes(thing):
+            marked += ["", f".. attribute:: {attribute}", f"   :type: {kind}", "", f"   {as_prose(comment)}"]
+        marked.append("")
     lines[:] = marked
 
 
 def hide_constructors(app, what, name, thing, options, signature, returns):
-    """Hides how Sheet and others are made that only a server makes."""
-    is_made_by_server = what == "class" and thing.__module__.startswith(("kerf.blocking", "kerf.aio"))
-    return ("", None) if is_made_by_server else None
+    """Hides how Sheet and others are made, which only a server makes."""
+    return ("", None) if what == "class" and is_made_by_server(thing) else None
 
 
 def setup(app):

@@ -60,6 +60,7 @@ def references():
     texts["reference/python/index.rst"] = (
         f"{title_and_line('Python package')}.. automodule:: kerf\n\n"
         ":doc:`/client/python/README` introduces it. In annotations, ``Floats``, ``Float32s``, ``Ints`` and ``Bytes`` are NumPy arrays of "
-        "such numbers; ``AnyScene`` is a ``Scene`` of kerf.v1, a mapping with its fields, or JSON text.\n\n"
+        "such numbers. ``AnyScene`` is a scene file, or a ``Scene`` of kerf.v1 as a message or a mapping; ``AnyMaterial`` is a preset, or a "
+        "``Material`` in the same way; ``Part`` is a box and its material; ``Fit`` is a box, or \"sheet\".\n\n"
         f".. toctree::\n   :maxdepth: 2\n\n{pages}")
     return texts

@@ -150,6 +150,16 @@ class Docs(unittest.TestCase):
                     methods = [method for method in dir(thing) if not method.startswith("_") and callable(getattr(thing, method))]
                     self.assertEqual([method for method in methods if f"{full}.{method}" not in anchors], [])
 
+    def test_options_and_attributes_are_in_the_reference(self):
+        anchors = self.anchors("reference/python/")
+        kerf = importlib.import_module("kerf")
+        for name in ("CutOptions", "SheetOptions", "Frame", "Image", "State", "Table", "Analysis"):
+            attributes = getattr(kerf, name).__annotations__
+            self.assertGreater(len(attributes), 2, name)
+            self.assertEqual([each for each in attributes if f"kerf.{name}.{each}" not in anchors], [])
+        text = re.sub(r"<[^>]*>", "", (self.site / "reference/python/cuts.html").read_text(encoding="utf-8"))
+        self.assertIn("largest distance curve to lips", text)
+
     def test_search_knows_pages_and_names(self):
         index = (self.site / "searchindex.js").read_text(encoding="utf-8")
         for name in ("client/tutorial", "reference/api/cuts", "CreateCutRequest", "temporary_sheet"):
