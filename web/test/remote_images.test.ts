@@ -216,6 +216,24 @@ describe('RemoteImages', () => {
     expect(asked('pace')[1]).toMatchObject({ paused: false });
   });
 
+  it('closes a picture that is under way when the stream is closed, and shows nothing of it', () => {
+    const asked: ToImages[] = [];
+    const port: Port<ToImages, FromImages> = { onmessage: null, postMessage: (message) => asked.push(message) };
+    const onPicture = vi.fn();
+    const options = { codec: ImageCodec.IMAGE_VP8, view: kView, pace: { isPaused: false, maxRateHz: 0 } };
+    const closed = new RemoteImages(port, 'ws://a/images', 'sheets/a', { onState, onRefused, onPicture }, options);
+    const { id } = asked[0];
+    const picture = { close: vi.fn() };
+    const arrive = (data: unknown) => port.onmessage!({ data } as MessageEvent<FromImages>);
+    closed.close();
+    arrive({ kind: 'picture', id, shown: { picture } });
+    arrive({ kind: 'state', id, state: 'ended', detail: '' });
+    expect(picture.close).toHaveBeenCalledTimes(1);
+    expect(onPicture).not.toHaveBeenCalled();
+    expect(onState).not.toHaveBeenCalled();
+    expect(closed.draw(() => {})).toBe(false);
+  });
+
   it('closes the pictures of the stream before', async () => {
     const first = open();
     await untilAsked('start');

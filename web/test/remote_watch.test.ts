@@ -9,6 +9,7 @@ import type { Frame, WatchRequest } from '../src/gen/kerf/v1/stream_pb';
 import { SheetSchema } from '../src/gen/kerf/v1/sheets_pb';
 import { decodeRecording, encodeHeader } from '../src/stream/recording_format';
 import { RemoteWatch } from '../src/stream/remote_watch';
+import type { FrameCopy } from '../src/stream/sheet_copy';
 import { SpareArrays } from '../src/stream/spare_arrays';
 import type { FromWorker, Port, ToWorker } from '../src/stream/watch_messages';
 import { WatchService } from '../src/stream/watch_service';
@@ -186,6 +187,28 @@ describe('RemoteWatch', () => {
     expect(onState.mock.calls.at(-1)).toEqual(['ended', 'out of memory']);
     expect([watch.state, watch.detail]).toEqual(['ended', 'out of memory']);
     expect(watch.send({ case: 'release', value: { grabId: 'g' } })).toBe(false);
+  });
+
+  it('ignores a frame and a state that are under way when it is closed, but not the file of a recording', () => {
+    const asked: ToWorker[] = [];
+    const port: Port<ToWorker, FromWorker> = { onmessage: null, postMessage: (message) => asked.push(message) };
+    const onFrame = vi.fn();
+    const events = { onState, onRejection, onRecording, onFrame };
+    const options = { strains: false, goesOn: false, pace: { isPaused: false, maxRateHz: 0 } };
+    const closed = new RemoteWatch(port, 'ws://a/watch', 'sheets/a', events, options);
+    const { id } = asked[0] as ToWorker & { kind: 'start' };
+    const arrive = (data: FromWorker) => port.onmessage!({ data } as MessageEvent<FromWorker>);
+    arrive({ kind: 'state', id, state: 'live', detail: '' });
+    expect(onState).toHaveBeenCalledTimes(1);
+    closed.close();
+    arrive({ kind: 'frame', id, frame: {} as FrameCopy, isFirst: true });
+    arrive({ kind: 'state', id, state: 'ended', detail: 'gone' });
+    expect(onFrame).not.toHaveBeenCalled();
+    expect(onState).toHaveBeenCalledTimes(1);
+    expect(closed.copy).toBeUndefined();
+    const progress = { numFrames: 1, numBytes: 1, durationMs: 1, isFull: false };
+    arrive({ kind: 'recorded', progress, parts: [] });
+    expect(onRecording).toHaveBeenCalledWith(progress, []);
   });
 
   it('says no to a grab before there is a connection', async () => {

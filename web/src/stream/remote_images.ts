@@ -27,6 +27,7 @@ export class RemoteImages {
 
   private static lastId = 0;
   private readonly id = ++RemoteImages.lastId;
+  private isClosed = false;
   private waiting: ShownPicture | undefined;
 
   /**
@@ -68,14 +69,16 @@ export class RemoteImages {
     this.port.postMessage({ kind: 'retry', id: this.id });
   }
 
+  /** Ends the stream. Pictures and states that are still under way are ignored. */
   close(): void {
+    this.isClosed = true;
     this.port.postMessage({ kind: 'close', id: this.id });
     this.waiting?.picture.close();
     this.waiting = undefined;
   }
 
   private receive(message: FromImages): void {
-    if (message.id !== this.id) {
+    if (this.isClosed || message.id !== this.id) {
       if (message.kind === 'picture') message.shown.picture.close();
       return;
     }

@@ -33,6 +33,7 @@ export class RemoteWatch {
 
   private static lastId = 0;
   private readonly id = ++RemoteWatch.lastId;
+  private isClosed = false;
   private hasNews = false;
   private spare: ArrayBuffer[] = [];
   private pace: Pace;
@@ -92,7 +93,9 @@ export class RemoteWatch {
     this.port.postMessage({ kind: 'stopRecording' });
   }
 
+  /** Ends the stream. Frames and states that are still under way are ignored; the file of a recording still comes. */
   close(): void {
+    this.isClosed = true;
     this.port.postMessage({ kind: 'close', id: this.id });
   }
 
@@ -108,7 +111,7 @@ export class RemoteWatch {
   }
 
   private receive(message: FromWorker): void {
-    if ('id' in message && message.id !== this.id) return;
+    if ('id' in message && (this.isClosed || message.id !== this.id)) return;
     switch (message.kind) {
       case 'state':
         return this.setState(message.state, message.detail);
