@@ -16,7 +16,7 @@ kerf.Error, with its code, reason, message and field. kerf.aio has the same for 
 
 from kerf.arrays import Analysis, State, Table
 from kerf.blocking.client import Server, connect
-from kerf.blocking.hands import Hand
+from kerf.blocking.interaction import Hand
 from kerf.blocking.recorder import Recorder
 from kerf.blocking.sheet import Sheet
 from kerf.blocking.streams import FrameStream, ImageStream, Subscription

@@ -1,6 +1,7 @@
 """The package itself: types, documentation, that both surfaces are the same, what it needs."""
 
 import doctest
+import graphlib
 import importlib
 import inspect
 import os
@@ -18,7 +19,7 @@ import numpy
 import support
 from support import ROOT, Case, path
 
-MADE_OF = ("client", "sheet", "cutting", "running", "hands", "viewing", "streams", "recorder", "transport")
+MADE_OF = ("client", "connection", "sheet", "cutting", "running", "interaction", "viewing", "streams", "recorder", "transport")
 RENAMED = {"__aenter__": "__enter__", "__aexit__": "__exit__", "__aiter__": "__iter__", "__anext__": "__next__",
            "aclose": "close"}
 
@@ -63,6 +64,13 @@ class Surfaces(unittest.TestCase):
             self.assertEqual([key for key, (_, is_awaited) in of_blocking.items() if is_awaited], [], name)
             total += len(of_awaited)
         self.assertGreater(total, 60)
+
+    def test_no_module_of_aio_imports_itself_through_others(self):
+        folder = ROOT / "client/python/kerf/aio"
+        imports = {file.stem: re.findall(r"^ *from kerf\.aio\.(\w+) import", file.read_text(), re.MULTILINE)
+                   for file in folder.glob("*.py") if file.stem != "__init__"}
+        self.assertIn("connection", imports["client"])
+        graphlib.TopologicalSorter(imports).prepare()  # raises CycleError
 
     def test_everything_of_aio_is_in_kerf(self):
         self.assertEqual(set(kerf.aio.__all__) - set(kerf.__all__), set())

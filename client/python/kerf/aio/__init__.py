@@ -16,7 +16,7 @@ The modules here are the source of those of kerf that have the same names: see c
 """
 
 from kerf.aio.client import Server, connect
-from kerf.aio.hands import Hand
+from kerf.aio.interaction import Hand
 from kerf.aio.recorder import Recorder
 from kerf.aio.sheet import Sheet
 from kerf.aio.streams import FrameStream, ImageStream, Subscription

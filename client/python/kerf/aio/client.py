@@ -10,21 +10,13 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING, Any, List, Optional
 
-from kerf.aio.transport import call_sending, call_unary, close_channel, open_channel
+from kerf.aio.connection import Connection
 from kerf.aio.sheet import Sheet
+from kerf.aio.transport import call_sending
 from kerf.errors import NotFound
 from kerf.files import chunks_of
 from kerf.scenes import AnyScene, SheetOptions, as_scene, scene_with, take_large_mesh
-from kerf.v1 import (
-    cuts_pb2_grpc,
-    interaction_pb2_grpc,
-    render_pb2_grpc,
-    server_pb2,
-    server_pb2_grpc,
-    sheets_pb2,
-    sheets_pb2_grpc,
-    stream_pb2_grpc,
-)
+from kerf.v1 import server_pb2, sheets_pb2
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -43,39 +35,8 @@ def connect(address: str = "127.0.0.1:50051", *, timeout_s: Optional[float] = No
     return Server(address, timeout_s=timeout_s)
 
 
-class Server:
+class Server(Connection):
     """A server, by connect()."""
-
-    def __init__(self, address: str, *, timeout_s: Optional[float] = None) -> None:
-        self._channel = open_channel(address)
-        self.address = address
-        self.timeout_s = timeout_s  # of calls from now on, seconds; None: no limit
-        # The generated stubs, for what has no method here: call() calls them.
-        self.sheet_service = sheets_pb2_grpc.SheetServiceStub(self._channel)
-        self.cut_service = cuts_pb2_grpc.CutServiceStub(self._channel)
-        self.interaction_service = interaction_pb2_grpc.InteractionServiceStub(self._channel)
-        self.render_service = render_pb2_grpc.RenderServiceStub(self._channel)
-        self.stream_service = stream_pb2_grpc.StreamServiceStub(self._channel)
-        self.server_service = server_pb2_grpc.ServerServiceStub(self._channel)
-
-    async def __aenter__(self) -> Server:
-        return self
-
-    async def __aexit__(self, *_: object) -> None:
-        await self.aclose()
-
-    async def aclose(self) -> None:
-        """Ends all calls and streams of this connection."""
-        await close_channel(self._channel)
-
-    async def call(self, method: Any, request: Any) -> Any:
-        """Calls a unary method of a stub, and raises kerf.Error where the server refuses.
-
-        >>> from kerf.v1 import server_pb2
-        >>> (await server.call(server.server_service.GetServerInfo, server_pb2.GetServerInfoRequest())).workers > 0
-        True
-        """
-        return await call_unary(method, request, self.timeout_s, self.address)
 
     async def info(self) -> server_pb2.ServerInfo:
         """Version, renderer, limits, material presets.

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:
-    from kerf.aio.client import Server
+from kerf.aio.connection import Connection
 
 
 class SheetPart:
     """The methods of a sheet that belong to one subject: Sheet is all of them."""
 
-    def __init__(self, server: Server, sheet_id: str) -> None:
+    def __init__(self, server: Connection, sheet_id: str) -> None:
         self._server = server
         self.id = sheet_id
         self.name = f"sheets/{sheet_id}"

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from kerf.aio.cutting import Cutting
-from kerf.aio.hands import Hands
+from kerf.aio.interaction import Interaction
 from kerf.aio.running import Running
 from kerf.aio.viewing import Viewing
 
 
-class Sheet(Cutting, Running, Hands, Viewing):
+class Sheet(Cutting, Running, Interaction, Viewing):
     """A sheet by its name. Every method is a call to the server and raises kerf.Error where that refuses; a refusal changes
     nothing."""
 

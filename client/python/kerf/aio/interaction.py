@@ -18,7 +18,7 @@ from kerf.scenes import AnyMaterial, as_material
 from kerf.v1 import interaction_pb2, scene_pb2
 
 
-class Hands(SheetPart):
+class Interaction(SheetPart):
     """Acts on the sheet. Each method returns the tick at which it took effect."""
 
     async def grab(
@@ -121,7 +121,7 @@ class Hands(SheetPart):
 class Hand:
     """A hand that holds a point of a sheet, by Sheet.holding()."""
 
-    sheet: Hands
+    sheet: Interaction
     grab_id: str
 
     async def move(self, target: Vector) -> int:

@@ -1,0 +1,53 @@
+"""A connection to a server: its channel, its stubs and its unary calls."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Optional
+
+from kerf.aio.transport import call_unary, close_channel, open_channel
+from kerf.v1 import (
+    cuts_pb2_grpc,
+    interaction_pb2_grpc,
+    render_pb2_grpc,
+    server_pb2_grpc,
+    sheets_pb2_grpc,
+    stream_pb2_grpc,
+)
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
+
+
+class Connection:
+    """The base class of Server, for what asks a server and is made by it."""
+
+    def __init__(self, address: str, *, timeout_s: Optional[float] = None) -> None:
+        self._channel = open_channel(address)
+        self.address = address
+        self.timeout_s = timeout_s  # of calls from now on, seconds; None: no limit
+        # The generated stubs, for what has no method here: call() calls them.
+        self.sheet_service = sheets_pb2_grpc.SheetServiceStub(self._channel)
+        self.cut_service = cuts_pb2_grpc.CutServiceStub(self._channel)
+        self.interaction_service = interaction_pb2_grpc.InteractionServiceStub(self._channel)
+        self.render_service = render_pb2_grpc.RenderServiceStub(self._channel)
+        self.stream_service = stream_pb2_grpc.StreamServiceStub(self._channel)
+        self.server_service = server_pb2_grpc.ServerServiceStub(self._channel)
+
+    async def __aenter__(self) -> Self:
+        return self
+
+    async def __aexit__(self, *_: object) -> None:
+        await self.aclose()
+
+    async def aclose(self) -> None:
+        """Ends all calls and streams of this connection."""
+        await close_channel(self._channel)
+
+    async def call(self, method: Any, request: Any) -> Any:
+        """Calls a unary method of a stub, and raises kerf.Error where the server refuses.
+
+        >>> from kerf.v1 import server_pb2
+        >>> (await server.call(server.server_service.GetServerInfo, server_pb2.GetServerInfoRequest())).workers > 0
+        True
+        """
+        return await call_unary(method, request, self.timeout_s, self.address)
