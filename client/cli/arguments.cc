@@ -9,8 +9,7 @@
 #include <sstream>
 #include <utility>
 
-#include "server/service/svg/path_data.h"
-#include "server/service/wire/geometry_codec.h"
+#include "server/service/offline/files.h"
 
 namespace kerf::cli {
 namespace {
@@ -163,13 +162,11 @@ Parsed<v1::Path> parse_rational(const std::string& text) {
 }
 
 Parsed<v1::Path> parse_path(const std::string& text) {
-  svg::PathData data = svg::parse_path_data(text, cut::kMaxPathSegments);
-  if (!data.error.empty()) return UsageError{"cannot read the path: " + data.error};
-  if (data.subpaths.empty())
+  Result<v1::Path> path = offline::parse_path(text);
+  if (!path.ok()) return UsageError{"cannot read the path: " + path.error().message};
+  if (path->subpaths().empty())
     return no(text, "a path as in SVG, in metres, such as \"M 0.2,0.2 L 0.8,0.2 A 0.3,0.3 0 0 1 0.2,0.2 Z\"");
-  v1::Curve curve;
-  wire::encode_curve(cut::Path{std::move(data.subpaths)}, curve);
-  return std::move(*curve.mutable_path());
+  return std::move(path).value();
 }
 
 Parsed<v1::MaterialBox> parse_fit(const std::string& text) {

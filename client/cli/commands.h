@@ -14,8 +14,8 @@ namespace kerf::cli {
 void add_sheet_commands(CLI::App& app, Session& session);
 void add_recording_commands(CLI::App& sheet, Session& session);  // `kerf sheet`: record, play
 void add_settings_commands(CLI::App& sheet, Session& session);   // `kerf sheet`: material, speed
-void add_hands_commands(CLI::App& sheet,
-                        Session& session);  // `kerf sheet`: grab, drag, release, pins, gravity, wind
+void add_interaction_commands(CLI::App& sheet,
+                              Session& session);  // `kerf sheet`: grab, drag, release, pins, gravity, wind
 void add_cut_command(CLI::App& app, Session& session);
 void add_cuts_commands(CLI::App& app, Session& session);  // cuts, undo, redo, pieces
 void add_view_commands(CLI::App& app, Session& session);  // render, export, info

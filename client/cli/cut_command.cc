@@ -18,7 +18,8 @@
 #include "client/cpp/client.h"
 #include "client/cpp/cut_options.h"
 #include "server/base/disk.h"
-#include "server/service/svg/svg.h"
+#include "server/base/overloaded.h"
+#include "server/service/offline/files.h"
 
 namespace kerf::cli {
 namespace {
@@ -121,9 +122,9 @@ int cut(const Session& session, const CutArguments& arguments) {
   v1::Curve& curve = *request.mutable_cut()->mutable_curve();
   if (arguments.svg) {
     host::RealDisk disk;
-    Result<std::string> text = disk.read_file(*arguments.svg, svg::kMaxTextBytes);
-    if (!text.ok()) return refuse(text.error());
-    curve.mutable_svg()->set_text(std::move(*text));
+    Result<v1::Svg> drawing = offline::read_svg(disk, *arguments.svg);
+    if (!drawing.ok()) return refuse(drawing.error());
+    *curve.mutable_svg() = std::move(drawing).value();
   } else if (const auto wrong = set_curve(arguments, curve)) {
     return misuse(wrong->message);
   }
@@ -140,6 +141,117 @@ int cut(const Session& session, const CutArguments& arguments) {
   return kDone;
 }
 
+// Names the argument that an option sets.
+using Target = std::variant<std::optional<std::string> CutArguments::*, std::string CutArguments::*,
+                            double CutArguments::*, std::int64_t CutArguments::*, bool CutArguments::*,
+                            double client::CutOptions::*, std::int32_t client::CutOptions::*>;
+
+struct OptionRow {
+  const char* name;
+  Target target;
+  const char* help;
+  const char* needs = nullptr;     // An option before this one that has to be given too.
+  const char* excludes = nullptr;  // An option before this one that must not be given too.
+  const char* type_name = nullptr;
+  std::vector<std::string> choices = {};  // Empty: any value.
+};
+
+std::vector<OptionRow> curve_options() {
+  return {
+      {"--bezier", &CutArguments::bezier, "Cubic Bezier curve: \"x,y x,y x,y x,y\"; 3 more points a further piece"},
+      {"--polyline", &CutArguments::polyline, "Straight lines: \"x,y x,y ...\""},
+      {"--circle", &CutArguments::circle, "Full circle: \"cx,cy,r\""},
+      {"--ellipse", &CutArguments::ellipse, "Full ellipse: \"cx,cy,rx,ry\" or \"cx,cy,rx,ry,DEGREES\""},
+      {"--rational", &CutArguments::rational,
+       "Rational Bezier curve, quadratic of 3 points or cubic of 4: \"x,y,w x,y,w x,y,w\", weights above 0"},
+      {"--path", &CutArguments::path, "SVG path data in metres, y up: \"M 0.2,0.2 H 0.8 A 0.3,0.3 0 0 1 0.2,0.2 Z\""},
+      {.name = "--svg",
+       .target = &CutArguments::svg,
+       .help = "SVG file, at most 512 KiB: every outline in it is cut; fitted into the sheet unless --fit is given",
+       .type_name = value::kFile},
+      {.name = "--batch",
+       .target = &CutArguments::batch,
+       .help = "All cuts of this file, or none: {\"cuts\": [{\"curve\": ...}, ...]}, as `kerf cuts ID --export FILE`\n"
+               "writes it; each cut has its own tolerance and angle there. More than 4096 cuts or 1 MiB take\n"
+               "several calls: each makes all of its cuts or none, and the first refusal ends the series",
+       .type_name = value::kFile},
+  };
+}
+
+std::vector<OptionRow> other_options() {
+  using client::CutOptions;
+  return {
+      {"--fit", &CutArguments::fit,
+       "Scale the curve evenly and centre it in the box \"x0,y0,x1,y1\", or in 90 % of the sheet: \"sheet\""},
+      {"--dash", &CutArguments::dash, "Perforate: metres cut and left in turn along the curve, \"0.01,0.005[,...]\""},
+      {"--dash-offset", &CutOptions::dash_offset, "Start this many metres into the pattern (default 0)", "--dash"},
+      {"--width", &CutOptions::width_m,
+       "Remove a strip of this width around the curve, metres on the undeformed sheet (default: remove nothing)"},
+      {"--view", &CutArguments::view,
+       "Cut along sight lines: the curve is in pixels of a picture taken from \"EYE TARGET [UP]\", each x,y,z in "
+       "metres;\n(0,0) is its top left corner"},
+      {"--picture", &CutArguments::picture, "Size of that picture in pixels (default 640x360)", "--view"},
+      {"--fov", &CutArguments::fov_deg, "Vertical field of view of that picture, degrees (default 40)", "--view"},
+      {"--layers", &CutArguments::layers,
+       "Which layers of a folded sheet: nearest (what is seen, the default), all, piece (all of the piece\n"
+       "seen first), piece:N, or depth:NEAREST,FARTHEST in metres from the camera",
+       "--view"},
+      {"--at-tick", &CutArguments::at_tick,
+       "Cut at the start of this tick instead of at once; `kerf cuts ID` shows the outcome"},
+      {.name = "--dry-run",
+       .target = &CutArguments::is_dry_run,
+       .help = "Say what the cut would be, and how long a tick would take after it, without cutting",
+       .excludes = "--at-tick"},
+      {"--tolerance", &CutOptions::tolerance,
+       "Largest distance between curve and cut, as a fraction of the edge length there (default 0.02)"},
+      {"--min-angle", &CutOptions::min_angle_deg, "Smallest angle of new triangles, degrees (default 20)"},
+      {"--tolerance-m", &CutOptions::tolerance_m, "Tolerance in metres, instead of --tolerance"},
+      {.name = "--quality",
+       .target = &CutArguments::quality,
+       .help = "default (20 degrees) or fine (25), instead of --min-angle",
+       .choices = {"default", "fine"}},
+      {.name = "--method",
+       .target = &CutArguments::method,
+       .help = "neighbourhood (default), or element: split each crossed triangle by itself, for comparison",
+       .choices = {"neighbourhood", "element"}},
+      {"--tip-size", &CutOptions::tip_edge_length_m,
+       "Edge length at the tips inside the sheet, metres (default: no grading)"},
+      {"--tip-grading", &CutOptions::tip_grading,
+       "Growth of edges from ring to ring away from the tips, 1.05 to 10 (default 1.5)"},
+      {"--no-relax", &CutArguments::no_relax, "Keep existing vertices where they are in material coordinates"},
+      {"--max-new-triangles", &CutOptions::max_new_triangles,
+       "Refuse a cut that needs more, 1 to 1000000 (default 200000)"},
+  };
+}
+
+CLI::Option* add(CLI::App& app, const char* name, bool& flag, const char* help) {
+  return app.add_flag(name, flag, help);
+}
+template <typename Value>
+CLI::Option* add(CLI::App& app, const char* name, Value& value, const char* help) {
+  return app.add_option(name, value, help);
+}
+
+CLI::Option& add_option(CLI::App& app, const OptionRow& row, CutArguments& arguments) {
+  return *std::visit(
+      Overloaded{
+          [&](auto CutArguments::*member) { return add(app, row.name, arguments.*member, row.help); },
+          [&](auto client::CutOptions::*member) { return add(app, row.name, arguments.options.*member, row.help); },
+      },
+      row.target);
+}
+
+// Adds the options to `group`, a part of `command` or all of it.
+void add_options(CLI::App& command, CLI::App& group, const std::vector<OptionRow>& rows, CutArguments& arguments) {
+  for (const OptionRow& row : rows) {
+    CLI::Option& option = add_option(group, row, arguments);
+    if (row.needs != nullptr) option.needs(command.get_option(row.needs));
+    if (row.excludes != nullptr) option.excludes(command.get_option(row.excludes));
+    if (row.type_name != nullptr) option.type_name(row.type_name);
+    if (!row.choices.empty()) option.check(CLI::IsMember(row.choices));
+  }
+}
+
 }  // namespace
 
 void add_cut_command(CLI::App& app, Session& session) {
@@ -152,80 +264,13 @@ void add_cut_command(CLI::App& app, Session& session) {
   command->group(group::kCuts);
   add_sheet_id(*command, arguments->id);
   CLI::Option_group* curve = command->add_option_group("curve", "Exactly one of");
-  curve->add_option("--bezier", arguments->bezier,
-                    "Cubic Bezier curve: \"x,y x,y x,y x,y\"; 3 more points a further piece");
-  curve->add_option("--polyline", arguments->polyline, "Straight lines: \"x,y x,y ...\"");
-  curve->add_option("--circle", arguments->circle, "Full circle: \"cx,cy,r\"");
-  curve->add_option("--ellipse", arguments->ellipse, "Full ellipse: \"cx,cy,rx,ry\" or \"cx,cy,rx,ry,DEGREES\"");
-  curve->add_option(
-      "--rational", arguments->rational,
-      "Rational Bezier curve, quadratic of 3 points or cubic of 4: \"x,y,w x,y,w x,y,w\", weights above 0");
-  curve->add_option("--path", arguments->path,
-                    "SVG path data in metres, y up: \"M 0.2,0.2 H 0.8 A 0.3,0.3 0 0 1 0.2,0.2 Z\"");
-  curve
-      ->add_option("--svg", arguments->svg,
-                   "SVG file, at most 512 KiB: every outline in it is cut; fitted into the sheet unless --fit is given")
-      ->type_name(value::kFile);
-  CLI::Option* batch =
-      curve
-          ->add_option(
-              "--batch", arguments->batch,
-              "All cuts of this file, or none: {\"cuts\": [{\"curve\": ...}, ...]}, as `kerf cuts ID --export FILE`\n"
-              "writes it; each cut has its own tolerance and angle there. More than 4096 cuts or 1 MiB take\n"
-              "several calls: each makes all of its cuts or none, and the first refusal ends the series")
-          ->type_name(value::kFile);
+  add_options(*command, *curve, curve_options(), *arguments);
   curve->require_option(1);
-  CLI::Option* fit = command->add_option(
-      "--fit", arguments->fit,
-      "Scale the curve evenly and centre it in the box \"x0,y0,x1,y1\", or in 90 % of the sheet: \"sheet\"");
-  CLI::Option* dash = command->add_option(
-      "--dash", arguments->dash, "Perforate: metres cut and left in turn along the curve, \"0.01,0.005[,...]\"");
-  command
-      ->add_option("--dash-offset", arguments->options.dash_offset,
-                   "Start this many metres into the pattern (default 0)")
-      ->needs(dash);
-  CLI::Option* width = command->add_option(
-      "--width", arguments->options.width_m,
-      "Remove a strip of this width around the curve, metres on the undeformed sheet (default: remove nothing)");
-  CLI::Option* view = command->add_option("--view", arguments->view,
-                                          "Cut along sight lines: the curve is in pixels of a picture taken from \"EYE "
-                                          "TARGET [UP]\", each x,y,z in metres;\n"
-                                          "(0,0) is its top left corner");
-  command->add_option("--picture", arguments->picture, "Size of that picture in pixels (default 640x360)")->needs(view);
-  command->add_option("--fov", arguments->fov_deg, "Vertical field of view of that picture, degrees (default 40)")
-      ->needs(view);
-  command
-      ->add_option("--layers", arguments->layers,
-                   "Which layers of a folded sheet: nearest (what is seen, the default), all, piece (all of the piece\n"
-                   "seen first), piece:N, or depth:NEAREST,FARTHEST in metres from the camera")
-      ->needs(view);
-  CLI::Option* at_tick =
-      command->add_option("--at-tick", arguments->at_tick,
-                          "Cut at the start of this tick instead of at once; `kerf cuts ID` shows the outcome");
-  command
-      ->add_flag("--dry-run", arguments->is_dry_run,
-                 "Say what the cut would be, and how long a tick would take after it, without cutting")
-      ->excludes(at_tick);
-  CLI::Option* tolerance = command->add_option(
-      "--tolerance", arguments->options.tolerance,
-      "Largest distance between curve and cut, as a fraction of the edge length there (default 0.02)");
-  CLI::Option* min_angle = command->add_option("--min-angle", arguments->options.min_angle_deg,
-                                               "Smallest angle of new triangles, degrees (default 20)");
-  command->add_option("--tolerance-m", arguments->options.tolerance_m, "Tolerance in metres, instead of --tolerance");
-  command->add_option("--quality", arguments->quality, "default (20 degrees) or fine (25), instead of --min-angle")
-      ->check(CLI::IsMember({"default", "fine"}));
-  command
-      ->add_option("--method", arguments->method,
-                   "neighbourhood (default), or element: split each crossed triangle by itself, for comparison")
-      ->check(CLI::IsMember({"neighbourhood", "element"}));
-  command->add_option("--tip-size", arguments->options.tip_edge_length_m,
-                      "Edge length at the tips inside the sheet, metres (default: no grading)");
-  command->add_option("--tip-grading", arguments->options.tip_grading,
-                      "Growth of edges from ring to ring away from the tips, 1.05 to 10 (default 1.5)");
-  command->add_flag("--no-relax", arguments->no_relax, "Keep existing vertices where they are in material coordinates");
-  command->add_option("--max-new-triangles", arguments->options.max_new_triangles,
-                      "Refuse a cut that needs more, 1 to 1000000 (default 200000)");
-  batch->excludes(tolerance, min_angle, fit, dash, view, width);
+  add_options(*command, *command, other_options(), *arguments);
+  CLI::Option* batch = curve->get_option("--batch");
+  for (const char* name : {"--tolerance", "--min-angle", "--fit", "--dash", "--view", "--width"}) {
+    batch->excludes(command->get_option(name));
+  }
   command->callback(
       [&session, arguments] { session.action = [&session, arguments] { return cut(session, *arguments); }; });
 }

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -14,17 +15,14 @@
 #include "client/cli/commands.h"
 #include "client/cli/progress.h"
 #include "client/cli/scene_options.h"
-#include "client/cli/scene_run.h"
 #include "client/cli/tables.h"
 #include "server/base/disk.h"
-#include "server/core/sheet/recording.h"
-#include "server/service/wire/recording_codec.h"
-#include "server/service/wire/reply_codec.h"
+#include "server/service/offline/files.h"
+#include "server/service/offline/replay.h"
+#include "server/service/offline/run.h"
 
 namespace kerf::cli {
 namespace {
-
-constexpr std::size_t kMaxRecordingBytes = std::size_t{4} << 30;
 
 struct RunArguments {
   std::string scene;
@@ -32,9 +30,7 @@ struct RunArguments {
   std::string out;
   std::string record;
   std::string csv;
-  std::string membrane_law;
-  std::string fidelity;
-  IntegratorArguments integrator;
+  offline::Overrides overrides;
 };
 
 std::string summary(const v1::RunResult& result) {
@@ -79,20 +75,16 @@ std::string summary(const v1::RunResult& result) {
 
 int run(const Session& session, const RunArguments& arguments) {
   host::RealDisk disk;
-  Result<sheet::SheetConfig> config = read_scene(disk, arguments.scene);
+  Result<sheet::SheetConfig> config = offline::read_scene(disk, arguments.scene);
   if (!config.ok()) return refuse(config.error());
-  apply(arguments.integrator, config->integrator);
-  apply_fidelity(arguments.fidelity, *config);
-  if (arguments.membrane_law == "green") config->membrane_law = fem::MembraneLaw::kGreen;
-  if (arguments.membrane_law == "corotational") config->membrane_law = fem::MembraneLaw::kCorotational;
+  if (const Status known = offline::apply(arguments.overrides, *config); !known.ok()) return refuse(known.error());
 
-  const Result<SceneRun> done = [&] {
+  const Result<offline::SceneRun> done = [&] {
     ProgressBar bar(session);
-    return run_scene(*config, {arguments.ticks, !arguments.record.empty(), wire::build_name(),
-                               [&bar](const analysis::Progress& progress) {
-                                 bar.show(progress.done, progress.what);
-                                 return true;
-                               }});
+    return offline::run_scene(*config, {arguments.ticks, !arguments.record.empty(), [&bar](const auto& progress) {
+                                          bar.show(progress.done, progress.what);
+                                          return true;
+                                        }});
   }();
   if (!done.ok()) return refuse(done.error());
 
@@ -121,39 +113,39 @@ std::string describe_tear(std::int64_t torn_bytes) {
 
 int replay(const Session& session, const std::string& path) {
   host::RealDisk disk;
-  const Result<std::string> bytes = disk.read_file(path, kMaxRecordingBytes);
-  if (!bytes.ok()) return refuse(bytes.error());
-  const Result<wire::RecordingFile> file = wire::decode_recording(*bytes);
-  if (!file.ok()) return refuse(file.error());
-  const Result<sheet::ReplayReport> report = [&] {
-    const WaitingNote note(session, "replaying " + std::to_string(file->recording.entries.size()) + " entries");
-    return sheet::replay(file->recording);
+  const Result<offline::ReplayReport> report = [&] {
+    std::optional<WaitingNote> note;
+    return offline::replay(disk, path, [&](std::size_t entries) {
+      note.emplace(session, "replaying " + std::to_string(entries) + " entries");
+    });
   }();
   if (!report.ok()) return refuse(report.error());
 
-  nlohmann::ordered_json json{{"identical", !report->divergence.has_value()},
-                              {"ticks", report->ticks},
-                              {"torn_bytes", file->recording.torn_bytes}};
-  if (report->divergence) {
-    json["first_diverging_tick"] = report->divergence->tick;
-    json["recorded_hash"] = wire::encode_hash(report->divergence->recorded_hash);
-    json["replayed_hash"] = wire::encode_hash(report->divergence->replayed_hash);
-  } else if (!file->recording.entries.empty()) {
-    json["state_hash"] = wire::encode_hash(file->recording.entries.back().state_hash);
+  const std::optional<offline::Divergence>& divergence = report->divergence;
+  if (session.json) {
+    nlohmann::ordered_json json{
+        {"identical", !divergence.has_value()}, {"ticks", report->ticks}, {"torn_bytes", report->torn_bytes}};
+    if (divergence) {
+      json["first_diverging_tick"] = divergence->tick;
+      json["recorded_hash"] = divergence->recorded_hash;
+      json["replayed_hash"] = divergence->replayed_hash;
+    } else if (!report->state_hash.empty()) {
+      json["state_hash"] = report->state_hash;
+    }
+    std::printf("%s\n", json.dump(2).c_str());
   }
-  if (session.json) std::printf("%s\n", json.dump(2).c_str());
-  const std::string tear = describe_tear(file->recording.torn_bytes);
-  if (report->divergence) {
+  const std::string tear = describe_tear(report->torn_bytes);
+  if (divergence) {
     std::fprintf(
         stderr, "kerf: the replay differs from tick %lld on (recorded %s, replayed %s); recorded by: %s, here: %s%s\n",
-        static_cast<long long>(report->divergence->tick), wire::encode_hash(report->divergence->recorded_hash).c_str(),
-        wire::encode_hash(report->divergence->replayed_hash).c_str(), file->build.c_str(), wire::build_name().c_str(),
-        tear.c_str());
+        static_cast<long long>(divergence->tick), divergence->recorded_hash.c_str(), divergence->replayed_hash.c_str(),
+        report->recorded_by.c_str(), report->replayed_by.c_str(), tear.c_str());
     return kRefused;
   }
   if (!session.json) {
-    std::printf("identical, bit for bit: %lld ticks, state hash %s%s\n", static_cast<long long>(report->ticks),
-                json.value("state_hash", std::string("none")).c_str(), tear.c_str());
+    const char* const hash = report->state_hash.empty() ? "none" : report->state_hash.c_str();
+    std::printf("identical, bit for bit: %lld ticks, state hash %s%s\n", static_cast<long long>(report->ticks), hash,
+                tear.c_str());
   }
   return kDone;
 }
@@ -180,10 +172,10 @@ void add_offline_commands(CLI::App& app, Session& session) {
       ->type_name(value::kFolder)
       ->check(existing_folder());
   running->add_option("--record", arguments->record, "Write a recording for `kerf replay`")->type_name(value::kFile);
-  add_integrator_options(*running, "the scene's", arguments->integrator);
-  add_fidelity_option(*running, "the scene's", arguments->fidelity);
+  add_integrator_options(*running, "the scene's", arguments->overrides);
+  add_fidelity_option(*running, "the scene's", arguments->overrides);
   running
-      ->add_option("--membrane-law", arguments->membrane_law,
+      ->add_option("--membrane-law", arguments->overrides.membrane_law,
                    "Membrane law, instead of the scene's: corotational, or green (Saint Venant-Kirchhoff),\n"
                    "cheaper in explicit steps, stiffer under tension")
       ->check(CLI::IsMember({"corotational", "green"}));

@@ -20,14 +20,10 @@
 #include "client/cpp/client.h"
 #include "client/cpp/transfers.h"
 #include "server/base/disk.h"
-#include "server/service/wire/integrator_codec.h"
-#include "server/service/wire/mesh_source_codec.h"
-#include "server/service/wire/scene_codec.h"
+#include "server/service/offline/files.h"
 
 namespace kerf::cli {
 namespace {
-
-constexpr std::size_t kMaxMeshFileBytes = std::size_t{64} << 20;  // Limit of a server.
 
 struct CreateArguments {
   std::string id;
@@ -40,8 +36,7 @@ struct CreateArguments {
   std::string material;
   std::vector<std::string> parts;  // Parts of other materials: x0,y0,x1,y1=PRESET.
   std::string scene;               // A file, instead of all of the above.
-  IntegratorArguments integrator;
-  std::string fidelity;
+  offline::Overrides overrides;
   bool paused = false;
 };
 
@@ -50,20 +45,22 @@ v1::RestShape rest_shape(const std::string& name) {
   return name == "surface" ? v1::REST_SHAPE_SURFACE : v1::REST_SHAPE_UNSPECIFIED;
 }
 
+// Takes a mesh that was read from a file. Returns kDone, or an exit code after printing the error.
+template <typename Mesh>
+int take(Result<Mesh> read, v1::RestShape rest, Mesh& mesh) {
+  if (!read.ok()) return refuse(read.error());
+  mesh = std::move(read).value();
+  mesh.set_rest_shape(rest);
+  return kDone;
+}
+
 // Adds the sheet's mesh. Returns kDone, or an exit code after printing the error.
 int add_mesh(const CreateArguments& arguments, v1::Scene& scene) {
   if (const std::string& path = arguments.obj.empty() ? arguments.ply : arguments.obj; !path.empty()) {
     host::RealDisk disk;
-    Result<std::string> content = disk.read_file(path, kMaxMeshFileBytes);
-    if (!content.ok()) return refuse(content.error());
-    if (arguments.obj.empty()) {
-      scene.mutable_ply()->set_data(std::move(content).value());
-      scene.mutable_ply()->set_rest_shape(rest_shape(arguments.rest));
-    } else {
-      scene.mutable_obj()->set_text(wire::obj_text(std::move(content).value()));
-      scene.mutable_obj()->set_rest_shape(rest_shape(arguments.rest));
-    }
-    return kDone;
+    const v1::RestShape rest = rest_shape(arguments.rest);
+    return arguments.obj.empty() ? take(offline::read_ply(disk, path), rest, *scene.mutable_ply())
+                                 : take(offline::read_obj(disk, path), rest, *scene.mutable_obj());
   }
   const Parsed<GridSize> grid = parse_grid(arguments.grid);
   const Parsed<SheetSize> size = parse_size(arguments.size);
@@ -96,11 +93,10 @@ int add_parts(const std::vector<std::string>& parts, v1::Scene& scene) {
 // error.
 int add_scene_file(const CreateArguments& arguments, v1::Scene& scene) {
   host::RealDisk disk;
-  Result<sheet::SheetConfig> config = read_scene(disk, arguments.scene);
+  Result<sheet::SheetConfig> config = offline::read_scene(disk, arguments.scene);
   if (!config.ok()) return refuse(config.error());
-  apply(arguments.integrator, config->integrator);
-  apply_fidelity(arguments.fidelity, *config);
-  scene = wire::encode_scene(*config);
+  if (const Status known = offline::apply(arguments.overrides, *config); !known.ok()) return refuse(known.error());
+  scene = offline::to_message(*config);
   return kDone;
 }
 
@@ -111,11 +107,11 @@ int add_options(const CreateArguments& arguments, v1::Scene& scene) {
   if (const int code = add_parts(arguments.parts, scene); code != kDone) return code;
   if (arguments.pin == "top") scene.add_pins()->set_edge(v1::Region::TOP);
   if (arguments.pin == "corners") scene.add_pins()->set_edge(v1::Region::CORNERS);
-  if (arguments.fidelity == "real-time") scene.set_fidelity(v1::REAL_TIME);
-  if (arguments.integrator.empty()) return kDone;
-  sheet::IntegratorSettings settings;
-  apply(arguments.integrator, settings);
-  *scene.mutable_integrator() = wire::encode_integrator(settings);
+  if (arguments.overrides.fidelity == "real-time") scene.set_fidelity(v1::REAL_TIME);
+  if (!arguments.overrides.change_integrator()) return kDone;
+  const Result<v1::Integrator> integrator = offline::integrator_message(arguments.overrides);
+  if (!integrator.ok()) return refuse(integrator.error());
+  *scene.mutable_integrator() = *integrator;
   return kDone;
 }
 
@@ -259,8 +255,8 @@ void add_create(CLI::App& sheet, Session& session) {
               "sheet_id and analysis; `kerf analyze` measures its probes. At most 1 MiB without its mesh file")
           ->type_name(value::kFile);
   for (CLI::Option* other : {grid, size, obj, ply}) scene->excludes(other);
-  add_integrator_options(*create, "the default, or the scene's", arguments->integrator);
-  add_fidelity_option(*create, "the default, or the scene's", arguments->fidelity);
+  add_integrator_options(*create, "the default, or the scene's", arguments->overrides);
+  add_fidelity_option(*create, "the default, or the scene's", arguments->overrides);
   create
       ->add_option("--rest", arguments->rest,
                    "Rest shape of a mesh file: flat (its texture coordinates, or its plane), surface\n"
@@ -296,7 +292,7 @@ void add_sheet_commands(CLI::App& app, Session& session) {
   sheet->group(group::kSheets)->require_subcommand(1);
   add_create(*sheet, session);
   add_settings_commands(*sheet, session);
-  add_hands_commands(*sheet, session);
+  add_interaction_commands(*sheet, session);
   add_recording_commands(*sheet, session);
   CLI::App* list = sheet->add_subcommand("list", "List all sheets (also: ls)");
   list->alias("ls");

@@ -15,9 +15,9 @@ Result<sheet::SheetConfig> read_scene_file(const std::filesystem::path& file) {
   });
 }
 
-Result<cli::SceneRun> run_scene_file(const std::filesystem::path& file) {
+Result<offline::SceneRun> run_scene_file(const std::filesystem::path& file) {
   KERF_TRY_ASSIGN(const sheet::SheetConfig config, read_scene_file(file));
-  return cli::run_scene(config, {});
+  return offline::run_scene(config, {});
 }
 
 }  // namespace kerf::accuracy

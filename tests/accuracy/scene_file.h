@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "client/cli/scene_run.h"
+#include "server/service/offline/run.h"
 
 namespace kerf::accuracy {
 
@@ -10,6 +10,6 @@ namespace kerf::accuracy {
 Result<sheet::SheetConfig> read_scene_file(const std::filesystem::path& file);
 
 // Does what the scene file says, as `kerf run` does. Errors: those of read_scene_file and of the run.
-Result<cli::SceneRun> run_scene_file(const std::filesystem::path& file);
+Result<offline::SceneRun> run_scene_file(const std::filesystem::path& file);
 
 }  // namespace kerf::accuracy

@@ -30,7 +30,7 @@ sheet::Probe stress_at(const std::string& name, std::vector<Vector2d> points, fe
 
 // The row of the probes at the equilibrium, over the stress far away.
 std::vector<double> measured(const sheet::SheetConfig& config) {
-  const Result<cli::SceneRun> done = cli::run_scene(config, {});
+  const Result<offline::SceneRun> done = offline::run_scene(config, {});
   if (!done.ok()) {
     ADD_FAILURE() << done.error().message;
     return {};

@@ -1,4 +1,4 @@
-#include "client/cli/scene_run.h"
+#include "server/service/offline/run.h"
 
 #include <algorithm>
 #include <array>
@@ -19,7 +19,7 @@
 #include "server/service/wire/recording_codec.h"
 #include "server/service/wire/reply_codec.h"
 
-namespace kerf::cli {
+namespace kerf::offline {
 namespace {
 
 constexpr std::int64_t kDefaultTicks = 600;
@@ -163,7 +163,7 @@ Result<analysis::Outcome> step_scene(sheet::Sheet& sheet, const SceneRunOptions&
   const std::int64_t scene_ticks = sheet.config().ticks > 0 ? sheet.config().ticks : kDefaultTicks;
   sheet::DynamicAnalysis analysis = std::get<sheet::DynamicAnalysis>(sheet.config().analysis);
   analysis.ticks = options.ticks > 0 ? options.ticks : scene_ticks;
-  if (options.record) run.recording = wire::encode_recording_header(sheet.config(), options.build);
+  if (options.record) run.recording = wire::encode_recording_header(sheet.config(), wire::build_name());
   StageTimer timer;
   TickTimes times;
   const auto after = [&](const sheet::TickReport& report) {
@@ -222,4 +222,4 @@ Result<SceneRun> run_scene(const sheet::SheetConfig& config, const SceneRunOptio
   return run;
 }
 
-}  // namespace kerf::cli
+}  // namespace kerf::offline

@@ -1,4 +1,4 @@
-"""What acts on a sheet, from the shell: grabs, pins, gravity, wind."""
+"""Grabs, pins, gravity and wind of a sheet, from the shell."""
 
 import pathlib
 
@@ -7,7 +7,7 @@ from cli_case import Case, kerf, main, path, setUpModule, tearDownModule
 HAND = (0.5, -0.3, 0.4)
 
 
-class Hands(Case):
+class Interaction(Case):
     def sheet(self, name):
         self.json_of("sheet", "create", name, "--grid", "6x6", "--pin", "none", "--paused")
         return name

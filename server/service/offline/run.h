@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <string>
 
 #include "kerf/v1/run.pb.h"
@@ -9,7 +8,7 @@
 #include "server/core/analysis/analysis.h"
 #include "server/core/scene/sheet_config.h"
 
-namespace kerf::cli {
+namespace kerf::offline {
 
 struct SceneRun {
   v1::RunResult result;
@@ -17,10 +16,9 @@ struct SceneRun {
 };
 
 struct SceneRunOptions {
-  std::int64_t ticks = 0;  // 0: the scene's own.
+  std::int64_t ticks = 0;  // 0: the scene's own, else 600.
   bool record = false;
-  std::string build;      // Written into the recording.
-  analysis::Watch watch;  // Receives the progress; may be empty.
+  analysis::Watch watch = {};  // Receives the progress; may be empty. Returns false to end the run early.
 };
 
 // Runs the scene's analysis from its start, as fast as this machine can, without clock or server. Equal scenes give
@@ -28,4 +26,4 @@ struct SceneRunOptions {
 // (RECORDING_DYNAMIC_ONLY).
 Result<SceneRun> run_scene(const sheet::SheetConfig& config, const SceneRunOptions& options);
 
-}  // namespace kerf::cli
+}  // namespace kerf::offline

@@ -148,7 +148,7 @@ void add_grabs(CLI::App& sheet, Session& session) {
 
 }  // namespace
 
-void add_hands_commands(CLI::App& sheet, Session& session) {
+void add_interaction_commands(CLI::App& sheet, Session& session) {
   add_grabs(sheet, session);
 
   const auto id = std::make_shared<std::string>();

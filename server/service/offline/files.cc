@@ -1,0 +1,150 @@
+#include "server/service/offline/files.h"
+
+#include <array>
+#include <filesystem>
+#include <utility>
+
+#include "server/service/svg/path_data.h"
+#include "server/service/svg/svg.h"
+#include "server/service/wire/geometry_codec.h"
+#include "server/service/wire/integrator_codec.h"
+#include "server/service/wire/mesh_source_codec.h"
+#include "server/service/wire/scene_codec.h"
+
+namespace kerf::offline {
+namespace {
+
+template <typename Choice>
+struct NamedChoice {
+  std::string_view name;
+  Choice choice;
+};
+
+constexpr std::array<NamedChoice<sheet::IntegratorKind>, 6> kIntegrators{{
+    {"explicit", sheet::IntegratorKind::kExplicitLeapfrog},
+    {"implicit", sheet::IntegratorKind::kImplicitEuler},
+    {"trapezoidal", sheet::IntegratorKind::kTrapezoidal},
+    {"bdf2", sheet::IntegratorKind::kBdf2},
+    {"tr-bdf2", sheet::IntegratorKind::kTrBdf2},
+    {"auto", sheet::IntegratorKind::kAutomatic},
+}};
+constexpr std::array<NamedChoice<sheet::Precision>, 2> kPrecisions{{
+    {"double", sheet::Precision::kDouble},
+    {"mixed", sheet::Precision::kMixed},
+}};
+constexpr std::array<NamedChoice<sheet::Fidelity>, 2> kFidelities{{
+    {"exact", sheet::Fidelity::kExact},
+    {"real-time", sheet::Fidelity::kRealTime},
+}};
+constexpr std::array<NamedChoice<fem::MembraneLaw>, 2> kMembraneLaws{{
+    {"corotational", fem::MembraneLaw::kCorotational},
+    {"green", fem::MembraneLaw::kGreen},
+}};
+
+Error unknown_choice(const std::string& field, const std::string& name) {
+  return invalid_argument("UNKNOWN_CHOICE", "\"" + name + "\" is not a known " + field, field);
+}
+
+template <typename Choice, std::size_t n>
+Status choose(const std::array<NamedChoice<Choice>, n>& choices, const std::string& field, const std::string& name,
+              Choice& chosen) {
+  if (name.empty()) return Nothing{};
+  for (const NamedChoice<Choice>& one : choices) {
+    if (one.name != name) continue;
+    chosen = one.choice;
+    return Nothing{};
+  }
+  return unknown_choice(field, name);
+}
+
+Status choose_solver(const std::string& name, sheet::LinearSolverKind& chosen) {
+  if (name.empty()) return Nothing{};
+  for (const fem::LinearSolverName& one : fem::kLinearSolverNames) {
+    if (one.option != name) continue;
+    chosen = one.kind;
+    return Nothing{};
+  }
+  return unknown_choice("solver", name);
+}
+
+Status apply(const Overrides& overrides, sheet::IntegratorSettings& settings) {
+  KERF_TRY(choose(kIntegrators, "integrator", overrides.integrator, settings.kind));
+  KERF_TRY(choose(kPrecisions, "precision", overrides.precision, settings.precision));
+  return choose_solver(overrides.solver, settings.solver);
+}
+
+}  // namespace
+
+Result<sheet::SheetConfig> read_scene(host::Disk& disk, const std::string& path) {
+  KERF_TRY_ASSIGN(const std::string json, disk.read_file(path, wire::kMaxSceneFileBytes));
+  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  return wire::decode_scene_file(json, [&disk, &folder](const std::string& file) {
+    return disk.read_file((folder / file).string(), sheet::kMaxMeshFileBytes);
+  });
+}
+
+v1::Scene to_message(const sheet::SheetConfig& config) {
+  return wire::encode_scene(config);
+}
+
+Status apply(const Overrides& overrides, sheet::SheetConfig& config) {
+  sheet::IntegratorSettings integrator = config.integrator;
+  sheet::Fidelity fidelity = config.fidelity;
+  fem::MembraneLaw membrane_law = config.membrane_law;
+  KERF_TRY(apply(overrides, integrator));
+  KERF_TRY(choose(kFidelities, "fidelity", overrides.fidelity, fidelity));
+  KERF_TRY(choose(kMembraneLaws, "membrane_law", overrides.membrane_law, membrane_law));
+  config.integrator = integrator;
+  config.fidelity = fidelity;
+  config.membrane_law = membrane_law;
+  return Nothing{};
+}
+
+Result<v1::Integrator> integrator_message(const Overrides& overrides) {
+  sheet::IntegratorSettings settings;
+  KERF_TRY(apply(overrides, settings));
+  return wire::encode_integrator(settings);
+}
+
+std::vector<std::string> integrator_names() {
+  std::vector<std::string> names;
+  for (const auto& integrator : kIntegrators) names.emplace_back(integrator.name);
+  return names;
+}
+
+std::vector<std::string> solver_names() {
+  std::vector<std::string> names;
+  for (const fem::LinearSolverName& solver : fem::kLinearSolverNames) names.emplace_back(solver.option);
+  return names;
+}
+
+Result<v1::ObjMesh> read_obj(host::Disk& disk, const std::string& path) {
+  KERF_TRY_ASSIGN(std::string content, disk.read_file(path, sheet::kMaxMeshFileBytes));
+  v1::ObjMesh mesh;
+  mesh.set_text(wire::obj_text(std::move(content)));
+  return mesh;
+}
+
+Result<v1::PlyMesh> read_ply(host::Disk& disk, const std::string& path) {
+  KERF_TRY_ASSIGN(std::string content, disk.read_file(path, sheet::kMaxMeshFileBytes));
+  v1::PlyMesh mesh;
+  mesh.set_data(std::move(content));
+  return mesh;
+}
+
+Result<v1::Svg> read_svg(host::Disk& disk, const std::string& path) {
+  KERF_TRY_ASSIGN(std::string text, disk.read_file(path, svg::kMaxTextBytes));
+  v1::Svg drawing;
+  drawing.set_text(std::move(text));
+  return drawing;
+}
+
+Result<v1::Path> parse_path(std::string_view data) {
+  svg::PathData parsed = svg::parse_path_data(data, cut::kMaxPathSegments);
+  if (!parsed.error.empty()) return invalid_argument("SVG_PATH", parsed.error);
+  v1::Curve curve;
+  wire::encode_curve(cut::Path{std::move(parsed.subpaths)}, curve);
+  return std::move(*curve.mutable_path());
+}
+
+}  // namespace kerf::offline

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "kerf/v1/geometry.pb.h"
+#include "kerf/v1/scene.pb.h"
+#include "server/base/disk.h"
+#include "server/base/result.h"
+#include "server/core/scene/sheet_config.h"
+
+// Reads what a client takes from files and command lines: scenes, meshes, drawings and paths. Each reader refuses files
+// that a server would refuse for their size (FILE_TOO_LARGE).
+namespace kerf::offline {
+
+// Reads a scene file, and the files named in it, which are relative to it. Errors: those of the files and of
+// wire::decode_scene_file.
+Result<sheet::SheetConfig> read_scene(host::Disk& disk, const std::string& path);
+v1::Scene to_message(const sheet::SheetConfig& config);
+
+// Replaces choices of a scene by name; an empty name keeps the scene's own.
+struct Overrides {
+  std::string integrator = {};    // One of integrator_names().
+  std::string precision = {};     // "double" or "mixed"; explicit integrator only.
+  std::string solver = {};        // One of solver_names(); implicit integrators only.
+  std::string fidelity = {};      // "exact" or "real-time".
+  std::string membrane_law = {};  // "corotational" or "green".
+
+  [[nodiscard]] bool change_integrator() const { return !(integrator.empty() && precision.empty() && solver.empty()); }
+};
+// Returns kInvalidArgument UNKNOWN_CHOICE with the member's name as field, and leaves the scene unchanged, if a name is
+// not known.
+Status apply(const Overrides& overrides, sheet::SheetConfig& config);
+// Returns the default settings of an integrator with the overrides applied. Errors: those of apply().
+Result<v1::Integrator> integrator_message(const Overrides& overrides);
+
+std::vector<std::string> integrator_names();
+std::vector<std::string> solver_names();
+
+// Read a mesh file, at most 64 MiB, without parsing it. Bytes of an OBJ file other than ASCII become question marks.
+Result<v1::ObjMesh> read_obj(host::Disk& disk, const std::string& path);
+Result<v1::PlyMesh> read_ply(host::Disk& disk, const std::string& path);
+
+// Reads an SVG file, at most 512 KiB, without parsing it.
+Result<v1::Svg> read_svg(host::Disk& disk, const std::string& path);
+
+// Parses SVG path data, with coordinates in metres and y up. A text without segments gives an empty path.
+// kInvalidArgument SVG_PATH: the message names the fault and its byte.
+Result<v1::Path> parse_path(std::string_view data);
+
+}  // namespace kerf::offline

@@ -1,0 +1,88 @@
+#include "server/service/offline/files.h"
+
+#include <gtest/gtest.h>
+
+namespace kerf::offline {
+namespace {
+
+constexpr const char* kScene = R"({"sheet_id": "cloth", "obj": {"file": "cloth.obj"}})";
+constexpr const char* kTriangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+
+TEST(OfflineScene, NamesFilesRelativeToItself) {
+  host::MemoryDisk disk;
+  ASSERT_TRUE(disk.write_file("scenes/a.json", kScene).ok());
+  ASSERT_TRUE(disk.write_file("scenes/cloth.obj", kTriangle).ok());
+  const Result<sheet::SheetConfig> config = read_scene(disk, "scenes/a.json");
+  ASSERT_TRUE(config.ok()) << config.error().message;
+  EXPECT_EQ(to_message(*config).sheet_id(), "cloth");
+  EXPECT_EQ(to_message(*config).obj().text(), kTriangle);
+}
+
+TEST(OfflineScene, ThatIsMissingOrNamesAMissingFileIsRefused) {
+  host::MemoryDisk disk;
+  EXPECT_EQ(read_scene(disk, "a.json").error().reason, "FILE_NOT_FOUND");
+  ASSERT_TRUE(disk.write_file("a.json", kScene).ok());
+  EXPECT_EQ(read_scene(disk, "a.json").error().reason, "FILE_NOT_FOUND");
+  ASSERT_TRUE(disk.write_file("a.json", "{").ok());
+  EXPECT_EQ(read_scene(disk, "a.json").error().reason, "JSON_SYNTAX");
+}
+
+TEST(OfflineOverrides, ReplaceOnlyWhatTheyName) {
+  sheet::SheetConfig config;
+  config.integrator.precision = sheet::Precision::kMixed;
+  ASSERT_TRUE(apply({}, config).ok());
+  EXPECT_EQ(config.integrator.kind, sheet::SheetConfig().integrator.kind);
+  ASSERT_TRUE(apply({"bdf2", "", "direct", "real-time", "green"}, config).ok());
+  EXPECT_EQ(config.integrator.kind, sheet::IntegratorKind::kBdf2);
+  EXPECT_EQ(config.integrator.precision, sheet::Precision::kMixed);
+  EXPECT_EQ(config.integrator.solver, sheet::LinearSolverKind::kDirect);
+  EXPECT_EQ(config.fidelity, sheet::Fidelity::kRealTime);
+  EXPECT_EQ(config.membrane_law, fem::MembraneLaw::kGreen);
+}
+
+TEST(OfflineOverrides, KnowEveryNameThatTheyList) {
+  for (const std::string& name : integrator_names()) EXPECT_TRUE(integrator_message({.integrator = name}).ok()) << name;
+  for (const std::string& name : solver_names()) EXPECT_TRUE(integrator_message({.solver = name}).ok()) << name;
+  EXPECT_EQ(integrator_message({.integrator = "tr-bdf2"})->kind(), v1::Integrator::TR_BDF2);
+  EXPECT_EQ(integrator_message({.solver = "multigrid-cg"})->solver(), v1::Integrator::MULTIGRID_CG);
+}
+
+TEST(OfflineOverrides, LeaveTheSceneAsItIsIfANameIsUnknown) {
+  sheet::SheetConfig config;
+  const Status applied = apply({.integrator = "bdf2", .membrane_law = "hooke"}, config);
+  EXPECT_EQ(applied.error().reason, "UNKNOWN_CHOICE");
+  EXPECT_EQ(applied.error().field, "membrane_law");
+  EXPECT_EQ(config.integrator.kind, sheet::SheetConfig().integrator.kind);
+  EXPECT_FALSE(Overrides{.fidelity = "exact"}.change_integrator());
+  EXPECT_TRUE(Overrides{.precision = "mixed"}.change_integrator());
+}
+
+TEST(OfflineMeshes, AreReadAsTheyAre) {
+  host::MemoryDisk disk;
+  ASSERT_TRUE(disk.write_file("a.obj", std::string("o caf\xe9\n") + kTriangle).ok());
+  ASSERT_TRUE(disk.write_file("a.ply", std::string("ply\0\xff", 5)).ok());
+  EXPECT_EQ(read_obj(disk, "a.obj")->text(), std::string("o caf?\n") + kTriangle);
+  EXPECT_EQ(read_ply(disk, "a.ply")->data(), std::string("ply\0\xff", 5));
+  EXPECT_EQ(read_obj(disk, "b.obj").error().reason, "FILE_NOT_FOUND");
+}
+
+TEST(OfflineDrawings, HaveTheLimitOfAServer) {
+  host::MemoryDisk disk;
+  ASSERT_TRUE(disk.write_file("a.svg", "<svg/>").ok());
+  ASSERT_TRUE(disk.write_file("b.svg", std::string((std::size_t{512} << 10) + 1, ' ')).ok());
+  EXPECT_EQ(read_svg(disk, "a.svg")->text(), "<svg/>");
+  EXPECT_EQ(read_svg(disk, "b.svg").error().reason, "FILE_TOO_LARGE");
+}
+
+TEST(OfflinePaths, AreParsedOrRefusedWithTheirFault) {
+  const Result<v1::Path> path = parse_path("M.2.2H.8Z");
+  ASSERT_TRUE(path.ok());
+  ASSERT_EQ(path->subpaths_size(), 1);
+  EXPECT_TRUE(path->subpaths(0).closed());
+  EXPECT_EQ(parse_path("")->subpaths_size(), 0);
+  EXPECT_EQ(parse_path("M0 0L1").error().reason, "SVG_PATH");
+  EXPECT_FALSE(parse_path("M0 0L1").error().message.empty());
+}
+
+}  // namespace
+}  // namespace kerf::offline

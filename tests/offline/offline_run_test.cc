@@ -1,0 +1,121 @@
+#include "server/service/offline/run.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "server/service/offline/files.h"
+#include "server/service/offline/replay.h"
+#include "server/service/wire/recording_codec.h"
+
+namespace kerf::offline {
+namespace {
+
+// Returns a small cloth that is cut at tick 3 of 6.
+sheet::SheetConfig falling_cloth() {
+  host::MemoryDisk disk;
+  const std::string scene = R"({
+    "sheet_id": "cloth", "ticks": 6, "grid": {"columns": 5, "rows": 5, "width_m": 1, "height_m": 1},
+    "pins": [{"edge": "TOP"}],
+    "commands": [{"tick": 3, "command": {"cut": {"curve": {"circle": {"center": {"x": 0.5, "y": 0.5}, "radius_m": 0.2}}}}}]})";
+  EXPECT_TRUE(disk.write_file("cloth.json", scene).ok());
+  Result<sheet::SheetConfig> config = read_scene(disk, "cloth.json");
+  EXPECT_TRUE(config.ok()) << config.error().message;
+  return std::move(config).value();
+}
+
+TEST(OfflineRun, DescribesTheEndOfAScene) {
+  const Result<SceneRun> run = run_scene(falling_cloth(), {});
+  ASSERT_TRUE(run.ok()) << run.error().message;
+  EXPECT_EQ(run->result.scene(), "cloth");
+  EXPECT_EQ(run->result.ticks(), 6);
+  EXPECT_EQ(run->result.pieces(), 2);
+  ASSERT_EQ(run->result.cuts_size(), 1);
+  EXPECT_EQ(run->result.cuts(0).status(), v1::CutResult::APPLIED);
+  EXPECT_GT(run->result.cuts(0).cut_us(), 0.0);
+  EXPECT_GT(run->result.tick_times().median_us(), 0.0);
+  EXPECT_NEAR(run->result.simulated_s(), 0.1, 1e-12);
+  EXPECT_TRUE(run->recording.empty());
+}
+
+TEST(OfflineRun, IsTheSameEachTimeAndAsLongAsRequested) {
+  const auto hash = [](std::int64_t ticks) {
+    return run_scene(falling_cloth(), {.ticks = ticks})->result.state_hash();
+  };
+  EXPECT_EQ(hash(0), hash(6));
+  EXPECT_NE(hash(6), hash(7));
+}
+
+TEST(OfflineRun, ReportsItsProgressAndEndsEarlyIfAsked) {
+  std::vector<double> done;
+  ASSERT_TRUE(run_scene(falling_cloth(), {.watch =
+                                              [&done](const analysis::Progress& progress) {
+                                                done.push_back(progress.done);
+                                                return true;
+                                              }})
+                  .ok());
+  ASSERT_FALSE(done.empty());
+  EXPECT_EQ(done.back(), 1.0);
+  const Result<SceneRun> ended = run_scene(falling_cloth(), {.watch = [](const auto&) { return false; }});
+  EXPECT_TRUE(!ended.ok() || ended->result.ticks() < 6);
+}
+
+TEST(OfflineRun, RecordsDynamicScenesOnly) {
+  sheet::SheetConfig config = falling_cloth();
+  config.commands.clear();
+  config.analysis = sheet::StaticAnalysis{};
+  EXPECT_EQ(run_scene(config, {.record = true}).error().reason, "RECORDING_DYNAMIC_ONLY");
+}
+
+class OfflineReplay : public testing::Test {
+ protected:
+  void write(const std::string& bytes) { ASSERT_TRUE(disk_.write_file("cloth.rec", bytes).ok()); }
+  const SceneRun run_ = run_scene(falling_cloth(), {.record = true}).value();
+  host::MemoryDisk disk_;
+};
+
+TEST_F(OfflineReplay, OfARecordingIsIdentical) {
+  write(run_.recording);
+  std::size_t entries = 0;
+  const Result<ReplayReport> report = replay(disk_, "cloth.rec", [&entries](std::size_t count) { entries = count; });
+  ASSERT_TRUE(report.ok()) << report.error().message;
+  EXPECT_FALSE(report->divergence.has_value());
+  EXPECT_EQ(report->ticks, 6);
+  EXPECT_EQ(report->torn_bytes, 0);
+  EXPECT_EQ(report->state_hash, run_.result.state_hash());
+  EXPECT_EQ(report->recorded_by, report->replayed_by);
+  EXPECT_EQ(entries, 6U);
+}
+
+TEST_F(OfflineReplay, LeavesOutATornEntry) {
+  write(run_.recording.substr(0, run_.recording.size() - 3));
+  const Result<ReplayReport> report = replay(disk_, "cloth.rec");
+  ASSERT_TRUE(report.ok()) << report.error().message;
+  EXPECT_EQ(report->ticks, 5);
+  EXPECT_GT(report->torn_bytes, 0);
+}
+
+TEST_F(OfflineReplay, NamesTheFirstTickThatDiffers) {
+  wire::RecordingFile file = wire::decode_recording(run_.recording).value();
+  file.recording.entries[3].state_hash ^= 1;
+  std::string bytes = wire::encode_recording_header(file.recording.config, "another build");
+  for (const sheet::RecordedTick& entry : file.recording.entries) bytes += wire::encode_recorded_tick(entry);
+  write(bytes);
+  const Result<ReplayReport> report = replay(disk_, "cloth.rec");
+  ASSERT_TRUE(report.ok()) << report.error().message;
+  ASSERT_TRUE(report->divergence.has_value());
+  EXPECT_EQ(report->divergence->tick, 4);
+  EXPECT_NE(report->divergence->recorded_hash, report->divergence->replayed_hash);
+  EXPECT_EQ(report->recorded_by, "another build");
+}
+
+TEST_F(OfflineReplay, RefusesWhatIsNoRecording) {
+  EXPECT_EQ(replay(disk_, "cloth.rec").error().reason, "FILE_NOT_FOUND");
+  write("not a recording");
+  EXPECT_EQ(replay(disk_, "cloth.rec").error().code, ErrorCode::kDataLoss);
+}
+
+}  // namespace
+}  // namespace kerf::offline
