@@ -50,7 +50,7 @@ Status devices_to_try(std::span<const RenderDevice> offered, const std::string& 
   if (!order.empty() || wish == kAnyDevice) return {};
   return {StatusCode::kInvalidArgument, "UNKNOWN_DEVICE",
           "\"" + wish +
-              "\" is no device here; give auto, software, none, or the number or part of the name of one of: " +
+              "\" is not a device here; give auto, software, none, or the number or part of the name of one of: " +
               list_of(offered),
           "device"};
 }

@@ -11,7 +11,8 @@ constexpr const char* kReason = "built without EGL (KERF_RENDER=OFF, or libegl-d
 
 Status check_device(const std::string& device) {
   if (device == kAnyDevice || device == kNoDevice) return {};
-  return {StatusCode::kInvalidArgument, "UNKNOWN_DEVICE", "\"" + device + "\" is no device here: " + kReason, "device"};
+  return {StatusCode::kInvalidArgument, "UNKNOWN_DEVICE", "\"" + device + "\" is not a device here: " + kReason,
+          "device"};
 }
 
 std::unique_ptr<Renderer> make_renderer(const RendererOptions& options) {

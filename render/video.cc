@@ -77,7 +77,8 @@ Status Vp8Encoder::encode(const Pixels& pixels, double elapsed_s, bool key, std:
   frame.clear();
   if (pixels.width != static_cast<int>(image_->d_w) || pixels.height != static_cast<int>(image_->d_h) ||
       pixels.rgba.size() != 4 * static_cast<std::size_t>(pixels.width) * static_cast<std::size_t>(pixels.height)) {
-    return {StatusCode::kInvalidArgument, "IMAGE_INVALID", "the picture has not the size of the stream", "pixels"};
+    return {StatusCode::kInvalidArgument, "IMAGE_INVALID", "the picture does not have the size of the stream",
+            "pixels"};
   }
   // Uses ABGR, since libyuv names formats by the order in a little-endian word: R, G, B, A in memory.
   libyuv::ABGRToI420(pixels.rgba.data(), 4 * pixels.width, image_->planes[VPX_PLANE_Y], image_->stride[VPX_PLANE_Y],

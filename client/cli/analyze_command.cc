@@ -49,7 +49,7 @@ int analyze(const Session& session, const AnalyzeArguments& arguments) {
     if (!json.ok()) return refuse(json.error());
     if (const Status read = wire::from_json(*json, request); !read.ok()) return refuse(read.error());
     if (arguments.dynamic && request.has_analysis()) {
-      return misuse("--dynamic stands for the analysis, and " + arguments.file + " has one: leave either out");
+      return misuse("--dynamic sets the analysis, but " + arguments.file + " has one: leave one of them out");
     }
   }
   if (arguments.dynamic) {
@@ -100,10 +100,12 @@ void add_analyze_command(CLI::App& app, Session& session) {
                          "          kerf analyze cloth --request probes.json --csv tables/");
   analyzing->group(group::kPhysics);
   add_sheet_id(*analyzing, arguments->id);
-  auto* modes =
-      analyzing->add_option("--modes", arguments->modes, "This many of the lowest vibrations, about the sheet as it is")
-          ->check(CLI::Range(1, 200));
-  analyzing->add_flag("--resting", arguments->resting, "Vibrations about its equilibrium instead")->needs(modes);
+  auto* modes = analyzing
+                    ->add_option("--modes", arguments->modes,
+                                 "Compute this many of the lowest vibrations, about the sheet as it is")
+                    ->check(CLI::Range(1, 200));
+  analyzing->add_flag("--resting", arguments->resting, "Compute the vibrations about its equilibrium instead")
+      ->needs(modes);
   auto* steps =
       analyzing->add_option("--steps", arguments->steps, "Approach the load in this many equal steps (default: 1)")
           ->check(CLI::Range(1, 10'000));
@@ -129,7 +131,7 @@ void add_analyze_command(CLI::App& app, Session& session) {
   analyzing
       ->add_option("--request", arguments->file,
                    "File with the whole request: kerf.v1.AnalyzeSheetRequest as JSON, probes included;\n"
-                   "with --dynamic its analysis is left out")
+                   "with --dynamic, without an analysis")
       ->type_name(value::kFile)
       ->excludes(modes)
       ->excludes(steps)

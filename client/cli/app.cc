@@ -69,7 +69,7 @@ std::unique_ptr<CLI::App> make_app(Session& session) {
   app.add_flag("--json", session.json,
                "Print replies as JSON; a refusal is {\"error\": {code, reason, message, field}} on stderr");
   app.add_flag("-q,--quiet", session.quiet, "No progress bars and no status line");
-  app.add_flag("-v,--verbose", session.verbose, "Also what the server measured and counted");
+  app.add_flag("-v,--verbose", session.verbose, "Also print the measurements and counts of the server");
   app.fallthrough();  // --server and --json may also follow the subcommand.
   app.require_subcommand(1);
   app.footer(

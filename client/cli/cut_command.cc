@@ -200,7 +200,7 @@ std::vector<OptionRow> other_options() {
        "Cut at the start of this tick instead of at once; `kerf cuts ID` shows the outcome"},
       {.name = "--dry-run",
        .target = &CutArguments::is_dry_run,
-       .help = "Say what the cut would be, and how long a tick would take after it, without cutting",
+       .help = "Predict the cut, and how long a tick would take after it, without cutting",
        .excludes = "--at-tick"},
       {"--tolerance", &CutOptions::tolerance,
        "Largest distance between curve and cut, as a fraction of the edge length there (default 0.02)"},
@@ -259,7 +259,7 @@ void add_cut_command(CLI::App& app, Session& session) {
   CLI::App* command = app.add_subcommand(
       "cut",
       "Cut a sheet along a curve, whole or not at all. Metres in material coordinates: a grid sheet spans (0,0) to\n"
-      "(width,height). A curve that misses the sheet is no error (exit code 0, NO_INTERSECTION).\n"
+      "(width,height). A curve that misses the sheet is not an error (exit code 0, NO_INTERSECTION).\n"
       "Example: kerf cut demo --bezier \"0.2,0.5 0.4,0.8 0.6,0.2 0.8,0.5\"");
   command->group(group::kCuts);
   add_sheet_id(*command, arguments->id);

@@ -292,8 +292,8 @@ int cut_batch(const Session& session, const std::string& id, const std::string& 
     const std::string option = timing.is_dry_run ? "--dry-run" : "--at-tick";
     return refuse(invalid_argument("TOO_MANY",
                                    file + " takes " + std::to_string(calls.size()) +
-                                       " calls, of 4096 cuts and 1 MiB at most, and " + option +
-                                       " works with one alone: leave it out, or split the file",
+                                       " calls of at most 4096 cuts and 1 MiB, but " + option +
+                                       " works with one only: leave it out, or split the file",
                                    option));
   }
   client::Client client(session.server);

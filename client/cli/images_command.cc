@@ -66,9 +66,9 @@ Error no_folder(const std::string& what) {
 Status make_folder(const ImagesArguments& arguments) {
   std::error_code error;
   fs::create_directory(arguments.out, error);
-  if (error) return no_folder("cannot make " + arguments.out + ": " + error.message());
+  if (error) return no_folder("cannot create " + arguments.out + ": " + error.message());
   const fs::path first = fs::path(arguments.out) / file_name(1, arguments.format);
-  if (fs::exists(first, error)) return no_folder(first.string() + " is there already");
+  if (fs::exists(first, error)) return no_folder(first.string() + " already exists");
   return Nothing{};
 }
 
@@ -177,14 +177,13 @@ void add_images_command(CLI::App& app, Session& session) {
                          "Save a sheet as it moves, in numbered pictures that the server draws.\n"
                          "Example: kerf images demo --out film --rate 30 --count 300\n"
                          "Each picture shows the newest tick at its time; with --json there is a line per picture. "
-                         "A paused sheet gives one when something changes.\n"
+                         "A paused sheet is drawn when something changes.\n"
                          "ffmpeg -framerate 30 -i film/picture-%06d.jpg film.mp4 makes a film of them.");
   command->group(group::kLooks);
   add_sheet_id(*command, arguments->id);
   command
       ->add_option("--out", arguments->out,
-                   "Folder for picture-000001.jpg and so on; created if it is missing, but not\n"
-                   "the one that it lies in")
+                   "Folder for picture-000001.jpg and so on; created if it is missing, its\nparent folder is not")
       ->required()
       ->type_name(value::kFolder);
   add_picture_options(*command, arguments->picture);

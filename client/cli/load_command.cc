@@ -39,7 +39,7 @@ Status check_writable(const std::string& path) {
     return unavailable("FILE_IO", "cannot write " + path + ": " + why, "--html");
   };
   if (access(folder.c_str(), W_OK) != 0) return refused(std::generic_category().message(errno));
-  if (!std::filesystem::is_directory(folder)) return refused(folder.string() + " is no folder");
+  if (!std::filesystem::is_directory(folder)) return refused(folder.string() + " is not a folder");
   if (std::filesystem::is_directory(path)) return refused("it is a folder");
   return Nothing{};
 }
@@ -89,7 +89,7 @@ int run_load(const Session& session, LoadArguments& arguments) {
     }
   }
   if (load::nobody_joined(*report) && !report->interrupted) {
-    return refuse(unavailable("NO_READER", "not one reader had a frame: see the report"));
+    return refuse(unavailable("NO_READER", "no reader received a frame: see the report"));
   }
   return kDone;
 }
@@ -99,9 +99,8 @@ void add_sheet_options(CLI::App& command, LoadArguments& arguments) {
   command.add_option("--sheets", plan.sheets, "Sheets to make, 1..10000")->capture_default_str();
   command.add_option("--grid", arguments.grid, "Vertices of each, COLUMNSxROWS")->capture_default_str();
   command.add_option("--tick-rate", plan.tick_rate_hz, "Ticks per second, 1..1000")->capture_default_str();
-  command.add_flag("--still", plan.still,
-                   "Sheets that nothing moves, which fall asleep (otherwise they keep swinging)");
-  command.add_option("--prefix", plan.prefix, "Names of the sheets begin with this")->capture_default_str();
+  command.add_flag("--still", plan.still, "Create sheets at rest, which fall asleep (otherwise they keep swinging)");
+  command.add_option("--prefix", plan.prefix, "Prefix of the names of the sheets")->capture_default_str();
   command.add_option("--cuts-per-second", plan.cuts_per_second, "Cuts of all sheets together, 0..1000")
       ->capture_default_str();
   command.add_flag("--keep-cuts", plan.keep_cuts, "Do not undo cuts: sheets become finer and slower");
@@ -114,7 +113,7 @@ void add_reader_options(CLI::App& command, LoadArguments& arguments) {
       ->capture_default_str();
   command
       .add_option("--viewer-rate", plan.viewer_rate_hz,
-                  "Frames per second that they ask for, 0.001..1000; 0: every tick")
+                  "Frames per second that they request, 0.001..1000; 0: every tick")
       ->capture_default_str();
   command.add_option("--slow-readers", plan.slow_readers, "Readers that hold every frame for --hold, 0..1000")
       ->capture_default_str();

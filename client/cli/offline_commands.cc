@@ -108,7 +108,7 @@ int run(const Session& session, const RunArguments& arguments) {
 std::string describe_tear(std::int64_t torn_bytes) {
   if (torn_bytes == 0) return "";
   return "; the last " + std::to_string(torn_bytes) + (torn_bytes == 1 ? " byte is" : " bytes are") +
-         " a torn entry and left out";
+         " an incomplete entry, left out";
 }
 
 int replay(const Session& session, const std::string& path) {
@@ -186,8 +186,8 @@ void add_offline_commands(CLI::App& app, Session& session) {
   CLI::App* replaying =
       app.add_subcommand("replay",
                          "Run a recording again and compare every tick, bit for bit.\n"
-                         "A file that ends within an entry is replayed up to the last whole one, says\n"
-                         "so and exits with 0. Changed bytes, or a tick that differs, exit with 1.");
+                         "A file that ends within an entry is replayed up to the last complete one, with\na note and "
+                         "exit code 0. Changed bytes, or a tick that differs, give exit code 1.");
   replaying->add_option("FILE", *file, "Recording, by `kerf run --record`, `kerf sheet record` or `kerfd --record`")
       ->required()
       ->type_name(value::kFile);

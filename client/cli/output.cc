@@ -88,8 +88,8 @@ std::string tick_parts(const v1::TickEstimate& estimate) {
   std::vector<std::pair<double, std::string>> parts;
   for (const auto& [part, us] : estimate.parts_us()) parts.emplace_back(us, part);
   std::sort(parts.begin(), parts.end(), std::greater<>());
-  std::string text =
-      format("\n  a tick takes %.3g ms and has %.3g", 1e-3 * estimate.total_us(), 1e-3 * estimate.budget_us());
+  std::string text = format("\n  a tick takes %.3g ms of the %.3g ms available", 1e-3 * estimate.total_us(),
+                            1e-3 * estimate.budget_us());
   for (std::size_t i = 0; i < parts.size(); ++i) {
     text += format("%s %s %.0f %%", i == 0 ? ":" : ",", parts[i].second.c_str(),
                    100.0 * parts[i].first / estimate.total_us());
@@ -193,7 +193,7 @@ void complain(const std::string& line, const std::string& code, const Error& fai
 
 std::string sheets_near(const std::string& id, const std::string& server) {
   const std::string near = did_you_mean(near_names(id, sheet_ids(server)));
-  return near.empty() ? "; `kerf sheet list` lists those there are" : near;
+  return near.empty() ? "; `kerf sheet list` lists all sheets" : near;
 }
 
 }  // namespace

@@ -63,8 +63,8 @@ inline constexpr const char* kDryRun = "Dry run, nothing is cut:";
 // Prints the last line of a dry run, from a CutResult or CreateCutsResponse.
 template <typename Reply>
 void print_tick_time(const Reply& reply) {
-  std::printf("  a tick would take %.3g ms, takes %.3g ms now, and has %.3g ms\n", 1e-3 * reply.tick_after_us(),
-              1e-3 * reply.tick_before_us(), 1e-3 * reply.tick_budget_us());
+  std::printf("  a tick would take %.3g ms of the %.3g ms available; now it takes %.3g ms\n",
+              1e-3 * reply.tick_after_us(), 1e-3 * reply.tick_budget_us(), 1e-3 * reply.tick_before_us());
 }
 
 // Print a message for people, or all of it with --json; with --verbose more than a line or two.

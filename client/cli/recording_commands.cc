@@ -51,7 +51,7 @@ int play(const Session& session, const PlayArguments& arguments) {
   if (!status.ok()) return refuse(status, session.server);
   print(session, sheet);
   if (!session.json && sheet.replay().torn_bytes() > 0) {
-    std::printf("the last %lld bytes of %s are a torn entry and left out\n",
+    std::printf("the last %lld bytes of %s are an incomplete entry, left out\n",
                 static_cast<long long>(sheet.replay().torn_bytes()), arguments.file.c_str());
   }
   return kDone;

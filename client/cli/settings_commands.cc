@@ -37,7 +37,7 @@ int read_material(const MaterialArguments& arguments, v1::Material& material) {
                                      ? nlohmann::json()
                                      : nlohmann::json::parse(number.substr(equals + 1), nullptr, false);
     if (!value.is_number()) {
-      return misuse("--with: \"" + number + "\" is no FIELD=NUMBER, such as thickness_m=0.001");
+      return misuse("--with: \"" + number + "\" is not FIELD=NUMBER, such as thickness_m=0.001");
     }
     json[number.substr(0, equals)] = value;
   }
@@ -82,7 +82,7 @@ void add_settings_commands(CLI::App& sheet, Session& session) {
                    "FIELD=NUMBER, a field of kerf.v1.Material that replaces the preset's; may be repeated")
       ->take_all();
   material->add_option("--part", arguments->part,
-                       "Only this part of those that the sheet was created with, from 0; -1: the rest of the sheet");
+                       "Only this one of the parts that the sheet was created with, from 0; -1: the rest of the sheet");
   material->callback(
       [&session, arguments] { session.action = [&session, arguments] { return set_material(session, *arguments); }; });
 

@@ -80,7 +80,7 @@ int add_parts(const std::vector<std::string>& parts, v1::Scene& scene) {
     const Parsed<v1::MaterialBox> box = parse_fit(part.substr(0, equals));
     const auto* corners = std::get_if<v1::MaterialBox>(&box);
     if (equals == std::string::npos || corners == nullptr || !corners->has_min()) {
-      return misuse("--part: \"" + part + "\" is no x0,y0,x1,y1=PRESET, such as 0.5,0,1,1=rubber");
+      return misuse("--part: \"" + part + "\" is not x0,y0,x1,y1=PRESET, such as 0.5,0,1,1=rubber");
     }
     v1::RegionMaterial& added = *scene.add_materials();
     *added.mutable_region()->mutable_box() = *corners;
@@ -127,7 +127,7 @@ int create_sheet(const Session& session, const CreateArguments& arguments) {
   client::Client client(session.server);
   v1::Sheet sheet;
   const grpc::Status status = [&] {
-    const WaitingNote note(session, "making the sheet of " + std::to_string(request.ByteSizeLong()) + " bytes");
+    const WaitingNote note(session, "creating the sheet from " + std::to_string(request.ByteSizeLong()) + " bytes");
     return client::create_sheet(client, std::move(request), sheet);
   }();
   if (!status.ok()) return refuse(status, session.server);
@@ -179,7 +179,7 @@ int reset_sheet(const Session& session, const std::string& id, bool is_sure) {
     v1::Sheet sheet;
     const grpc::Status status = client.call(&v1::SheetService::Stub::GetSheet, client.sheets(), request, sheet);
     if (status.ok() && sheet.viewers() > 0) {
-      std::fprintf(stderr, "%d %s %s: reset it for everybody? [y/N] ", sheet.viewers(),
+      std::fprintf(stderr, "%d %s %s: reset it for everyone? [y/N] ", sheet.viewers(),
                    sheet.viewers() == 1 ? "viewer watches" : "viewers watch", id.c_str());
       std::string answer;
       std::getline(std::cin, answer);
@@ -266,7 +266,7 @@ void add_create(CLI::App& sheet, Session& session) {
       ->excludes(size)
       ->excludes(scene)
       ->capture_default_str();
-  create->add_option("--pin", arguments->pin, "What is held: top (the edge y = height), corners, none")
+  create->add_option("--pin", arguments->pin, "Vertices held: top (the edge y = height), corners, none")
       ->check(CLI::IsMember({"top", "corners", "none"}))
       ->excludes(scene)
       ->capture_default_str();
@@ -275,7 +275,7 @@ void add_create(CLI::App& sheet, Session& session) {
       ->excludes(scene);
   create
       ->add_option("--part", arguments->parts,
-                   "Make the part in this box of another material, x0,y0,x1,y1=PRESET, in metres on the\n"
+                   "Give the part in this box another material, x0,y0,x1,y1=PRESET, in metres on the\n"
                    "undeformed sheet; may be repeated, and later boxes win")
       ->type_name("BOX=MATERIAL")
       ->excludes(scene)
@@ -297,7 +297,7 @@ void add_sheet_commands(CLI::App& app, Session& session) {
   CLI::App* list = sheet->add_subcommand("list", "List all sheets (also: ls)");
   list->alias("ls");
   list->callback([&session] { session.action = [&session] { return list_sheets(session); }; });
-  add_sheet_command(*sheet, session, "get", "Show one sheet, with what the server measured and counted",
+  add_sheet_command(*sheet, session, "get", "Show one sheet, with the measurements and counts of the server",
                     [](const Session& s, const std::string& id) {
                       Session verbose = s;
                       verbose.verbose = true;
@@ -307,15 +307,14 @@ void add_sheet_commands(CLI::App& app, Session& session) {
   add_sheet_command(*sheet, session, "pause", "Stop a sheet's clock", [](const Session& s, const std::string& id) {
     return call_with_name(s, id, &v1::SheetService::Stub::PauseSheet);
   });
-  add_sheet_command(*sheet, session, "resume", "Let a paused sheet run again",
-                    [](const Session& s, const std::string& id) {
-                      return call_with_name(s, id, &v1::SheetService::Stub::ResumeSheet);
-                    });
+  add_sheet_command(*sheet, session, "resume", "Resume a paused sheet", [](const Session& s, const std::string& id) {
+    return call_with_name(s, id, &v1::SheetService::Stub::ResumeSheet);
+  });
   const auto is_sure = std::make_shared<bool>(false);
   add_sheet_command(*sheet, session, "reset",
-                    "Play the scene again from its beginning, without cuts; `kerf undo` takes that back",
+                    "Play the scene again from its beginning, without cuts; `kerf undo` undoes that",
                     [is_sure](const Session& s, const std::string& id) { return reset_sheet(s, id, *is_sure); })
-      ->add_flag("--yes", *is_sure, "Do not ask, even where others watch the sheet");
+      ->add_flag("--yes", *is_sure, "Do not ask, even if others watch the sheet");
 
   const auto id = std::make_shared<std::string>();
   const auto ticks = std::make_shared<std::int32_t>(1);

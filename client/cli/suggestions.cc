@@ -122,7 +122,7 @@ std::string did_you_mean(const std::vector<std::string>& names) {
 std::string explain(const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App& command = given_command(app);
   const std::string name = "`" + full_name(command);
-  const std::string help = "\nRun " + name + " --help` for what there is.";
+  const std::string help = "\nRun " + name + " --help` for help.";
   const std::string word = unknown_word(app);
   if (word.empty()) return error.what() + help;
   if (word.front() == '-') {

@@ -51,7 +51,8 @@ std::string excerpt(const v1::Table& table) {
   });
   for (int r = 0; r < table.rows_size(); ++r) {
     if (r == kShown && r + 1 < table.rows_size()) {
-      text += "\n    ... " + std::to_string(table.rows_size() - kShown - 1) + " more, all of them with --csv or --out";
+      text +=
+          "\n    ... " + std::to_string(table.rows_size() - kShown - 1) + " more; --csv and --out write all of them";
       r = table.rows_size() - 1;
     }
     line([&](int i) {
@@ -111,7 +112,7 @@ int check_converged(const v1::StaticResult& statics) {
   std::snprintf(load.data(), load.size(), "%.6g", statics.load());
   const std::string why =
       statics.reason().empty()
-          ? "; what was found up to there is in the results. More steps, more max_iterations, or an imperfection where "
+          ? "; the results hold the states up to it. More steps, more max_iterations, or an imperfection where "
             "a sheet buckles may help"
           : ": " + statics.reason();
   return refuse(

@@ -12,13 +12,13 @@ void explain(Failure& failure) {
   if (failure.code == grpc::StatusCode::RESOURCE_EXHAUSTED &&
       failure.message.find("larger than max") != std::string::npos) {
     failure.reason = "MESSAGE_TOO_LARGE";
-    failure.message += ": send less in one call, a batch of cuts in parts, say; a mesh file as an upload";
+    failure.message += ": send less in one call, for example a batch of cuts in parts, or a mesh file as an upload";
   }
   if (failure.code == grpc::StatusCode::DEADLINE_EXCEEDED) {
     failure.reason = "NO_ANSWER_IN_TIME";
     failure.message =
-        "no answer in time: a tick of the sheet may take long. What was asked for may still be done: look before "
-        "asking again";
+        "no answer in time: a tick of the sheet may take long. The request may still be carried out: check before you "
+        "repeat it";
   }
 }
 

@@ -109,7 +109,7 @@ class LiveStream {
     if (status.error_code() != grpc::StatusCode::CANCELLED) return status;
     // Supplies a reason, because a server cannot send one on a stream that is not read.
     ended_.set_reason(v1::Ended::TOO_SLOW);
-    ended_.set_message("the server broke the stream off: it was not read in time");
+    ended_.set_message("the server ended the stream: it was not read in time");
     return grpc::Status::OK;
   }
 

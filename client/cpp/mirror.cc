@@ -75,7 +75,7 @@ std::optional<std::string> Mirror::apply(const v1::Frame& frame) {
     return "frame " + std::to_string(frame.sequence()) + " follows frame " + std::to_string(sequence_);
   }
   if (frame.tick() < tick_) return "tick " + std::to_string(frame.tick()) + " after tick " + std::to_string(tick_);
-  if (frame.encoding() != v1::COMPACT && frame.encoding() != v1::RAW) return "an encoding that is not known here";
+  if (frame.encoding() != v1::COMPACT && frame.encoding() != v1::RAW) return "an unknown encoding";
   if (frame.has_topology()) {
     if (auto wrong = apply_topology(frame)) return wrong;
   } else if (frame.topology_version() != topology_version_) {
@@ -153,7 +153,7 @@ std::optional<std::string> Mirror::apply_topology(const v1::Frame& frame) {
     pieces_.clear();
     material_positions_.clear();
   } else if (static_cast<std::size_t>(message.num_slots()) < triangles_.size()) {
-    return "a patch must not take slots away";
+    return "a patch must not remove slots";
   }
   const bool compact = frame.encoding() == v1::COMPACT;
   auto slots = read_ids(message.slots(), message.num_listed_slots(), full, compact);
@@ -196,7 +196,7 @@ std::optional<std::string> Mirror::apply_triangles(const v1::TopologyPatch& mess
 std::optional<std::string> Mirror::apply_materials(const v1::Frame& frame, const std::vector<std::uint32_t>& vertices) {
   const std::string& bytes = frame.topology().material_positions();
   const std::size_t count = static_cast<std::size_t>(frame.num_vertices());
-  if (2 * count < material_positions_.size()) return "a patch must not take vertices away";
+  if (2 * count < material_positions_.size()) return "a patch must not remove vertices";
   const std::size_t known = material_positions_.size() / 2;
   std::size_t added = 0;
   for (const std::uint32_t vertex : vertices) {

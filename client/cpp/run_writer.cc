@@ -112,7 +112,8 @@ Result<std::unique_ptr<RunWriter>> RunWriter::open(const std::string& path) {
   std::filesystem::path meant = path;
   if (std::filesystem::is_symlink(path)) meant = std::filesystem::canonical(path, broken);  // Keeps a link a link.
   if (broken || (std::filesystem::exists(meant) && !std::filesystem::is_regular_file(meant))) {
-    return Failure{grpc::StatusCode::UNKNOWN, "FILE_NOT_WRITTEN", path + " is no regular file, as a run must be", ""};
+    return Failure{grpc::StatusCode::UNKNOWN, "FILE_NOT_WRITTEN", path + " is not a regular file, as a run must be",
+                   ""};
   }
   auto archive = std::make_unique<Archive>(meant.string());
   if (archive->failure()) return *archive->failure();
@@ -127,8 +128,8 @@ Result<Done> RunWriter::state() const {
 Result<Done> RunWriter::add(const Mirror& mirror) {
   if (!ticks_.empty() && mirror.tick() < ticks_.back()) {
     return Failure{grpc::StatusCode::FAILED_PRECONDITION, "FRAME_ORDER",
-                   "a frame of tick " + std::to_string(mirror.tick()) + " comes after one of tick " +
-                       std::to_string(ticks_.back()) + ": begin another file",
+                   "the frame of tick " + std::to_string(mirror.tick()) + " follows that of tick " +
+                       std::to_string(ticks_.back()) + ": start another file",
                    ""};
   }
   if (topology_versions_.empty() || topology_versions_.back() != mirror.topology_version()) {

@@ -52,7 +52,7 @@ Result<v1::Scene> json_scene(const std::string& json) {
   if (status.ok()) return scene;
   return Failure{grpc::StatusCode::INVALID_ARGUMENT,
                  "SCENE_MALFORMED",
-                 "this is no scene as JSON: " + std::string(status.message()),
+                 "this is not a scene in JSON: " + std::string(status.message()),
                  {}};
 }
 

@@ -172,7 +172,7 @@ Result<std::unique_ptr<DelayingProxy>> DelayingProxy::start(const std::string& s
   auto impl = std::make_unique<Impl>();
   impl->way = way;
   const auto no_proxy = [&](const std::string& why) {
-    return unavailable("NO_PROXY", "no proxy to " + server + ": " + why);
+    return unavailable("NO_PROXY", "cannot start a proxy to " + server + ": " + why);
   };
   const std::optional<Endpoint> endpoint = parse_endpoint(server);
   if (!endpoint) return no_proxy("write HOST:PORT");

@@ -213,10 +213,9 @@ std::string to_html(const Report& report) {
   }
   html += tiles(report) + "\n<h2>Latencies</h2>" + latency_table(report);
   html +=
-      "<p class=\"faint\">Of cuts from the time at which each should have been sent, and of what is shown at the times "
-      "of the ticks: a stall "
-      "counts in everything that falls into it. The last row is a thread that only sleeps to times that are fixed "
-      "beforehand: what this machine does to everybody.</p>";
+      "<p class=\"faint\">Latencies of cuts count from the time at which each was due, those of frames from the time "
+      "of the tick shown, so a stall counts in everything that it delays. The last row is a thread that only sleeps "
+      "until fixed times: it shows what this machine itself adds.</p>";
   html += "<div class=\"plots\">" + percentile_plot(report) + stretch_plots(report) + probe_plots(report) +
           pace_plot(report) + "</div>";
   html += "\n<h2>Readers</h2>" + reader_table(report);

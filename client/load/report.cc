@@ -47,11 +47,11 @@ void add_reader_warnings(const Report& report, std::vector<std::string>& found) 
     const std::int32_t missing = asked(report.plan, role) - of.readers;
     if (missing > 0 && !report.interrupted) {
       found.push_back(sentence("%.0f of %.0f ", missing, asked(report.plan, role)) + name_of(role) +
-                      " never had a frame: figures are of the others.");
+                      " never received a frame: the figures cover the others.");
     }
     if (role != Role::kStalled && !of.ends.empty()) {
       found.push_back(std::to_string(sum(of.ends)) + " " + name_of(role) +
-                      " were ended before the run was: figures are of those that were left.");
+                      " ended before the run did: the figures cover those that were left.");
     }
   }
 }
@@ -123,21 +123,21 @@ std::int64_t overruns_of(const Report& report) {
 
 std::vector<std::string> warnings(const Report& report) {
   std::vector<std::string> found;
-  if (report.interrupted) found.push_back("The run was interrupted: figures are of its first part.");
+  if (report.interrupted) found.push_back("The run was interrupted: the figures cover its first part.");
   add_reader_warnings(report, found);
   const double client = client_cores(report);
   if (report.processors > 0 && client > kClientBusy * report.processors) {
     found.push_back(
-        sentence("The load tester itself used %.2f of %.0f processors: latencies are its own as much as the "
-                 "server's. Run it on another machine, or with fewer viewers.",
+        sentence("The load tester itself used %.2f of %.0f processors: the latencies are partly its own. Run it on "
+                 "another machine, or with fewer viewers.",
                  client, report.processors));
   }
   const ReaderTotals& stalled = report.of(Role::kStalled);
   const std::int64_t ended = sum(stalled.ends);
   if (ended < stalled.readers) {
     found.push_back(
-        sentence("%.0f of %.0f stalled readers do not know how they were ended, if they were: they look after --stall, "
-                 "and the run must be longer than that.",
+        sentence("%.0f of %.0f stalled readers cannot say how they ended: they look after --stall, and the run must "
+                 "last longer than that.",
                  static_cast<double>(stalled.readers - ended), stalled.readers));
   }
   const double tick_us = 1.0e6 / report.plan.tick_rate_hz;
@@ -145,17 +145,17 @@ std::vector<std::string> warnings(const Report& report) {
   if (late > 0.5 * tick_us) {
     found.push_back(
         sentence("A thread that only sleeps woke up to %.1f ms late (p99; a tick is %.1f ms): the machine is "
-                 "busy with other things, and so are all latencies here.",
+                 "busy with other work, which adds to all latencies here.",
                  late / 1e3, tick_us / 1e3));
   }
   if (report.cuts.unseen > 0) {
     found.push_back(
-        sentence("%.0f cuts were not shown by the end: their latency is in no figure, and would be the highest.%.0s",
+        sentence("%.0f cuts were not shown by the end: their latency, which would be the highest, is in no figure.%.0s",
                  static_cast<double>(report.cuts.unseen), 0.0));
   }
   if (report.cuts.seen_without > 0) {
     found.push_back(
-        sentence("%.0f frames at or after the tick of a cut came without it: this is an error of the server.%.0s",
+        sentence("%.0f frames at or after the tick of a cut came without it: this is an error in the server.%.0s",
                  static_cast<double>(report.cuts.seen_without), 0.0));
   }
   return found;

@@ -48,8 +48,9 @@ Error error_of(const grpc::Status& status, const std::string& server) {
   const bool unreached = failure.code == grpc::StatusCode::UNAVAILABLE;
   return {unreached ? ErrorCode::kUnavailable : ErrorCode::kFailedPrecondition,
           failure.reason.empty() ? client::name_of(failure.code) : failure.reason,
-          unreached ? "no server at " + server + " (" + failure.message + "): start kerfd, or give --server HOST:PORT"
-                    : client::describe(failure),
+          unreached
+              ? "no server answers at " + server + " (" + failure.message + "): start kerfd, or give --server HOST:PORT"
+              : client::describe(failure),
           failure.field};
 }
 
@@ -74,7 +75,8 @@ class Run {
     report_.integrator = sheets.integrator();
     if (sheets.names().empty()) {
       return resource_exhausted(
-          "NO_SHEETS", "no sheet was made: " + (report_.first_refusal.empty() ? "interrupted" : report_.first_refusal));
+          "NO_SHEETS",
+          "no sheet was created: " + (report_.first_refusal.empty() ? "interrupted" : report_.first_refusal));
     }
     KERF_TRY(measure(sheets.names()));
     return std::move(report_);

@@ -12,7 +12,7 @@ namespace kerf::load {
 
 // Describes the progress of a run, for a line on a terminal.
 struct Progress {
-  std::string stage;        // "making sheets", "warming up", "measuring", "last cuts", "taking down"
+  std::string stage;        // "creating sheets", "warming up", "measuring", "last cuts", "deleting sheets"
   double share = 0.0;       // Share of that stage, 0..1.
   std::int64_t frames = 0;  // Counted so far.
   std::int64_t cuts = 0;    // Answered so far.

@@ -85,7 +85,7 @@ SheetSet::SheetSet(const Plan& plan, client::Client& client, Waiter& waiter, Tel
     }
     return false;
   };
-  share_out(plan.sheets, make, [this](double share) { tell_("making sheets", share); });
+  share_out(plan.sheets, make, [this](double share) { tell_("creating sheets", share); });
   std::sort(names_.begin(), names_.end(), [](const std::string& a, const std::string& b) {
     return a.size() != b.size() ? a.size() < b.size() : a < b;  // -2 before -10.
   });
@@ -117,7 +117,8 @@ SheetSet::~SheetSet() {
     const grpc::Status status = client_.call(&v1::SheetService::Stub::DeleteSheet, client_.sheets(), request, nothing);
     return status.error_code() != grpc::StatusCode::UNAVAILABLE;
   };
-  share_out(static_cast<std::int32_t>(names_.size()), remove, [this](double share) { tell_("taking down", share); });
+  share_out(static_cast<std::int32_t>(names_.size()), remove,
+            [this](double share) { tell_("deleting sheets", share); });
 }
 
 }  // namespace kerf::load

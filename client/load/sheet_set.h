@@ -21,7 +21,7 @@ namespace kerf::load {
 class SheetSet {
  public:
   static constexpr std::chrono::seconds kPatience{30};
-  // Reports "making sheets" and "taking down" with the share done, 0..1; some times a second.
+  // Reports "creating sheets" and "deleting sheets" with the share done, 0..1; some times a second.
   using Tell = std::function<void(const char* stage, double share)>;
 
   // Creates the sheets until one is refused for lack of capacity. With a still plan, a sheet refused because of

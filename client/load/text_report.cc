@@ -58,7 +58,7 @@ void add_readers(Text& text, const Report& report) {
 void add_cuts(Text& text, const Report& report) {
   const CutTotals& cuts = report.cuts;
   if (cuts.sent == 0) return;
-  text.line("cuts       %lld sent, %lld applied, %lld missed, %lld taken back", whole(cuts.sent), whole(cuts.applied),
+  text.line("cuts       %lld sent, %lld applied, %lld missed, %lld undone", whole(cuts.sent), whole(cuts.applied),
             whole(cuts.missed), whole(cuts.undone));
   if (cuts.reply_ticks.count() > 0) {
     text.line("  ticks    from the one shown when sent to the one applied at: p50 %lld, p99 %lld, max %lld (of %lld)",

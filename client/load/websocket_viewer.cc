@@ -96,7 +96,7 @@ class WebSocketViewer : public Viewer {
       v1::WatchResponse response;
       const bool sound = response.ParseFromArray(buffer_.data().data(), static_cast<int>(bytes));
       buffer_.consume(bytes);
-      if (!sound) return ended("no message of kerf.v1");
+      if (!sound) return ended("not a message of kerf.v1");
       if (response.has_ended()) return ended(v1::Ended::Reason_Name(response.ended().reason()));
       if (!response.has_frame()) return read();
       take(response.frame(), static_cast<std::int64_t>(bytes));

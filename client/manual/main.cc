@@ -70,6 +70,6 @@ int main(int argc, char** argv) {
     std::fputs(kerf::cli::manual_page(*kerf::app::command_line(), text_of_kerfd(), KERF_VERSION).c_str(), stdout);
     return 0;
   }
-  std::fputs("kerf_manual: say kerf or kerfd\n", stderr);
+  std::fputs("kerf_manual: give kerf or kerfd\n", stderr);
   return 2;
 }

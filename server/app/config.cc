@@ -54,21 +54,18 @@ void declare_limits(CLI::App& parser, Arguments& arguments) {
       ->capture_default_str();
   parser
       .add_option("--max-load", arguments.max_load,
-                  "Refuse new sheets while those that run need this share of the workers or more, 0.01..1000; 0: never")
+                  "Refuse new sheets while running ones need at least this share of the workers, 0.01..1000; 0: never")
       ->type_name("SHARE")
       ->capture_default_str();
   parser
-      .add_option(
-          "--max-total-vertices", arguments.max_total_vertices,
-          "Refuse new sheets with which all together would have more vertices; 0: never (default: as many as fit "
-          "in half of the memory that it may have, the machine's or its container's, at 8 kB each, which is what the "
-          "implicit integrator takes)")
+      .add_option("--max-total-vertices", arguments.max_total_vertices,
+                  "Refuse new sheets if all together would have more vertices than this; 0: never (default: as many as "
+                  "fit in half the memory of the machine or container at 8 kB each, as the implicit integrator needs)")
       ->type_name("N");
   parser
-      .add_option(
-          "--max-connections-per-address", arguments.max_connections_per_address,
-          "Connections that one address (of IPv6 one /64) may have open, of gRPC and again of HTTP, 1..10000; 0: "
-          "as many as there are in all, as behind a proxy, whose users all come from its address")
+      .add_option("--max-connections-per-address", arguments.max_connections_per_address,
+                  "Connections that one address (one /64 of IPv6) may have open, for gRPC and for HTTP each, 1..10000; "
+                  "0: no limit per address, as behind a proxy, where all users share its address")
       ->type_name("N")
       ->capture_default_str();
 }
@@ -106,10 +103,9 @@ void declare(CLI::App& parser, Arguments& arguments) {
       ->excludes(no_render);
   parser.add_flag("--list-render-devices", arguments.list_render_devices,
                   "Print the devices that can draw pictures and exit");
-  parser.add_flag(
-      "--allow-remote", arguments.allow_remote,
-      "Listen on addresses that other machines can reach. There is no TLS and no login: whoever reaches the "
-      "port can do everything");
+  parser.add_flag("--allow-remote", arguments.allow_remote,
+                  "Listen on addresses that other machines can reach. There is no TLS and no login: anyone who reaches "
+                  "the port can do everything");
   parser
       .add_option("--allow-origin", arguments.allowed_origins,
                   "Web origin, such as https://viewer.example.org, whose pages may use this server; repeatable")
@@ -118,7 +114,7 @@ void declare(CLI::App& parser, Arguments& arguments) {
   parser
       .add_option(
           "--record", arguments.record_dir,
-          "Folder for a recording of every sheet, for `kerf replay`; while its disk is full they wait in memory")
+          "Folder for a recording of every sheet, for `kerf replay`; while its disk is full, recordings wait in memory")
       ->type_name("DIR");
 }
 
@@ -129,7 +125,7 @@ Result<ws::Endpoint> listening_address(const std::string& text, const std::strin
     return invalid_argument("REMOTE_NOT_ALLOWED",
                             option + ": other machines could reach " + text +
                                 ", and kerfd has no TLS and no login yet; listen on 127.0.0.1, or give --allow-remote "
-                                "if everybody on that network may use it",
+                                "if everyone on that network may use it",
                             option);
   }
   return endpoint;
@@ -193,7 +189,7 @@ std::string render_device_table() {
     if (!device.details.empty()) table += ", " + device.details;
     table += (state == render::DeviceState::kRejected ? ": does not draw: " : ": ") + words + "\n";
   }
-  return table + "* is what --render-device auto takes\n";
+  return table + "* marks the choice of --render-device auto\n";
 }
 
 // Returns the folder of a built site: share/kerf/NAME beside the executable's folder, else `built` in a folder above

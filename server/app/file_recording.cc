@@ -34,7 +34,7 @@ void FileRecording::try_a_last_time() {
   const Status written = write_waiting();
   if (written.ok()) return resume();
   ++board_.errors;
-  say("ends with its sheet, " + std::to_string(waiting_bytes_) + " bytes before its end: " + written.error().message);
+  say("ends with its sheet, " + std::to_string(waiting_bytes_) + " bytes short: " + written.error().message);
 }
 
 void FileRecording::start(const sheet::SheetConfig& config) {
@@ -93,20 +93,20 @@ Status FileRecording::write_waiting() {
 void FileRecording::pause(const Error& error) {
   state_ = State::kPaused;
   ++board_.stopped;
-  say("pauses: " + error.message + "; it is tried again every second, and loses nothing meanwhile up to 1 MiB");
+  say("pauses: " + error.message + "; it retries every second and loses nothing until 1 MiB waits");
 }
 
 void FileRecording::resume() {
   state_ = State::kWriting;
   --board_.stopped;
-  say("resumes, and nothing is missing in it");
+  say("resumes; nothing is missing");
 }
 
 void FileRecording::end() {
   state_ = State::kEnded;
   file_.reset();
   forget_waiting();
-  say("has ended: more waits than may; what was written replays up to its last entry");
+  say("has ended: too much is waiting; the file replays up to its last entry");
 }
 
 void FileRecording::forget_waiting() {

@@ -93,7 +93,7 @@ std::shared_ptr<kerf::app::Server> start(const kerf::app::Config& config) {
     if (started.ok()) return std::move(started).value();
     note(started.error().message);
   } catch (const std::exception& error) {  // No memory, or no thread.
-    note("the system has too little for this server: " + std::string(error.what()));
+    note("the system lacks resources for this server: " + std::string(error.what()));
   }
   return nullptr;
 }

@@ -112,7 +112,7 @@ ConnectionLimits Server::Impl::limit_connections() const {
   const ConnectionLimits limits = connection_limits(descriptors, num_open_descriptors(), recordings);
   const ConnectionLimits usual = connection_limits(std::numeric_limits<std::int32_t>::max(), 0, 0);
   if (limits.grpc < usual.grpc) {
-    note("this process may open " + std::to_string(descriptors) + " files and connections: it takes " +
+    note("this process may open " + std::to_string(descriptors) + " files and connections: it accepts " +
          std::to_string(limits.grpc) + " connections for gRPC and " + std::to_string(limits.http) +
          " for HTTP; raise the limit (ulimit -n) for more");
   }
@@ -150,7 +150,7 @@ Status Server::Impl::check_record_dir() {
   const std::string option = "--record: ";
   std::error_code ignored;
   if (!std::filesystem::is_directory(config.record_dir, ignored)) {
-    return invalid_argument("BAD_RECORD_DIR", option + "\"" + config.record_dir.string() + "\" is no folder",
+    return invalid_argument("BAD_RECORD_DIR", option + "\"" + config.record_dir.string() + "\" is not a folder",
                             "--record");
   }
   const std::filesystem::path probe = config.record_dir / (".kerfd-" + instance_id);

@@ -25,7 +25,7 @@ std::invoke_result_t<Work> caught(Work&& work) {
   } catch (const std::bad_alloc&) {
     return out_of_memory();
   } catch (const Interrupted&) {
-    return aborted("INTERRUPTED", "the work was ended before it was done");
+    return aborted("INTERRUPTED", "the work was stopped before it finished");
   } catch (const std::exception& error) {
     return internal_error("INTERNAL", error.what());
   }

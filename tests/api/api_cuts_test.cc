@@ -444,7 +444,7 @@ TEST_F(ApiCutsTest, ASheetWhoseTicksDoNotFitSaysWhyAndWhatHelps) {
   const v1::TickEstimate slow = call(&Api::create_sheet, request).value().tick_estimate();
   EXPECT_GT(slow.total_us(), slow.budget_us());
   EXPECT_NE(slow.advice().find("wind and other loads"), std::string::npos) << slow.advice();
-  EXPECT_NE(slow.advice().find("What helps: no wind"), std::string::npos) << slow.advice();
+  EXPECT_NE(slow.advice().find("Remedy: no wind"), std::string::npos) << slow.advice();
   EXPECT_NE(slow.advice().find("substeps"), std::string::npos) << slow.advice();
 }
 
@@ -454,7 +454,7 @@ TEST_F(ApiCutsTest, ACutThatEndsRealTimeIsWarnedOf) {
   timings.tick_after_us = 40'000.0;
   timings.budget_us = 20'000.0;
   EXPECT_EQ(warning_of_slower_ticks(timings),
-            "The sheet falls behind from here on: a tick takes 40 ms and has 20; before, it took 5 ms.");
+            "The sheet now falls behind: a tick takes 40 ms of the 20 ms available; before the cut it took 5 ms.");
   timings.tick_after_us = 20'000.0;
   EXPECT_EQ(warning_of_slower_ticks(timings), "");
   timings.tick_before_us = 30'000.0;

@@ -171,7 +171,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"ShortPositions", "positions are malformed", [](v1::Frame& f) { f.mutable_positions()->pop_back(); }},
         Refusal{"LongPositions", "positions are malformed",
                 [](v1::Frame& f) { f.mutable_positions()->push_back('\0'); }},
-        Refusal{"UnknownEncoding", "not known", [](v1::Frame& f) { f.set_encoding(v1::ENCODING_UNSPECIFIED); }},
+        Refusal{"UnknownEncoding", "unknown encoding", [](v1::Frame& f) { f.set_encoding(v1::ENCODING_UNSPECIFIED); }},
         Refusal{"RawDelta", "not compact",
                 [](v1::Frame& f) {
                   f.clear_topology();
@@ -190,7 +190,7 @@ INSTANTIATE_TEST_SUITE_P(
                 [](v1::Frame& f) {
                   f.mutable_topology()->set_slots(codec::pack_ascending(std::vector<std::uint32_t>{1, 3}));
                 }},
-        Refusal{"FewerSlots", "take slots away", [](v1::Frame& f) { f.mutable_topology()->set_num_slots(1); }},
+        Refusal{"FewerSlots", "remove slots", [](v1::Frame& f) { f.mutable_topology()->set_num_slots(1); }},
         Refusal{"ShortTriangles", "triangles is malformed",
                 [](v1::Frame& f) { f.mutable_topology()->mutable_triangles()->pop_back(); }},
         Refusal{"ShortPieces", "pieces is malformed", [](v1::Frame& f) { f.mutable_topology()->clear_pieces(); }},

@@ -152,7 +152,7 @@ export function stripSteps(steps, browser, { url }) {
     await strip.page.mouse.up();
     await strip.page.fill('#cut-width', '5000');
     await strip.page.click('#cut-apply');
-    await strip.notice(/^Nothing was cut: the strip would take the whole sheet away; [^()]*$/);
+    await strip.notice(/^Nothing was cut: the strip would remove the whole sheet; [^()]*$/);
     await strip.page.fill('#cut-width', '25');
     await strip.page.check('#cut-dashed');
     await strip.page.fill('#cut-dash-cut', '60');

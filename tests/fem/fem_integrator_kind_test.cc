@@ -284,7 +284,7 @@ TEST(AutomaticIntegrator, TakesExplicitUnlessSheetsAreStiffAndSaysWhy) {
   const Model beyond(mesh, isotropic(1.0e13, 0.3, 5.0e-4, 1000.0));
   integrator->rebuild(beyond);
   EXPECT_EQ(integrator->kind(), IntegratorKind::kImplicitEuler);
-  EXPECT_NE(integrator->explanation().find("condition above 1e9"), std::string_view::npos);
+  EXPECT_NE(integrator->explanation().find("condition number above 1e9"), std::string_view::npos);
   State state = rest_state(mesh);
   EXPECT_EQ(integrator->step(beyond, Loads{}, kTick, nullptr, state).substeps, 1);
 }

@@ -91,8 +91,8 @@ TEST(Softening, SaysWhereEvenTheMostDoesNotFit) {
       choose_for(square_grid(20), with_moduli_times(known_material("wool"), 1e4), IntegratorKind::kExplicit);
   EXPECT_EQ(choice.factor, 16);
   EXPECT_FALSE(choice.fits());
-  EXPECT_NE(describe(choice).find("softened 16 times"), std::string::npos);
-  EXPECT_NE(describe(choice).find("does not fit even so"), std::string::npos);
+  EXPECT_NE(describe(choice).find("16 times softer"), std::string::npos);
+  EXPECT_NE(describe(choice).find("still does not fit"), std::string::npos);
 }
 
 TEST(Softening, DoesNothingForImplicitSteps) {

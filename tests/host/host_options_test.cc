@@ -108,7 +108,7 @@ TEST_F(BudgetHostTest, AsManyVerticesAsTheLimitAndNotOneMore) {
   ASSERT_EQ(refused.count(), 1U) << "at once";
   EXPECT_EQ(refused.at(0).error().code, ErrorCode::kResourceExhausted);
   EXPECT_EQ(refused.reason(0), "TOO_MANY_VERTICES_IN_ALL");
-  EXPECT_NE(refused.at(0).error().message.find("may have 50 vertices and have 50"), std::string::npos)
+  EXPECT_NE(refused.at(0).error().message.find("may have 50 vertices and already have 50"), std::string::npos)
       << refused.at(0).error().message;
   remove("b");
   host_->create_sheet("c", scenes::hanging(6), true, refused.callback());

@@ -190,7 +190,8 @@ TEST_F(FileRecordingTest, WhatIsNeverWrittenIsCountedInALine) {
   const std::string missing = std::to_string(board_.waiting_bytes);
   recording_.reset();
   EXPECT_EQ(num_whole_entries(), 1U);
-  EXPECT_THAT(lines_, ElementsAre(HasSubstr(" pauses: "), HasSubstr("ends with its sheet, " + missing + " bytes")));
+  EXPECT_THAT(lines_,
+              ElementsAre(HasSubstr(" pauses: "), HasSubstr("ends with its sheet, " + missing + " bytes short")));
   EXPECT_EQ(board_.waiting_bytes, 0);
   EXPECT_EQ(board_.errors, 2);
 }

@@ -177,11 +177,11 @@ TEST_F(KerfdTest, RefusesOnOneLine) {
   EXPECT_NE(bad.find("grid.columns"), std::string::npos) << bad;
   const std::string twice = write("twice.json", kScene);
   EXPECT_NE(refusal(free_ports({"--scene", twice, "--scene", twice})).find("twice"), std::string::npos);
-  EXPECT_NE(refusal(free_ports({"--record", (folder_ / "none").string()})).find("none\" is no folder"),
+  EXPECT_NE(refusal(free_ports({"--record", (folder_ / "none").string()})).find("none\" is not a folder"),
             std::string::npos);
   EXPECT_NE(refusal(free_ports({"--record", "/proc"})).find("/proc"), std::string::npos);
   const std::string device = refusal({"--listen", "127.0.0.1:0", "--http", "127.0.0.1:0", "--render-device", "abacus"});
-  EXPECT_NE(device.find("--render-device: \"abacus\" is no device here"), std::string::npos) << device;
+  EXPECT_NE(device.find("--render-device: \"abacus\" is not a device here"), std::string::npos) << device;
   EXPECT_NE(refusal(free_ports({"--render-device", "auto"})).find("--no-render"), std::string::npos);
   EXPECT_NE(refusal(free_ports({"--web", (folder_ / "none").string()})).find("none"), std::string::npos);
   EXPECT_NE(refusal(free_ports({"--docs", (folder_ / "none").string()})).find("none"), std::string::npos);

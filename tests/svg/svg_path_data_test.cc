@@ -114,12 +114,12 @@ TEST(SvgPathData, DrawsUpToTheFirstError) {
     std::string error;
   };
   const std::vector<Case> cases{
-      {"M0 0L1 1L2", 1, "byte 10"},      {"M0 0L1 1 2 2 3", 2, "number is missing"},
-      {"M0 0L1 1X2 2", 1, "'X'"},        {"L1 1M0 0L1 1", 0, "moveto"},
-      {"M0 0L1 1,L2 2", 1, "comma"},     {"M0 0C1 1 2 2 3 3 4 4", 1, "number is missing"},
-      {"M0 0A1 1 0 2 0 3 3", 0, "'A'"},  {"M0 0L1,,1", 0, "'L'"},
-      {"M0 0L1e999 1", 0, "'L'"},        {"M0 0L nan 1", 0, "'L'"},
-      {"M0 0L1 1\xff", 1, "no command"}, {"M", 0, "'M'"},
+      {"M0 0L1 1L2", 1, "byte 10"},         {"M0 0L1 1 2 2 3", 2, "number is missing"},
+      {"M0 0L1 1X2 2", 1, "'X'"},           {"L1 1M0 0L1 1", 0, "moveto"},
+      {"M0 0L1 1,L2 2", 1, "comma"},        {"M0 0C1 1 2 2 3 3 4 4", 1, "number is missing"},
+      {"M0 0A1 1 0 2 0 3 3", 0, "'A'"},     {"M0 0L1,,1", 0, "'L'"},
+      {"M0 0L1e999 1", 0, "'L'"},           {"M0 0L nan 1", 0, "'L'"},
+      {"M0 0L1 1\xff", 1, "not a command"}, {"M", 0, "'M'"},
   };
   for (const Case& item : cases) {
     const PathData data = parse_path_data(item.text, kPlenty);

@@ -203,7 +203,7 @@ TEST(SvgRead, ReportsWhatIsNotCut) {
   EXPECT_THAT(report(R"svg(<pattern id="p"><circle r="3"/></pattern><circle r="2" fill="url(#p)"/>)svg"),
               ElementsAre("SVG: 1 x reference to a pattern: not applied", HasSubstr("beyond its viewport")));
   EXPECT_THAT(report(R"svg(<use href="other.svg#x"/><use href="#nothing"/>)svg"),
-              ElementsAre("SVG: 1 x external reference: not cut", "SVG: 1 x use of what does not exist: not cut"));
+              ElementsAre("SVG: 1 x external reference: not cut", "SVG: 1 x use of a missing element: not cut"));
   EXPECT_THAT(report("<hexagon/>"), ElementsAre("SVG: 1 x unknown element: not cut"));
   EXPECT_THAT(report(R"svg(<path d="M0 0L9 9Q1 1 2"/>)svg"),
               ElementsAre("SVG: 1 x path with an error in its data, cut up to it (the first at byte 14: a number is "
@@ -300,7 +300,7 @@ TEST(SvgRead, ExpandsNoEntitiesAndFollowsNoCycle) {
   const Drawing cycle =
       drawn(document(R"svg(<g id="a"><use href="#b"/></g><g id="b"><use href="#a"/><circle r="1"/></g>)svg"));
   EXPECT_EQ(cycle.path.subpaths.size(), 2U);
-  EXPECT_THAT(cycle.not_cut, ::testing::Contains(HasSubstr("use of what contains it")));
+  EXPECT_THAT(cycle.not_cut, ::testing::Contains(HasSubstr("use of an element that contains it")));
 }
 
 TEST(SvgRead, SurvivesMutilatedDocuments) {

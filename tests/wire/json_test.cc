@@ -105,7 +105,7 @@ TEST(Json, FaultsNameLineColumnAndField) {
       {"{\"grid\": {} \"obj\": {}}", "JSON_SYNTAX", "", "expected , or }"},
       {"{\"grid\" {}}", "JSON_SYNTAX", "grid", "expected :"},
       {"{} {}", "JSON_SYNTAX", "", "after the end"},
-      {"{\"sheet_id\": \"a", "JSON_SYNTAX", "sheet_id", "without end"},
+      {"{\"sheet_id\": \"a", "JSON_SYNTAX", "sheet_id", "that does not end"},
       {"", "JSON_TYPE", "", "line 1, column 1"},
       {"[]", "JSON_TYPE", "", "expected an object"},
   };

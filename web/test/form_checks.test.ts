@@ -75,8 +75,8 @@ describe('formErrors', () => {
 
 describe('refusal', () => {
   it('stands at its field in the user’s words', () => {
-    const taken = new ApiError('ALREADY_EXISTS', 'there is a sheet "demo" already');
-    expect(refusal(taken, { ...kForm, id: 'demo' })).toEqual(['id', 'There is a sheet named demo already']);
+    const taken = new ApiError('ALREADY_EXISTS', 'a sheet "demo" already exists');
+    expect(refusal(taken, { ...kForm, id: 'demo' })).toEqual(['id', 'A sheet named demo already exists']);
     const open = new ApiError('INVALID_ARGUMENT', 'outline.boundary is no closed line', 'scene.outline.boundary');
     expect(refusal(open, kForm)).toEqual(['outline', 'The drawing is no closed line']);
     const broken = new ApiError('INVALID_ARGUMENT', 'line 1: no number', 'scene.obj');

@@ -162,7 +162,7 @@ describe('RemoteImages', () => {
 
   it.each([
     ['RENDERER_UNAVAILABLE', 'this server draws no pictures (none: no EGL)'],
-    ['NO_VIDEO_CODEC', 'this server was built without VP8; ask for IMAGE_JPEG (1)'],
+    ['NO_VIDEO_CODEC', 'this server was built without VP8; request IMAGE_JPEG (1)'],
   ])('does not try again where the server says %s', async (code, message) => {
     open();
     await untilAsked('start');
@@ -178,7 +178,7 @@ describe('RemoteImages', () => {
     await untilAsked('start');
     images.setView({ ...kView, wireframe: true });
     await untilAsked('view');
-    socket.close(1008, 'TOO_MANY_IMAGE_STREAMS: this server has 64 image streams, as many as it serves; try again later');
+    socket.close(1008, 'TOO_MANY_IMAGE_STREAMS: this server has 64 image streams, which is its limit; try again later');
     await untilAsked('start', 2);
     expect(asked('start')[1]).toMatchObject({ view: { wireframe: true } });
     expect(codecs).toHaveLength(2);

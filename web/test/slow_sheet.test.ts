@@ -4,7 +4,7 @@ import { SlowSheet } from '../src/ui/slow_sheet';
 const kSlow = { realTimeFactor: 0.4, speed: 1, paused: false, sleeping: false };
 const kFast = { ...kSlow, realTimeFactor: 1 };
 
-function slowSheet(text = 'A tick takes 40 ms and has 16.7') {
+function slowSheet(text = 'A tick takes 40 ms of the 16.7 ms available') {
   const notify = vi.fn();
   const advice = vi.fn(async () => text);
   return { sheet: new SlowSheet(notify, advice), notify, advice };
@@ -15,7 +15,7 @@ test('a sheet that falls behind is told of once, with the advice of the server',
   for (const ms of [0, 1000, 2900]) await sheet.saw('sheets/a', kSlow, ms);
   expect(notify).not.toHaveBeenCalled();
   for (const ms of [3100, 4000, 60_000]) await sheet.saw('sheets/a', kSlow, ms);
-  expect(notify.mock.calls).toEqual([['warning', 'A tick takes 40 ms and has 16.7']]);
+  expect(notify.mock.calls).toEqual([['warning', 'A tick takes 40 ms of the 16.7 ms available']]);
 });
 
 test('it is told of again after it has kept pace for as long', async () => {

@@ -120,7 +120,7 @@ def error_of(failure: Any, address: str) -> Error:
                 retry_after_s = retry.retry_delay.ToNanoseconds() / 1e9
     if code == "RESOURCE_EXHAUSTED" and "larger than max" in message:  # gRPC's own words
         reason = "MESSAGE_TOO_LARGE"
-        message += ": send less in one call, a batch of cuts in parts, say; a mesh file as an upload"
+        message += ": send less in one call, for example a batch of cuts in parts, or a mesh file as an upload"
     if code == "UNIMPLEMENTED" and not reason:
         message = f"the Kerf server at {address} has no such call: it is older than this package; {message}"
     if code == "UNAVAILABLE" and not reason:
@@ -140,7 +140,7 @@ def connection_closed(address: str) -> Error:
 
 def cut_off(address: str) -> Unavailable:
     """Returns the error of a stream that the server broke off because it could not write, not even the reason."""
-    return Unavailable("UNAVAILABLE", "TOO_SLOW", f"the server at {address} broke the stream off: it was not read in time")
+    return Unavailable("UNAVAILABLE", "TOO_SLOW", f"the server at {address} ended the stream: it was not read in time")
 
 
 def is_cancelled(failure: Any) -> bool:

@@ -45,7 +45,7 @@ class RunWriter:
     def add(self, frame: Frame) -> None:
         """Adds a frame. Raises ValueError where its tick is before the last one's, OSError where the disk is full."""
         if self._ticks and frame.tick < self._ticks[-1]:
-            raise ValueError(f"a frame of tick {frame.tick} comes after one of tick {self._ticks[-1]}")
+            raise ValueError(f"the frame of tick {frame.tick} follows that of tick {self._ticks[-1]}")
         if frame.topology_version != self._topology_version:
             self._flush()
             self._add_topology(frame)

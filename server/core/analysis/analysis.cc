@@ -215,7 +215,7 @@ Result<Outcome> run_modes(sheet::Sheet& sheet, const sheet::ModalAnalysis& analy
   if (analysis.count >= num_free) {
     return invalid_argument("TOO_MANY_MODES",
                             "analysis.modes.count is " + std::to_string(analysis.count) + "; the sheet has " +
-                                std::to_string(num_free) + " components that nothing holds, and as many modes",
+                                std::to_string(num_free) + " free components, and as many modes",
                             "analysis.modes.count");
   }
   // A live sheet is in balance with the forces of its steps.
@@ -230,7 +230,7 @@ Result<Outcome> run_modes(sheet::Sheet& sheet, const sheet::ModalAnalysis& analy
   if (!modes.converged) {
     return internal_error(
         "MODES_NOT_CONVERGED",
-        "the lowest vibrations did not converge; ask for fewer, or for a finer state to find them about",
+        "the lowest vibrations did not converge; request fewer modes, or refine the state that they are about",
         "analysis.modes");
   }
   Table table{"modes", {"mode", "eigenvalue_per_s2", "frequency_hz"}, {}};

@@ -257,7 +257,7 @@ Status Probes::check(const sheet::Sheet& sheet, const Probe& probe, const std::s
   KERF_TRY_ASSIGN(const std::vector<mesh::VertexId> found, find_vertices(sheet.mesh(), *probe.region, field));
   const bool may_fill = found.empty() && sheet::schedules_cuts(sheet.config());
   if (may_fill || !members_of(sheet, probe).empty()) return Nothing{};
-  return invalid_argument("REGION_EMPTY", field + " has nothing of the sheet in it", field);
+  return invalid_argument("REGION_EMPTY", field + " contains no part of the sheet", field);
 }
 
 std::vector<std::string> Probes::columns_of(const std::vector<Probe>& requests) {

@@ -150,9 +150,9 @@ class Cutter {
 
   [[nodiscard]] Error tolerance_not_kept() const {
     return failed_precondition("TOLERANCE_NOT_KEPT",
-                               "older lips near the path would lead it away by " +
+                               "older lips near the path would divert it by " +
                                    std::to_string(std::max(deviation_of_tolerance(), deviation_of_width())) +
-                                   " times the tolerance; shift the curve slightly, or ask for a larger tolerance",
+                                   " times the tolerance; shift the curve slightly, or allow a larger tolerance",
                                "cut.curve");
   }
 

@@ -186,7 +186,7 @@ Result<Outline> outline(const FlatCurve& curve, double width, double tolerance) 
   if (exceeds_work_budget(strips_of_chords(laid.chains(), grid, radius, arc_tolerance))) {
     return resource_exhausted(
         "WIDTH_WORK_BUDGET",
-        "too much of the curve lies within the width of itself: more than " + std::to_string(kMaxStripPairs) +
+        "too much of the curve lies within its own width: more than " + std::to_string(kMaxStripPairs) +
             " pairs of chords, or " + std::to_string(kMaxStripPoints) +
             " points of their outlines; make it narrower, the tolerance larger, or split the cut into several",
         "cut.width_m");

@@ -86,8 +86,8 @@ Status check_tolerance(const PathScale& scale) {
 
 Error curve_too_long(double achieved) {
   return invalid_argument("TOLERANCE_TOO_SMALL",
-                          "4096 chords a piece of the curve come within " + metres(achieved) +
-                              " of it; ask for a larger tolerance, or split the curve into more pieces",
+                          "4096 chords for each piece of the curve come only within " + metres(achieved) +
+                              " of it; allow a larger tolerance, or split the curve into more pieces",
                           "cut.curve");
 }
 

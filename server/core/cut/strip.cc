@@ -139,12 +139,13 @@ Result<std::vector<TriangleId>> strip_triangles(const TriangleMesh& mesh, const 
   if (!fits) {
     return failed_precondition(
         "CUT_NOT_REPRESENTABLE",
-        "the two sides of the strip could not be told apart between older lips; shift the curve slightly", "cut.curve");
+        "the two sides of the strip could not be distinguished between older lips; shift the curve slightly",
+        "cut.curve");
   }
   std::vector<TriangleId> strip = growth.triangles();
   if (static_cast<std::int32_t>(strip.size()) == mesh.num_solid_triangles()) {
     return failed_precondition("STRIP_COVERS_SHEET",
-                               "the strip would take the whole sheet away; make it narrower, or the curve shorter",
+                               "the strip would remove the whole sheet; make it narrower, or the curve shorter",
                                "cut.width_m");
   }
   return strip;

@@ -53,7 +53,7 @@ Status validate(const View& view) {
   if ((rotation.transpose() * rotation - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() > kRigid ||
       (view.view.row(3) - last).cwiseAbs().maxCoeff() > kRigid || rotation.determinant() < 0.0) {
     return invalid_argument("VIEW_NOT_RIGID",
-                            "the view matrix must be a rotation and a shift, its last row 0 0 0 1; scales belong into "
+                            "the view matrix must be a rotation and a shift, its last row 0 0 0 1; scales belong in "
                             "the projection (16 numbers, column by column)",
                             "cut.view.view");
   }

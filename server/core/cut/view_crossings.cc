@@ -329,7 +329,7 @@ Result<ViewCrossings> find_crossings(const mesh::TriangleMesh& mesh, const Scree
   }
   if (pairs > kMaxPairs) {
     return resource_exhausted("VIEW_WORK_BUDGET",
-                              "the curve meets too many triangles on the picture; draw a shorter one", "cut.curve");
+                              "the curve meets too many triangles in the picture; draw a shorter one", "cut.curve");
   }
   std::sort(crossings.intervals.begin(), crossings.intervals.end(), [](const ViewInterval& a, const ViewInterval& b) {
     return std::tie(a.segment, a.begin.at, a.triangle) < std::tie(b.segment, b.begin.at, b.triangle);

@@ -23,7 +23,7 @@ Status validate(const StaticAnalysis& analysis, const std::string& path) {
     const std::string field = path + ".loads[" + std::to_string(i) + "]";
     KERF_TRY(check_number(analysis.loads[i], 0.0, 1.0, field));
     if (analysis.loads[i] <= (i > 0 ? analysis.loads[i - 1] : 0.0)) {
-      return invalid_argument("NOT_ASCENDING", field + " must be greater than the load before it, and than 0", field);
+      return invalid_argument("NOT_ASCENDING", field + " must be greater than 0 and than the previous load", field);
     }
   }
   KERF_TRY(check_number(analysis.tolerance, kMinResidual, kMaxResidual, path + ".tolerance"));
@@ -55,7 +55,8 @@ Status validate_place(const Probe& probe, const std::string& path) {
     return invalid_argument("PLACE_MISSING", path + " needs either points or a region", path + ".points");
   }
   if (probe.quantity == Quantity::kReaction && has_points) {
-    return invalid_argument("PLACE_MISSING", path + " needs a region: reactions are those of what it holds",
+    return invalid_argument("PLACE_MISSING",
+                            path + " needs a region: it measures the reactions of the vertices held there",
                             path + ".region");
   }
   if (probe.quantity == Quantity::kOpening && !has_points) {
@@ -70,11 +71,11 @@ Status validate_place(const Probe& probe, const std::string& path) {
 // Choices that only some quantities have.
 Status validate_field(const Probe& probe, const std::string& path) {
   if (probe.recovery != Recovery::kMean && !is_in_plane(probe.quantity)) {
-    return invalid_argument("RECOVERY_UNUSED", path + ".recovery is of STRAIN and STRESS; leave it out",
+    return invalid_argument("RECOVERY_UNUSED", path + ".recovery applies to STRAIN and STRESS only; leave it out",
                             path + ".recovery");
   }
   if (probe.measure != StressMeasure::kBiot && probe.quantity != Quantity::kStress) {
-    return invalid_argument("STRESS_MEASURE_UNUSED", path + ".stress_measure is of STRESS; leave it out",
+    return invalid_argument("STRESS_MEASURE_UNUSED", path + ".stress_measure applies to STRESS only; leave it out",
                             path + ".stress_measure");
   }
   return Nothing{};
@@ -131,7 +132,7 @@ Status validate(const std::vector<Probe>& probes) {
     const std::string path = "probes[" + std::to_string(i) + "]";
     KERF_TRY(validate(probes[i], path));
     if (!names.insert(probes[i].name).second) {
-      return invalid_argument("PROBE_TWICE", path + ".name is that of a probe before it", path + ".name");
+      return invalid_argument("PROBE_TWICE", path + ".name is already the name of an earlier probe", path + ".name");
     }
   }
   return Nothing{};

@@ -91,8 +91,8 @@ Result<AppliedForces> AppliedForces::create(std::shared_ptr<const SheetConfig> c
     KERF_TRY_ASSIGN(const std::vector<VertexId> region, find_vertices(mesh, *place.region, field));
     if (place.is_border && schedules_cuts(*forces.config_)) continue;
     if (!(place.is_border ? edges_in(mesh, region).empty() : triangles_in(mesh, region).empty())) continue;
-    const char* const what = place.is_border ? " has no border edge of the sheet, both ends of which are in it"
-                                             : " has no triangle of the sheet, all corners of which are in it";
+    const char* const what = place.is_border ? " does not contain both ends of any border edge of the sheet"
+                                             : " does not contain all corners of any triangle of the sheet";
     return invalid_argument("NOTHING_LOADED", field + what, field);
   }
   forces.follow(mesh, initial);

@@ -36,11 +36,10 @@ Status validate_command(const Cut& cut) {
   }
   if (!cut.view) return Nothing{};
   if (options.fit) {
-    return invalid_argument(
-        "FIT_WITH_VIEW",
-        "a curve in pixels of a picture is not fitted into a box of the sheet, and a drawing always "
-        "is: leave out the view, or give pixels",
-        "cut.fit");
+    return invalid_argument("FIT_WITH_VIEW",
+                            "a curve in pixels of a picture cannot be fitted into a box of the sheet, as a drawing "
+                            "always is: leave out the view, or give pixels",
+                            "cut.fit");
   }
   return cut::validate(*cut.view);
 }

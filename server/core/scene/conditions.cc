@@ -50,7 +50,7 @@ Status validate(const Constraint& constraint, const std::string& path) {
   KERF_TRY(check_number(constraint.until.value_or(0.0), -kMaxHistoryTime, kMaxHistoryTime, path + ".until"));
   const bool holds_all = constraint.held[0] && constraint.held[1] && constraint.held[2];
   if (!constraint.slope || holds_all) return Nothing{};
-  return invalid_argument("SLOPE_ALONE", path + ".slope can be held where all of x, y and z are", path + ".slope");
+  return invalid_argument("SLOPE_ALONE", path + ".slope can be held only if x, y and z are all held", path + ".slope");
 }
 
 Status validate_factor(const LinearFactor& factor, const std::string& path) {
@@ -120,7 +120,7 @@ Status validate(const History& history, const std::string& field) {
     const std::string time = indexed(field + ".times", i);
     KERF_TRY(check_number(history.times[i], -kMaxHistoryTime, kMaxHistoryTime, time));
     if (i > 0 && history.times[i] <= history.times[i - 1]) {
-      return invalid_argument("NOT_ASCENDING", time + " must be greater than the time before it", time);
+      return invalid_argument("NOT_ASCENDING", time + " must be greater than the previous time", time);
     }
     KERF_TRY(check_number(history.factors[i], -kMaxHistoryFactor, kMaxHistoryFactor, indexed(field + ".factors", i)));
   }

@@ -72,7 +72,7 @@ Result<HeldVertices> HeldVertices::create(std::shared_ptr<const SheetConfig> con
     const int component = find_plane(initial.mesh, initial.positions);
     if (component < 0) {
       return invalid_argument("NOT_PLANAR",
-                              "planar asks for a sheet that starts in a plane perpendicular to x, y or z; turn its "
+                              "planar requires a sheet that starts in a plane perpendicular to x, y or z; turn its "
                               "placement",
                               "planar");
     }

@@ -31,8 +31,8 @@ Status check_vertex_limit(const IntegratorSettings& settings, std::int32_t num_v
   if (num_vertices <= limit) return Nothing{};
   return resource_exhausted("SOLVER_TOO_DENSE",
                             "the sheet has " + std::to_string(num_vertices) +
-                                " vertices; ES_CGM and AS_CGM make dense matrices, of " + std::to_string(limit) +
-                                " at most: take another integrator.solver or a coarser mesh",
+                                " vertices; ES_CGM and AS_CGM build dense matrices, for " + std::to_string(limit) +
+                                " at most: choose another integrator.solver or a coarser mesh",
                             "integrator.solver");
 }
 

@@ -88,8 +88,8 @@ class OutlineFlattening {
     KERF_TRY(add_contours(source_.boundary, "outline.boundary"));
     if (config_.contours.size() != 1) {
       return invalid_argument("OUTLINE_BORDER",
-                              "the border is one closed line, not " + std::to_string(config_.contours.size()) +
-                                  "; what it surrounds are holes",
+                              "the border must be one closed line, not " + std::to_string(config_.contours.size()) +
+                                  "; lines inside it are holes",
                               "outline.boundary");
     }
     for (std::size_t i = 0; i < source_.holes.size(); ++i) {
@@ -106,8 +106,8 @@ class OutlineFlattening {
     for (const cut::Stroke& stroke : flat.strokes) num_chords_ += stroke.points.size() - 1;
     if (num_chords_ <= kMaxOutlineChords) return Nothing{};
     return resource_exhausted("OUTLINE_CURVES",
-                              "the curves of the outline become more than " + std::to_string(kMaxOutlineChords) +
-                                  " chords; give it fewer curves, or ask for longer edges",
+                              "the curves of the outline need more than " + std::to_string(kMaxOutlineChords) +
+                                  " chords; use fewer curves or longer edges",
                               field);
   }
 
@@ -132,11 +132,10 @@ class OutlineFlattening {
       return invalid_argument("OUTLINE_OUT_OF_RANGE", field + " reaches farther than 1e4 m from the origin", field);
     }
     if (stroke.points.front() != stroke.points.back()) {
-      return invalid_argument("OUTLINE_OPEN",
-                              field +
-                                  " does not end where it began; repeat a polyline's first point at its end, or say "
-                                  "`closed` of a path",
-                              field);
+      return invalid_argument(
+          "OUTLINE_OPEN",
+          field + " does not end where it began; repeat a polyline's first point at its end, or set `closed` on a path",
+          field);
     }
     mesh::OutlineContour contour;
     contour.field = field;

@@ -26,7 +26,7 @@ Status validate_line(const MaterialLine& line, const std::string& field) {
   KERF_TRY(check_vector(line.a, kMaxMaterialCoordinate, field + ".a"));
   KERF_TRY(check_vector(line.b, kMaxMaterialCoordinate, field + ".b"));
   if (line.side != MaterialLine::Side::kBoth && line.a == line.b) {
-    return invalid_argument("LINE_EMPTY", field + ".b must not be a: a point has no sides", field + ".b");
+    return invalid_argument("LINE_EMPTY", field + ".b must differ from a: a point has no sides", field + ".b");
   }
   return check_number(line.within, 0.0, kMaxMaterialCoordinate, field + ".within_m");
 }
@@ -101,7 +101,7 @@ Status add_listed(const mesh::TriangleMesh& mesh, const std::vector<mesh::Vertex
     if (!mesh.has_material(ids[k])) {
       const std::string path = field + ".vertices.vertices[" + std::to_string(k) + "]";
       return invalid_argument("UNKNOWN_VERTEX",
-                              path + " is " + std::to_string(ids[k]) + ", whose material a cut took away", path);
+                              path + " is " + std::to_string(ids[k]) + ", whose material a cut removed", path);
     }
     found.push_back(ids[k]);
   }
@@ -264,7 +264,7 @@ Result<std::vector<mesh::VertexId>> find_vertices(const mesh::TriangleMesh& mesh
 Error no_vertex_in(const std::string& field) {
   return invalid_argument("REGION_EMPTY",
                           field +
-                              " names no vertex of the sheet; move it onto the sheet, give a line or a curve a "
+                              " contains no vertex of the sheet; move it onto the sheet, give a line or a curve a "
                               "larger within_m, or leave it out",
                           field);
 }
@@ -313,7 +313,7 @@ Result<std::vector<mesh::TriangleId>> find_triangles(const mesh::TriangleMesh& m
   using Triangles = Result<std::vector<mesh::TriangleId>>;
   const auto refuse = [&field]() -> Triangles {
     return invalid_argument("REGION_WITHOUT_TRIANGLES",
-                            field + " names vertices, no triangles; give a box, a line, a curve, vertices or all",
+                            field + " names vertices, not triangles; give a box, a line, a curve, vertices or all",
                             field);
   };
   const auto within = [&mesh](const auto& holds) -> Triangles { return triangles_where(mesh, holds); };

@@ -105,9 +105,9 @@ Status validate_schedule(const std::vector<ScheduledCommand>& commands) {
                               field + ".tick");
     }
     if (const auto* reset = std::get_if<Reset>(&commands[i].command); reset != nullptr && reset->repeats) {
-      return invalid_argument("OUT_OF_RANGE",
-                              field + ".command.reset.repeats is for recordings; give the scene repeat_after_ticks",
-                              field + ".command.reset.repeats");
+      return invalid_argument(
+          "OUT_OF_RANGE", field + ".command.reset.repeats is for recordings only; set repeat_after_ticks of the scene",
+          field + ".command.reset.repeats");
     }
     if (Status s = validate(commands[i].command); !s.ok()) {
       Error error = s.error();

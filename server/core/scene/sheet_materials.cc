@@ -49,7 +49,7 @@ Status validate(const std::vector<RegionMaterial>& materials, const fem::Materia
   if (different.size() <= kMaxMaterials) return Nothing{};
   return invalid_argument("TOO_MANY_MATERIALS",
                           "the sheet has " + std::to_string(different.size()) +
-                              " different materials, its own among them; the limit is " + std::to_string(kMaxMaterials),
+                              " different materials, including its own; the limit is " + std::to_string(kMaxMaterials),
                           "materials");
 }
 
@@ -73,7 +73,7 @@ Result<SheetMaterials> assign_materials(SheetConfig& config, mesh::TriangleMesh&
     const std::string field = path_of(i) + ".region";
     KERF_TRY_ASSIGN(const std::vector<mesh::TriangleId> found, find_triangles(mesh, config.materials[i].region, field));
     if (found.empty()) {
-      return invalid_argument("REGION_EMPTY", field + " has no triangle of the sheet in it", field);
+      return invalid_argument("REGION_EMPTY", field + " contains no triangle of the sheet", field);
     }
     const std::int32_t number = number_of(config.materials[i].material, given);
     for (const mesh::TriangleId t : found) numbers[static_cast<std::size_t>(t)] = number;
@@ -105,7 +105,7 @@ Result<SheetMaterials> with_material(const SheetMaterials& materials, const SetM
     return invalid_argument("UNKNOWN_PART",
                             "set_material.part is " + std::to_string(*change.part) + "; the sheet has " +
                                 std::to_string(changed.entries.size() - 1) +
-                                " parts, from 0, and -1 is its own material",
+                                " parts, numbered from 0; -1 is its own material",
                             "set_material.part");
   }
   changed.entries[entry] = change.material;
@@ -116,8 +116,8 @@ Result<SheetMaterials> with_material(const SheetMaterials& materials, const SetM
     return failed_precondition(
         "MATERIAL_SHARED",
         part_name(entry) + " and " + part_name(other) +
-            " had the same material when the sheet was made and are one since; leave out the part to set all "
-            "of the sheet, or make the sheet with different ones",
+            " had the same material when the sheet was created and cannot be set apart since; leave out the part to "
+            "set the whole sheet, or create the sheet with different materials",
         "set_material.part");
   }
   changed.by_region[static_cast<std::size_t>(region)] = change.material;

@@ -21,7 +21,7 @@ Status check_next(const RecordedTick& entry, std::size_t index, std::int64_t bef
   if (entry.commands.size() > kMaxTickCommands) {
     return data_loss("RECORDING_TICK", "entry " + std::to_string(index) + " has " +
                                            std::to_string(entry.commands.size()) + " commands; at most " +
-                                           std::to_string(kMaxTickCommands) + " are done at once");
+                                           std::to_string(kMaxTickCommands) + " are allowed in one tick");
   }
   return Nothing{};
 }

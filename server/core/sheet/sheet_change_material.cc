@@ -16,11 +16,12 @@ Status check_condition(const SheetConfig& config, const fem::Model& model, const
   const double condition = fem::condition_number(model, 1.0 / config.tick_rate_hz);
   const bool moves = std::holds_alternative<DynamicAnalysis>(config.analysis);
   if (!moves || fem::rate_condition(condition) != fem::ConditionClass::kRefused) return Nothing{};
-  return invalid_argument("SHEET_TOO_STIFF",
-                          fem::describe_condition(condition) +
-                              ": steps of this length would be all rounding; make the material softer or heavier, the "
-                              "mesh coarser, or the tick rate higher",
-                          prefix + ".youngs_modulus_pa");
+  return invalid_argument(
+      "SHEET_TOO_STIFF",
+      fem::describe_condition(condition) +
+          ": steps of this length would be dominated by rounding; make the material softer or heavier, the "
+          "mesh coarser, or the tick rate higher",
+      prefix + ".youngs_modulus_pa");
 }
 
 std::optional<fem::Softening> choose_softening(const SheetConfig& config, const mesh::TriangleMesh& uncut,

@@ -129,7 +129,7 @@ Status Sheet::Impl::grab(const Grab& grab) {
     }
     if (!mesh.has_material(*vertex)) {
       return invalid_argument("UNKNOWN_VERTEX",
-                              "grab.vertex is " + std::to_string(*vertex) + ", whose material a cut took away",
+                              "grab.vertex is " + std::to_string(*vertex) + ", whose material a cut removed",
                               "grab.vertex");
     }
     held.vertices[0] = *vertex;

@@ -75,8 +75,8 @@ void UndoHistory::clear() {
 Result<std::shared_ptr<const UndoStep>> UndoHistory::take_done() {
   if (done_.empty() && forgotten_) {
     return nothing("UNDO_FORGOTTEN",
-                   "what came before is too much to be kept for an undo: at most 1000 steps and 32 MiB; reset the "
-                   "sheet to go back to its beginning");
+                   "earlier steps are no longer kept: undo keeps at most 1000 steps and 32 MiB; reset the sheet to "
+                   "return to its beginning");
   }
   if (done_.empty()) return nothing("NOTHING_TO_UNDO", "the sheet has no cut and no reset to undo");
   undone_.push_back(std::move(done_.back()));
@@ -86,7 +86,8 @@ Result<std::shared_ptr<const UndoStep>> UndoHistory::take_done() {
 
 Result<std::shared_ptr<const UndoStep>> UndoHistory::take_undone() {
   if (undone_.empty()) {
-    return nothing("NOTHING_TO_REDO", "nothing was undone since the last cut or reset, so there is nothing to redo");
+    return nothing("NOTHING_TO_REDO",
+                   "nothing has been undone since the last cut or reset, so there is nothing to redo");
   }
   done_.push_back(std::move(undone_.back()));
   undone_.pop_back();

@@ -45,16 +45,16 @@ Status check(const sheet::Sheet& sheet, const sheet::DynamicAnalysis& analysis,
   if (sheet.frozen() && analysis.ticks > 0) {
     return failed_precondition("SHEET_FROZEN",
                                "the sheet is frozen at tick " + std::to_string(sheet.tick()) +
-                                   ", where no finite step was found: reset it, or ask for 0 ticks",
+                                   ", where no finite step was found: reset it, or request 0 ticks",
                                "name");
   }
   const auto columns = static_cast<std::int64_t>(analysis::Probes::columns_of(probes).size()) + 1;
   const std::int64_t rows = analysis.ticks / analysis.measure_every + 2;
   if (columns == 1 || rows * columns <= kMaxMeasuredNumbers) return Nothing{};
   return resource_exhausted("TABLE_TOO_LARGE",
-                            std::to_string(rows) + " rows of " + std::to_string(columns) +
-                                " columns are more than the " + std::to_string(kMaxMeasuredNumbers) +
-                                " numbers that one answer may have; measure less often, " + "or at fewer points",
+                            std::to_string(rows) + " rows of " + std::to_string(columns) + " columns exceed the " +
+                                std::to_string(kMaxMeasuredNumbers) +
+                                " numbers that one answer may have; measure less often, or at fewer points",
                             "analysis.dynamic.measure_every");
 }
 

@@ -69,19 +69,21 @@ v1::LocalInertia encode_local_inertia(const fem::LocalInertiaStats& stats) {
 }  // namespace
 
 Error too_many_pictures(const ApiCore& core) {
-  return resource_exhausted("TOO_MANY_PICTURES", std::to_string(core.options.limits.max_waiting_pictures) +
-                                                     " pictures are waiting, as many as may; try again later");
+  return resource_exhausted("TOO_MANY_PICTURES",
+                            std::to_string(core.options.limits.max_waiting_pictures) +
+                                " pictures are already waiting, which is the limit; try again later");
 }
 
 Error too_many_files(const ApiCore& core) {
   return resource_exhausted("TOO_MANY_FILES",
                             std::to_string(core.options.limits.max_waiting_files) +
-                                " exports and recordings are waiting, as many as may; try again later");
+                                " exports and recordings are already waiting, which is the limit; try again later");
 }
 
 Error too_many_analyses(const ApiCore& core) {
-  return resource_exhausted("TOO_MANY_ANALYSES", std::to_string(core.options.limits.max_waiting_analyses) +
-                                                     " analyses are waiting, as many as may; try again later");
+  return resource_exhausted("TOO_MANY_ANALYSES",
+                            std::to_string(core.options.limits.max_waiting_analyses) +
+                                " analyses are already waiting, which is the limit; try again later");
 }
 
 void copy_sheet(const std::shared_ptr<ApiCore>& core, const std::string& sheet_id, const char* field,
@@ -97,8 +99,8 @@ void copy_sheet(const std::shared_ptr<ApiCore>& core, const std::string& sheet_i
       [limit, field, done = std::move(done)](Result<Copy> copy) {
         if (!copy.ok() || *copy != nullptr) return done(std::move(copy));
         done(resource_exhausted("SHEET_TOO_LARGE",
-                                "the sheet has more than the " + std::to_string(limit) +
-                                    " vertices that are copied here; `kerf run` has no such limit",
+                                "the sheet has more than " + std::to_string(limit) +
+                                    " vertices, the limit of a copy; `kerf run` has no such limit",
                                 field));
       });
 }

@@ -183,7 +183,7 @@ Result<host::CommandResult> result_on(sheet::Sheet& copy, const sheet::Command& 
 
 Status check_validate_only(std::int64_t at_tick) {
   if (at_tick == 0) return Nothing{};
-  return invalid_argument("EXCLUSIVE", "validate_only says what a cut would be now; leave at_tick out", "at_tick");
+  return invalid_argument("EXCLUSIVE", "validate_only predicts a cut made now; leave at_tick out", "at_tick");
 }
 
 v1::CutResult without_name(v1::CutResult result) {
@@ -280,7 +280,7 @@ void Api::create_cut(const v1::CreateCutRequest& request, Reply<v1::CutResult> r
   const Result<std::string> id = addressed_sheet(*core_, request.parent(), "parent");
   if (!id.ok()) return reply(id.error());
   if (!request.has_cut())
-    return reply(invalid_argument("FIELD_MISSING", "cut must be given: its curve at least", "cut"));
+    return reply(invalid_argument("FIELD_MISSING", "cut must be given, with at least its curve", "cut"));
   if (const Status status = check_tick(request.at_tick()); !status.ok()) return reply(status.error());
   Result<sheet::Command> command = wire::decode_cut(request.cut());
   if (!command.ok()) return reply(command.error());

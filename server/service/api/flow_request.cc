@@ -31,7 +31,7 @@ Result<stream::FlowOptions> decode_flow(std::int32_t window, double max_rate_hz,
   stream::FlowOptions flow = flow_within(limits);
   if (window < 0 || window > stream::kMaxWindow) {
     return invalid_argument("OUT_OF_RANGE",
-                            "start.window is " + std::to_string(window) + "; must be 1 to 8, or 0 for one that adapts",
+                            "start.window is " + std::to_string(window) + "; must be 1 to 8, or 0 for an adaptive one",
                             "start.window");
   }
   flow.window = window;
@@ -46,7 +46,7 @@ std::chrono::microseconds held_of(const v1::WatchAck& ack) {
 Status check_turn(bool has_kind, bool is_start, bool started, const char* kinds) {
   if (!has_kind) return invalid_argument("CHOICE_MISSING", std::string("kind must be one of ") + kinds, "kind");
   if (is_start != started) return Nothing{};
-  return is_start ? invalid_argument("STARTED_TWICE", "this stream was started before; open another", "start")
+  return is_start ? invalid_argument("STARTED_TWICE", "this stream has already started; open another", "start")
                   : invalid_argument("START_MISSING", "the first message of a stream must be start", "start");
 }
 

@@ -29,7 +29,7 @@ Result<v1::ImageCodec> decode_codec(v1::ImageCodec codec) {
       return codec;
     case v1::IMAGE_VP8:
       if (render::video_available()) return codec;
-      return unavailable("NO_VIDEO_CODEC", "this server was built without VP8; ask for IMAGE_JPEG (1)", "start.codec");
+      return unavailable("NO_VIDEO_CODEC", "this server was built without VP8; request IMAGE_JPEG (1)", "start.codec");
     default:
       return invalid_argument("UNKNOWN_ENUM_VALUE",
                               "start.codec is " + std::to_string(codec) +
@@ -43,7 +43,7 @@ Status check_video_size(const PictureView& view, const std::string& prefix) {
   return invalid_argument("OUT_OF_RANGE",
                           "a picture of " + std::to_string(view.width) + " x " + std::to_string(view.height) +
                               " has more than the " + std::to_string(render::kMaxVideoPixels) +
-                              " pixels (1920 x 1200) that VP8 pictures may have; make it smaller, or ask for JPEG",
+                              " pixels (1920 x 1200) that VP8 pictures may have; make it smaller, or request JPEG",
                           prefix + "width_px");
 }
 

@@ -11,7 +11,7 @@ Result<std::size_t> page_size(std::int32_t requested) {
 }
 
 Error bad_page_token() {
-  return invalid_argument("PAGE_TOKEN", "page_token is none that the server gave out; start with an empty one",
+  return invalid_argument("PAGE_TOKEN", "page_token was not issued by this server; start with an empty one",
                           "page_token");
 }
 

@@ -13,7 +13,7 @@ namespace kerf::api {
 void PictureStream::on_bytes(std::string_view bytes) {
   v1::WatchImagesRequest request;
   if (!request.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) {
-    return fail(invalid_argument("MALFORMED_MESSAGE", "this is no serialised kerf.v1.WatchImagesRequest"));
+    return fail(invalid_argument("MALFORMED_MESSAGE", "this is not a serialised kerf.v1.WatchImagesRequest"));
   }
   if (const Status finite = wire::check_finite(request); !finite.ok()) return fail(finite.error());
   const Status turn = check_turn(request.kind_case() != v1::WatchImagesRequest::KIND_NOT_SET, request.has_start(),
@@ -55,7 +55,7 @@ void PictureStream::start(const v1::WatchImagesStart& request, bool acknowledges
   }
   if (admitted) return join();
   fail(resource_exhausted("TOO_MANY_IMAGE_STREAMS", "this server has " + std::to_string(limit) +
-                                                        " image streams, as many as it serves; try again later"));
+                                                        " image streams, which is its limit; try again later"));
 }
 
 void PictureStream::join() {

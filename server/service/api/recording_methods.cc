@@ -67,8 +67,8 @@ Result<std::shared_ptr<const UploadRoom>> Api::reserve_upload(std::int64_t num_b
   auto room = std::make_shared<const UploadRoom>(core_, num_bytes);
   const std::int64_t all = core_->options.limits.max_uploading_bytes;
   if (room->taken_together() > all) {
-    return resource_exhausted("TOO_MANY_UPLOADS", "uploads under way may have " + std::to_string(all) +
-                                                      " bytes together; try again when one has ended");
+    return resource_exhausted("TOO_MANY_UPLOADS", "uploads in progress may have " + std::to_string(all) +
+                                                      " bytes together; try again when one has finished");
   }
   return room;
 }
@@ -78,10 +78,9 @@ Result<std::unique_ptr<Upload>> Api::upload_sheet(const v1::SheetUpload& start) 
   const bool is_obj = scene.has_obj() && scene.obj().text().empty() && scene.obj().file().empty();
   const bool is_ply = scene.has_ply() && scene.ply().data().empty() && scene.ply().file().empty();
   if (!is_obj && !is_ply) {
-    return invalid_argument("UPLOAD_OF_WHAT",
-                            "start.sheet.scene must have an obj without text or a ply without data: that is what the "
-                            "chunks are",
-                            "start.sheet.scene");
+    return invalid_argument(
+        "UPLOAD_OF_WHAT", "start.sheet.scene must have an obj without text or a ply without data: the chunks supply it",
+        "start.sheet.scene");
   }
   Upload::Use use = [core = core_, request = start.sheet(), is_obj](std::string content, Reply<v1::Sheet> reply,
                                                                     const std::stop_token& stop) mutable {
@@ -115,10 +114,10 @@ void Api::get_sheet_recording(const v1::GetSheetRecordingRequest& request,
   const auto file = std::make_shared<SentRecording>(core_);
   const std::int32_t most = core_->options.limits.max_recordings_sent;
   if (file->counted_together() > most) {
-    return reply(resource_exhausted("TOO_MANY_RECORDINGS",
-                                    std::to_string(most) +
-                                        " recordings are being sent, as many as may be; try again when one has "
-                                        "arrived"));
+    return reply(resource_exhausted(
+        "TOO_MANY_RECORDINGS",
+        std::to_string(most) +
+            " recordings are already being sent, which is the limit; try again when one has finished"));
   }
   core_->host.recording(*id, [core = core_, file, reply = std::move(reply)](Result<host::KeptRun> run) {
     if (!run.ok()) return reply(at_field(run.error(), "name"));

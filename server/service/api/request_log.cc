@@ -36,7 +36,7 @@ std::optional<std::stop_token> RequestLog::begin(const std::string& key, std::st
     entries_.splice(entries_.begin(), entries_, found->second);
     if (entry.body_hash != body_hash) {
       known = already_exists("REQUEST_ID_REUSED",
-                             "another request was made under this request_id; choose a new one for each request",
+                             "this request_id was used for another request; choose a new one for each request",
                              "request_id");
     } else if (!entry.done) {
       entry.waiters.push_back(std::move(waiter));

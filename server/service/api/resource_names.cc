@@ -46,9 +46,9 @@ Result<ScheduledName> parse_scheduled_name(const std::string& name) {
       return parsed;
     }
   }
-  return invalid_argument("NAME_MALFORMED",
-                          "name must be sheets/{sheet}/scheduledCuts/{number}, as scheduled_name of the call's answer",
-                          "name");
+  return invalid_argument(
+      "NAME_MALFORMED", "name must be sheets/{sheet}/scheduledCuts/{number}, as in scheduled_name of the call's answer",
+      "name");
 }
 
 std::string cut_name(const std::string& sheet_id, std::int64_t number) {

@@ -47,7 +47,7 @@ Result<stream::SubscriberOptions> decode_options(const v1::WatchStart& start, co
   if (start.epoch().size() > kMaxEpochBytes) {
     return invalid_argument("OUT_OF_RANGE",
                             "start.epoch has " + std::to_string(start.epoch().size()) +
-                                " bytes; it is that of an earlier stream's first frame, or empty",
+                                " bytes; it must be that of an earlier stream's first frame, or empty",
                             "start.epoch");
   }
   options.epoch = start.epoch();
@@ -133,7 +133,7 @@ class Session final : public WatchSession, public OpenStream, public std::enable
 void Session::on_bytes(std::string_view bytes) {
   v1::WatchRequest request;
   if (!request.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) {
-    return fail(invalid_argument("MALFORMED_MESSAGE", "this is no serialised kerf.v1.WatchRequest"));
+    return fail(invalid_argument("MALFORMED_MESSAGE", "this is not a serialised kerf.v1.WatchRequest"));
   }
   on_request(request);
 }
@@ -225,7 +225,7 @@ std::shared_ptr<stream::Subscriber> Session::joined_subscriber() {
 void Session::acknowledge(const v1::WatchAck& ack) {
   const std::shared_ptr<stream::Subscriber> subscriber = joined_subscriber();
   if (!subscriber) {
-    return fail(invalid_argument("ACK_OUT_OF_RANGE", "a frame is acknowledged before one was sent", "ack.sequence"));
+    return fail(invalid_argument("ACK_OUT_OF_RANGE", "a frame was acknowledged before any was sent", "ack.sequence"));
   }
   const Status status = subscriber->acknowledge(ack.sequence(), core_->clock.now(), held_of(ack));
   if (!status.ok()) fail(status.error());
@@ -281,8 +281,8 @@ void Session::reject(const std::string& grab_id, const Error& error) {
     }
   }
   if (flooded) {
-    return fail(resource_exhausted(
-        "TOO_MANY_REJECTIONS", std::to_string(kMaxUnreadRejections) + " rejections wait to be read; read the stream"));
+    return fail(resource_exhausted("TOO_MANY_REJECTIONS",
+                                   std::to_string(kMaxUnreadRejections) + " rejections are unread; read the stream"));
   }
   ready_.raise();
 }

@@ -17,7 +17,7 @@ void make_sheet(const std::shared_ptr<ApiCore>& core, v1::CreateSheetRequest req
   const std::string& id = request.sheet_id();
   if (const Status valid = check_sheet_id(id); !valid.ok()) return reply(valid.error());
   if (!request.has_scene()) {
-    return reply(invalid_argument("FIELD_MISSING", "scene must be given: a mesh at least", "scene"));
+    return reply(invalid_argument("FIELD_MISSING", "scene must be given, with at least a mesh", "scene"));
   }
   // Copies the scene if there is a request_id, which stands for the whole request.
   v1::Scene scene = request.request_id().empty() ? std::move(*request.mutable_scene()) : request.scene();

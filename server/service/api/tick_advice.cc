@@ -59,11 +59,11 @@ std::string advice(const host::SheetStatus& status) {
   const auto& ns = estimate.cost.ns;
   const auto largest = static_cast<fem::TickPart>(std::max_element(ns.begin(), ns.end()) - ns.begin());
   const double share = estimate.cost[largest] / estimate.cost.total();
-  std::string text = format("A tick takes %.3g ms and has %.3g: %.0f %% of it is ", 1e-3 * estimate.total_us(),
-                            1e-3 * estimate.budget, 100.0 * share);
+  std::string text = format("A tick takes %.3g ms of the %.3g ms available: %.0f %% of it is ",
+                            1e-3 * estimate.total_us(), 1e-3 * estimate.budget, 100.0 * share);
   text.append(name_for_people(largest));
   if (estimate.cost.substeps > 0.0) text += format(", in %.0f substeps", estimate.cost.substeps);
-  text.append(". What helps: ").append(remedy(largest, status));
+  text.append(". Remedy: ").append(remedy(largest, status));
   const double speed = std::floor(100.0 * status.stats.speed * estimate.budget / estimate.total_us()) / 100.0;
   return speed > 0.0 ? text + format("; or speed %.2g.", speed) : text + ".";
 }
@@ -88,8 +88,9 @@ v1::TickEstimate encode_tick_estimate(const host::SheetStatus& status) {
 std::string warning_of_slower_ticks(const host::CommandTimings& timings) {
   const bool ends_real_time = timings.tick_before_us <= timings.budget_us && timings.tick_after_us > timings.budget_us;
   if (!ends_real_time) return {};
-  return format("The sheet falls behind from here on: a tick takes %.3g ms and has %.3g; before, it took %.3g ms.",
-                1e-3 * timings.tick_after_us, 1e-3 * timings.budget_us, 1e-3 * timings.tick_before_us);
+  return format(
+      "The sheet now falls behind: a tick takes %.3g ms of the %.3g ms available; before the cut it took %.3g ms.",
+      1e-3 * timings.tick_after_us, 1e-3 * timings.budget_us, 1e-3 * timings.tick_before_us);
 }
 
 }  // namespace kerf::api

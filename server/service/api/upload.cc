@@ -10,7 +10,7 @@ namespace {
 Error wrong_length(std::int64_t told, const std::string& came) {
   return invalid_argument("UPLOAD_LENGTH",
                           "start.num_bytes is " + std::to_string(told) + ", but " + came +
-                              " came; tell the length of the file and send all of it",
+                              " arrived; give the length of the file and send all of it",
                           "start.num_bytes");
 }
 

@@ -43,7 +43,7 @@ Status Admission::admit(double load, std::int32_t workers) {
   if (!closed_) return Nothing{};
   std::ostringstream message;
   message << std::fixed << std::setprecision(2) << "running sheets need " << load * workers << " of " << workers
-          << " workers; from " << max_load_ * workers << " on no more are taken, until it is less than "
+          << " workers; from " << max_load_ * workers << " on, new ones are refused until the need is below "
           << reopens_below * workers
           << ": pause or delete sheets, give them fewer vertices or a lower tick_rate_hz, or create this one paused";
   return resource_exhausted("OVERLOADED", message.str());

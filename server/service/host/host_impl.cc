@@ -207,7 +207,7 @@ Result<std::shared_ptr<VertexShare>> Host::Impl::reserve(const std::string& id, 
   const std::lock_guard lock(mutex_);
   if (stopping_) return stopping();
   if (sheets_.contains(id)) {
-    return already_exists("SHEET_EXISTS", "there is a sheet \"" + id + "\" already", "sheet_id");
+    return already_exists("SHEET_EXISTS", "a sheet \"" + id + "\" already exists", "sheet_id");
   }
   if (sheets_.size() >= static_cast<std::size_t>(options_.max_sheets)) {
     return resource_exhausted("TOO_MANY_SHEETS", "this server's limit of " + std::to_string(options_.max_sheets) +
@@ -256,7 +256,7 @@ Result<sheet::Sheet> Host::Impl::build(sheet::SheetConfig config, const Creation
 Status Host::Impl::check_wanted(const Creation& creation) const {
   if (stopping_) return stopping();
   if (creation.stop.stop_requested()) {
-    return aborted("CREATION_ABANDONED", "whoever asked for the sheet left before it was built; ask again");
+    return aborted("CREATION_ABANDONED", "the client left before its sheet was built; request it again");
   }
   return Nothing{};
 }

@@ -21,9 +21,9 @@ Result<std::string> KeptRecording::until(std::int64_t tick, std::uint64_t state_
   if (given_up_at_ >= 0) {
     return failed_precondition(
         "RECORDING_TOO_LONG",
-        "the recording of this sheet was given up at tick " + std::to_string(given_up_at_) + ", where it outgrew " +
+        "the recording of this sheet was dropped at tick " + std::to_string(given_up_at_) + ", when it exceeded " +
             std::to_string(max_bytes_) +
-            " bytes; make the sheet anew, or start kerfd with --record, which writes recordings to disk");
+            " bytes; create the sheet again, or start kerfd with --record, which writes recordings to disk");
   }
   return tick > last_tick_ ? bytes_ + encode_({tick, {}, state_hash}) : bytes_;
 }

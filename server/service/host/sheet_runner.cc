@@ -183,8 +183,8 @@ Result<std::int64_t> SheetRunner::schedule(sheet::Command command, std::int64_t 
   if (is_playing()) return replaying();
   if (at_tick <= sheet_.tick()) {
     return failed_precondition("TICK_PAST",
-                               "at_tick is " + std::to_string(at_tick) + "; the sheet has done tick " +
-                                   std::to_string(sheet_.tick()) + " already: name a later one",
+                               "at_tick is " + std::to_string(at_tick) + "; the sheet has already reached tick " +
+                                   std::to_string(sheet_.tick()) + ": give a later one",
                                "at_tick");
   }
   const auto limit = static_cast<std::size_t>(context_.options.max_scheduled_commands);
@@ -204,7 +204,8 @@ Result<std::int64_t> SheetRunner::schedule(sheet::Command command, std::int64_t 
 
 Result<WaitingCommand> SheetRunner::cancel(std::int64_t number) {
   if (number < 1 || number > num_scheduled_) {
-    return not_found("SCHEDULED_CUTS_NOT_FOUND", "no call of this sheet has the number " + std::to_string(number));
+    return not_found("SCHEDULED_CUTS_NOT_FOUND",
+                     "this sheet has no scheduled call with number " + std::to_string(number));
   }
   const auto found = std::find_if(scheduled_.begin(), scheduled_.end(), [number](const WaitingCommand& waiting) {
     return waiting.appointment.number == number;
@@ -213,7 +214,7 @@ Result<WaitingCommand> SheetRunner::cancel(std::int64_t number) {
     return failed_precondition(
         "SCHEDULED_CUTS_SETTLED",
         "call " + std::to_string(number) +
-            " does not wait any more: it was done, refused or cancelled; an undo takes back what was cut");
+            " is no longer waiting: it was applied, refused or cancelled; undo reverts its cuts");
   }
   WaitingCommand cancelled = std::move(*found);
   scheduled_.erase(found);
@@ -383,7 +384,7 @@ Error SheetRunner::closed_error() const {
   if (closed_ == sheet::SinkEnd::kHostStopping) return host_stopping();
   if (closed_ == sheet::SinkEnd::kSheetLost) {
     return data_loss("SHEET_LOST", "the server had too little memory to keep the sheet \"" + id_ +
-                                       "\"; what --record has written of it is whole");
+                                       "\"; its --record file is complete up to then");
   }
   return aborted("SHEET_DELETED", "the sheet \"" + id_ + "\" was deleted meanwhile");
 }

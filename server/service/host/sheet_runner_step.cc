@@ -8,8 +8,8 @@ namespace kerf::host {
 
 void SheetRunner::step(std::int64_t ticks, Callback<SheetStatus> done, std::stop_token stop) {
   const auto refuse = [&](const char* reason, const char* message) { done(failed_precondition(reason, message)); };
-  if (!paused_) return refuse("NOT_PAUSED", "only a paused sheet is stepped by hand; pause it first");
-  if (step_call_) return refuse("STEPPING", "the sheet is being stepped already; wait for that call");
+  if (!paused_) return refuse("NOT_PAUSED", "only a paused sheet can be stepped; pause it first");
+  if (step_call_) return refuse("STEPPING", "the sheet is already being stepped; wait for that call");
   if (sheet_.frozen()) return refuse("SHEET_FROZEN", "the sheet is frozen at its last good tick; reset it first");
   step_call_ = StepCall{ticks, std::move(done), std::move(stop)};
   if (!turn_posted_)
@@ -27,7 +27,7 @@ void SheetRunner::take_turn() {
     if (!sheet_.frozen()) continue;
     finish_step(failed_precondition("SHEET_FROZEN", "no finite step, or no memory for one, was found at tick " +
                                                         std::to_string(sheet_.tick()) +
-                                                        "; the sheet is frozen there, reset it"));
+                                                        "; the sheet is frozen there: reset it"));
     return;
   }
   if (step_call_->remaining > 0) {

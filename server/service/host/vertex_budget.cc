@@ -10,9 +10,10 @@ Status VertexBudget::take(std::int64_t more) {
   if (limit_ != 0 && in_use_ + more > limit_) {
     return resource_exhausted("TOO_MANY_VERTICES_IN_ALL",
                               "all sheets of this server together may have " + std::to_string(limit_) +
-                                  " vertices and have " + std::to_string(in_use_) + ": this one has more than the " +
+                                  " vertices and already have " + std::to_string(in_use_) +
+                                  ": this one has more than the " +
                                   std::to_string(std::max<std::int64_t>(limit_ - in_use_, 0)) +
-                                  " that are left; delete a sheet, make this one coarser, or give kerfd a larger "
+                                  " left; delete a sheet, make this one coarser, or give kerfd a larger "
                                   "--max-total-vertices");
   }
   in_use_ += more;

@@ -19,14 +19,15 @@ template <typename Message>
 Result<Message> parse_message(const grpc::ByteBuffer& bytes) {
   const std::string name(Message::descriptor()->full_name());
   if (!bytes.Valid()) {
-    return invalid_argument("MESSAGE_INCOMPLETE", "no whole " + name +
-                                                      " came: its bytes end before the length that they tell, or that "
-                                                      "is more than this server takes");
+    return invalid_argument(
+        "MESSAGE_INCOMPLETE",
+        "incomplete " + name +
+            ": its bytes end before their announced length, or that length exceeds this server's limit");
   }
   Message message;
   grpc::ByteBuffer copy = bytes;  // Shares the bytes; parsing consumes them.
   if (!grpc::SerializationTraits<Message>::Deserialize(&copy, &message).ok()) {
-    return invalid_argument("MALFORMED_MESSAGE", "this is no serialised " + name);
+    return invalid_argument("MALFORMED_MESSAGE", "this is not a serialised " + name);
   }
   KERF_TRY(wire::check_finite(message));
   return message;

@@ -87,7 +87,7 @@ Result<int> RpcServer::start(const std::string& address) {
                                                                          grpc::InsecureServerCredentials());
   for (const NamedService& named : impl_->services) builder.RegisterService(named.service.get());
   impl_->server = builder.BuildAndStart();
-  if (!impl_->server) return internal_error("INTERNAL", "gRPC does not start");
+  if (!impl_->server) return internal_error("INTERNAL", "gRPC could not be started");
   for (const NamedService& named : impl_->services) {
     impl_->server->GetHealthCheckService()->SetServingStatus(named.name, true);
   }

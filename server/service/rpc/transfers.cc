@@ -59,7 +59,7 @@ class UploadReactor final : public grpc::ServerReadReactor<ByteBuffer> {
       return Nothing{};
     }
     if (!upload_) return missing_start();
-    if (request.chunk().empty()) return invalid_argument("CHUNK_EMPTY", "a chunk must have bytes in it", "chunk");
+    if (request.chunk().empty()) return invalid_argument("CHUNK_EMPTY", "a chunk must not be empty", "chunk");
     return upload_->append(std::move(*request.mutable_chunk()));
   }
 
@@ -83,7 +83,7 @@ class UploadReactor final : public grpc::ServerReadReactor<ByteBuffer> {
   static Error late(Patience::Lapse lapse, const PatienceLimits& limits) {
     std::ostringstream message;
     if (lapse == Patience::Lapse::kSilence) {
-      message << "nothing of the upload came for " << host::seconds(limits.silence)
+      message << "no part of the upload arrived for " << host::seconds(limits.silence)
               << " s: send all of it again, without a pause";
       return aborted("UPLOAD_STALLED", message.str());
     }
@@ -92,7 +92,7 @@ class UploadReactor final : public grpc::ServerReadReactor<ByteBuffer> {
   }
 
   static Error missing_start() {
-    return invalid_argument("UPLOAD_ORDER", "the first message must be start, which tells what comes", "start");
+    return invalid_argument("UPLOAD_ORDER", "the first message must be start, which announces the upload", "start");
   }
 
   Start start_;

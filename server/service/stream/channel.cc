@@ -38,8 +38,8 @@ Status Channel::admit(const std::shared_ptr<Reader>& reader, bool wants_strains)
   const std::lock_guard lock(mutex_);
   if (end_) return unavailable("CHANNEL_ENDED", "the sheet is gone or the server is stopping");
   if (num_subscribers_ >= max_subscribers_) {
-    return resource_exhausted("TOO_MANY_SUBSCRIBERS", "this sheet has " + std::to_string(max_subscribers_) +
-                                                          " viewers, as many as it may have");
+    return resource_exhausted("TOO_MANY_SUBSCRIBERS",
+                              "this sheet has " + std::to_string(max_subscribers_) + " viewers, which is its limit");
   }
   auto readers = std::make_shared<Readers>(*readers_);
   readers->push_back({reader.get(), reader, true, wants_strains});

@@ -87,12 +87,13 @@ std::optional<FlowControl::InFlight> FlowControl::settle(std::int64_t sequence) 
 Result<bool> FlowControl::acknowledge(std::int64_t sequence, Nanoseconds now, Nanoseconds held) {
   if (sequence < 1 || sequence > last_sequence_) {
     return invalid_argument("ACK_OUT_OF_RANGE",
-                            "frame " + std::to_string(sequence) + " is acknowledged, but the frames sent are 1 to " +
+                            "frame " + std::to_string(sequence) + " was acknowledged, but the frames sent are 1 to " +
                                 std::to_string(last_sequence_),
                             "ack.sequence");
   }
   if (held < Nanoseconds(0)) {
-    return invalid_argument("ACK_OUT_OF_RANGE", "ack.held_us is below 0; it is a time, or 0 where it is not known",
+    return invalid_argument("ACK_OUT_OF_RANGE",
+                            "ack.held_us is negative; give a time in microseconds, or 0 if it is unknown",
                             "ack.held_us");
   }
   const bool was_open = window_open(now);

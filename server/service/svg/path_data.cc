@@ -24,9 +24,9 @@ class PathReader {
     while (result_.error.empty() && !scanner_.at_end() && num_segments_ <= max_segments_) {
       const char letter = scanner_.peek();
       if (!scanner_.accept(letter) || std::string_view("MmLlHhVvCcSsQqTtAaZz").find(letter) == std::string_view::npos) {
-        fail(std::string("'") + letter + "' is no command");
+        fail(std::string("'") + letter + "' is not a command");
       } else if (!started_ && letter != 'M' && letter != 'm') {
-        fail("path data starts with a moveto");
+        fail("path data must start with a moveto");
       } else {
         read_command(letter);
       }
@@ -49,7 +49,7 @@ class PathReader {
       if (command == 'M') command = 'L';  // Further pairs of a moveto are linetos.
       const bool comma = scanner_.skip_separator();
       more = scanner_.at_number();
-      if (comma && !more) return fail("a comma is followed by no number");
+      if (comma && !more) return fail("no number follows a comma");
     }
   }
 

@@ -228,11 +228,11 @@ Status Walk::visit_use(const pugi::xml_node& node, const Context& context) {
   const pugi::xml_node target = target_of(reference);
   if (!target) {
     const bool outside = !reference.empty() && reference.front() != '#';
-    report(outside ? "external reference" : "use of what does not exist");
+    report(outside ? "external reference" : "use of a missing element");
     return Nothing{};
   }
   if (std::find(open_.begin(), open_.end(), target) != open_.end()) {
-    report("use of what contains it");
+    report("use of an element that contains it");
     return Nothing{};
   }
   Context inner = context;

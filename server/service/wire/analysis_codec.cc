@@ -196,8 +196,7 @@ v1::DynamicResult encode_dynamics(const analysis::DynamicStats& stats) {
 Status decode_analysis(const v1::Scene& scene, sheet::SheetConfig& config) {
   KERF_TRY_ASSIGN(sheet::Analysis analysis, decode_analysis(scene.analysis()));
   if (scene.analysis().dynamic().ticks() != 0) {
-    return invalid_argument("TICKS_TWICE",
-                            "analysis.dynamic.ticks is of AnalyzeSheet; a scene says it by its own ticks",
+    return invalid_argument("TICKS_TWICE", "analysis.dynamic.ticks is for AnalyzeSheet only; set ticks of the scene",
                             "analysis.dynamic.ticks");
   }
   config.analysis = std::move(analysis);

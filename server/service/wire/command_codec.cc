@@ -55,10 +55,9 @@ Status decode_quality(const v1::Cut& message, cut::CutOptions& options) {
       return Nothing{};
     case v1::Cut::FINE:
       if (message.min_angle_deg() != 0.0) {
-        return invalid_argument(
-            "CHOICE_AMBIGUOUS",
-            "cut.quality FINE and cut.min_angle_deg both say how good the triangles must be; give one of them",
-            "cut.quality");
+        return invalid_argument("CHOICE_AMBIGUOUS",
+                                "cut.quality FINE and cut.min_angle_deg both set the smallest angle; give one of them",
+                                "cut.quality");
       }
       options.min_angle_deg = cut::kFineMinAngle;
       return Nothing{};
@@ -192,12 +191,11 @@ Result<sheet::Command> decode_cuts(const google::protobuf::RepeatedPtrField<v1::
     batch.cuts.push_back(std::move(*cut));
     parts += num_parts(batch.cuts.back());
     if (parts > kMaxBatchParts) {
-      return sheet::in_batch(
-          invalid_argument("BATCH_TOO_LONG",
-                           "with this one the cuts, subpaths and segments of the batch are more than " +
-                               std::to_string(kMaxBatchParts) + ": make several batches of it",
-                           "cut.curve"),
-          static_cast<std::size_t>(i));
+      return sheet::in_batch(invalid_argument("BATCH_TOO_LONG",
+                                              "with this cut, the cuts, subpaths and segments of the batch exceed " +
+                                                  std::to_string(kMaxBatchParts) + ": split the batch",
+                                              "cut.curve"),
+                             static_cast<std::size_t>(i));
     }
   }
   return checked(std::move(batch));

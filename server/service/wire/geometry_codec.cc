@@ -30,7 +30,7 @@ Result<std::string> read_content(ContentOrFile from, const FileReader& read_file
   if (!read_file) {
     return invalid_argument(
         kind + "_FILE_REFUSED",
-        field + " names a file of the server, which only scene files may do; send what is in it as " + content, field);
+        field + " names a file of the server, which only scene files may do; send its content as " + content, field);
   }
   if (!from.content.empty()) {
     return invalid_argument(kind + "_TWICE", content + " and " + field + " are both given; give one of them", field);
@@ -51,7 +51,7 @@ Error choice_missing(const std::string& path, const std::string& choices) {
 }
 
 Error unknown_enum(const std::string& path, int value) {
-  return invalid_argument("UNKNOWN_ENUM_VALUE", path + " is " + std::to_string(value) + ", which has no meaning", path);
+  return invalid_argument("UNKNOWN_ENUM_VALUE", path + " is " + std::to_string(value) + ", which is not defined", path);
 }
 
 Error within(const std::string& prefix, Error error) {

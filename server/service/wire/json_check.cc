@@ -62,7 +62,8 @@ class Checker {
   [[nodiscard]] std::string found() const {
     if (at_ >= text_.size()) return ", found the end of the text";
     const char c = text_[at_];
-    return std::isprint(static_cast<unsigned char>(c)) != 0 ? std::string(", found ") + c : ", found an odd byte";
+    return std::isprint(static_cast<unsigned char>(c)) != 0 ? std::string(", found ") + c
+                                                            : ", found an unexpected byte";
   }
 
   // Reads a string in double quotes. Escapes stay as they are, which is enough to compare names.
@@ -75,7 +76,7 @@ class Checker {
       if (c == '\\' && at_ + 1 < text_.size()) content.push_back(text_[at_++]);
       content.push_back(text_[at_++]);
     }
-    if (at_ >= text_.size()) return fail("JSON_SYNTAX", "a string without end", path);
+    if (at_ >= text_.size()) return fail("JSON_SYNTAX", "a string that does not end", path);
     ++at_;
     return true;
   }
@@ -130,7 +131,7 @@ class Checker {
       if (const auto* choice = field->real_containing_oneof(); choice != nullptr && !is_null) {
         if (!seen.insert("oneof " + choice->name()).second) {
           token_ = name_at;
-          return fail("JSON_DUPLICATE_FIELD", "another choice of " + choice->name() + " is given already", full);
+          return fail("JSON_DUPLICATE_FIELD", "another choice of " + choice->name() + " is already given", full);
         }
       }
       return is_null ? null(full) : value(*field, full);

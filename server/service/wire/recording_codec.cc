@@ -85,7 +85,7 @@ Result<sheet::RecordedTick> decode_tick(const v1::RecordedTick& message, std::si
     if (has_drawing(message.commands(i))) {
       return recording_damage(
           "RECORDING_DAMAGED", offset,
-          "command " + std::to_string(i) + " has an SVG; a recording has the path that was made of it");
+          "command " + std::to_string(i) + " holds an SVG; a recording must hold the path made from it");
     }
     Result<sheet::Command> command = decode_command(message.commands(i));
     if (!command.ok()) {
@@ -125,11 +125,11 @@ class TickReader {
       return recording_damage(s.error().reason.c_str(), reader_.offset(), s.error().message);
     }
     if (static_cast<std::int64_t>(entries.size()) == limits_.max_entries) {
-      return recording_too_large(reader_.offset(), "there are more ticks than may be", limits_.max_entries);
+      return recording_too_large(reader_.offset(), "there are more ticks than allowed", limits_.max_entries);
     }
     for (const sheet::Command& command : tick.commands) parts_ += parts_of(command);
     if (parts_ > limits_.max_parts) {
-      return recording_too_large(reader_.offset(), "there are more commands, or larger ones, than may be",
+      return recording_too_large(reader_.offset(), "there are more commands, or larger ones, than allowed",
                                  limits_.max_parts);
     }
     return Nothing{};
@@ -141,7 +141,7 @@ class TickReader {
 };
 
 Error no_recording() {
-  return recording_damage("RECORDING_FORMAT", 0, "this is no Kerf recording");
+  return recording_damage("RECORDING_FORMAT", 0, "this is not a Kerf recording");
 }
 
 Status check_format(std::int32_t version, bool is_checked) {
@@ -152,7 +152,7 @@ Status check_format(std::int32_t version, bool is_checked) {
   }
   if (is_checked == (version > kLastPlainFormat)) return Nothing{};
   return recording_damage("RECORDING_FORMAT", 0,
-                          "a file of format version " + std::to_string(version) + " begins with other bytes");
+                          "a file of format version " + std::to_string(version) + " begins with different bytes");
 }
 
 Result<v1::RecordingHeader> read_header(RecordingReader& reader) {

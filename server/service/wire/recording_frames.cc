@@ -76,11 +76,11 @@ Result<std::optional<std::string_view>> RecordingReader::next_checked() {
   if (!head) return head;
   if (read_bytes(head->substr(kCheckedHeadBytes)) != head_checksum(*head)) {
     return recording_damage("RECORDING_DAMAGED", start_,
-                            "the length of a message has changed: its checksum is another");
+                            "the length of a message has changed: its checksum does not match");
   }
   const std::optional<std::string_view> message = take(read_bytes(head->substr(0, 4)));
   if (message && crc32c(*message) != read_bytes(head->substr(4, 4))) {
-    return recording_damage("RECORDING_DAMAGED", start_, "a message has changed: its checksum is another");
+    return recording_damage("RECORDING_DAMAGED", start_, "a message has changed: its checksum does not match");
   }
   return message;
 }
@@ -111,7 +111,7 @@ Status RecordingReader::parse(std::string_view bytes, std::size_t unfolding,
   }
   const bool parsed = bytes.size() <= std::size_t{std::numeric_limits<int>::max()} &&
                       message.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()));
-  if (!parsed) return recording_damage("RECORDING_DAMAGED", start_, "these bytes are no message of a recording");
+  if (!parsed) return recording_damage("RECORDING_DAMAGED", start_, "these bytes are not a message of a recording");
   return Nothing{};
 }
 

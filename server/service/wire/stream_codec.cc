@@ -41,7 +41,7 @@ void encode_end(EndReason reason, v1::Ended& message) {
       break;
     case EndReason::kSheetLost:
       message.set_reason(v1::Ended::SHEET_DELETED);
-      message.set_message("the server had too little memory to keep the sheet; other sheets are as they were");
+      message.set_message("the server had too little memory to keep the sheet; other sheets are unaffected");
       break;
     case EndReason::kServerStopping:
       message.set_reason(v1::Ended::SERVER_STOPPING);
@@ -49,8 +49,7 @@ void encode_end(EndReason reason, v1::Ended& message) {
       break;
     case EndReason::kTooSlow:
       message.set_reason(v1::Ended::TOO_SLOW);
-      message.set_message(
-          "no frame was acknowledged for too long; acknowledge each, or watch again when there is time for it");
+      message.set_message("no frame was acknowledged for too long; acknowledge each one, or watch again later");
       break;
   }
 }

@@ -68,10 +68,9 @@ HttpRequest to_request(Request& message) {
 }
 
 HttpResponse body_too_large() {
-  HttpResponse response =
-      refusal(resource_exhausted("REQUEST_TOO_LARGE",
-                                 "the request's body is larger than what is taken here: send less in one call; a "
-                                 "mesh file to POST /sheets, at most 64 MiB"));
+  HttpResponse response = refusal(resource_exhausted("REQUEST_TOO_LARGE",
+                                                     "the request's body exceeds the limit here: send less in one "
+                                                     "call; send a mesh file to POST /sheets, at most 64 MiB"));
   response.status = 413;
   return response;
 }

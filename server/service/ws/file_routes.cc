@@ -33,7 +33,7 @@ Result<std::string> percent_decoded(std::string_view text, std::string_view name
     if (text[i] == '%') {
       if (!decode_escape(text.substr(i + 1, 2), byte)) {
         return invalid_argument("MALFORMED_QUERY",
-                                std::string(name) + " has a % that two hexadecimal digits do not follow",
+                                std::string(name) + " has a % without two hexadecimal digits after it",
                                 std::string(name));
       }
       i += 2;

@@ -100,7 +100,7 @@ void add_host(Page& page, const host::HostMetrics& host) {
   page.histogram("kerf_linear_residual", "Largest true relative residual of the linear solves of a tick.",
                  host.linear_residual);
   page.counter("kerf_snapshots_total", "Snapshots built; none is built unwatched.", host.snapshots);
-  page.counter("kerf_contact_phases_total", "Substeps in which colliders were looked at.", host.contact_phases);
+  page.counter("kerf_contact_phases_total", "Substeps in which colliders were checked.", host.contact_phases);
   page.counter("kerf_cuts_total", "Cuts applied.", host.cuts);
   page.histogram("kerf_cut_duration_seconds", "Wall time of a cut: plan, apply, remesh, model update.",
                  host.cut_duration);
@@ -108,12 +108,11 @@ void add_host(Page& page, const host::HostMetrics& host) {
   page.counter("kerf_commands_refused_total", "Commands refused by a full queue, by validation or by the sheet.",
                host.commands_refused);
   page.counter("kerf_sheet_sleeps_total", "Times a sheet fell asleep.", host.sleeps);
-  page.counter("kerf_overload_refusals_total", "Sheets that were not made because of the load.",
+  page.counter("kerf_overload_refusals_total", "Sheets that were not created because of the load.",
                host.overload_refusals);
-  page.counter("kerf_lost_sheets_total", "Sheets that ended for want of memory.", host.lost_sheets);
-  page.counter("kerf_short_ticks_total", "Ticks that found too little memory; their sheet is frozen.",
-               host.short_ticks);
-  page.gauge("kerf_needed_workers", "Workers that running sheets need; more than there are: they cannot all keep pace.",
+  page.counter("kerf_lost_sheets_total", "Sheets that ended for lack of memory.", host.lost_sheets);
+  page.counter("kerf_short_ticks_total", "Ticks that ran out of memory; their sheet is frozen.", host.short_ticks);
+  page.gauge("kerf_needed_workers", "Workers that running sheets need; if more than exist, not all sheets keep pace.",
              static_cast<double>(host.worker_need) / static_cast<double>(host::WorkerNeed::kWhole));
   page.begin_gauge("kerf_sheets", "Sheets, by run state.");
   page.gauge_value({{"state", "running"}}, host.running_sheets);
@@ -132,7 +131,7 @@ void add_process(Page& page) {
 }
 
 void add_refusals(Page& page, const std::string& name, std::int64_t in_all, std::int64_t by_address) {
-  page.begin_counter(name, "TCP connections refused, by the limit: of all together, or of one address.");
+  page.begin_counter(name, "TCP connections refused, by limit: that of all together, or that of one address.");
   page.counter_value({{"limit", "all"}}, in_all);
   page.counter_value({{"limit", "address"}}, by_address);
 }
@@ -161,17 +160,16 @@ void add_pictures(Page& page, const api::PictureCounts& pictures) {
   page.gauge("kerf_image_streams", "Image streams open now, of all transports.", pictures.streams);
   page.counter("kerf_pictures_rendered_total", "Pictures drawn.", pictures.rendered);
   page.counter("kerf_pictures_encoded_total", "Pictures encoded: JPEG, PNG and frames of VP8.", pictures.encoded);
-  page.counter("kerf_pictures_shared_total", "Pictures given to a stream that were encoded for another, or before.",
+  page.counter("kerf_pictures_shared_total", "Pictures given to a stream but encoded earlier or for another stream.",
                pictures.shared);
   page.counter("kerf_pictures_sent_total", "Pictures sent to image streams.", pictures.sent);
-  page.counter("kerf_pictures_skipped_total", "Ticks that image streams were sent no picture of, of all streams.",
+  page.counter("kerf_pictures_skipped_total", "Ticks skipped by image streams, summed over all streams.",
                pictures.skipped);
 }
 
 void add_recordings(Page& page, const RecordingCounts& recordings) {
-  page.gauge("kerf_recordings_open", "Recordings to disk of the sheets there are, stopped ones among them.",
-             recordings.open);
-  page.gauge("kerf_recordings_stopped", "Recordings that are not written now: the disk does not take them.",
+  page.gauge("kerf_recordings_open", "Recordings to disk of existing sheets, including stopped ones.", recordings.open);
+  page.gauge("kerf_recordings_stopped", "Recordings that are stopped because the disk does not accept them.",
              recordings.stopped);
   page.gauge("kerf_recording_waiting_bytes", "Bytes of recordings that wait for the disk.", recordings.waiting_bytes);
   page.counter("kerf_recording_errors_total", "Writes of recordings that failed.", recordings.errors);

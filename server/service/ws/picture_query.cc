@@ -86,9 +86,9 @@ Status decode_query(std::string_view query, std::string_view keys,
     const std::string_view value = entry.substr(std::min(equals + 1, entry.size()));
     const std::optional<Status> decoded = decode(key, value);
     if (!decoded) {
-      return invalid_argument("BAD_QUERY",
-                              "there is no '" + std::string(key.substr(0, 40)) + "' here, but " + std::string(keys),
-                              std::string(key.substr(0, 40)));
+      return invalid_argument(
+          "BAD_QUERY", "unknown parameter '" + std::string(key.substr(0, 40)) + "'; there are " + std::string(keys),
+          std::string(key.substr(0, 40)));
     }
     if (!decoded->ok()) return decoded->error();
   }

@@ -121,7 +121,7 @@ asio::awaitable<void> SocketStream::read_messages() {
       co_return;
     }
     if (!socket_.got_binary()) {
-      violation_.emplace(websocket::close_code::unknown_data, "messages are binary: a serialised request each");
+      violation_.emplace(websocket::close_code::unknown_data, "messages must be binary, each one serialised request");
       co_return;
     }
     frame_bytes_.give_back(static_cast<double>(buffer.size()));
@@ -173,7 +173,7 @@ void SocketStream::limit_frames() {
 void SocketStream::flooded(std::string_view with) {
   if (violation_) return;
   violation_.emplace(websocket::close_code::policy_error,
-                     "TOO_MANY_FRAMES: more " + std::string(with) + " than are taken in a second");
+                     "TOO_MANY_FRAMES: more " + std::string(with) + " than are accepted in a second");
   beast::get_lowest_layer(socket_).rate_policy().stop();
   abort_after(kFloodFarewell);  // Also ends a message that the peer does not read.
   woken_.raise();

@@ -26,10 +26,10 @@ constexpr std::chrono::seconds kLingerFor{1};
 constexpr std::size_t kMostDiscarded = std::size_t{64} << 10;
 
 std::string refusal_bytes(int most_per_address) {
-  const HttpResponse refused =
-      refusal(resource_exhausted("TOO_MANY_CONNECTIONS", "this address has " + std::to_string(most_per_address) +
-                                                             " connections open, as many as it may (kerfd "
-                                                             "--max-connections-per-address); close some, or wait"));
+  const HttpResponse refused = refusal(resource_exhausted(
+      "TOO_MANY_CONNECTIONS",
+      "this address has " + std::to_string(most_per_address) +
+          " connections open, which is the limit (kerfd --max-connections-per-address); close some, or wait"));
   http::response<http::string_body> message{http::status::service_unavailable, 11, *refused.body};
   message.set(http::field::server, "kerfd");
   message.set(http::field::content_type, refused.media_type);

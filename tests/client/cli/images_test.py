@@ -118,7 +118,7 @@ class Images(Case):
         pathlib.Path(path("file")).write_text("")
         self.refused("images", "film", "--out", path("file"), says=path("file"))
         pathlib.Path(path("refused/picture-000001.jpg")).write_text("of an earlier stream")
-        self.refused("images", "film", *out, says="picture-000001.jpg is there already")
+        self.refused("images", "film", *out, says="picture-000001.jpg already exists")
         self.assertEqual(pathlib.Path(path("refused/picture-000001.jpg")).read_text(), "of an earlier stream")
 
     def test_help(self):

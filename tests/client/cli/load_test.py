@@ -47,7 +47,7 @@ class Load(Case):
         report.write_text("of before")
         done = kerf("--server", closed_port(), *self.SMALL, "--html", str(report), server=False)
         self.assertEqual(done.returncode, 1)
-        self.assertIn(f"no server at {closed_port()}", done.stderr)
+        self.assertIn(f"no server answers at {closed_port()}", done.stderr)
         self.assertEqual(report.read_text(), "of before")
 
     def test_where_no_reader_sees_anything_that_is_an_error(self):

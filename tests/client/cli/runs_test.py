@@ -147,11 +147,11 @@ class Runs(Case):
         pathlib.Path(path("torn.rec")).write_bytes(content[:-3])
         replayed = self.json_of("replay", path("torn.rec"))
         self.assertEqual((replayed["identical"], replayed["ticks"], replayed["torn_bytes"]), (True, 19, 18))
-        self.assertIn("the last 18 bytes are a torn entry", kerf("replay", path("torn.rec")).stdout)
+        self.assertIn("the last 18 bytes are an incomplete entry", kerf("replay", path("torn.rec")).stdout)
         self.assertEqual(self.json_of("replay", path("whole.rec"))["torn_bytes"], 0)
         pathlib.Path(path("headless.rec")).write_bytes(content[:30])
         self.refused("replay", path("headless.rec"), says="within its header")
-        self.assertNotIn("torn", kerf("replay", path("whole.rec")).stdout)
+        self.assertNotIn("incomplete", kerf("replay", path("whole.rec")).stdout)
     def test_refusals(self):
         self.refused("run", path("missing.json"), says="missing.json")
         self.refused("run", scene_file("bad.json", gravity_mps2={"x": "NaN"}), says="gravity_mps2")

@@ -41,7 +41,7 @@ class Sheets(Case):
         self.assertEqual(soft["scene"]["material"], exact["scene"]["material"])
         self.assertEqual((soft["softening"]["factor"], soft["softening"]["fits"]), (16, True))
         self.assertAlmostEqual(soft["softening"]["expected_error_m"], 0.0021, delta=0.0001)
-        self.assertIn("membrane softened 16 times", kerf("sheet", "get", "soft").stdout)
+        self.assertIn("membrane 16 times softer", kerf("sheet", "get", "soft").stdout)
         self.refused("sheet", "create", "none", "--fidelity", "quick", code=2, says="quick")
         for name in ("exact", "soft"):
             self.json_of("sheet", "delete", name)

@@ -234,7 +234,7 @@ TEST_F(LoadRunTest, WhatCannotBeDoneIsToldBeforeAnythingIsMade) {
   const test::ClosedPort nobody;
   Plan nowhere = plan();
   nowhere.server = nobody.address();
-  EXPECT_THAT(run(nowhere).error().message, HasSubstr("no server at " + nobody.address()));
+  EXPECT_THAT(run(nowhere).error().message, HasSubstr("no server answers at " + nobody.address()));
 }
 
 // 20 ms each way: no frame is younger than that, none is lost, and with more of them under way each tick is seen.

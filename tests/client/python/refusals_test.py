@@ -88,7 +88,7 @@ class Refusals(Case):
     def test_what_grpc_refuses_as_too_large_is_told_how_to_send(self):
         # A cut of 4096 points, and so often that they are more than 1 MiB: refused before any of Kerf sees it.
         long = kerf.polyline(*((0.1 + index / 10000, 0.5) for index in range(4096)))
-        says = "larger than max.*: send less in one call, a batch of cuts in parts, say; a mesh file as an upload"
+        says = "larger than max.*: send less in one call, for example a batch of cuts in parts, or a mesh file as an upload"
         too_large = self.refused(kerf.ResourceExhausted, "RESOURCE_EXHAUSTED", "MESSAGE_TOO_LARGE", "",
                                  self.sheet.cut_all, [long] * 15)
         self.assertRegex(too_large.message, says)

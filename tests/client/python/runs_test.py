@@ -86,7 +86,7 @@ class Files(Case):
         writer = runs.RunWriter(path("small.npz"))
         for frame in (first, first, second):
             writer.add(frame)
-        with self.assertRaisesRegex(ValueError, "tick 7 comes after one of tick 8"):
+        with self.assertRaisesRegex(ValueError, "tick 7 follows that of tick 8"):
             writer.add(first)
         writer.close()
         writer.close()

@@ -76,7 +76,7 @@ Status check_bending(const Material& m, const std::string& prefix) {
     const std::string path = prefix + "." + std::string(absent->name);
     return invalid_argument("MATERIAL_NOT_POSITIVE_DEFINITE",
                             path +
-                                " is not given, and derived with a bending_scale of 0; give it too, or a bending_scale "
+                                " is not given, and a bending_scale of 0 makes it 0; give it too, or a bending_scale "
                                 "above 0, or no bending stiffness at all",
                             path);
   }
@@ -87,7 +87,7 @@ Status check_bending(const Material& m, const std::string& prefix) {
   return invalid_argument("MATERIAL_NOT_POSITIVE_DEFINITE",
                           path + " is " + number(D(0, 1)) + (m.bending_coupling ? "" : ", derived") +
                               "; with stiffnesses of " + number(D(0, 0)) + " and " + number(D(1, 1)) +
-                              " N m give one between -" + number(limit) + " and " + number(limit),
+                              " N m, give a value between -" + number(limit) + " and " + number(limit),
                           path);
 }
 

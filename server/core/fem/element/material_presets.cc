@@ -75,7 +75,7 @@ Result<Material> find_preset(std::string_view name) {
     if (!known.empty()) known += ", ";
     known += known_name;
   }
-  return not_found("MATERIAL_UNKNOWN", "no material \"" + std::string(name) + "\"; there are " + known,
+  return not_found("MATERIAL_UNKNOWN", "there is no material \"" + std::string(name) + "\"; the presets are " + known,
                    "material.preset");
 }
 

@@ -106,7 +106,7 @@ bool AutomaticIntegrator::choose(const Model& model, bool follows) {
                 "; estimated per tick of %.4g s: %.0f explicit substeps in %s precision %.1f ms, TR-BDF2, %s %.1f ms%s",
                 options_.tick, estimate.substeps, precision, estimate.explicit_ns * 1e-6,
                 name_of(implicit_solver(model)).description.data(), estimate.implicit_ns * 1e-6,
-                condition <= kSecondOrderCondition ? "" : " (not solved well at a condition above 1e9)");
+                condition <= kSecondOrderCondition ? "" : " (inaccurate at a condition number above 1e9)");
   explanation_ = "automatic: ";
   explanation_.append(scheme).append(solver).append(text.data());
   return is_other;

@@ -81,16 +81,16 @@ std::string describe(const Softening& softening) {
   if (softening.factor == 1) {
     const char* verdict = softening.fits()        ? "which fits"
                           : softening.is_explicit ? "which does not fit"
-                                                  : "which softening would not lower";
+                                                  : "which softening would not reduce";
     std::snprintf(text.data(), text.size(),
-                  "real time: membrane as given, counted %.1f ms a tick of %s steps for %.1f ms, %s",
+                  "real time: membrane as given; a tick of %s steps is estimated at %.1f ms of %.1f ms, %s",
                   softening.cost * 1e3, cost_of, softening.budget * 1e3, verdict);
   } else {
     std::snprintf(text.data(), text.size(),
-                  "real time: membrane softened %d times, bending kept, counted %.1f ms a tick for %.1f ms%s; expected "
-                  "error %.3g mm after 0.3 s, of a flat boundary",
+                  "real time: membrane %d times softer, bending kept; a tick is estimated at %.1f ms of %.1f ms%s; "
+                  "expected error %.3g mm after 0.3 s at a flat boundary",
                   softening.factor, softening.cost * 1e3, softening.budget * 1e3,
-                  softening.fits() ? "" : ", which does not fit even so: take a coarser mesh",
+                  softening.fits() ? "" : ", which still does not fit: use a coarser mesh",
                   softening.expected_error * 1e3);
   }
   return text.data();

@@ -60,7 +60,7 @@ Status FaceList::add_face(std::span<const Corner> corners) {
   if (triangles_.empty()) has_texture_ = corners.front().second != kNone;
   for (const Corner& corner : corners) {
     if ((corner.second != kNone) != has_texture_) {
-      return invalid_argument("MIXED_TEXTURE", "some face corners have a texture coordinate and some have not");
+      return invalid_argument("MIXED_TEXTURE", "some face corners have a texture coordinate and others do not");
     }
   }
   constexpr std::size_t kMost = 2 * static_cast<std::size_t>(kMaxVertices);
@@ -113,19 +113,18 @@ Status FaceList::flatten(ImportedSheet& imported) const {
   const double size = extent.maxCoeff();
   if (!(area.norm() > kFlatness * size * size)) {
     return invalid_argument("NOT_PLANAR",
-                            "the faces have no common plane; give them texture coordinates as rest shape, or take the "
-                            "curved surface as it");
+                            "the faces do not lie in one plane; give them texture coordinates as rest shape, or use "
+                            "the curved surface itself");
   }
   const Eigen::Vector3d normal = area.normalized();
   for (Eigen::Index v = 0; v < imported.world.cols(); ++v) {
     const double height = std::abs(normal.dot(imported.world.col(v) - origin));
     if (height > kFlatness * size) {
-      return invalid_argument("NOT_PLANAR", "position " + std::to_string(imported.file_positions[v] + first_number_) +
-                                                " is " + std::to_string(height) +
-                                                " m out of the plane of the first one, the limit is " +
-                                                std::to_string(kFlatness * size) +
-                                                " m; give the faces texture coordinates as rest shape, or take "
-                                                "the curved surface as it");
+      return invalid_argument(
+          "NOT_PLANAR", "position " + std::to_string(imported.file_positions[v] + first_number_) + " is " +
+                            std::to_string(height) + " m out of the plane of the first one, the limit is " +
+                            std::to_string(kFlatness * size) +
+                            " m; give the faces texture coordinates as rest shape, or use the curved surface itself");
     }
   }
   imported.sheet.rest.resize(2, imported.world.cols());

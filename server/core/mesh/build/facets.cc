@@ -25,10 +25,11 @@ class FacetMaker {
     std::vector<TriangleId> stack;
     for (TriangleId first = 0; first < count; ++first) {
       if (is_degenerate(first)) {
-        return invalid_argument("MESH_DEGENERATE_TRIANGLE",
-                                "triangle " + std::to_string(first) +
-                                    " is a line on the rest surface, or lower than a millionth of its longest edge",
-                                "surface");
+        return invalid_argument(
+            "MESH_DEGENERATE_TRIANGLE",
+            "triangle " + std::to_string(first) +
+                " is a line on the rest surface, or its height is below a millionth of its longest edge",
+            "surface");
       }
       if (facet_of[first] != kNone) continue;
       const auto number = static_cast<std::int32_t>(made.facets.size());

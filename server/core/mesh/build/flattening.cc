@@ -83,7 +83,7 @@ Status find_borders(Component& part) {
       if (!sides.emplace(side, static_cast<int>(t)).second) {
         return refuse("MESH_INCONSISTENT_ORIENTATION",
                       "two triangles run along edge (" + name(side.first) + ", " + name(side.second) +
-                          ") in the same direction: they are not oriented alike, or more than two meet there");
+                          ") in the same direction: they have opposite orientations, or more than two meet there");
       }
     }
   }
@@ -114,7 +114,7 @@ Status find_borders(Component& part) {
   if (euler + static_cast<std::int64_t>(part.loops.size()) != 2) {
     return refuse("MESH_NOT_FLATTENABLE",
                   where +
-                      " has handles, or fans that meet in a vertex; cut it open along seams, or give texture "
+                      " has handles, or fans that meet at a vertex; cut it open along seams, or give texture "
                       "coordinates with seams");
   }
   return Nothing{};
@@ -324,7 +324,7 @@ Result<Eigen::Matrix2Xd> flatten(const Eigen::Matrix3Xd& surface, const Eigen::M
                                  Flattening method) {
   if (surface.cols() > kMaxFlattenedVertices) {
     return refuse("MESH_TOO_LARGE", std::to_string(surface.cols()) +
-                                        " vertices; material coordinates are made for at most " +
+                                        " vertices; material coordinates can be computed for at most " +
                                         std::to_string(kMaxFlattenedVertices) + ": give texture coordinates");
   }
   std::vector<Component> components = split_components(surface, triangles);

@@ -105,7 +105,7 @@ class SheetImport {
     }
     for (std::int32_t v = 0; v < num_vertices(); ++v) {
       interruption_point();
-      if (!is_used[v]) return invalid_argument("MESH_UNUSED_VERTEX", "no triangle has vertex " + id(v), "rest");
+      if (!is_used[v]) return invalid_argument("MESH_UNUSED_VERTEX", "no triangle uses vertex " + id(v), "rest");
     }
     return check_surface();
   }
@@ -202,11 +202,12 @@ class SheetImport {
       const auto at = [&](int k) { return records_.points[r.points[k]].at; };
       sign[t] = orient2d(at(0), at(1), at(2));
       if (flatness(at(0), at(1), at(2)) < kMinFlatness) {
-        return invalid_argument("MESH_DEGENERATE_TRIANGLE",
-                                "triangle " + id(t) +
-                                    " is a line, or lower than a millionth of its longest edge; merge the vertices "
-                                    "that lie close together, or flip that edge",
-                                "triangles");
+        return invalid_argument(
+            "MESH_DEGENERATE_TRIANGLE",
+            "triangle " + id(t) +
+                " is a line, or its height is below a millionth of its longest edge; merge the vertices "
+                "that lie close together, or flip that edge",
+            "triangles");
       }
     }
     const std::vector<Side> sides = sorted_sides(false);
@@ -225,7 +226,7 @@ class SheetImport {
       if (sides[i].from == sides[i + 1].from || sign[t] != sign[u]) {
         return invalid_argument(
             "MESH_INCONSISTENT_ORIENTATION",
-            "triangles " + id(t) + " and " + id(u) + " at " + edge + " are not oriented alike, or fold over it",
+            "triangles " + id(t) + " and " + id(u) + " at " + edge + " have opposite orientations, or fold over it",
             "triangles");
       }
     }

@@ -140,7 +140,7 @@ Result<OutlineBorder> OutlineBorder::make(const std::vector<OutlineContour>& con
     Quantised quantised = quantise(contour, lattice);
     if (quantised.points.size() < 3) {
       return invalid_argument("OUTLINE_DEGENERATE",
-                              contour.field + " has fewer than three different points; it surrounds nothing",
+                              contour.field + " has fewer than three different points, so it encloses nothing",
                               contour.field);
     }
     kept.emplace_back(std::move(quantised.points), quantised.corners);
@@ -182,9 +182,9 @@ Status OutlineBorder::check_crossings() const {
     }
     const Chord& b = chords_[met];
     const std::string near = " at " + place_of(lattice_, common_point(a.from, a.to, b.from, b.to)) + " m";
-    const std::string what = a.contour == b.contour
-                                 ? " crosses or touches itself" + near
-                                 : " crosses or touches " + fields_[a.contour] + near + "; leave some material between";
+    const std::string what = a.contour == b.contour ? " crosses or touches itself" + near
+                                                    : " crosses or touches " + fields_[a.contour] + near +
+                                                          "; leave some material between them";
     return invalid_argument("OUTLINE_CROSSES", fields_[b.contour] + what, fields_[b.contour]);
   }
   return Nothing{};

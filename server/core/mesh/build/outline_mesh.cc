@@ -41,7 +41,7 @@ Error too_fine(std::int32_t max_vertices) {
   return resource_exhausted(
       "OUTLINE_TOO_FINE",
       "the outline would need more than " + std::to_string(max_vertices) +
-          " vertices; ask for longer edges, let them grow faster, or widen what is narrow between its curves",
+          " vertices; allow longer edges, let them grow faster, or widen the narrow places between its curves",
       "edge_length");
 }
 
@@ -121,7 +121,7 @@ class OutlineMesher {
     if (length >= kMinOutlineEdge * side) return Nothing{};
     return invalid_argument(
         "OUTLINE_EDGE_LENGTH",
-        "edges are at least 1e-9 of the outline's larger side, which is " + std::to_string(side) + " m", field);
+        "edges must be at least 1e-9 of the outline's larger side, which is " + std::to_string(side) + " m", field);
   }
 
   [[nodiscard]] std::vector<SizeSource> asked_sources() const {

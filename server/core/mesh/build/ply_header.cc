@@ -54,7 +54,7 @@ class HeaderReader {
 
   Result<PlyHeader> run() {
     if (!file_.starts_with("ply\n") && !file_.starts_with("ply\r")) {
-      return refuse("HEADER", "this is no PLY file: it does not begin with a line \"ply\"");
+      return refuse("HEADER", "this is not a PLY file: it does not begin with a line \"ply\"");
     }
     header_.line_end = file_[3] == '\r' && !file_.starts_with("ply\r\n") ? '\r' : '\n';
     next_line(file_, header_.line_end);
@@ -91,11 +91,11 @@ class HeaderReader {
     } else if (keyword == "property") {
       read = read_property(line);
     } else if (keyword != "end_header") {
-      return refuse("HEADER", quoted(keyword) + " is none of format, element, property, comment, end_header");
+      return refuse("HEADER", quoted(keyword) + " is not one of format, element, property, comment, end_header");
     }
     KERF_TRY(read);
     if (const std::string_view extra = next_word(line); !extra.empty()) {
-      return refuse("HEADER", quoted(extra) + " is too much in this line");
+      return refuse("HEADER", quoted(extra) + " is unexpected at the end of this line");
     }
     if (keyword == "end_header" && !has_format_) return refuse("HEADER", "a line with the format is missing");
     return keyword == "end_header";
@@ -111,7 +111,8 @@ class HeaderReader {
     } else if (name == "binary_big_endian") {
       header_.format = PlyFormat::kBigEndian;
     } else {
-      return refuse("HEADER", "format " + quoted(name) + " is none of ascii, binary_little_endian, binary_big_endian");
+      return refuse("HEADER",
+                    "format " + quoted(name) + " is not one of ascii, binary_little_endian, binary_big_endian");
     }
     if (next_word(line) != "1.0") return refuse("HEADER", "the format's version must be 1.0");
     has_format_ = true;
@@ -122,7 +123,7 @@ class HeaderReader {
     PlyElement element;
     element.name = next_word(line);
     if (!parse_number(next_word(line), element.count) || element.count < 0) {
-      return refuse("HEADER", "an element has a name and a number of them, 0 or more");
+      return refuse("HEADER", "an element needs a name and a count, 0 or more");
     }
     if (find_named(header_.elements, element.name) != nullptr) {
       return refuse("HEADER", "element " + quoted(element.name) + " is given twice");
@@ -141,15 +142,16 @@ class HeaderReader {
   Status read_type(std::string_view word, PlyType& type) {
     const std::optional<PlyType> found = type_named(word);
     if (!found) {
-      return refuse("HEADER", quoted(word) +
-                                  " is no type: char, uchar, short, ushort, int, uint, float, double or int8..float64");
+      return refuse(
+          "HEADER",
+          quoted(word) + " is not a type: char, uchar, short, ushort, int, uint, float, double or int8..float64");
     }
     type = *found;
     return Nothing{};
   }
 
   Status read_property(std::string_view& line) {
-    if (header_.elements.empty()) return refuse("HEADER", "a property comes after the element it belongs to");
+    if (header_.elements.empty()) return refuse("HEADER", "a property must come after the element it belongs to");
     PlyProperty property;
     std::string_view word = next_word(line);
     if (word == "list") {
@@ -159,7 +161,7 @@ class HeaderReader {
     }
     KERF_TRY(read_type(word, property.type));
     property.name = next_word(line);
-    if (property.name.empty()) return refuse("HEADER", "a property has a name");
+    if (property.name.empty()) return refuse("HEADER", "a property needs a name");
     std::vector<PlyProperty>& properties = header_.elements.back().properties;
     if (find_named(properties, property.name) != nullptr) {
       return refuse("HEADER", "property " + quoted(property.name) + " is given twice");

@@ -68,8 +68,8 @@ class PlyReader {
     }
     element_ = nullptr;
     if (!std::all_of(file_.begin(), file_.end(), is_end_of_line)) {
-      return here(invalid_argument(
-          "TRAILING", std::to_string(file_.size()) + " bytes follow the last element; the header's counts do not fit"));
+      return here(invalid_argument("TRAILING", std::to_string(file_.size()) +
+                                                   " bytes follow the last element; the header's counts do not match"));
     }
     Result<ImportedSheet> assembled = faces_.assemble(rest_shape);
     if (!assembled.ok()) return here(assembled.error());
@@ -114,7 +114,7 @@ class PlyReader {
       KERF_TRY(property.count_type ? read_list(property) : read_scalar(property, position, texture));
     }
     if (is_text() && !next_word(row_text_).empty()) {
-      return refuse("VALUES", "the line has more values than the header gives this element");
+      return refuse("VALUES", "the line has more values than the header declares for this element");
     }
     if (element_->name == "face") return added(faces_.add_face(corners_));
     if (element_->name != "vertex") return Nothing{};
@@ -169,7 +169,7 @@ class PlyReader {
       double index = 0.0;
       KERF_TRY(read_number(property.type, index));
       if (!(index >= 0.0 && index < static_cast<double>(header_.num_vertices) && index == std::floor(index))) {
-        return refuse("INDEX", "a corner names none of " + std::to_string(header_.num_vertices) + " vertices");
+        return refuse("INDEX", "a corner names none of the " + std::to_string(header_.num_vertices) + " vertices");
       }
       const auto vertex = static_cast<std::int32_t>(index);
       corners_.emplace_back(vertex, header_.has_texture ? vertex : kNone);
@@ -181,7 +181,7 @@ class PlyReader {
     if (is_text()) {
       const std::string_view word = next_word(row_text_);
       if (word.empty()) return too_few();
-      if (!parse_number(word, value)) return refuse("NUMBER", quoted(word) + " is no number");
+      if (!parse_number(word, value)) return refuse("NUMBER", quoted(word) + " is not a number");
       return Nothing{};
     }
     const std::size_t size = size_of(type);
@@ -205,7 +205,7 @@ class PlyReader {
   }
 
   [[nodiscard]] Error too_few() const {
-    return refuse("VALUES", "the line has fewer values than the header gives this element");
+    return refuse("VALUES", "the line has fewer values than the header declares for this element");
   }
   [[nodiscard]] Error truncated() const {
     return refuse("TRUNCATED",

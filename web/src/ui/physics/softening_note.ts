@@ -14,7 +14,7 @@ export function softeningText(softening: Softening | undefined): string {
     `Softened for real time: this sheet is ${factor} times softer in its plane than these numbers say.`,
     `Expected error after 0.3 s: ${millimetresText(expectedErrorM)} if the sheet is flat, without contact, wind, pulls or cuts.`,
   ];
-  if (!fits) sentences.push('Even so, it is too much for a tick: take a coarser mesh.');
+  if (!fits) sentences.push('This is still too much for a tick: use a coarser mesh.');
   return sentences.join(' ');
 }
 

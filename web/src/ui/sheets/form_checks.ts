@@ -76,7 +76,7 @@ const kLabels: Record<string, string> = {
 /** The field that a refusal of the server belongs to, and the refusal in the user's words. */
 export function refusal(error: Error, form: NewSheet): [field: string, text: string] {
   if (!(error instanceof ApiError)) return ['', errorText(error)];
-  if (error.code === 'ALREADY_EXISTS') return ['id', `There is a sheet named ${form.id} already`];
+  if (error.code === 'ALREADY_EXISTS') return ['id', `A sheet named ${form.id} already exists`];
   const field = formField(error.field) ?? '';
   // "outline.boundary is open" -> "The drawing is open".
   const text = errorText(error).replace(/^[a-z]\w*(\.[\w[\]]+)+/, kLabels[field] ?? 'The sheet');
