@@ -15,6 +15,7 @@
 #include "server/core/mesh/triangle_mesh.h"
 #include "server/core/sheet/recording.h"
 #include "server/core/sheet/sheet.h"
+#include "server/core/sheet/stage_observer.h"
 #include "server/service/wire/analysis_codec.h"
 #include "server/service/wire/recording_codec.h"
 #include "server/service/wire/reply_codec.h"
