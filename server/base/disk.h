@@ -1,9 +1,7 @@
 #pragma once
 
 #include <cstddef>
-#include <map>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <string_view>
 
@@ -41,29 +39,6 @@ class RealDisk : public Disk {
   Result<std::string> read_file(const std::string& path, std::size_t max_bytes) override;
   Status write_file(const std::string& path, std::string_view content) override;
   Result<std::unique_ptr<AppendFile>> create_file(const std::string& path) override;
-};
-
-// Files in memory, for tests and simulation. A capacity makes it run full.
-class MemoryDisk : public Disk {
- public:
-  explicit MemoryDisk(std::size_t capacity_bytes = std::size_t{1} << 30U);
-  // Sets the capacity. It may be below what is in use: nothing is written then.
-  void set_capacity(std::size_t bytes);
-  Result<std::string> read_file(const std::string& path, std::size_t max_bytes) override;
-  Status write_file(const std::string& path, std::string_view content) override;
-  Result<std::unique_ptr<AppendFile>> create_file(const std::string& path) override;
-
- private:
-  // Shared with the open files, which may outlive the disk.
-  struct Content {
-    std::mutex mutex;
-    std::size_t capacity_bytes = 0;
-    std::size_t used_bytes = 0;
-    std::map<std::string, std::string> files;
-  };
-  class MemoryFile;
-
-  std::shared_ptr<Content> content_;
 };
 
 }  // namespace kerf::host

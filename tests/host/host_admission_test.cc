@@ -44,7 +44,7 @@ TEST(Admission, OfNoLimitNeverCloses) {
 // Its sheet's ticks take as long as it says, by moving the clock within them.
 class Delay : public sheet::SnapshotSink {
  public:
-  explicit Delay(ManualClock& clock) : clock_(clock) {}
+  explicit Delay(test::ManualClock& clock) : clock_(clock) {}
   [[nodiscard]] bool wants_snapshot() const override { return takes.load() > Nanoseconds(0); }
   void publish(std::shared_ptr<const sheet::Snapshot> /*snapshot*/) override {
     clock_.move_to(clock_.now() + takes.load());
@@ -54,7 +54,7 @@ class Delay : public sheet::SnapshotSink {
   std::atomic<Nanoseconds> takes{Nanoseconds(0)};
 
  private:
-  ManualClock& clock_;
+  test::ManualClock& clock_;
 };
 
 class AdmissionTest : public HostTest {

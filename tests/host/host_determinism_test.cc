@@ -22,7 +22,7 @@ using Hashes = std::map<std::string, std::vector<std::uint64_t>>;
 Hashes hashes_with(std::int32_t workers, bool heavy) {
   std::map<std::string, std::shared_ptr<sheet::Recorder>> recorders;
   for (int i = 0; i < kSheets; ++i) recorders["s" + std::to_string(i)] = std::make_shared<sheet::Recorder>();
-  ManualClock clock;
+  test::ManualClock clock;
   SeededEntropy entropy(1);
   HostOptions options;
   options.workers = workers;

@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "server/service/host/host.h"
-#include "server/service/host/manual_clock.h"
+#include "tests/support/manual_clock.h"
 #include "tests/support/scenes.h"
 
 namespace kerf::host {
@@ -140,7 +140,7 @@ class HostTest : public testing::Test {
     return answers.at(0);
   }
 
-  ManualClock clock_;
+  test::ManualClock clock_;
   SeededEntropy entropy_{1};
   std::unique_ptr<Host> host_;
 };

@@ -285,7 +285,7 @@ TEST_F(LongTickTest, OfAReplayIsNoDivergenceWhereDeletionEndsIt) {
 }
 
 // A clock whose next thread_cpu(), which is asked for when a tick has taken its commands, does something first.
-class HookedClock : public ManualClock {
+class HookedClock : public test::ManualClock {
  public:
   Nanoseconds thread_cpu() const override {
     if (const std::function<void()> hook = std::exchange(hook_, nullptr)) hook();

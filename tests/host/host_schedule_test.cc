@@ -14,10 +14,10 @@ TEST_F(HostTest, ACommandWithATickIsDoneAtTheStartOfItInTheOrderOfTheCalls) {
   create("a", small_sheet());
   std::vector<std::string> told;
   host_->set_command_listener([&](const std::string& id, const sheet::Command& command,
-                                  const Result<CommandResult>& result, const Appointment& appointment) {
+                                  const Result<CommandResult>& result, const ScheduleId& schedule_id) {
     const auto* released = std::get_if<sheet::Release>(&command);
     told.push_back(id + " " + (released != nullptr ? released->grab_id : "other") + " " +
-                   std::to_string(appointment.at_tick) + "#" + std::to_string(appointment.number) + " " +
+                   std::to_string(schedule_id.at_tick) + "#" + std::to_string(schedule_id.number) + " " +
                    (result.ok() ? std::to_string(result->reply.tick) : result.error().reason));
   });
   Answers<std::int64_t> answers;
@@ -33,13 +33,13 @@ TEST_F(HostTest, ACommandWithATickIsDoneAtTheStartOfItInTheOrderOfTheCalls) {
   for (std::size_t i = 0; i < answers.count(); ++i) reasons.push_back(answers.reason(i));
   std::sort(reasons.begin(), reasons.end());
   EXPECT_EQ(reasons, (std::vector<std::string>{"SHEET_NOT_FOUND", "TICK_PAST", "done", "done", "done", "done"}));
-  Answers<std::vector<WaitingCommand>> waiting;
+  Answers<std::vector<ScheduledCommand>> waiting;
   host_->scheduled("a", waiting.callback());
   host_->wait_idle();
-  const std::vector<WaitingCommand> commands = waiting.at(0).value();
+  const std::vector<ScheduledCommand> commands = waiting.at(0).value();
   ASSERT_EQ(commands.size(), 4U);
-  EXPECT_EQ(commands[0].appointment.at_tick, 3);
-  EXPECT_EQ(commands[0].appointment.number, 4);
+  EXPECT_EQ(commands[0].id.at_tick, 3);
+  EXPECT_EQ(commands[0].id.number, 4);
   EXPECT_TRUE(std::holds_alternative<sheet::Grab>(commands[1].command));
   run_for(6 * kTick);
   EXPECT_EQ(told, (std::vector<std::string>{"a other 3#4 3", "a other 4#1 4", "a x 4#2 4", "a x 4#3 GRAB_NOT_FOUND"}));
@@ -67,8 +67,8 @@ TEST_F(HostTest, ASheetWithACommandToComeDoesNotSleep) {
 TEST_F(HostTest, ACommandThatWaitsIsTakenBack) {
   create("a", at_50_hz(scenes::lying_on_floor(6)));
   std::vector<std::int64_t> told;
-  host_->set_command_listener([&](const auto&, const auto&, const auto&, const Appointment& appointment) {
-    told.push_back(appointment.number);
+  host_->set_command_listener([&](const auto&, const auto&, const auto&, const ScheduleId& schedule_id) {
+    told.push_back(schedule_id.number);
   });
   Answers<std::int64_t> answers;
   for (const double y : {0.3, 0.5, 0.7}) {
@@ -77,7 +77,7 @@ TEST_F(HostTest, ACommandThatWaitsIsTakenBack) {
   host_->schedule("a", sheet::SetPins{}, 3, answers.callback());
   run_for(5 * kTick);
   EXPECT_EQ(answers.at(2).value(), 3);
-  Answers<WaitingCommand> cancelled;
+  Answers<ScheduledCommand> cancelled;
   for (const std::int64_t number : {2, 2, 4, 0, 5}) host_->cancel("a", number, cancelled.callback());
   host_->cancel("nobody", 1, cancelled.callback());
   host_->wait_idle();
@@ -88,11 +88,11 @@ TEST_F(HostTest, ACommandThatWaitsIsTakenBack) {
   EXPECT_EQ(reasons,
             (std::vector<std::string>{"SCHEDULED_CUTS_NOT_FOUND", "SCHEDULED_CUTS_NOT_FOUND", "SCHEDULED_CUTS_SETTLED",
                                       "SCHEDULED_CUTS_SETTLED", "SHEET_NOT_FOUND", "done"}));
-  Answers<std::vector<WaitingCommand>> waiting;
+  Answers<std::vector<ScheduledCommand>> waiting;
   host_->scheduled("a", waiting.callback());
   host_->wait_idle();
   ASSERT_EQ(waiting.at(0)->size(), 2U);
-  EXPECT_EQ(waiting.at(0)->back().appointment.number, 3);
+  EXPECT_EQ(waiting.at(0)->back().id.number, 3);
   // Others keep their tick; without any, the sheet falls asleep.
   run_for(600 * kTick);
   EXPECT_EQ(status("a").pieces, 3);
@@ -117,7 +117,7 @@ TEST_F(HostTest, CommandsWithATickAreReplayed) {
   host_->schedule("a", scenes::circle_cut({0.5, 0.5}, 0.1), 6, answers.callback());
   host_->schedule("a", sheet::UndoCut{}, 8, answers.callback());
   run_for(2 * kTick);
-  Answers<WaitingCommand> cancelled;
+  Answers<ScheduledCommand> cancelled;
   host_->cancel("a", 2, cancelled.callback());
   run_for(10 * kTick);
   ASSERT_TRUE(cancelled.at(0).ok());

@@ -8,7 +8,7 @@ namespace {
 // Its steps take twice what it counts, on a clock that it moves.
 class Slow : public fem::Integrator {
  public:
-  Slow(const fem::IntegratorOptions& options, ManualClock& clock)
+  Slow(const fem::IntegratorOptions& options, test::ManualClock& clock)
       : inner_(fem::make_integrator(options)), clock_(clock) {}
 
   void rebuild(const fem::Model& model) override { inner_->rebuild(model); }
@@ -26,7 +26,7 @@ class Slow : public fem::Integrator {
 
  private:
   std::unique_ptr<fem::Integrator> inner_;
-  ManualClock& clock_;
+  test::ManualClock& clock_;
 };
 
 class TickEstimateTest : public HostTest {
@@ -34,7 +34,7 @@ class TickEstimateTest : public HostTest {
   TickEstimateTest() : HostTest(slow_ticks(clock_)) {}
 
  private:
-  static HostOptions slow_ticks(ManualClock& clock) {
+  static HostOptions slow_ticks(test::ManualClock& clock) {
     HostOptions options;
     options.make_integrator = [&clock](const fem::IntegratorOptions& wanted) {
       return std::make_unique<Slow>(wanted, clock);

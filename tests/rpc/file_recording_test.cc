@@ -13,8 +13,9 @@
 #include "server/base/disk.h"
 #include "server/core/sheet/recording.h"
 #include "server/core/sheet/sheet.h"
-#include "server/service/host/manual_clock.h"
 #include "server/service/wire/recording_codec.h"
+#include "tests/support/manual_clock.h"
+#include "tests/support/memory_disk.h"
 #include "tests/support/scenes.h"
 #include "tests/support/temporary_folder.h"
 
@@ -73,8 +74,8 @@ class FileRecordingTest : public ::testing::Test {
   }
 
   const sheet::SheetConfig config_ = scenes::hanging(3);
-  host::MemoryDisk disk_{kRoom};
-  host::ManualClock clock_;
+  test::MemoryDisk disk_{kRoom};
+  test::ManualClock clock_;
   RecordingBoard board_;
   std::vector<std::string> lines_;
   std::unique_ptr<FileRecording> recording_;

@@ -37,7 +37,7 @@ class PatienceTest : public testing::Test {
   }
 
   Patience::Lapse lapse_{};
-  host::ManualClock clock_;
+  test::ManualClock clock_;
   int given_up_ = 0;
   std::shared_ptr<Patience> patience_ = std::make_shared<Patience>(clock_, rpc::PatienceLimits{30s, 120s});
 };

@@ -79,8 +79,8 @@ Api::Api(host::Host& host, render::Renderer* renderer, ApiOptions options, host:
     : core_(std::make_shared<ApiCore>(host, renderer, std::move(options), clock)), methods_(json_methods(*this)) {
   host.set_command_listener([core = std::weak_ptr(core_)](const std::string& id, const sheet::Command& command,
                                                           const Result<host::CommandResult>& result,
-                                                          const host::Appointment& appointment) {
-    if (const auto alive = core.lock()) keep_in_journal(*alive, id, command, result, appointment);
+                                                          const host::ScheduleId& schedule_id) {
+    if (const auto alive = core.lock()) keep_in_journal(*alive, id, command, result, schedule_id);
   });
 }
 

@@ -90,7 +90,7 @@ Status check_request_id(const std::string& request_id);
 // Adds commands done without a caller to the journal: cuts, resets, undos, redos, and refused scheduled cuts. Called
 // for each command that the host's listener receives; methods add the commands of their callers themselves.
 void keep_in_journal(ApiCore& core, const std::string& sheet_id, const sheet::Command& command,
-                     const Result<host::CommandResult>& result, const host::Appointment& appointment);
+                     const Result<host::CommandResult>& result, const host::ScheduleId& schedule_id);
 
 // Encodes a kerf.v1.Sheet.
 v1::Sheet encode_sheet(const host::SheetStatus& status);

@@ -98,11 +98,11 @@ std::vector<v1::Cut> cuts_of(const sheet::Command& command) {
 }
 
 v1::ScheduledCuts encode_scheduled(const std::string& sheet_id, const sheet::Command& command,
-                                   const host::Appointment& appointment) {
+                                   const host::ScheduleId& schedule_id) {
   v1::ScheduledCuts message;
   message.set_state(v1::ScheduledCuts::WAITING);
-  message.set_tick(appointment.at_tick);
-  if (appointment.number > 0) message.set_name(scheduled_name(sheet_id, appointment.number));
+  message.set_tick(schedule_id.at_tick);
+  if (schedule_id.number > 0) message.set_name(scheduled_name(sheet_id, schedule_id.number));
   for (v1::Cut& cut : cuts_of(command)) *message.add_cuts() = std::move(cut);
   return message;
 }
@@ -248,10 +248,10 @@ std::optional<std::int64_t> parse_token(const std::string& token) {
 }  // namespace
 
 void keep_in_journal(ApiCore& core, const std::string& sheet_id, const sheet::Command& command,
-                     const Result<host::CommandResult>& result, const host::Appointment& appointment) {
+                     const Result<host::CommandResult>& result, const host::ScheduleId& schedule_id) {
   CutJournal& journal = core.journal;
   if (!result.ok()) {
-    v1::ScheduledCuts refused = encode_scheduled(sheet_id, command, appointment);
+    v1::ScheduledCuts refused = encode_scheduled(sheet_id, command, schedule_id);
     if (refused.cuts().empty()) return;
     refused.set_state(v1::ScheduledCuts::REFUSED);
     refused.set_reason(result.error().reason);
@@ -270,8 +270,8 @@ void keep_in_journal(ApiCore& core, const std::string& sheet_id, const sheet::Co
   std::vector<v1::Cut> cuts = cuts_of(command);
   if (cuts.empty()) return;
   std::vector<v1::CutResult> results = encode_results(sheet_id, *result);
-  if (appointment.number > 0) {
-    for (v1::CutResult& each : results) each.set_scheduled_name(scheduled_name(sheet_id, appointment.number));
+  if (schedule_id.number > 0) {
+    for (v1::CutResult& each : results) each.set_scheduled_name(scheduled_name(sheet_id, schedule_id.number));
   }
   keep_applied(journal, sheet_id, reply, std::move(cuts), results);
 }
@@ -320,13 +320,13 @@ void Api::cancel_scheduled_cuts(const v1::CancelScheduledCutsRequest& request, R
   if (!id.ok()) return reply(id.error());
   once<v1::ScheduledCuts>(
       core_, "CancelScheduledCuts", request, std::move(reply), [&](Reply<v1::ScheduledCuts> answer) {
-        core_->host.cancel(
-            *id, name->number, [id = *id, answer = std::move(answer)](const Result<host::WaitingCommand>& cancelled) {
-              if (!cancelled.ok()) return answer(at_field(cancelled.error(), "name"));
-              v1::ScheduledCuts message = encode_scheduled(id, cancelled->command, cancelled->appointment);
-              message.set_state(v1::ScheduledCuts::CANCELLED);
-              answer(std::move(message));
-            });
+        core_->host.cancel(*id, name->number,
+                           [id = *id, answer = std::move(answer)](const Result<host::ScheduledCommand>& cancelled) {
+                             if (!cancelled.ok()) return answer(at_field(cancelled.error(), "name"));
+                             v1::ScheduledCuts message = encode_scheduled(id, cancelled->command, cancelled->id);
+                             message.set_state(v1::ScheduledCuts::CANCELLED);
+                             answer(std::move(message));
+                           });
       });
 }
 
@@ -347,13 +347,13 @@ void Api::list_cuts(const v1::ListCutsRequest& request, Reply<v1::ListCutsRespon
   if (!after) return reply(bad_page_token());
   // Runs on the sheet's strand, so that an unknown sheet is refused and all earlier cuts are in the journal.
   core_->host.scheduled(*id, [core = core_, id = *id, size = *size, after = *after,
-                              reply = std::move(reply)](const Result<std::vector<host::WaitingCommand>>& waiting) {
+                              reply = std::move(reply)](const Result<std::vector<host::ScheduledCommand>>& waiting) {
     if (!waiting.ok()) return reply(at_field(waiting.error(), "parent"));
     v1::ListCutsResponse response;
     if (after == 0) {
       for (v1::ScheduledCuts& refused : core->journal.refused(id)) *response.add_scheduled() = std::move(refused);
-      for (const host::WaitingCommand& each : *waiting) {
-        *response.add_scheduled() = encode_scheduled(id, each.command, each.appointment);
+      for (const host::ScheduledCommand& each : *waiting) {
+        *response.add_scheduled() = encode_scheduled(id, each.command, each.id);
       }
     }
     CutJournal::Page page = core->journal.page(id, after, size);

@@ -11,7 +11,7 @@ namespace kerf::api {
 Result<std::string> parse_sheet_name(const std::string& name, const char* field);
 std::string sheet_name(const std::string& id);
 
-// Returns `sheets/{sheet}/scheduledCuts/{number}`. See host::Appointment::number.
+// Returns `sheets/{sheet}/scheduledCuts/{number}`. See host::ScheduleId::number.
 std::string scheduled_name(const std::string& sheet_id, std::int64_t number);
 struct ScheduledName {
   std::string sheet_id;

@@ -13,6 +13,9 @@ using Nanoseconds = std::chrono::nanoseconds;
 inline double seconds(Nanoseconds time) {
   return std::chrono::duration<double>(time).count();
 }
+inline double microseconds(Nanoseconds time) {
+  return 1.0e6 * seconds(time);
+}
 
 enum class TimerId : std::uint64_t {};
 

@@ -1,14 +1,32 @@
 #include "server/service/host/host.h"
 
+#include <new>
 #include <sstream>
 #include <utility>
 
-#include "server/service/host/host_impl.h"
+#include "server/base/caught.h"
+#include "server/base/memory_release.h"
+#include "server/service/host/errors.h"
+#include "server/service/host/sheet_runner.h"
 
 namespace kerf::host {
 
+namespace {
+
+Error no_sheet(const std::string& id) {
+  return not_found("SHEET_NOT_FOUND", "there is no sheet \"" + id + "\"");
+}
+
+}  // namespace
+
 Host::Host(HostOptions options, Clock& clock, Entropy& entropy)
-    : impl_(std::make_unique<Impl>(std::move(options), clock, entropy)) {}
+    : options_(std::move(options)),
+      clock_(clock),
+      entropy_(entropy),
+      vertices_(options_.max_total_vertices),
+      admission_(options_.max_load),
+      workers_({.num_threads = options_.workers, .patience = options_.long_work}),
+      builders_({.patience = options_.long_work, .max_taken_on = kMaxBuilders - 1, .is_background = true}) {}
 
 Host::~Host() {
   stop();
@@ -16,66 +34,152 @@ Host::~Host() {
 
 void Host::create_sheet(std::string id, sheet::SheetConfig config, bool paused, Callback<SheetStatus> done,
                         const std::stop_token& stop) {
-  impl_->create_sheet(std::move(id), std::move(config), nullptr, paused, std::move(done), stop);
+  create(std::move(id), std::move(config), nullptr, paused, std::move(done), stop);
 }
 
 void Host::replay(std::string id, sheet::Recording recording, bool paused, Callback<SheetStatus> done,
                   const std::stop_token& stop) {
   if (const Status ordered = sheet::check_order(recording.entries); !ordered.ok()) return done(ordered.error());
   auto playback = std::make_unique<Playback>(std::move(recording.entries), recording.torn_bytes);
-  impl_->create_sheet(std::move(id), std::move(recording.config), std::move(playback), paused, std::move(done), stop);
+  create(std::move(id), std::move(recording.config), std::move(playback), paused, std::move(done), stop);
+}
+
+std::shared_ptr<SheetRunner> Host::find(const std::string& id) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = sheets_.find(id);
+  return found == sheets_.end() ? nullptr : found->second;
+}
+
+Error Host::missing(const std::string& id) const {
+  const std::lock_guard lock(mutex_);
+  return stopping_ ? host_stopping() : no_sheet(id);
+}
+
+template <typename T>
+void Host::on_strand(const std::string& id, const Callback<T>& done, std::function<void(SheetRunner&)> work) {
+  const std::shared_ptr<SheetRunner> runner = find(id);
+  if (!runner) return done(missing(id));
+  runner->post(std::move(work), [done](Error error) { done(std::move(error)); });
 }
 
 void Host::recording(const std::string& id, Callback<KeptRun> done) {
-  impl_->on_strand(id, done, [done](SheetRunner& r) { done(r.kept_run()); });
+  on_strand(id, done, [done](SheetRunner& r) { done(r.kept_run()); });
 }
 
 void Host::delete_sheet(const std::string& id, Callback<Nothing> done, std::function<void()> closed) {
-  impl_->delete_sheet(id, std::move(done), std::move(closed));
+  std::shared_ptr<SheetRunner> runner;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto found = sheets_.find(id);
+    if (found != sheets_.end()) runner = std::move(found->second);  // find() does not return it from here on.
+  }
+  if (!runner) return done(missing(id));
+  runner->announce_close();
+  runner->post(
+      [this, id, done, closed = std::move(closed)](SheetRunner& r) {
+        r.close(sheet::SinkEnd::kSheetDeleted);
+        const Status ended = caught([&]() -> Status {
+          if (closed) closed();
+          return Nothing{};
+        });
+        release(id);
+        done(ended);
+      },
+      done);
+}
+
+void Host::release(const std::string& id) {
+  {
+    const std::lock_guard lock(mutex_);
+    sheets_.erase(id);
+  }
+  try {
+    plan_to_release_memory();
+  } catch (const std::bad_alloc&) {  // The next sheet that ends tries again.
+  }
+}
+
+void Host::plan_to_release_memory() {
+  const auto give_back = [this, strand = workers_.make_strand()] {
+    strand.post([this] {
+      {
+        const std::lock_guard lock(mutex_);
+        release_timer_.reset();
+      }
+      release_free_memory();
+    });
+  };
+  const std::lock_guard lock(mutex_);
+  if (stopping_ || release_timer_) return;
+  release_timer_ = clock_.schedule(clock_.now() + kReleaseDelay, give_back);
 }
 
 std::vector<std::string> Host::list() const {
-  return impl_->list();
+  const std::lock_guard lock(mutex_);
+  std::vector<std::string> ids;
+  for (const auto& [id, runner] : sheets_) {
+    if (runner) ids.push_back(id);
+  }
+  return ids;
 }
 
 void Host::status(const std::string& id, Callback<SheetStatus> done) {
-  impl_->status(id, done);
+  const std::shared_ptr<SheetRunner> runner = find(id);
+  if (!runner) return done(missing(id));
+  if (runner->is_at_long_tick()) return done(*runner->last_status());
+  runner->post([done](SheetRunner& r) { done(r.status()); }, [done](Error error) { done(std::move(error)); });
 }
 
 std::vector<SheetStatus> Host::statuses(const std::vector<std::string>& ids) const {
-  return impl_->statuses(ids);
+  std::vector<SheetStatus> found;
+  for (const std::string& id : ids) {
+    if (const std::shared_ptr<SheetRunner> runner = find(id)) found.push_back(*runner->last_status());
+  }
+  return found;
 }
 
 void Host::submit(const std::string& id, sheet::Command command, Callback<CommandResult> done) {
-  impl_->submit(id, std::move(command), std::move(done));
+  const std::shared_ptr<SheetRunner> runner = find(id);
+  const Status accepted = runner ? runner->enqueue(std::move(command), done) : Status(missing(id));
+  if (accepted.ok()) return;
+  board_.update([](HostMetrics& m) { ++m.commands_refused; });
+  done(accepted.error());
 }
 
 void Host::schedule(const std::string& id, sheet::Command command, std::int64_t at_tick, Callback<std::int64_t> done) {
-  impl_->schedule(id, std::move(command), at_tick, done);
+  const auto answer = [this, done = std::move(done)](Result<std::int64_t> number) {
+    if (!number.ok()) board_.update([](HostMetrics& m) { ++m.commands_refused; });
+    done(std::move(number));
+  };
+  on_strand<std::int64_t>(id, answer, [command = std::move(command), at_tick, answer](SheetRunner& r) mutable {
+    answer(r.schedule(std::move(command), at_tick));
+  });
 }
 
-void Host::scheduled(const std::string& id, Callback<std::vector<WaitingCommand>> done) {
-  impl_->on_strand(id, done, [done](SheetRunner& r) { done(r.scheduled()); });
+void Host::scheduled(const std::string& id, Callback<std::vector<ScheduledCommand>> done) {
+  on_strand(id, done, [done](SheetRunner& r) { done(r.scheduled()); });
 }
 
-void Host::cancel(const std::string& id, std::int64_t number, Callback<WaitingCommand> done) {
-  impl_->on_strand(id, done, [number, done](SheetRunner& r) { done(r.cancel(number)); });
+void Host::cancel(const std::string& id, std::int64_t number, Callback<ScheduledCommand> done) {
+  on_strand(id, done, [number, done](SheetRunner& r) { done(r.cancel(number)); });
 }
 
 void Host::set_command_listener(CommandListener listener) {
-  impl_->set_command_listener(std::move(listener));
+  listener_.set(std::move(listener));
 }
 
 void Host::release_grab(const std::string& id, std::string grab_id) {
-  impl_->release_grab(id, std::move(grab_id));
+  if (const std::shared_ptr<SheetRunner> runner = find(id)) runner->release_grab(std::move(grab_id));
 }
 
 void Host::pause(const std::string& id, Callback<SheetStatus> done) {
-  impl_->pause(id, done);
+  const std::shared_ptr<SheetRunner> runner = find(id);
+  if (!runner) return done(missing(id));
+  runner->post_pause(done);
 }
 
 void Host::resume(const std::string& id, Callback<SheetStatus> done) {
-  impl_->on_strand(id, done, [done](SheetRunner& r) {
+  on_strand(id, done, [done](SheetRunner& r) {
     if (Status s = r.resume(); !s.ok()) return done(s.error());
     done(r.status());
   });
@@ -87,66 +191,90 @@ void Host::set_speed(const std::string& id, double speed, Callback<SheetStatus> 
     message << "speed is " << speed << "; must be in " << kMinSpeed << ".." << kMaxSpeed << ", and 1 is live";
     return done(invalid_argument("OUT_OF_RANGE", message.str(), "speed"));
   }
-  impl_->on_strand(id, done, [speed, done](SheetRunner& r) {
+  on_strand(id, done, [speed, done](SheetRunner& r) {
     r.set_speed(speed);
     done(r.status());
   });
 }
 
 void Host::step(const std::string& id, std::int64_t ticks, Callback<SheetStatus> done, std::stop_token stop) {
-  const std::int32_t limit = options().max_step_ticks;
+  const std::int32_t limit = options_.max_step_ticks;
   if (ticks < 1 || ticks > limit) {
     return done(invalid_argument(
         "OUT_OF_RANGE", "ticks is " + std::to_string(ticks) + "; must be in 1.." + std::to_string(limit), "ticks"));
   }
-  impl_->on_strand(id, done, [ticks, done, stop = std::move(stop)](SheetRunner& r) { r.step(ticks, done, stop); });
+  on_strand(id, done, [ticks, done, stop = std::move(stop)](SheetRunner& r) { r.step(ticks, done, stop); });
 }
 
 void Host::inspect(const std::string& id, std::function<void(const sheet::Sheet&)> look, Callback<Nothing> done) {
-  impl_->on_strand(id, done, [look = std::move(look), done](SheetRunner& r) {
+  on_strand(id, done, [look = std::move(look), done](SheetRunner& r) {
     look(r.sheet());
     done(Nothing{});
   });
 }
 
 void Host::add_sink(const std::string& id, std::shared_ptr<sheet::SnapshotSink> sink, Callback<Nothing> done) {
-  impl_->on_strand(id, done, [sink = std::move(sink), done](SheetRunner& r) {
+  on_strand(id, done, [sink = std::move(sink), done](SheetRunner& r) {
     r.add_sink(sink);
     done(Nothing{});
   });
 }
 
 void Host::refresh_sink(const std::string& id, std::shared_ptr<sheet::SnapshotSink> sink, Callback<Nothing> done) {
-  impl_->on_strand(id, done, [sink = std::move(sink), done](SheetRunner& r) {
+  on_strand(id, done, [sink = std::move(sink), done](SheetRunner& r) {
     r.refresh_sink(sink);
     done(Nothing{});
   });
 }
 
 void Host::remove_sink(const std::string& id, std::shared_ptr<sheet::SnapshotSink> sink, Callback<Nothing> done) {
-  impl_->on_strand(id, done, [sink = std::move(sink), done](SheetRunner& r) {
+  on_strand(id, done, [sink = std::move(sink), done](SheetRunner& r) {
     r.remove_sink(sink);
     done(Nothing{});
   });
 }
 
 HostMetrics Host::metrics() const {
-  return impl_->metrics();
+  return board_.read();
 }
+
 double Host::load() const {
-  return impl_->load();
+  return static_cast<double>(board_.worker_need()) / (static_cast<double>(WorkerNeed::kWhole) * options_.workers);
 }
+
 const HostOptions& Host::options() const {
-  return impl_->options();
+  return options_;
 }
+
+// Waits for the builders first, because they post to the workers.
 void Host::wait_idle() {
-  impl_->wait_idle();
+  builders_.wait_idle();
+  workers_.wait_idle();
 }
+
 void Host::stop() {
-  impl_->stop();
+  std::map<std::string, std::shared_ptr<SheetRunner>> taken;
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+    if (release_timer_) clock_.cancel(*release_timer_);
+    taken.swap(sheets_);
+  }
+  for (auto& [id, runner] : taken) {
+    if (!runner) continue;  // admit() will refuse it, or its deletion is in progress.
+    SheetRunner* const sheet = runner.get();
+    // Moves the last reference too, so that the workers destroy sheets in parallel.
+    sheet->post([held = std::move(runner)](SheetRunner& r) { r.close(sheet::SinkEnd::kHostStopping); },
+                [](const Error&) {});
+  }
+  workers_.wait_idle();
+  has_closed_sheets_ = true;
+  builders_.join();  // First, because they post to the workers.
+  workers_.join();
 }
+
 bool Host::has_closed_sheets() const {
-  return impl_->has_closed_sheets();
+  return has_closed_sheets_;
 }
 
 }  // namespace kerf::host

@@ -1,139 +1,41 @@
 #pragma once
 
+#include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <stop_token>
 #include <string>
 #include <vector>
 
-#include <Eigen/Core>
-
 #include "server/base/result.h"
-#include "server/core/fem/step/integrator.h"
-#include "server/core/fem/step/softening.h"
 #include "server/core/scene/command.h"
 #include "server/core/scene/sheet_config.h"
 #include "server/core/sheet/recording.h"
 #include "server/core/sheet/sheet.h"
 #include "server/core/sheet/snapshot.h"
+#include "server/service/host/admission.h"
 #include "server/service/host/clock.h"
+#include "server/service/host/command_listener.h"
+#include "server/service/host/command_result.h"
 #include "server/service/host/entropy.h"
+#include "server/service/host/host_options.h"
 #include "server/service/host/metrics.h"
+#include "server/service/host/metrics_board.h"
+#include "server/service/host/pace.h"
 #include "server/service/host/playback.h"
+#include "server/service/host/shared_slot.h"
+#include "server/service/host/sheet_status.h"
+#include "server/service/host/vertex_budget.h"
+#include "server/service/host/workers.h"
 
 namespace kerf::host {
 
-struct HostOptions {
-  std::int32_t workers = 2;  // Threads that step sheets, 1..256.
-  // Time after which a worker busy with one tick or call is replaced by a further thread (see Workers). That happens
-  // only if others wait and none is idle. Measured on the machine's clock, whichever clock the host has. >= 0; 0:
-  // no worker is replaced, so others wait.
-  Nanoseconds long_work = std::chrono::milliseconds(50);
-  std::int32_t max_sheets = 64;  // >= 1
-  // Load from which new running sheets are refused, see Admission; -, > 0; 0: no limit.
-  double max_load = 1.0;
-  // Limit on the vertices of all sheets together, those being built, paused or at rest included; >= 1; 0: none. It
-  // refuses new sheets only: vertices added by cuts count, but are never refused.
-  std::int64_t max_total_vertices = 0;
-  std::int32_t max_vertices_per_sheet = sheet::kMaxVertices;  // A config's own limit may be lower.
-  std::int32_t max_queued_commands = 64;                      // Per sheet, >= 1.
-  std::int32_t max_scheduled_commands = 64;  // Per sheet: commands of schedule() that wait for their tick, >= 1.
-  std::int32_t max_step_ticks = 100'000;     // Per call of step().
-  // Returns the destination of a new sheet's recording; null, or a null result: it is not recorded.
-  std::function<std::shared_ptr<sheet::RecordingSink>(const std::string& id)> make_recording;
-  // Encodes the ticks that sheets keep of their runs, see KeptRecording; null: they keep nothing.
-  std::function<std::string(const sheet::RecordedTick&)> encode_tick;
-  std::size_t max_recording_bytes = std::size_t{16} << 20;          // Per sheet, of the kept ticks.
-  sheet::IntegratorFactory make_integrator = fem::make_integrator;  // Makes the integrators of the sheets.
-};
-
-enum class RunState {
-  kRunning,
-  kPaused,
-  kSleeping,  // At rest; uses no processor time until it is changed.
-  kFailed,    // Frozen at its last good tick; still served, cuttable and resettable.
-};
-
-// Estimates the time of a tick from operation counts of the present sheet, scaled by the measured time of its ticks.
-struct TickEstimate {
-  fem::TickCost cost;   // Counted for one core of 2024.
-  double scale = 1.0;   // -, > 0: measured time of this sheet's ticks over the counted one; 1 before the first.
-  double budget = 0.0;  // us, period of a tick on the wall clock.
-
-  [[nodiscard]] double total_us() const { return 1e-3 * scale * cost.total(); }
-  [[nodiscard]] bool fits() const { return total_us() <= budget; }
-};
-
-// Describes a sheet between two ticks.
-struct SheetStatus {
-  std::string id;
-  RunState run_state = RunState::kRunning;
-  std::int64_t tick = 0;
-  std::int32_t topology_version = 0;
-  std::int32_t num_vertices = 0;
-  std::int32_t num_triangles = 0;  // with material
-  std::int32_t pieces = 0;
-  std::optional<std::uint64_t> state_hash;  // Left out by statuses().
-  std::int32_t viewers = 0;                 // Summed over all sinks.
-  std::int64_t scene_tick = 0;              // see sheet::Sheet::scene_tick()
-  sheet::RunStats stats;
-  std::vector<mesh::VertexId> pinned_vertices;
-  Eigen::Vector3d gravity{0.0, 0.0, 0.0};            // m/s^2, in force
-  sheet::Wind wind;                                  // in force
-  std::vector<fem::Material> materials;              // In force: the sheet's own, then those of config->materials.
-  std::shared_ptr<const sheet::SheetConfig> config;  // as created
-  std::string integrator;                            // Names the integrator in use and the reason for it.
-  std::optional<fem::Softening> softening;           // In force with Fidelity::kRealTime.
-  std::int32_t linear_iterations = 0;                // In the last tick, see fem::StepStats.
-  double linear_residual = 0.0;                      // -, in the last tick.
-  fem::FlagCounts flagged_ticks{};                   // Since the sheet was made, resets included.
-  std::optional<ReplayStatus> replay;                // Set for a sheet that plays, or played, a recording.
-  TickEstimate tick_estimate;
-  // Clusters made by cuts, and substeps of a tick.
-  std::optional<fem::LocalInertiaStats> local_inertia;
-};
-
-// Holds the kept run of a sheet: config and entries are the whole content of a recording file.
-struct KeptRun {
-  std::shared_ptr<const sheet::SheetConfig> config;
-  std::string entries;  // Results of HostOptions::encode_tick, concatenated.
-};
-
-struct CommandTimings {
-  double queued_us = 0.0;  // From submit() to the tick boundary; 0 for a scheduled command.
-  double cut_us = 0.0;     // Plan, apply, remesh.
-  double update_us = 0.0;  // Update of model and state.
-  // Expected time of a tick before and after the commands of this boundary; see TickEstimate.
-  double tick_before_us = 0.0;
-  double tick_after_us = 0.0;
-  double budget_us = 0.0;  // a tick's period on the wall clock
-};
-
-struct CommandResult {
-  sheet::CommandReply reply;
-  CommandTimings timings;
-};
-
-// Identifies a command that is scheduled for a tick.
-struct Appointment {
-  std::int64_t at_tick = 0;  // 0: at the next tick boundary.
-  std::int64_t number = 0;   // Number of the call of schedule(): 1, 2, ... per sheet; 0 for commands of a scene.
-};
-
-struct WaitingCommand {
-  Appointment appointment;
-  sheet::Command command;
-};
-
-// Receives the outcome of a command that has no caller to answer, on the sheet's strand. Must not block.
-using CommandListener = std::function<void(const std::string& id, const sheet::Command& command,
-                                           const Result<CommandResult>& result, const Appointment& appointment)>;
-
-// Called exactly once: on a worker thread, or within the call if it is refused at once. Must not block.
-template <typename T>
-using Callback = std::function<void(Result<T>)>;
+class SheetRunner;
 
 // Is the only owner of sheets, and the only class that runs them in real time. Each sheet has its own strand of one
 // thread pool and ticks at the absolute deadlines t0 + k * dt / speed. A late sheet catches up by at most
@@ -206,10 +108,10 @@ class Host {
   // field "at_tick", for a tick that is not ahead; kResourceExhausted TOO_MANY_SCHEDULED.
   void schedule(const std::string& id, sheet::Command command, std::int64_t at_tick, Callback<std::int64_t> done);
   // Returns the scheduled commands that still wait, by tick.
-  void scheduled(const std::string& id, Callback<std::vector<WaitingCommand>> done);
+  void scheduled(const std::string& id, Callback<std::vector<ScheduledCommand>> done);
   // Cancels a scheduled command: it is never done, and no listener receives it. kNotFound SCHEDULED_CUTS_NOT_FOUND for
   // a number never given; kFailedPrecondition SCHEDULED_CUTS_SETTLED for a command that no longer waits.
-  void cancel(const std::string& id, std::int64_t number, Callback<WaitingCommand> done);
+  void cancel(const std::string& id, std::int64_t number, Callback<ScheduledCommand> done);
   // Sets the listener, replacing the one before. From now on it receives every command done without a caller to answer:
   // those of a scene, of schedule(), of a recording being played, and a sheet's own Reset. It also receives scheduled
   // commands that are refused at their tick. Calls come in the order of the sheet, between the answers to callers. Set
@@ -249,7 +151,8 @@ class Host {
   [[nodiscard]] double load() const;
   [[nodiscard]] const HostOptions& options() const;
 
-  // Blocks until no work is queued or running; pending timers do not count. For tests and simulation on a ManualClock.
+  // Blocks until no work is queued or running; pending timers do not count. For tests and simulation on a clock moved
+  // by hand.
   void wait_idle();
 
   // Stops the host: refuses new calls, answers waiting ones (kUnavailable), ends all sinks (kHostStopping) and all
@@ -259,8 +162,60 @@ class Host {
   [[nodiscard]] bool has_closed_sheets() const;
 
  private:
-  class Impl;
-  std::unique_ptr<Impl> impl_;
+  // Describes a requested sheet until it is one of `sheets_`.
+  struct Creation {
+    std::string id;
+    std::shared_ptr<VertexShare> vertices;  // Null: neither vertices nor the name are reserved.
+    std::shared_ptr<ExpectedNeed> need;
+    std::unique_ptr<Playback> playback;
+    bool paused = false;
+    Callback<SheetStatus> done;
+    std::stop_token stop;
+  };
+  static constexpr Nanoseconds kReleaseDelay = std::chrono::seconds(2);
+  // Limit on sheets being built at the same time; others wait.
+  static constexpr std::size_t kMaxBuilders = 3;
+
+  // Builds a sheet on a builder thread. `playback`: the recording that the sheet is to play; null: none.
+  void create(std::string id, sheet::SheetConfig config, std::unique_ptr<Playback> playback, bool paused,
+              Callback<SheetStatus> done, const std::stop_token& stop);
+  std::shared_ptr<ExpectedNeed> expected_need(const sheet::SheetConfig& config);
+  // Reserves the name, and the vertices known so far.
+  Result<std::shared_ptr<VertexShare>> reserve(const std::string& id, const sheet::SheetConfig& config, bool paused);
+  Result<sheet::Sheet> build(sheet::SheetConfig config, const Creation& creation);
+  // Returns an error if the sheet being built is no longer wanted.
+  Status check_wanted(const Creation& creation) const;
+  // Builds the sheet on a builder thread, then posts begin() to a worker.
+  Status build_and_hand_on(const std::shared_ptr<Creation>& creation, sheet::SheetConfig config);
+  Result<SheetStatus> begin(Creation& creation, sheet::Sheet sheet, const Workers::Strand& strand);
+  void refuse(Creation& creation, const Error& error);
+  void release(const std::string& id);
+  // Schedules the return of free memory to the system, once for all sheets that end until then.
+  void plan_to_release_memory();
+  bool admit(const std::string& id, const std::shared_ptr<SheetRunner>& runner);
+  // Runs `work` on the sheet's strand; `done` receives the error if that is impossible.
+  template <typename T>
+  void on_strand(const std::string& id, const Callback<T>& done, std::function<void(SheetRunner&)> work);
+  [[nodiscard]] std::shared_ptr<SheetRunner> find(const std::string& id) const;
+  [[nodiscard]] Error missing(const std::string& id) const;
+
+  const HostOptions options_;
+  Clock& clock_;
+  Entropy& entropy_;
+  MetricsBoard board_;
+  VertexBudget vertices_;
+  SharedSlot<CommandListener> listener_;
+  SharedSlip slip_;
+  mutable std::mutex mutex_;
+  std::map<std::string, std::shared_ptr<SheetRunner>> sheets_;  // Null: being built or deleted. Guarded by mutex_.
+  std::atomic<std::uint64_t> num_made_{0};
+  std::atomic<std::int64_t> promised_bytes_{0};  // Bytes promised to sheets being built.
+  std::atomic<bool> stopping_{false};            // Set under mutex_.
+  std::atomic<bool> has_closed_sheets_{false};
+  Admission admission_;                   // guarded by mutex_
+  std::optional<TimerId> release_timer_;  // guarded by mutex_
+  Workers workers_;                       // Declared after everything that its threads use.
+  Workers builders_;                      // Build sheets, and post them to the workers.
 };
 
 }  // namespace kerf::host

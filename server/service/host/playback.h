@@ -44,11 +44,18 @@ class Playback {
   // Records that the sheet is stuck at `tick` before the end of the recording.
   void stuck(std::int64_t tick, std::uint64_t state_hash);
 
+  // True if the present tick is done, but not yet all entries applied after it.
+  [[nodiscard]] bool is_tick_done() const { return is_tick_done_; }
+  void tick_done() { is_tick_done_ = true; }
+  // Begins the next tick. Entries left of this one then precede it.
+  void next_tick() { is_tick_done_ = false; }
+
  private:
   void diverge(std::int64_t tick, std::uint64_t state_hash);
 
   std::vector<sheet::RecordedTick> entries_;
   std::size_t next_ = 0;
+  bool is_tick_done_ = false;
   ReplayStatus status_;
 };
 

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <new>
 #include <utility>
 
 #include "server/base/caught.h"
+#include "server/base/memory_headroom.h"
 #include "server/core/scene/sheet_materials.h"
+#include "server/service/host/errors.h"
+#include "server/service/host/host.h"
 
 namespace kerf::host {
 
@@ -21,24 +23,6 @@ Nanoseconds period_of(const sheet::Sheet& sheet) {
   return Nanoseconds(std::llround(1.0e9 * sheet.dt()));
 }
 
-Error host_stopping() {
-  return unavailable("HOST_STOPPING", "the server is stopping");
-}
-
-std::int32_t& gauge(HostMetrics& metrics, RunState state) {
-  switch (state) {
-    case RunState::kRunning:
-      return metrics.running_sheets;
-    case RunState::kPaused:
-      return metrics.paused_sheets;
-    case RunState::kSleeping:
-      return metrics.sleeping_sheets;
-    case RunState::kFailed:
-      return metrics.failed_sheets;
-  }
-  check_failed("state", __FILE__, __LINE__, "unknown run state");
-}
-
 }  // namespace
 
 SheetRunner::SheetRunner(std::string id, sheet::Sheet sheet, Context context, Workers::Strand strand,
@@ -46,11 +30,13 @@ SheetRunner::SheetRunner(std::string id, sheet::Sheet sheet, Context context, Wo
     : id_(std::move(id)),
       context_(context),
       strand_(std::move(strand)),
+      queue_(context_.options.max_queued_commands, context_.options.max_scheduled_commands, context_.board),
+      progress_(context_.clock, Host::kLongTick),
       sheet_(std::move(sheet)),
-      pace_(period_of(sheet_), context_.slip),
-      need_(period_of(sheet_), expected_tick(sheet_)),
-      vertices_(std::move(vertices)),
-      kept_(context_.options.encode_tick, context_.options.max_recording_bytes) {}
+      clock_(period_of(sheet_), context_.slip, context_.clock),
+      metrics_(context_.board, WorkerNeed(period_of(sheet_), expected_tick(sheet_))),
+      recorder_(KeptRecording(context_.options.encode_tick, context_.options.max_recording_bytes)),
+      vertices_(std::move(vertices)) {}
 
 void SheetRunner::post(std::function<void(SheetRunner&)> work, std::function<void(Error)> refuse) {
   const bool posted = strand_.post([self = shared_from_this(), work = std::move(work), refuse] {
@@ -67,56 +53,41 @@ void SheetRunner::post(std::function<void(SheetRunner&)> work, std::function<voi
 }
 
 Status SheetRunner::enqueue(sheet::Command command, Callback<CommandResult>& done) {
-  {
-    const std::lock_guard lock(queue_mutex_);
-    const auto limit = static_cast<std::size_t>(context_.options.max_queued_commands);
-    if (queue_.size() >= limit) {
-      return resource_exhausted("QUEUE_FULL", "the sheet has " + std::to_string(limit) +
-                                                  " commands waiting, its limit; try again after a tick");
-    }
-    push(std::move(command), std::move(done));
-  }
+  KERF_TRY(queue_.push(std::move(command), done, context_.clock.now()));
   announce_commands();
   return Nothing{};
 }
 
 void SheetRunner::release_grab(std::string grab_id) {
-  {
-    const std::lock_guard lock(queue_mutex_);
-    push(sheet::Release{std::move(grab_id)}, [](const auto&) {});
-  }
+  queue_.push_release(std::move(grab_id), context_.clock.now());
   announce_commands();
-}
-
-void SheetRunner::push(sheet::Command command, Callback<CommandResult> done) {
-  context_.board.update([](HostMetrics& m) { ++m.queued_commands; });
-  if (std::holds_alternative<sheet::UndoCut>(command) || std::holds_alternative<sheet::Reset>(command)) {
-    takes_back_waiting_ = true;
-  }
-  queue_.push_back({std::move(command), std::move(done), context_.clock.now()});
 }
 
 // Posts even to a closed runner: close() empties the queue, and so must every later arrival.
 void SheetRunner::announce_commands() {
   if (strand_.post([self = shared_from_this()] { self->keep_or_lose([&] { self->commands_arrived(); }); })) return;
-  for (Pending& pending : take_queue()) pending.done(host_stopping());
-}
-
-void SheetRunner::lose() {
-  if (closed_) return;
-  context_.board.update([](HostMetrics& m) { ++m.lost_sheets; });
-  close(sheet::SinkEnd::kSheetLost);
-  context_.lost(id_);
+  for (PendingCommand& pending : queue_.take_queued()) pending.done(host_stopping());
 }
 
 void SheetRunner::begin(bool paused, std::shared_ptr<sheet::RecordingSink> recording,
                         std::unique_ptr<Playback> playback) {
-  recording_ = std::move(recording);
-  if (recording_) recording_->start(sheet_.config());
+  recorder_.begin(std::move(recording), sheet_.config());
   playback_ = std::move(playback);
-  paused_ = paused || (playback_ && !playback_->is_playing());
-  note_state();
-  if (!paused_) start_clock();
+  clock_.set_due([weak = weak_from_this(), strand = strand_](std::uint64_t call) {
+    strand.post([weak, call] {
+      if (const auto self = weak.lock()) self->keep_or_lose([&] { self->tick_at_deadline(call); });
+    });
+  });
+  if (paused || (playback_ && !playback_->is_playing())) clock_.pause();
+  publish_state();
+  if (!clock_.is_paused()) start_clock();
+}
+
+void SheetRunner::lose() {
+  if (closed_) return;
+  metrics_.lost();
+  close(sheet::SinkEnd::kSheetLost);
+  context_.lost(id_);
 }
 
 void SheetRunner::close(sheet::SinkEnd reason) {
@@ -130,18 +101,62 @@ void SheetRunner::close(sheet::SinkEnd reason) {
     }
   };
   stop_clock();
-  for (Pending& pending : take_queue()) attempt([&] { pending.done(closed_error()); });
+  for (PendingCommand& pending : queue_.take_queued()) attempt([&] { pending.done(closed_error()); });
   if (step_call_) attempt([&] { finish_step(closed_error()); });
-  context_.board.update([&](HostMetrics& m) {
-    if (!noted_state_) return;  // It was never begun.
-    --gauge(m, *noted_state_);
-    --m.sheets;
-    m.sinks -= static_cast<std::int32_t>(sinks_.size());
-  });
-  for (const auto& sink : sinks_) attempt([&] { sink->ended(reason); });
-  sinks_.clear();
-  recording_.reset();
+  metrics_.end();
+  for (const auto& sink : sinks_.take()) attempt([&] { sink->ended(reason); });
+  recorder_.end();
   vertices_->set(0);
+}
+
+Error SheetRunner::closed_error() const {
+  if (closed_ == sheet::SinkEnd::kHostStopping) return host_stopping();
+  if (closed_ == sheet::SinkEnd::kSheetLost) {
+    return data_loss("SHEET_LOST", "the server had too little memory to keep the sheet \"" + id_ +
+                                       "\"; its --record file is complete up to then");
+  }
+  return aborted("SHEET_DELETED", "the sheet \"" + id_ + "\" was deleted meanwhile");
+}
+
+// Leaves commands of a running sheet to the next deadline, and wakes a sleeping one. Otherwise no tick is to come, so
+// they are done now.
+void SheetRunner::commands_arrived() {
+  if (closed_) {
+    for (PendingCommand& pending : queue_.take_queued()) pending.done(closed_error());
+    return;
+  }
+  if (is_playing()) {
+    for (PendingCommand& pending : queue_.take_queued()) pending.done(replaying());
+    return;
+  }
+  if (step_call_) return;  // Its ticks drain the queue.
+  if (clock_.is_sleeping()) return wake();
+  if (!clock_.is_paused() && !sheet_.frozen()) return;
+  const bool was_frozen = sheet_.frozen();
+  if (!run_once(false)) return;
+  publish_state();
+  if (was_frozen && !sheet_.frozen() && !clock_.is_paused()) start_clock();
+}
+
+bool SheetRunner::has_room_for_commands() const {
+  constexpr std::int64_t kBytesPerVertex = 1000;  // At most this much is copied or added by a cut.
+  return has_memory_for(kBytesPerVertex * sheet_.mesh().num_vertices());
+}
+
+// Keeps releases in the queue, since they need no memory.
+void SheetRunner::refuse_for_want_of_memory(std::vector<PendingCommand>& queued) {
+  const auto lets_go = [](const PendingCommand& each) { return std::holds_alternative<sheet::Release>(each.command); };
+  const auto refused = std::stable_partition(queued.begin(), queued.end(), lets_go);
+  metrics_.commands_refused(queued.end() - refused);
+  for (auto pending = refused; pending != queued.end(); ++pending) pending->done(out_of_memory());
+  queued.erase(refused, queued.end());
+}
+
+Result<std::int64_t> SheetRunner::schedule(sheet::Command command, std::int64_t at_tick) {
+  if (is_playing()) return replaying();
+  Result<std::int64_t> number = queue_.schedule(std::move(command), at_tick, sheet_.tick());
+  if (number.ok() && clock_.is_sleeping()) wake();
+  return number;
 }
 
 void SheetRunner::post_pause(const Callback<SheetStatus>& done) {
@@ -157,12 +172,11 @@ void SheetRunner::post_pause(const Callback<SheetStatus>& done) {
 
 void SheetRunner::pause() {
   if (step_call_) finish_step(status());
-  if (paused_) return;
-  paused_ = true;
-  tick_played_ = false;  // The rest of its tick precedes the next one.
-  sleeping_ = false;
-  stop_clock();
-  note_state();
+  if (clock_.is_paused()) return;
+  if (playback_) playback_->next_tick();
+  clock_.pause();
+  metrics_.stop_ticking();
+  publish_state();
   commands_arrived();
   publish();
 }
@@ -171,79 +185,123 @@ Status SheetRunner::resume() {
   if (step_call_) {
     return failed_precondition("STEPPING", "the sheet is being stepped; resume it when that is done");
   }
-  if (!paused_) return Nothing{};
-  paused_ = false;
-  note_state();
+  if (!clock_.is_paused()) return Nothing{};
+  clock_.resume();
+  publish_state();
   if (!sheet_.frozen()) start_clock();
   publish();
   return Nothing{};
 }
 
-Result<std::int64_t> SheetRunner::schedule(sheet::Command command, std::int64_t at_tick) {
-  if (is_playing()) return replaying();
-  if (at_tick <= sheet_.tick()) {
-    return failed_precondition("TICK_PAST",
-                               "at_tick is " + std::to_string(at_tick) + "; the sheet has already reached tick " +
-                                   std::to_string(sheet_.tick()) + ": give a later one",
-                               "at_tick");
-  }
-  const auto limit = static_cast<std::size_t>(context_.options.max_scheduled_commands);
-  if (scheduled_.size() >= limit) {
-    return resource_exhausted("TOO_MANY_SCHEDULED",
-                              "the sheet has " + std::to_string(limit) +
-                                  " commands waiting for their tick, its limit; try again when one is done",
-                              "at_tick");
-  }
-  const auto after = std::upper_bound(
-      scheduled_.begin(), scheduled_.end(), at_tick,
-      [](std::int64_t tick, const WaitingCommand& waiting) { return tick < waiting.appointment.at_tick; });
-  scheduled_.insert(after, {{at_tick, ++num_scheduled_}, std::move(command)});
-  if (sleeping_) wake();
-  return num_scheduled_;
+void SheetRunner::step(std::int64_t ticks, Callback<SheetStatus> done, std::stop_token stop) {
+  const auto refuse = [&](const char* reason, const char* message) { done(failed_precondition(reason, message)); };
+  if (!clock_.is_paused()) return refuse("NOT_PAUSED", "only a paused sheet can be stepped; pause it first");
+  if (step_call_) return refuse("STEPPING", "the sheet is already being stepped; wait for that call");
+  if (sheet_.frozen()) return refuse("SHEET_FROZEN", "the sheet is frozen at its last good tick; reset it first");
+  step_call_ = StepCall{ticks, std::move(done), std::move(stop)};
+  if (!turn_posted_)
+    keep_or_lose([this] { take_turn(); });  // Otherwise the turn left by an ended call serves this one.
 }
 
-Result<WaitingCommand> SheetRunner::cancel(std::int64_t number) {
-  if (number < 1 || number > num_scheduled_) {
-    return not_found("SCHEDULED_CUTS_NOT_FOUND",
-                     "this sheet has no scheduled call with number " + std::to_string(number));
+void SheetRunner::set_speed(double speed) {
+  if (speed == clock_.pace().speed()) return;
+  clock_.set_speed(speed);
+  metrics_.set_period(clock_.pace().period());
+  if (run_state() == RunState::kRunning) {
+    clock_.stop();
+    metrics_.start_ticking();
+    clock_.set_timer();
   }
-  const auto found = std::find_if(scheduled_.begin(), scheduled_.end(), [number](const WaitingCommand& waiting) {
-    return waiting.appointment.number == number;
-  });
-  if (found == scheduled_.end()) {
-    return failed_precondition(
-        "SCHEDULED_CUTS_SETTLED",
-        "call " + std::to_string(number) +
-            " is no longer waiting: it was applied, refused or cancelled; undo reverts its cuts");
-  }
-  WaitingCommand cancelled = std::move(*found);
-  scheduled_.erase(found);
-  return cancelled;
+  ++state_changes_;
+  publish_status();
+  publish();
 }
 
-void SheetRunner::add_sink(std::shared_ptr<sheet::SnapshotSink> sink) {
-  context_.board.update([](HostMetrics& m) { ++m.sinks; });
-  sinks_.push_back(std::move(sink));
-  publish_to(*sinks_.back());
+void SheetRunner::start_clock() {
+  clock_.start();
+  metrics_.start_ticking();
+}
+
+void SheetRunner::stop_clock() {
+  clock_.stop();
+  metrics_.stop_ticking();
+}
+
+void SheetRunner::wake() {
+  clock_.wake();
+  publish_state();
+  start_clock();
+}
+
+void SheetRunner::tick_at_deadline(std::uint64_t call) {
+  if (closed_ || context_.stopping || !clock_.accept(call)) return;
+  if (clock_.is_sleeping()) return repeat_if_over();
+  if (!run_once(true)) return clock_.call_now();
+  if (clock_.is_paused()) return;  // A replay has ended.
+  if (sheet_.frozen()) {
+    stop_clock();
+    publish_state();
+  } else if (sheet_.at_rest() && queue_.scheduled().empty() && !is_playing()) {
+    fall_asleep();
+  } else {
+    clock_.set_timer();
+  }
+}
+
+// Leaves a timer for the repeat of the scene, if it has one.
+void SheetRunner::fall_asleep() {
+  clock_.sleep();
+  metrics_.stop_ticking();
+  metrics_.fell_asleep();
+  publish_state();
+  publish();
+  if (sheet_.config().repeat_after == 0) return;
+  clock_.set_timer_after(std::max<std::int64_t>(sheet_.config().repeat_after - sheet_.scene_tick(), 0));
+}
+
+bool SheetRunner::may_repeat() const {
+  if (sheet_.config().repeat_after == 0 || changes_.is_changed()) return false;
+  return !clock_.is_paused() && !is_playing() && sinks_.want_snapshot();
+}
+
+void SheetRunner::repeat_if_over() {
+  if (!clock_.is_sleeping() || clock_.has_timer() || !may_repeat()) return;
+  repeats_now_ = true;
+  wake();
+}
+
+void SheetRunner::add_sink(const std::shared_ptr<sheet::SnapshotSink>& sink) {
+  metrics_.sink_added();
+  sinks_.add(sink);
+  publish_to(*sink);
   repeat_if_over();
 }
 
 void SheetRunner::refresh_sink(const std::shared_ptr<sheet::SnapshotSink>& sink) {
-  if (std::find(sinks_.begin(), sinks_.end(), sink) != sinks_.end()) publish_to(*sink);
+  if (sinks_.contains(sink)) publish_to(*sink);
   repeat_if_over();
+}
+
+void SheetRunner::remove_sink(const std::shared_ptr<sheet::SnapshotSink>& sink) {
+  if (sinks_.remove(sink)) metrics_.sink_removed();
 }
 
 void SheetRunner::publish_to(sheet::SnapshotSink& sink) {
   if (!sink.wants_snapshot()) return;
-  context_.board.update([](HostMetrics& m) { ++m.snapshots; });
+  metrics_.snapshot_built();
   sink.publish(sheet_.snapshot(run_stats(), sink.wants_strains()));
 }
 
-void SheetRunner::remove_sink(const std::shared_ptr<sheet::SnapshotSink>& sink) {
-  const auto found = std::find(sinks_.begin(), sinks_.end(), sink);
-  if (found == sinks_.end()) return;
-  sinks_.erase(found);
-  context_.board.update([](HostMetrics& m) { --m.sinks; });
+void SheetRunner::publish() {
+  if (!sinks_.want_snapshot()) return;
+  const std::shared_ptr<const sheet::Snapshot> snapshot = sheet_.snapshot(run_stats(), sinks_.want_strains());
+  metrics_.snapshot_built();
+  sinks_.publish(snapshot);
+}
+
+Result<KeptRun> SheetRunner::kept_run() const {
+  KERF_TRY_ASSIGN(std::string entries, recorder_.until(sheet_.tick(), sheet_.state_hash()));
+  return KeptRun{sheet_.shared_config(), std::move(entries)};
 }
 
 SheetStatus SheetRunner::status() const {
@@ -258,7 +316,7 @@ SheetStatus SheetRunner::unhashed_status() const {
   status.run_state = run_state();
   status.tick = sheet_.tick();
   status.scene_tick = sheet_.scene_tick();
-  for (const auto& sink : sinks_) status.viewers += sink->num_viewers();
+  status.viewers = sinks_.num_viewers();
   status.topology_version = sheet_.topology_version();
   status.num_vertices = sheet_.mesh().num_vertices();
   status.num_triangles = sheet_.mesh().num_solid_triangles();
@@ -280,113 +338,45 @@ SheetStatus SheetRunner::unhashed_status() const {
   return status;
 }
 
-// Leaves commands of a running sheet to the next deadline, and wakes a sleeping one. Otherwise no tick is to come, so
-// they are done now.
-void SheetRunner::commands_arrived() {
-  if (closed_) {
-    for (Pending& pending : take_queue()) pending.done(closed_error());
-    return;
-  }
-  if (is_playing()) {
-    for (Pending& pending : take_queue()) pending.done(replaying());
-    return;
-  }
-  if (step_call_) return;  // Its ticks drain the queue.
-  if (sleeping_) return wake();
-  if (!paused_ && !sheet_.frozen()) return;
-  const bool was_frozen = sheet_.frozen();
-  if (!run_once(false)) return;
-  note_state();
-  if (was_frozen && !sheet_.frozen() && !paused_) start_clock();
+// Counts and publishes the run state if it is another one than before.
+void SheetRunner::publish_state() {
+  const bool was_begun = metrics_.is_begun();
+  if (!metrics_.set_state(run_state())) return;
+  if (was_begun) ++state_changes_;
+  publish_status();
 }
 
-void SheetRunner::on_deadline(std::uint64_t generation) {
-  keep_or_lose([&] { tick_at_deadline(generation); });
-}
-
-void SheetRunner::tick_at_deadline(std::uint64_t generation) {
-  if (closed_ || context_.stopping || generation != generation_) return;
-  timer_.reset();
-  if (sleeping_) return repeat_if_over();
-  if (!run_once(true)) return deadline_call()();
-  if (paused_) return;  // A replay has ended.
-  if (sheet_.frozen()) {
-    stop_clock();
-    note_state();
-  } else if (sheet_.at_rest() && scheduled_.empty() && !is_playing()) {
-    stop_clock();
-    sleeping_ = true;
-    context_.board.update([](HostMetrics& m) { ++m.sleeps; });
-    note_state();
-    publish();
-    await_repeat();
-  } else {
-    schedule();
-  }
-}
-
-void SheetRunner::note_state() {
-  const RunState state = run_state();
-  if (noted_state_ == state) return;
-  context_.board.update([&](HostMetrics& m) {
-    if (noted_state_) {
-      --gauge(m, *noted_state_);
-    } else {
-      ++m.sheets;
-    }
-    ++gauge(m, state);
-  });
-  if (noted_state_) ++state_changes_;
-  noted_state_ = state;
-  note_status();
-}
-
-void SheetRunner::note_status() {
-  auto status = std::make_shared<const SheetStatus>(unhashed_status());
-  vertices_->set(status->num_vertices);
-  const std::lock_guard lock(status_mutex_);
-  last_status_.swap(status);
-}
-
-std::shared_ptr<const SheetStatus> SheetRunner::last_status() const {
-  const std::lock_guard lock(status_mutex_);
-  return last_status_;
+void SheetRunner::publish_status() {
+  SheetStatus status = unhashed_status();
+  vertices_->set(status.num_vertices);
+  last_status_.set(std::move(status));
 }
 
 RunState SheetRunner::run_state() const {
   if (sheet_.frozen()) return RunState::kFailed;
-  if (paused_) return RunState::kPaused;
-  return sleeping_ ? RunState::kSleeping : RunState::kRunning;
+  if (clock_.is_paused()) return RunState::kPaused;
+  return clock_.is_sleeping() ? RunState::kSleeping : RunState::kRunning;
 }
 
 sheet::RunStats SheetRunner::run_stats() const {
   sheet::RunStats stats;
   const RunState state = run_state();
   const bool stands = state == RunState::kPaused || state == RunState::kFailed;
-  stats.real_time_factor = stands ? 0.0 : pace_.real_time_factor();
-  stats.speed = pace_.speed();
-  stats.overruns = pace_.overruns();
-  stats.slipped_s = seconds(pace_.slipped());
-  stats.tick_cpu_us = pace_.tick_cpu_us();
+  stats.real_time_factor = stands ? 0.0 : clock_.pace().real_time_factor();
+  stats.speed = clock_.pace().speed();
+  stats.overruns = clock_.pace().overruns();
+  stats.slipped_s = seconds(clock_.pace().slipped());
+  stats.tick_cpu_us = clock_.pace().tick_cpu_us();
   stats.published_unix_us = context_.clock.unix_us();
   stats.sheet_serial = context_.serial;
   stats.settings_version = sheet_.settings_version() + state_changes_;
   stats.strained_share = last_step_.strained_share;
-  stats.resets = resets_;
-  stats.resets_undone = resets_undone_;
-  stats.paused = paused_;
-  stats.sleeping = sleeping_;
+  stats.resets = changes_.resets();
+  stats.resets_undone = changes_.resets_undone();
+  stats.paused = clock_.is_paused();
+  stats.sleeping = clock_.is_sleeping();
   stats.failed = sheet_.frozen();
   return stats;
-}
-
-Error SheetRunner::closed_error() const {
-  if (closed_ == sheet::SinkEnd::kHostStopping) return host_stopping();
-  if (closed_ == sheet::SinkEnd::kSheetLost) {
-    return data_loss("SHEET_LOST", "the server had too little memory to keep the sheet \"" + id_ +
-                                       "\"; its --record file is complete up to then");
-  }
-  return aborted("SHEET_DELETED", "the sheet \"" + id_ + "\" was deleted meanwhile");
 }
 
 }  // namespace kerf::host

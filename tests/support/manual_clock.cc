@@ -1,10 +1,10 @@
-#include "server/service/host/manual_clock.h"
+#include "tests/support/manual_clock.h"
 
 #include "server/base/check.h"
 
-namespace kerf::host {
+namespace kerf::test {
 
-Nanoseconds ManualClock::now() const {
+host::Nanoseconds ManualClock::now() const {
   const std::lock_guard lock(mutex_);
   return now_;
 }
@@ -13,18 +13,18 @@ std::int64_t ManualClock::unix_us() const {
   return std::chrono::duration_cast<std::chrono::microseconds>(now()).count();
 }
 
-Nanoseconds ManualClock::thread_cpu() const {
+host::Nanoseconds ManualClock::thread_cpu() const {
   return now();
 }
 
-TimerId ManualClock::schedule(Nanoseconds deadline, std::function<void()> fire) {
+host::TimerId ManualClock::schedule(host::Nanoseconds deadline, std::function<void()> fire) {
   const std::lock_guard lock(mutex_);
   const std::uint64_t id = next_timer_++;
   timers_.emplace(Key{deadline, id}, std::move(fire));
-  return TimerId{id};
+  return host::TimerId{id};
 }
 
-bool ManualClock::cancel(TimerId timer) {
+bool ManualClock::cancel(host::TimerId timer) {
   const std::lock_guard lock(mutex_);
   for (auto entry = timers_.begin(); entry != timers_.end(); ++entry) {
     if (entry->first.second != static_cast<std::uint64_t>(timer)) continue;
@@ -34,7 +34,7 @@ bool ManualClock::cancel(TimerId timer) {
   return false;
 }
 
-std::optional<Nanoseconds> ManualClock::next_deadline() const {
+std::optional<host::Nanoseconds> ManualClock::next_deadline() const {
   const std::lock_guard lock(mutex_);
   if (timers_.empty()) return std::nullopt;
   return timers_.begin()->first.first;
@@ -45,7 +45,7 @@ std::size_t ManualClock::num_timers() const {
   return timers_.size();
 }
 
-void ManualClock::move_to(Nanoseconds time) {
+void ManualClock::move_to(host::Nanoseconds time) {
   {
     const std::lock_guard lock(mutex_);
     KERF_CHECK(time >= now_, "time runs forward");
@@ -63,4 +63,4 @@ void ManualClock::move_to(Nanoseconds time) {
   }
 }
 
-}  // namespace kerf::host
+}  // namespace kerf::test

@@ -9,33 +9,33 @@
 
 #include "server/service/host/clock.h"
 
-namespace kerf::host {
+namespace kerf::test {
 
 // Stands still until move_to() moves it: a server on it does nothing by itself, and all its actions are repeatable.
 // Timers fire on the thread that moves the clock.
-class ManualClock : public Clock {
+class ManualClock : public host::Clock {
  public:
-  [[nodiscard]] Nanoseconds now() const override;
+  [[nodiscard]] host::Nanoseconds now() const override;
   [[nodiscard]] std::int64_t unix_us() const override;  // now() in microseconds, as if started in 1970.
   // now(): simulated work takes the time that passes on this clock.
-  [[nodiscard]] Nanoseconds thread_cpu() const override;
-  TimerId schedule(Nanoseconds deadline, std::function<void()> fire) override;
-  bool cancel(TimerId timer) override;
+  [[nodiscard]] host::Nanoseconds thread_cpu() const override;
+  host::TimerId schedule(host::Nanoseconds deadline, std::function<void()> fire) override;
+  bool cancel(host::TimerId timer) override;
 
   // Returns the deadline of the next timer, if any.
-  [[nodiscard]] std::optional<Nanoseconds> next_deadline() const;
+  [[nodiscard]] std::optional<host::Nanoseconds> next_deadline() const;
   [[nodiscard]] std::size_t num_timers() const;
   // Moves to `time` (>= now()) in one jump, then fires all timers due, in the order of (deadline, schedule()). Timers
   // set by these for times already past fire too.
-  void move_to(Nanoseconds time);
+  void move_to(host::Nanoseconds time);
 
  private:
-  using Key = std::pair<Nanoseconds, std::uint64_t>;  // deadline, timer
+  using Key = std::pair<host::Nanoseconds, std::uint64_t>;  // deadline, timer
 
   mutable std::mutex mutex_;
-  Nanoseconds now_{0};
+  host::Nanoseconds now_{0};
   std::uint64_t next_timer_ = 1;
   std::map<Key, std::function<void()>> timers_;
 };
 
-}  // namespace kerf::host
+}  // namespace kerf::test

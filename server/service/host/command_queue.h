@@ -1,0 +1,73 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "server/base/result.h"
+#include "server/core/scene/command.h"
+#include "server/service/host/clock.h"
+#include "server/service/host/command_result.h"
+#include "server/service/host/metrics_board.h"
+
+namespace kerf::host {
+
+// A command on its way into a tick.
+struct PendingCommand {
+  sheet::Command command;
+  Callback<CommandResult> done;  // Empty if the listener gets the outcome instead.
+  Nanoseconds queued_at{0};      // Time of push(); 0 for a command that was never queued.
+  ScheduleId schedule_id{};      // Zeros for a command that was never scheduled.
+  bool is_repeat = false;        // The sheet's own Reset.
+};
+
+// Holds the commands of one sheet that wait: the queued ones for the next tick boundary, the scheduled ones for a tick.
+//
+// Invariants:
+//   1. At most `max_queued` commands are queued, not counting those of push_release(), and at most `max_scheduled` are
+//      scheduled.
+//   2. HostMetrics::queued_commands counts the queued ones.
+//   3. has_revert() is true exactly while an UndoCut or Reset is queued.
+//   4. Scheduled commands are sorted by tick, those of one tick by number. Numbers are 1, 2, ... and never used twice.
+//
+// Functions for queued commands are thread-safe. Those for scheduled commands are for one thread at a time.
+class CommandQueue {
+ public:
+  // `max_queued`, `max_scheduled`: >= 1. `board` must outlive this.
+  CommandQueue(std::int32_t max_queued, std::int32_t max_scheduled, MetricsBoard& board);
+
+  // Queues a command at time `now`. On kResourceExhausted QUEUE_FULL `done` is left unmoved.
+  Status push(sheet::Command command, Callback<CommandResult>& done, Nanoseconds now);
+  // Queues a release even if the queue is full, without an answer to anyone.
+  void push_release(std::string grab_id, Nanoseconds now);
+  // Removes all queued commands and returns them in the order they came.
+  std::vector<PendingCommand> take_queued();
+  // True if a queued command takes back what the tick in progress computes: an UndoCut or Reset.
+  [[nodiscard]] bool has_revert() const { return has_revert_; }
+
+  // Schedules a command for `at_tick` and returns its number. `tick`: the last one that the sheet has done.
+  // kFailedPrecondition TICK_PAST unless at_tick > tick; kResourceExhausted TOO_MANY_SCHEDULED.
+  Result<std::int64_t> schedule(sheet::Command command, std::int64_t at_tick, std::int64_t tick);
+  // Removes a scheduled command and returns it. kNotFound SCHEDULED_CUTS_NOT_FOUND for a number never given;
+  // kFailedPrecondition SCHEDULED_CUTS_SETTLED for a command that no longer waits.
+  Result<ScheduledCommand> cancel(std::int64_t number);
+  // Removes the commands scheduled for `tick` or before it and returns them in order.
+  std::vector<PendingCommand> pop_due(std::int64_t tick);
+  [[nodiscard]] const std::vector<ScheduledCommand>& scheduled() const { return scheduled_; }
+
+ private:
+  void push_locked(sheet::Command command, Callback<CommandResult> done, Nanoseconds now);  // mutex_ held
+
+  const std::int32_t max_queued_;
+  const std::int32_t max_scheduled_;
+  MetricsBoard& board_;
+  std::mutex mutex_;
+  std::vector<PendingCommand> queued_;   // guarded by mutex_
+  std::atomic<bool> has_revert_{false};  // Written with mutex_ held.
+  std::vector<ScheduledCommand> scheduled_;
+  std::int64_t num_scheduled_ = 0;  // Total so far.
+};
+
+}  // namespace kerf::host

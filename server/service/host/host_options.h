@@ -1,0 +1,42 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "server/core/fem/step/integrator.h"
+#include "server/core/scene/sheet_config.h"
+#include "server/core/sheet/recording.h"
+#include "server/core/sheet/sheet.h"
+#include "server/service/host/clock.h"
+
+namespace kerf::host {
+
+struct HostOptions {
+  std::int32_t workers = 2;  // Threads that step sheets, 1..256.
+  // Time after which a worker busy with one tick or call is replaced by a further thread (see Workers). That happens
+  // only if others wait and none is idle. Measured on the machine's clock, whichever clock the host has. >= 0; 0:
+  // no worker is replaced, so others wait.
+  Nanoseconds long_work = std::chrono::milliseconds(50);
+  std::int32_t max_sheets = 64;  // >= 1
+  // Load from which new running sheets are refused, see Admission; -, > 0; 0: no limit.
+  double max_load = 1.0;
+  // Limit on the vertices of all sheets together, those being built, paused or at rest included; >= 1; 0: none. It
+  // refuses new sheets only: vertices added by cuts count, but are never refused.
+  std::int64_t max_total_vertices = 0;
+  std::int32_t max_vertices_per_sheet = sheet::kMaxVertices;  // A config's own limit may be lower.
+  std::int32_t max_queued_commands = 64;                      // Per sheet, >= 1.
+  std::int32_t max_scheduled_commands = 64;  // Per sheet: commands of schedule() that wait for their tick, >= 1.
+  std::int32_t max_step_ticks = 100'000;     // Per call of step().
+  // Returns the destination of a new sheet's recording; null, or a null result: it is not recorded.
+  std::function<std::shared_ptr<sheet::RecordingSink>(const std::string& id)> make_recording;
+  // Encodes the ticks that sheets keep of their runs, see KeptRecording; null: they keep nothing.
+  std::function<std::string(const sheet::RecordedTick&)> encode_tick;
+  std::size_t max_recording_bytes = std::size_t{16} << 20;          // Per sheet, of the kept ticks.
+  sheet::IntegratorFactory make_integrator = fem::make_integrator;  // Makes the integrators of the sheets.
+};
+
+}  // namespace kerf::host

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "server/base/result.h"
+#include "server/core/sheet/sheet.h"
+#include "server/service/host/admission.h"
+#include "server/service/host/command_result.h"
+#include "server/service/host/metrics_board.h"
+#include "server/service/host/sheet_status.h"
+
+namespace kerf::host {
+
+// Counts one sheet on the board of its host.
+//
+// Invariants:
+//   1. From the first set_state() to end(), the sheet is one of HostMetrics::sheets, and of the gauge of its state
+//   alone.
+//   2. The board holds exactly the totals of the last tick_done(), the present number of sinks, and the present need:
+//      that of the sheet while it ticks by the clock, else 0.
+// For one thread at a time.
+class RunMetrics {
+ public:
+  // Totals of a sheet, which never fall.
+  struct Totals {
+    std::int64_t contact_phases = 0;
+    std::int64_t cuts = 0;
+    std::int64_t overruns = 0;
+    Nanoseconds slipped{0};
+  };
+  // Describes a tick that is done, or an apply() of commands.
+  struct Tick {
+    Nanoseconds wall{0};
+    Nanoseconds cpu{0};
+    bool is_by_clock = false;           // A step on the sheet's clock: its time counts for the need.
+    bool is_short = false;              // It lacked memory, which froze the sheet.
+    std::optional<fem::TickCost> cost;  // Counted cost; set for a complete tick without commands only.
+    Totals totals;                      // After it.
+  };
+
+  // `need`: that of the sheet before its first tick. `board` must outlive this.
+  RunMetrics(MetricsBoard& board, WorkerNeed need) : board_(board), need_(need) {}
+
+  // Counts the sheet under `state`. Returns false if it was counted there already, or after end().
+  bool set_state(RunState state);
+  // False before the first set_state().
+  [[nodiscard]] bool is_begun() const { return state_.has_value(); }
+  // Removes the sheet and its sinks from the gauges. The last call.
+  void end();
+
+  // Counts the need of the sheet while it ticks by the clock.
+  void start_ticking() { set_need(need_.value()); }
+  void stop_ticking() { set_need(0); }
+  void set_period(Nanoseconds period) { need_.set_period(period); }
+
+  void tick_done(const Tick& tick, const sheet::TickReport& report, const std::vector<Result<CommandResult>>& results);
+  void commands_refused(std::int64_t count);
+  void sink_added();
+  void sink_removed();
+  void snapshot_built();
+  void fell_asleep();
+  void lost();
+
+ private:
+  void set_need(std::int64_t need);
+
+  MetricsBoard& board_;
+  WorkerNeed need_;
+  // The following are as counted on the board.
+  std::optional<RunState> state_;
+  bool is_ended_ = false;
+  std::int32_t num_sinks_ = 0;
+  std::int64_t counted_need_ = 0;
+  Totals totals_;
+};
+
+}  // namespace kerf::host

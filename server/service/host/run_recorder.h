@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "server/base/result.h"
+#include "server/core/scene/sheet_config.h"
+#include "server/core/sheet/recording.h"
+#include "server/service/host/kept_recording.h"
+
+namespace kerf::host {
+
+// Records the run of one sheet twice: in memory, see KeptRecording, and to a sink, such as a file, if one was given.
+// Hashes are passed as functions, since they cost time and are seldom needed. Each tick is recorded in three calls:
+//
+//   prepare(), if it may become an apply()    before the tick
+//   settle()                                  after it
+//   append(), unless it cannot be expressed   after settle()
+//
+// For one thread at a time.
+class RunRecorder {
+ public:
+  explicit RunRecorder(KeptRecording kept) : kept_(std::move(kept)) {}
+
+  // Starts recording to `sink`; null: in memory only.
+  void begin(std::shared_ptr<sheet::RecordingSink> sink, const sheet::SheetConfig& config);
+  // Releases the sink.
+  void end() { sink_.reset(); }
+
+  // Remembers the state of the sheet at `tick`. An apply() there needs an entry of it before its own in memory, unless
+  // that tick is an entry already.
+  template <typename Hash>
+  void prepare(std::int64_t tick, Hash state_hash) {
+    if (kept_.lags(tick)) bare_ = sheet::RecordedTick{tick, {}, state_hash()};
+  }
+  // Appends the remembered entry if time stood still, and forgets it.
+  void settle(bool was_apply);
+  // Sets the hash of an entry and appends it to whatever needs it.
+  template <typename Hash>
+  void append(sheet::RecordedTick& entry, Hash state_hash) {
+    const bool is_kept = kept_.wants(entry.tick, !entry.commands.empty());
+    if (!is_kept && !sink_) return;
+    entry.state_hash = state_hash();
+    if (is_kept) kept_.append(entry);
+    if (sink_) sink_->append(entry);
+  }
+
+  // Returns the entries kept in memory, see KeptRecording::until().
+  [[nodiscard]] Result<std::string> until(std::int64_t tick, std::uint64_t state_hash) const {
+    return kept_.until(tick, state_hash);
+  }
+
+ private:
+  KeptRecording kept_;
+  std::shared_ptr<sheet::RecordingSink> sink_;
+  std::optional<sheet::RecordedTick> bare_;  // Entry without commands that prepare() has remembered.
+};
+
+}  // namespace kerf::host

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstdint>
+
+#include "server/core/scene/command.h"
+
+namespace kerf::host {
+
+// Counts what clients do to the scene of a sheet. A plain value.
+class SceneChanges {
+ public:
+  // Records a client's command that was done.
+  void command_done(const sheet::Command& command, const sheet::CommandReply& reply);
+
+  // True if a client has changed the sheet since the scene began: at first, or with a client's last Reset.
+  [[nodiscard]] bool is_changed() const { return is_changed_; }
+  [[nodiscard]] std::int32_t resets() const { return resets_; }  // Redone ones included.
+  [[nodiscard]] std::int32_t resets_undone() const { return resets_undone_; }
+
+ private:
+  bool is_changed_ = false;
+  std::int32_t resets_ = 0;
+  std::int32_t resets_undone_ = 0;
+};
+
+}  // namespace kerf::host

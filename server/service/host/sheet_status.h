@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "server/core/fem/step/integrator.h"
+#include "server/core/fem/step/softening.h"
+#include "server/core/scene/sheet_config.h"
+#include "server/core/sheet/sheet.h"
+#include "server/core/sheet/snapshot.h"
+#include "server/service/host/playback.h"
+
+namespace kerf::host {
+
+enum class RunState {
+  kRunning,
+  kPaused,
+  kSleeping,  // At rest; uses no processor time until it is changed.
+  kFailed,    // Frozen at its last good tick; still served, cuttable and resettable.
+};
+
+// Estimates the time of a tick from operation counts of the present sheet, scaled by the measured time of its ticks.
+struct TickEstimate {
+  fem::TickCost cost;   // Counted for one core of 2024.
+  double scale = 1.0;   // -, > 0: measured time of this sheet's ticks over the counted one; 1 before the first.
+  double budget = 0.0;  // us, period of a tick on the wall clock.
+
+  [[nodiscard]] double total_us() const { return 1e-3 * scale * cost.total(); }
+  [[nodiscard]] bool fits() const { return total_us() <= budget; }
+};
+
+// Describes a sheet between two ticks.
+struct SheetStatus {
+  std::string id;
+  RunState run_state = RunState::kRunning;
+  std::int64_t tick = 0;
+  std::int32_t topology_version = 0;
+  std::int32_t num_vertices = 0;
+  std::int32_t num_triangles = 0;  // with material
+  std::int32_t pieces = 0;
+  std::optional<std::uint64_t> state_hash;  // Left out by statuses().
+  std::int32_t viewers = 0;                 // Summed over all sinks.
+  std::int64_t scene_tick = 0;              // see sheet::Sheet::scene_tick()
+  sheet::RunStats stats;
+  std::vector<mesh::VertexId> pinned_vertices;
+  Eigen::Vector3d gravity{0.0, 0.0, 0.0};            // m/s^2, in force
+  sheet::Wind wind;                                  // in force
+  std::vector<fem::Material> materials;              // In force: the sheet's own, then those of config->materials.
+  std::shared_ptr<const sheet::SheetConfig> config;  // as created
+  std::string integrator;                            // Names the integrator in use and the reason for it.
+  std::optional<fem::Softening> softening;           // In force with Fidelity::kRealTime.
+  std::int32_t linear_iterations = 0;                // In the last tick, see fem::StepStats.
+  double linear_residual = 0.0;                      // -, in the last tick.
+  fem::FlagCounts flagged_ticks{};                   // Since the sheet was made, resets included.
+  std::optional<ReplayStatus> replay;                // Set for a sheet that plays, or played, a recording.
+  TickEstimate tick_estimate;
+  // Clusters made by cuts, and substeps of a tick.
+  std::optional<fem::LocalInertiaStats> local_inertia;
+};
+
+// Holds the kept run of a sheet: config and entries are the whole content of a recording file.
+struct KeptRun {
+  std::shared_ptr<const sheet::SheetConfig> config;
+  std::string entries;  // Results of HostOptions::encode_tick, concatenated.
+};
+
+}  // namespace kerf::host
