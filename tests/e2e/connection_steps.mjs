@@ -156,7 +156,7 @@ async function restart(browser, server) {
   await viewer.until('k.connection === "lost"');
   await server.start();
   await viewer.until('k.connection === "live" && k.numVertices === 2500 && k.pieces === 1');
-  await viewer.notice(/The server was restarted, or the sheet made again/);
+  await viewer.notice(/The server was restarted, or the sheet created again/);
   const tick = await viewer.read('k.tick');
   await viewer.until('k.tick > given.tick', { tick });
   check(await viewer.page.evaluate(() => window.notReloaded), 'the page was loaded again');
@@ -201,7 +201,7 @@ async function resetBeforeOthers(browser, server) {
   await post(server.url, 'CutService/CreateCut', { parent: 'sheets/shared', cut: { curve } });
   for (const page of pages) await page.until('k.pieces === 2');
   await first.page.click('#reset');
-  await first.shows('#confirmation-question', 'Somebody else watches this sheet. Reset it for everybody?');
+  await first.shows('#confirmation-question', 'Someone else is watching this sheet. Reset it for everyone?');
   await first.page.keyboard.press('Escape');
   await first.page.waitForSelector('#confirmation', { state: 'hidden' });
   check((await first.read('k.pieces')) === 2, 'a reset that was not confirmed was done');

@@ -232,7 +232,7 @@ export function sheetSteps(steps, browser, { url }) {
     await refusal('file', /Choose an OBJ/);
     const file = async (name, buffer) => viewer.page.setInputFiles('#new-file', { name, mimeType: 'text/plain', buffer });
     await file('notes.txt', Buffer.from('x'));
-    await viewer.page.locator('#new-file-error', { hasText: 'notes.txt is no OBJ, PLY or SVG file' }).waitFor();
+    await viewer.page.locator('#new-file-error', { hasText: 'notes.txt is not an OBJ, PLY or SVG file' }).waitFor();
     check((await viewer.page.inputValue('#new-id')) === '', 'a bad name outlives a new file');
     await viewer.page.fill('#new-id', 'broken');
     await file('broken.obj', Buffer.from('v 0 0 nonsense\n'));

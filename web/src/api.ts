@@ -68,7 +68,7 @@ function postTelling(
     if (typeof body === 'string') request.setRequestHeader('content-type', 'application/json');
     request.upload.onprogress = ({ loaded, total }) => told(total > 0 ? loaded / total : 0);
     request.onload = () => resolve({ status: request.status, body: request.responseText });
-    request.onerror = () => reject(new Error('the connection broke'));
+    request.onerror = () => reject(new Error('the connection was lost'));
     request.onabort = () => reject(new Error('cancelled'));
     signal?.addEventListener('abort', () => request.abort());
     request.send(body);

@@ -16,7 +16,7 @@ afterEach(() => {
 });
 
 test('a cut that ends real time is warned of, with what it costs', () => {
-  expect(forecastText(kSlower)).toBe('This cut slows the sheet to 32 % of its speed: a step takes 52 ms then and has 17');
+  expect(forecastText(kSlower)).toBe('This cut slows the sheet to 32 % of its speed: a tick then takes 52 ms of the 17 ms available');
 });
 
 test('nothing is said of a cut after which ticks fit, or of a sheet that was behind before', () => {

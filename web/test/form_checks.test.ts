@@ -61,7 +61,7 @@ describe('formErrors', () => {
   });
 
   it('say when the server has no room for so many vertices', () => {
-    expect(errorsOf({ columns: 1000, rows: 1000 }).rows).toMatch(/1,000,000 vertices; the server takes 500,000: use fewer/);
+    expect(errorsOf({ columns: 1000, rows: 1000 }).rows).toMatch(/1,000,000 vertices; the server accepts 500,000: use fewer/);
     expect(errorsOf({ columns: 1000, rows: 1000 }, false, Infinity)).toEqual({});
   });
 
@@ -81,6 +81,6 @@ describe('refusal', () => {
     expect(refusal(open, kForm)).toEqual(['outline', 'The drawing is no closed line']);
     const broken = new ApiError('INVALID_ARGUMENT', 'line 1: no number', 'scene.obj');
     expect(refusal(broken, kForm)).toEqual(['file', 'Line 1: no number']);
-    expect(refusal(new Error('the connection broke'), kForm)).toEqual(['', 'the connection broke']);
+    expect(refusal(new Error('the connection was lost'), kForm)).toEqual(['', 'the connection was lost']);
   });
 });

@@ -82,9 +82,9 @@ describe('HistoryControls', () => {
     expect(sent).toEqual(['UndoCut sheets/a', 'RedoCut sheets/a', 'UndoCut sheets/a', 'RedoCut sheets/a']);
     expect(notices).toEqual([
       'success: Cut undone: 1 piece',
-      'success: 3 cuts made again: 3 pieces',
+      'success: 3 cuts redone: 3 pieces',
       'error: Nothing was undone: the sheet has no cut to undo',
-      'success: Cut made again: 1 piece',
+      'success: Cut redone: 1 piece',
     ]);
   });
 });

@@ -28,7 +28,7 @@ describe('borderOf', () => {
 
   it('refuses what lies outside, and what lies in a hole, and says what to do', () => {
     const border = square(5, 5, 5);
-    expect(() => borderOf([border, square(20, 5, 1)])).toThrow(/outside .*move them into it, or take them out/);
+    expect(() => borderOf([border, square(20, 5, 1)])).toThrow(/outside .*move them into it, or remove them/);
     // Two sheets of one size.
     expect(() => borderOf([border, square(20, 5, 5)])).toThrow('outside');
     expect(() => borderOf([square(5, 5, 1), border, square(5, 5, 3)])).toThrow(/inside a hole.*take the inner ones out/);
@@ -38,6 +38,6 @@ describe('borderOf', () => {
     const holes = Array.from({ length: kMaxHoles }, (_, i) => square(i % 32, Math.floor(i / 32), 0.3));
     expect(borderOf([...holes, square(16, 16, 20)])).toBe(kMaxHoles);
     const more = [...holes, square(-2, -2, 0.3), square(16, 16, 20)];
-    expect(() => borderOf(more)).toThrow('has 1,025 lines besides its border, and a sheet at most 1,024 holes');
+    expect(() => borderOf(more)).toThrow('has 1,025 lines besides its border, but a sheet has at most 1,024 holes');
   });
 });

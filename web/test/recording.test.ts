@@ -86,7 +86,7 @@ describe('a .kerfstream file', () => {
     expect(spoilt((view) => view.setUint32(second, 0, true))).toThrow(`message 2, at byte ${second}, has no bytes`);
     expect(spoilt((view) => view.setFloat64(second + 4, -1, true))).toThrow('message 2 came at -1 ms, after one at 0 ms');
     expect(spoilt((view) => view.setFloat64(second + 4, Number.NaN, true))).toThrow('message 2 came at NaN');
-    expect(() => decodeRecording(kHeader)).toThrow('no whole frame');
+    expect(() => decodeRecording(kHeader)).toThrow('no complete frame');
   });
 });
 
@@ -126,7 +126,7 @@ describe('ReplayPlayer', () => {
     recording.messages[1].bytes = Uint8Array.of(255, 255);
     expect(() => new ReplayPlayer(recording).seek(2)).toThrow(/^frame 2 cannot be read/);
     recording.messages[0].bytes = new Uint8Array(0);
-    expect(() => new ReplayPlayer(recording).seek(0)).toThrow('message 1 is no frame');
+    expect(() => new ReplayPlayer(recording).seek(0)).toThrow('message 1 is not a frame');
   });
 });
 

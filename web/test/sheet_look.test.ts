@@ -56,7 +56,7 @@ describe('SheetLook of a recording', () => {
 
   it('says where no strains were recorded, and shows the cloth as it is there', () => {
     look.toggleByStrain();
-    expect(notices).toEqual(['No strains were recorded here: colours by strain were not on at that time']);
+    expect(notices).toEqual(['No strains were recorded here: colouring by strain was off at that time']);
     expect(colored()).toBe(null);
     expect([byId('strain-scale').hidden, byId('strain-missing').hidden]).toEqual([true, false]);
     mirror.strains = Float32Array.of(0.1);

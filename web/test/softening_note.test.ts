@@ -31,7 +31,7 @@ describe('softeningText', () => {
   });
 
   it('says where even the softest sheet does not fit its tick', () => {
-    expect(softeningText(softening(16, 0.002, false))).toMatch(/take a coarser mesh\.$/);
+    expect(softeningText(softening(16, 0.002, false))).toMatch(/use a coarser mesh\.$/);
   });
 });
 

@@ -29,7 +29,7 @@ describe('startWorker', () => {
     for (const [fail, why] of [
       [() => FakeWorker.last.onerror?.({}), 'its program cannot be loaded'],
       [() => FakeWorker.last.onerror?.({ message: 'Uncaught Error: broken' }), 'Uncaught Error: broken'],
-      [() => FakeWorker.last.onmessageerror?.(), 'what it says cannot be read'],
+      [() => FakeWorker.last.onmessageerror?.(), 'its messages cannot be read'],
     ] as const) {
       startWorker(name, failed);
       fail();

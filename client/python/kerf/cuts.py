@@ -169,7 +169,7 @@ def as_cut(what: Union[geometry_pb2.Curve, scene_pb2.Cut], options: CutOptions) 
     if isinstance(what, geometry_pb2.Curve):
         return cut(what, **options)
     if not isinstance(what, scene_pb2.Cut):
-        raise TypeError(f"a curve or a kerf.cut() is cut, not {type(what).__name__}")
+        raise TypeError(f"give a curve or a kerf.cut(), not {type(what).__name__}")
     if options:
         raise TypeError("give the options to kerf.cut(), which made this cut")
     return what

@@ -144,4 +144,4 @@ def _read_only(array: Any) -> Any:
 
 
 def _unreadable(why: str) -> DataLoss:
-    return DataLoss("DATA_LOSS", "FRAME_MALFORMED", f"a frame of the stream cannot be read: {why}; watch the sheet anew")
+    return DataLoss("DATA_LOSS", "FRAME_MALFORMED", f"a frame of the stream cannot be read: {why}; watch the sheet again")

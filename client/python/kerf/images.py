@@ -37,7 +37,7 @@ class Image:
         Raises ValueError of a VP8 frame, ImportError where Pillow is not installed (python3-pil).
         """
         if self.codec == "vp8":
-            raise ValueError("a VP8 frame is no picture by itself: ask for codec='jpeg' or 'png', or use a VP8 decoder")
+            raise ValueError("a VP8 frame is not a picture by itself: request codec='jpeg' or 'png', or use a VP8 decoder")
         return decode_image(self.data)
 
 
@@ -54,7 +54,7 @@ def decode_image(data: bytes) -> Bytes:
         with pillow.open(io.BytesIO(data), formats=("PNG", "JPEG")) as picture:
             return numpy_module().asarray(picture.convert("RGB"))
     except OSError as wrong:
-        raise ValueError(f"these {len(data)} bytes are no PNG or JPEG picture: {wrong}") from None
+        raise ValueError(f"these {len(data)} bytes are not a PNG or JPEG picture: {wrong}") from None
 
 
 def image_of(message: render_pb2.Image) -> Image:

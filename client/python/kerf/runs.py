@@ -107,7 +107,7 @@ class Run(Sequence[Frame]):
         self._arrays = arrays
         meta = json.loads(bytes(arrays["meta"]))
         if meta.get("format") != _FORMAT["format"]:
-            raise ValueError(f"{path}: is no run of kerf")
+            raise ValueError(f"{path}: is not a run of kerf")
         if meta["version"] != _FORMAT["version"]:
             raise ValueError(f"{path}: is of version {meta['version']}; this package reads {_FORMAT['version']}")
         self.ticks: Longs = arrays["ticks"]  # N, of the frames; those between were not recorded
@@ -173,4 +173,4 @@ def load_run(path: "str | os.PathLike[str]") -> Run:
     try:
         return Run(numpy_module().load(name, allow_pickle=False), name)
     except (zipfile.BadZipFile, KeyError, IndexError, TypeError, json.JSONDecodeError) as wrong:
-        raise ValueError(f"{name}: is no run of kerf ({wrong})") from None
+        raise ValueError(f"{name}: is not a run of kerf ({wrong})") from None

@@ -54,11 +54,11 @@ class Decoding(unittest.TestCase):
         return images.image_of(render_pb2.Image(tick=3, codec=codec, key=True, width_px=4, height_px=2, data=data))
 
     def test_what_is_no_picture(self):
-        with self.assertRaisesRegex(ValueError, "these 4 bytes are no PNG or JPEG picture"):
+        with self.assertRaisesRegex(ValueError, "these 4 bytes are not a PNG or JPEG picture"):
             kerf.decode_image(b"Kerf")
         image = self.image(render_pb2.IMAGE_VP8, b"\x01")
         self.assertEqual((image.tick, image.codec, image.size_px), (3, "vp8", (4, 2)))
-        with self.assertRaisesRegex(ValueError, "a VP8 frame is no picture by itself"):
+        with self.assertRaisesRegex(ValueError, "a VP8 frame is not a picture by itself"):
             image.array()
         with self.assertRaisesRegex(ValueError, "codec is 'gif'; must be one of jpeg, png, vp8"):
             images.codec_value("gif")

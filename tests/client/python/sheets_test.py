@@ -174,7 +174,7 @@ class Sheets(Case):
             sheet.get()
         with self.server.temporary_sheet(grid=(3, 3)) as sheet:
             sheet.delete()  # is no error then
-        with self.assertRaisesRegex(TypeError, "a scene is given: 'grid' belongs into it"):
+        with self.assertRaisesRegex(TypeError, "a scene is given: 'grid' belongs in it"):
             with self.server.temporary_sheet({}, grid=(3, 3)):
                 pass
         with self.assertRaisesRegex(TypeError, "a sheet has no option 'gird'; there are grid, "):

@@ -15,17 +15,17 @@ type Line = readonly Point2[];
 export function borderOf(lines: readonly Line[]): number {
   if (lines.length - 1 > kMaxHoles) {
     const [holes, limit] = [lines.length - 1, kMaxHoles].map((count) => count.toLocaleString('en'));
-    throw new Error(`has ${holes} lines besides its border, and a sheet at most ${limit} holes: take some out`);
+    throw new Error(`has ${holes} lines besides its border, but a sheet has at most ${limit} holes: remove some`);
   }
   const areas = lines.map(area);
   const border = areas.indexOf(Math.max(...areas));
   const holes = lines.filter((_, i) => i !== border).map((line) => new Region(line));
   const outer = new Region(lines[border]);
   if (!holes.every((hole) => outer.surrounds(hole))) {
-    throw new Error('has lines outside of its largest one, which is the border: move them into it, or take them out');
+    throw new Error('has lines outside of its largest one, which is the border: move them into it, or remove them');
   }
   if (holes.some((hole) => holes.some((other) => other !== hole && other.surrounds(hole)))) {
-    throw new Error('has lines inside a hole, where nothing is left to cut: take the inner ones out');
+    throw new Error('has lines inside a hole, where nothing is left to cut: remove the inner ones');
   }
   return border;
 }

@@ -4,7 +4,7 @@ export function svgFault(text: string): string | undefined {
   // Browsers report faults in a document of their own.
   const fault = parsed.querySelector('parsererror');
   if (fault) return faultText(fault.textContent ?? '');
-  return parsed.documentElement.localName === 'svg' ? undefined : 'is no SVG drawing';
+  return parsed.documentElement.localName === 'svg' ? undefined : 'is not an SVG drawing';
 }
 
 /** @param report  a browser's: "... error on line 3 at column 7: ..." or "... Line Number 3, Column 7: ..." */

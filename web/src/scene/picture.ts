@@ -20,6 +20,6 @@ export async function pictureOf(
   context.drawImage(drawn, 0, 0);
   drawOver(context);
   const blob = await new Promise<Blob | null>((resolve) => canvas.toBlob(resolve, 'image/png'));
-  if (!blob) throw new Error(`the browser makes no picture of ${width} x ${height} pixels`);
+  if (!blob) throw new Error(`the browser cannot make a picture of ${width} x ${height} pixels`);
   return blob;
 }

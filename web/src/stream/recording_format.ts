@@ -94,6 +94,6 @@ export function decodeRecording(file: Uint8Array): Recording {
     lastMs = atMs;
     at = begin + length;
   }
-  if (messages.length === 0) throw new RecordingError('it has no whole frame');
+  if (messages.length === 0) throw new RecordingError('it has no complete frame');
   return { sheet, messages, numTornBytes: file.length - at };
 }

@@ -57,7 +57,7 @@ export class ReplayPlayer {
     } catch (error) {
       throw new RecordingError(`frame ${index + 1} cannot be read: ${(error as Error).message}`);
     }
-    throw new RecordingError(`message ${index + 1} is no frame`);
+    throw new RecordingError(`message ${index + 1} is not a frame`);
   }
 
   private apply(index: number): void {

@@ -18,6 +18,6 @@ export function startWorker(name: keyof typeof kStart, failed: (why: string) => 
   };
   // A worker that cannot be loaded says no more than that.
   worker.onerror = ({ message }) => fail(message || 'its program cannot be loaded');
-  worker.onmessageerror = () => fail('what it says cannot be read');
+  worker.onmessageerror = () => fail('its messages cannot be read');
   return worker;
 }

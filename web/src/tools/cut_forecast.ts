@@ -13,7 +13,7 @@ export function forecastText({ tickBeforeUs, tickAfterUs, tickBudgetUs }: CutRes
   if (!(tickBeforeUs <= tickBudgetUs && tickAfterUs > tickBudgetUs)) return '';
   const ms = (us: number) => Number((us / 1000).toPrecision(2));
   const percent = Math.floor((100 * tickBudgetUs) / tickAfterUs);
-  return `This cut slows the sheet to ${percent} % of its speed: a step takes ${ms(tickAfterUs)} ms then and has ${ms(tickBudgetUs)}`;
+  return `This cut slows the sheet to ${percent} % of its speed: a tick then takes ${ms(tickAfterUs)} ms of the ${ms(tickBudgetUs)} ms available`;
 }
 
 /** Asks the server what a drawn cut would cost, once the drawing has settled, and one question at a time. */

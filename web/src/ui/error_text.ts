@@ -3,8 +3,8 @@ import { ApiError } from '../api';
 // What to do about a refusal that the server's own words do not already say.
 const kAdvice: Record<string, string> = {
   UNAVAILABLE: 'Check that kerfd is running; the viewer reconnects by itself',
-  RESOURCE_EXHAUSTED: 'Try again in a moment, or ask for less',
-  INTERNAL: 'The server’s log says more',
+  RESOURCE_EXHAUSTED: 'Try again in a moment, or request less',
+  INTERNAL: 'See the server’s log',
   UNIMPLEMENTED: 'This server is older than the viewer: reload the page',
 };
 

@@ -11,7 +11,7 @@ export type HistoryStep = 'undo' | 'redo';
 function stepText(step: HistoryStep, { cuts, pieces, reset }: MessageShape<typeof UndoResultSchema>): string | undefined {
   if (reset) return undefined;
   const what = cuts.length === 1 ? 'Cut' : `${cuts.length} cuts`;
-  return `${what} ${step === 'undo' ? 'undone' : 'made again'}: ${pieces} ${pieces === 1 ? 'piece' : 'pieces'}`;
+  return `${what} ${step === 'undo' ? 'undone' : 'redone'}: ${pieces} ${pieces === 1 ? 'piece' : 'pieces'}`;
 }
 
 // More presses than this while one step is under way are unintended.
@@ -57,7 +57,7 @@ export class HistoryControls {
       typeof UndoCutRequestSchema,
       typeof UndoResultSchema
     >;
-    const refused = step === 'undo' ? 'Nothing was undone: ' : 'Nothing was made again: ';
+    const refused = step === 'undo' ? 'Nothing was undone: ' : 'Nothing was redone: ';
     const result = await this.reporter.attempt(() => this.send(method, { parent }), refused);
     const text = result && stepText(step, result);
     if (text) this.reporter.notify('success', text);

@@ -40,7 +40,7 @@ export class RecordingControl {
     const { watch, sheetName } = this.live;
     const { sheet, surface } = this.shown;
     if (!watch || watch.state === 'ended' || !sheet || !surface) {
-      this.notices.notify('error', 'Nothing is shown that could be recorded');
+      this.notices.notify('error', 'There is nothing to record');
       return;
     }
     this.sheetName = sheetName;
@@ -83,13 +83,13 @@ export class RecordingControl {
 
   private save({ numFrames, durationMs, isFull }: RecordingProgress, parts: ArrayBuffer[]): void {
     if (numFrames === 0) {
-      this.notices.notify('warning', 'Nothing was recorded: no frame came');
+      this.notices.notify('warning', 'Nothing was recorded: no frame arrived');
       return;
     }
     const tick = this.shown.surface?.mirror.tick ?? 0;
     const saved = saveFile(parts, fileName(this.sheetName, tick, 'kerfstream'), 'application/octet-stream');
     const seconds = (durationMs / 1000).toFixed(1);
-    const limit = isFull ? `; it ended there at the limit of ${bytesText(kLimitBytes)}` : '';
+    const limit = isFull ? `; it ended at the limit of ${bytesText(kLimitBytes)}` : '';
     this.notices.notify(isFull ? 'warning' : 'success', `${saved}: ${numFrames} frames, ${seconds} s${limit}`);
   }
 }

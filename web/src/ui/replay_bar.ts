@@ -83,7 +83,7 @@ export class ReplayBar {
   async open(file: File): Promise<void> {
     const refuse = (why: string) => this.notices.notify('error', `${file.name} cannot be played: ${why}`);
     if (file.size > kMaxFileBytes) {
-      return refuse(`it has ${bytesText(file.size)}, and at most ${bytesText(kMaxFileBytes)} are read`);
+      return refuse(`it has ${bytesText(file.size)}; at most ${bytesText(kMaxFileBytes)} can be read`);
     }
     const fail = (why: string) => {
       refuse(why);
@@ -158,7 +158,7 @@ export class ReplayBar {
     replay.togglePlaying();
     if (replay.numTornBytes > 0) {
       const bytes = bytesText(replay.numTornBytes);
-      this.notices.notify('warning', `${fileName} is incomplete: ${bytes} after the last whole frame were skipped`);
+      this.notices.notify('warning', `${fileName} is incomplete: ${bytes} after the last complete frame were skipped`);
     }
   }
 

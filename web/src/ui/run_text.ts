@@ -11,7 +11,7 @@ export function runEndText({ state, endTick, divergedTick }: Replay): [kind: Not
   }
   if (state !== Replay_State.DIVERGED) return undefined;
   const why = 'another build of the server recorded it, or the file was edited';
-  return ['warning', `Played as recorded to tick ${divergedTick} of ${endTick}, and differently from there on: ${why}`];
+  return ['warning', `Played as recorded to tick ${divergedTick} of ${endTick}, then differently: ${why}`];
 }
 
 /** The reason that the sheet does not move; undefined if it does, or nothing is known of it. */

@@ -44,10 +44,10 @@ export class ServerRecordings {
   async play(file: File): Promise<void> {
     const { notices, transfer } = this.parts;
     const failed = `${file.name} is not played: `;
-    if (!isRunFile(file)) return notices.notify('error', `${failed}a recording of the server’s ends in .rec`);
+    if (!isRunFile(file)) return notices.notify('error', `${failed}a recording made by the server ends in .rec`);
     const sheet = await transfer.run(`Sending ${file.name}`, failed, async (options) => {
       const limit = Number((await serverInfo()).limits?.maxRecordingUploadBytes ?? 0);
-      if (file.size > limit) throw new Error(`it has ${sizeText(file.size)}, and the server takes ${sizeText(limit)}`);
+      if (file.size > limit) throw new Error(`it has ${sizeText(file.size)}; the server accepts ${sizeText(limit)}`);
       const taken = (await listSheets()).map(({ name }) => sheetId(name));
       const id = freeId(idFrom(file.name) || 'recording', taken);
       return sendFile(SheetSchema, `/recordings?sheet=${id}`, file, options);
@@ -56,7 +56,7 @@ export class ServerRecordings {
     this.opened(sheet.name);
     const ticks = countText(Number(sheet.replay?.endTick ?? 0), 'tick');
     const torn = Number(sheet.replay?.tornBytes ?? 0);
-    const left = torn > 0 ? `; its last ${countText(torn, 'byte')}, a torn entry, left out` : '';
+    const left = torn > 0 ? `; its last ${countText(torn, 'byte')}, an incomplete entry, left out` : '';
     notices.notify('success', `${sheetId(sheet.name)} plays ${file.name}, ${ticks}${left}: it takes no commands until the end`);
   }
 

@@ -64,7 +64,7 @@ export class SheetLook {
     this.parts.live.restart(true);
     this.parts.shown.showAgain();
     if (this.isByStrain && this.lacksStrains) {
-      this.parts.notices.notify('info', 'No strains were recorded here: colours by strain were not on at that time');
+      this.parts.notices.notify('info', 'No strains were recorded here: colouring by strain was off at that time');
     }
   }
 

@@ -28,7 +28,7 @@ export class SheetNews {
     this.seen = { name, epoch, resets, resetsUndone };
     if (before?.name !== name) return;
     if (before.epoch !== epoch) {
-      this.notify('warning', 'The server was restarted, or the sheet made again: it is back at its beginning');
+      this.notify('warning', 'The server was restarted, or the sheet created again: it is back at its beginning');
     } else if (resets > before.resets) {
       this.notify('info', 'The sheet was reset; Undo brings back what was there');
     } else if (resetsUndone > before.resetsUndone) {
@@ -42,7 +42,7 @@ export class SheetNews {
    */
   sawSettings({ runState }: Pick<Sheet, 'runState'>, before: Pick<Sheet, 'runState'> | undefined): void {
     if (runState === Sheet_RunState.FAILED && before?.runState !== Sheet_RunState.FAILED) {
-      this.notify('error', 'The sheet is frozen at its last good tick. Reset it to go on.');
+      this.notify('error', 'The sheet is frozen at its last good tick. Reset it to continue.');
     }
   }
 }

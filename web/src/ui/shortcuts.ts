@@ -294,7 +294,7 @@ function panelGroup(parts: KeyedParts): ShortcutGroup {
   return {
     title: 'Panels',
     shortcuts: [
-      panel('A', 'sheets', 'All sheets: open, delete, make new ones'),
+      panel('A', 'sheets', 'All sheets: open, delete, create new ones'),
       panel('M', 'physics', 'Gravity, wind, pins and material'),
       panel('J', 'pieces', 'All pieces with their sizes'),
       { chords: ['Escape'], what: 'Close the panel', run: () => parts.panels.close() },

@@ -95,7 +95,7 @@ export class SimulationControls {
     const sheet = await this.reporter.attempt(() => call(getSheet, { name }));
     if (!sheet) return;
     const others = sheet.viewers - this.numStreams();
-    const question = `${others === 1 ? 'Somebody else watches' : `${others} others watch`} this sheet. Reset it for everybody?`;
+    const question = `${others === 1 ? 'Someone else is watching' : `${others} others are watching`} this sheet. Reset it for everyone?`;
     if (others > 0 && !(await confirmed(question, 'Reset'))) return;
     await this.live.command(() => call(resetSheet, { name }));
   }

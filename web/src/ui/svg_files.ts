@@ -40,9 +40,9 @@ export class SvgFiles {
 
   async take(file: File): Promise<void> {
     const refuse = (why: string) => this.notices.notify('error', `${file.name} ${why}`);
-    if (!file.name.toLowerCase().endsWith('.svg') && file.type !== 'image/svg+xml') return refuse('is no SVG drawing');
+    if (!file.name.toLowerCase().endsWith('.svg') && file.type !== 'image/svg+xml') return refuse('is not an SVG drawing');
     if (file.size > kMaxBytes) {
-      return refuse(`has ${Math.ceil(file.size / 1024)} KiB; the server takes drawings of at most ${kMaxBytes / 1024}`);
+      return refuse(`has ${Math.ceil(file.size / 1024)} KiB; the server accepts drawings of at most ${kMaxBytes / 1024}`);
     }
     const text = await file.text().catch(() => undefined);
     if (text === undefined) return refuse('cannot be read');

@@ -133,7 +133,7 @@ class Server(Connection):
         2
         """
         if scene is not None and options.keys() - {"paused"}:
-            raise TypeError(f"a scene is given: {min(options.keys() - {'paused'})!r} belongs into it")
+            raise TypeError(f"a scene is given: {min(options.keys() - {'paused'})!r} belongs in it")
         wanted = scene_with(options) if scene is None else scene
         name = f"temporary-{secrets.token_hex(6)}"
         sheet = await self.create_scene(wanted, name, paused=options.get("paused", False))

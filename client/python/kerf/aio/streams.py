@@ -118,9 +118,9 @@ class AcknowledgedStream(_Loop):
             if response is None:
                 is_new = time.monotonic() - self._opened_at < _IS_BACK_AFTER_S
                 if stream.out_of_time and self._lost_at is not None and is_new:
-                    raise no_server(self._address, "it was lost, and is not back")
+                    raise no_server(self._address, "it was lost and has not come back")
                 if stream.out_of_time and self._expects_answer():
-                    raise no_server(self._address, "nothing came in all the time there was")
+                    raise no_server(self._address, "nothing came before the time ran out")
                 break
             self._lost_at = None
             if response.WhichOneof("kind") == self._answer:

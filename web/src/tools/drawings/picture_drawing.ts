@@ -59,7 +59,7 @@ export class PictureDrawing implements Drawing {
     if (!this.picture) return 'Drop an SVG file on the sheet, or choose one';
     return this.picture.outline
       ? `Drag ${this.picture.name} where it is to be cut, or its corners to scale it`
-      : `No outline of ${this.picture.name} can be shown here; the server may see one`;
+      : `No outline of ${this.picture.name} can be shown here; the server may find one`;
   }
 
   /** Corners, counter-clockwise from the lower left one, and the middle. */

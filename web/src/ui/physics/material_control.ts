@@ -81,7 +81,7 @@ export class MaterialControl {
     if (sheet.name === this.sheetName && this.part.options.length === numParts + 2) return;
     this.sheetName = sheet.name;
     const parts = Array.from({ length: numParts }, (_, i) => new Option(`part ${i}`, String(i)));
-    this.part.replaceChildren(new Option('all of it', kWhole), new Option('what no part has', kOwn), ...parts);
+    this.part.replaceChildren(new Option('all of it', kWhole), new Option('the rest of the sheet', kOwn), ...parts);
   }
 
   private showNumbers(): void {

@@ -161,7 +161,7 @@ export const kMaterialQuantities: readonly MaterialQuantity[] = [
   {
     id: 'strain-limit',
     name: 'Strain limit',
-    tip: 'Strain that the material bears; it changes no motion, Statistics shows the share of the sheet beyond it',
+    tip: 'Strain that the material bears; it does not change the motion. Statistics shows the share of the sheet beyond it',
     unit: '%',
     isSi: false,
     scale: logScale(0.1, 100),

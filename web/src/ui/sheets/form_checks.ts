@@ -37,7 +37,7 @@ function fileError({ file }: NewSheet): string | undefined {
 function verticesError(count: number, most: number): string | undefined {
   if (!(count > most)) return undefined;
   const [has, takes] = [count, most].map((number) => number.toLocaleString('en'));
-  return `The sheet would have ${has} vertices; the server takes ${takes}: use fewer rows or columns`;
+  return `The sheet would have ${has} vertices; the server accepts ${takes}: use fewer rows or columns`;
 }
 
 /**

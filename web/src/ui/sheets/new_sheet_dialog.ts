@@ -101,7 +101,7 @@ export class NewSheetDialog {
     } else if (ending === 'obj' || ending === 'ply') {
       this.mesh = { name: file.name, kind: ending, content: file };
     } else {
-      return this.showError(name, `${file.name} is no OBJ, PLY or SVG file: choose one that ends so`);
+      return this.showError(name, `${file.name} is not an OBJ, PLY or SVG file: choose another one`);
     }
     if (fieldOf('id').value === '') fieldOf('id').value = idFrom(file.name);
     this.update();
@@ -238,7 +238,7 @@ export class NewSheetDialog {
         : ['outline', numBytes, limits?.maxRequestBytes ?? Infinity];
     if (size <= limit) return true;
     const what = shape === 'file' ? 'This file has' : 'This drawing makes a request of';
-    this.showError(name, `${what} ${sizeText(size)}, and the server takes at most ${sizeText(limit)}: choose a coarser one`);
+    this.showError(name, `${what} ${sizeText(size)}, but the server accepts at most ${sizeText(limit)}: choose a coarser one`);
     return false;
   }
 

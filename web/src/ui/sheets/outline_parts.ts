@@ -26,7 +26,7 @@ function separated(drawing: BareDrawing): OutlineParts | undefined {
   // A move and a close alone, as editors leave them, are no line.
   const drawn = [...lines.keys()].filter((i) => lines[i].some(({ x, y }) => x !== lines[i][0].x || y !== lines[i][0].y));
   if (drawn.length < 2) return undefined;
-  if (!drawing.isWhole) throw new Error('is too large to look for holes in: take out what is no outline');
+  if (!drawing.isWhole) throw new Error('is too large to search for holes: remove everything that is not an outline');
   const border = drawn[borderOf(drawn.map((i) => lines[i]))];
   return {
     border: onlyShapes(drawing.root, [border]),

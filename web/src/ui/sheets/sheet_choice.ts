@@ -89,7 +89,7 @@ export class SheetChoice implements Panel {
   }
 
   private async remove(name: string): Promise<void> {
-    const question = `Delete the sheet ${sheetId(name)}? It ends for everybody who watches it, and cannot be brought back.`;
+    const question = `Delete the sheet ${sheetId(name)}? It ends for everyone who watches it, and cannot be restored.`;
     if (!(await confirmed(question, 'Delete'))) return;
     const { live, notices } = this.parts;
     const deletion = () => call(SheetService.method.deleteSheet, { name });
@@ -105,7 +105,7 @@ export class SheetChoice implements Panel {
     const { opener, replayBar, connection, panels } = this.parts;
     opener.close();
     if (replayBar.hasFile) return;
-    connection.show('ended', 'This server has no sheets: make one under Sheets, New sheet');
+    connection.show('ended', 'This server has no sheets: create one under Sheets, New sheet');
     if (panels.open !== 'sheets') panels.toggle('sheets');
   }
 
