@@ -2,50 +2,36 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
-#include <optional>
 #include <vector>
 
-#include <Eigen/Core>
-
-#include "server/core/fem/element/loads.h"
 #include "server/core/fem/element/state.h"
-#include "server/core/fem/step/softening.h"
 #include "server/core/mesh/triangle_mesh.h"
-#include "server/core/scene/applied_forces.h"
-#include "server/core/scene/held_vertices.h"
 #include "server/core/scene/lineage.h"
-#include "server/core/scene/sheet_materials.h"
+#include "server/core/sheet/material_setup.h"
+#include "server/core/sheet/pin_set.h"
+#include "server/core/sheet/scene_clock.h"
+#include "server/core/sheet/sheet_conditions.h"
 
 namespace kerf::sheet {
 
-// Progress of a sheet through the commands of its scene.
-struct SchedulePlace {
-  std::int64_t start_tick = 0;  // from which their ticks count
-  std::size_t next = 0;         // in their order
+// All that decides how a MovingSheet moves on, apart from grabs.
+struct MovingState {
+  mesh::TriangleMesh mesh;
+  fem::State state;
+  PinSet pins;
+  std::vector<mesh::VertexId> removed{};  // vertices without material; sorted
+  MaterialSetup materials;
+  ConditionValues conditions;
+  std::int32_t failed_steps = 0;
+  bool is_frozen = false;
 };
 
 // Holds all that decides how a sheet moves on, apart from grabs and the tick. A Reset goes back to one, its undo to
 // another.
 struct Checkpoint {
-  mesh::TriangleMesh mesh;
-  fem::State state;
-  std::vector<mesh::VertexId> pinned;  // sorted, unique
-  std::vector<fem::Pin> holds;         // of those, in order
-  std::int32_t pins_version = 0;
-  std::vector<mesh::VertexId> removed{};  // vertices without material; sorted
-  std::shared_ptr<const SheetMaterials> materials;
-  std::optional<fem::Softening> softening;
-  Wind wind;
-  Eigen::Vector3d full_gravity;  // m/s^2
-  HeldVertices held_vertices;
-  AppliedForces applied_forces;
-  Instant now;
-  std::int64_t scene_tick = 0;     // ticks since the scene began
-  SchedulePlace schedule_place{};  // its start_tick counts from the checkpoint's tick, <= 0
+  MovingState moving;
+  ScenePlace place;
   std::vector<PieceBirth> pieces;
-  std::int32_t failed_steps = 0;
-  bool frozen = false;
   std::int64_t beginning = 0;  // see CommandReply
 };
 

@@ -1,68 +1,85 @@
-// Constraints and loads in force, and the equilibria that they lead to.
+#include "server/core/sheet/sheet_conditions.h"
 
+#include <algorithm>
 #include <utility>
-
-#include "server/core/sheet/sheet_impl.h"
 
 namespace kerf::sheet {
 
-void Sheet::Impl::set_conditions(const Instant& end, double duration) {
-  const bool varies = held_vertices.varies() || applied_forces.varies() || !config->gravity_history.times.empty();
-  if (!conditions_changed && !varies && end.absent == now.absent) return;
-  loads.gravity = config->gravity_history.at(end.time, 1.0) * full_gravity;
-  if (held_vertices.empty()) {
-    loads.pins = holds;
-  } else {
-    held_vertices.set(holds, {end.time - duration, end.absent}, end, duration, mesh, loads.pins);
-  }
-  if (held_vertices.has_slopes()) set_slopes(end);
-  if (!applied_forces.empty()) applied_forces.set(end, mesh, model, loads);
-  now = end;
-  conditions_changed = false;
+namespace {
+
+// Skin friction beside pressure drag: the ratio of fem's default coefficients for cloth.
+constexpr double kTangentialShare = 1.0 / 60.0;
+
+}  // namespace
+
+SheetConditions::SheetConditions(std::shared_ptr<const SheetConfig> config, ConditionValues values)
+    : config_(std::move(config)), values_(std::move(values)) {
+  set_wind(values_.wind);
+  loads_.grabs.reserve(kMaxGrabs);
 }
 
-void Sheet::Impl::set_slopes(const Instant& at) {
-  std::vector<fem::Clamp> clamps = held_vertices.clamps(at);
+bool SheetConditions::set(const Instant& end, double duration, const std::vector<fem::Pin>& pins,
+                          const mesh::TriangleMesh& mesh, fem::Model& model) {
+  HeldVertices& held = values_.held_vertices;
+  AppliedForces& applied = values_.applied_forces;
+  const bool varies = held.varies() || applied.varies() || !config_->gravity_history.times.empty();
+  if (!is_changed_ && !varies && end.absent == values_.now.absent) return false;
+  loads_.gravity = config_->gravity_history.at(end.time, 1.0) * values_.full_gravity;
+  if (held.empty()) {
+    loads_.pins = pins;
+  } else {
+    held.set(pins, {end.time - duration, end.absent}, end, duration, mesh, loads_.pins);
+  }
+  values_.now = end;
+  const bool other_vertices = has_slopes() && hold_slopes(mesh, model);
+  if (!applied.empty()) applied.set(end, mesh, model, loads_);
+  is_changed_ = false;
+  return other_vertices;
+}
+
+bool SheetConditions::hold_slopes(const mesh::TriangleMesh& mesh, fem::Model& model) {
+  std::vector<fem::Clamp> clamps = values_.held_vertices.clamps(values_.now);
   std::vector<mesh::VertexId> vertices;
   for (const fem::Clamp& clamp : clamps) vertices.push_back(clamp.vertex);
   model.set_clamps(mesh, std::move(clamps));
   // Other vertices make for another matrix; other slopes for other forces only.
-  if (vertices == clamped) return;
-  clamped = std::move(vertices);
-  integrator->rebuild(model);
+  if (vertices == clamped_) return false;
+  clamped_ = std::move(vertices);
+  return true;
 }
 
-void Sheet::Impl::follow_conditions(std::span<const mesh::MeshEdit* const> edits) {
-  if (!held_vertices.empty()) held_vertices.follow(mesh, edits, initial->built);
-  if (!applied_forces.empty()) applied_forces.follow(mesh, initial->built);
-  conditions_changed = true;
+void SheetConditions::set_gravity(const Eigen::Vector3d& value) {
+  values_.full_gravity = value;
+  mark_changed();
 }
 
-fem::EquilibriumStats Sheet::Impl::settle(double load, const fem::EquilibriumOptions& options,
-                                          const fem::EquilibriumSolver::Watch& watch) {
-  set_conditions({load, load}, 0.0);
-  loads.grabs.clear();
-  model.bend_by_angles(mesh);
-  fem::EquilibriumSolver solver(options);
-  solver.rebuild(model);
-  mesh::VertexField x = state.x;
-  const fem::EquilibriumStats stats = solver.solve(model, loads, watch, x);
-  if (!stats.converged) return stats;
-  state.x = x;
-  state.v.setZero();
-  return stats;
+void SheetConditions::set_wind(const Wind& value) {
+  values_.wind = value;
+  loads_.wind.velocity = value.velocity;
+  loads_.wind.air_density = value.air_density;
+  loads_.wind.normal_drag = value.drag_coefficient;
+  loads_.wind.tangential_drag = kTangentialShare * value.drag_coefficient;
 }
 
-// A static analysis counts loads as it would ticks.
-TickReport Sheet::Impl::begin_load_step() {
-  TickReport report;
-  const std::int32_t version_before = topology_version;
-  drain_commands({}, nullptr, true, report);
-  if (conditions_changed) set_conditions(now, 0.0);
-  ++tick;
-  report.topology_changed = topology_version != version_before;
-  stamp(report);
-  return report;
+void SheetConditions::follow(const mesh::TriangleMesh& mesh, std::span<const mesh::MeshEdit* const> edits,
+                             const BuiltMesh& initial) {
+  if (!values_.held_vertices.empty()) values_.held_vertices.follow(mesh, edits, initial);
+  if (!values_.applied_forces.empty()) values_.applied_forces.follow(mesh, initial);
+  mark_changed();
+}
+
+void SheetConditions::restore(const ConditionValues& values) {
+  values_ = values;
+  set_wind(values.wind);
+  clamped_.clear();
+  mark_changed();
+}
+
+bool SheetConditions::has_changes_to_come() const {
+  const std::vector<double>& times = config_->gravity_history.times;
+  const double gravity_change = times.empty() ? -kForever : times.back();
+  return values_.now.time <
+         std::max({values_.held_vertices.last_change(), values_.applied_forces.last_change(), gravity_change});
 }
 
 }  // namespace kerf::sheet

@@ -2,27 +2,11 @@
 
 #include <utility>
 
+#include "server/core/sheet/checkpoint.h"
+
 namespace kerf::sheet {
 
 namespace {
-
-template <typename T>
-std::size_t bytes_of(const std::vector<T>& values) {
-  return values.size() * sizeof(T);
-}
-
-std::size_t bytes_of(const mesh::UndoLog& log) {
-  return bytes_of(log.points) + bytes_of(log.vertices) + bytes_of(log.triangles);
-}
-
-std::size_t bytes_of(const DoneCut& cut) {
-  const mesh::MeshEdit& edit = cut.edit.edit;
-  return sizeof(cut) + bytes_of(edit.added_vertices) + bytes_of(edit.moved_vertices) +
-         bytes_of(edit.rewritten_triangles) + bytes_of(edit.split_from) + bytes_of(cut.edit.undo) +
-         bytes_of(cut.again) + bytes_of(edit.removed_vertices) + bytes_of(edit.vanished_pieces) +
-         bytes_of(cut.lineage.ended) + bytes_of(cut.lineage.born) + bytes_of(cut.lineage.given_up) +
-         bytes_of(cut.lost_pins);
-}
 
 Error nothing(const char* reason, const char* message) {
   return failed_precondition(reason, message);

@@ -6,22 +6,11 @@
 #include <vector>
 
 #include "server/base/result.h"
-#include "server/core/fem/element/loads.h"
-#include "server/core/mesh/mesh_editor.h"
-#include "server/core/scene/lineage.h"
-#include "server/core/sheet/checkpoint.h"
+#include "server/core/sheet/done_cut.h"
 
 namespace kerf::sheet {
 
-// One applied cut: its effects, and everything needed to undo and redo it.
-struct DoneCut {
-  mesh::CommittedEdit edit;
-  mesh::UndoLog again;  // makes the edit again once it is undone: edit.undo.inverse()
-  std::int64_t number = 0;
-  LineageChange lineage;
-  std::vector<fem::Pin> lost_pins;  // of vertices that it left without material
-  std::int32_t pins_version = 0;    // Sheet::Impl::pins_version then: pins set since are not put back
-};
+struct Checkpoint;
 
 // Holds what one UndoCut undoes: the applied cuts of a Cut or CutBatch, in the order of their making, or a Reset. Never
 // changes.

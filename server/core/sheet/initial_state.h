@@ -1,0 +1,32 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "server/base/result.h"
+#include "server/core/mesh/ids.h"
+#include "server/core/scene/applied_forces.h"
+#include "server/core/scene/held_vertices.h"
+#include "server/core/scene/mesh_source.h"
+#include "server/core/scene/sheet_config.h"
+#include "server/core/sheet/material_setup.h"
+
+namespace kerf::sheet {
+
+// A sheet as it begins, and as a Reset restores it.
+struct InitialState {
+  std::shared_ptr<const SheetConfig> config;
+  BuiltMesh built;
+  MaterialSetup materials;
+  Eigen::Matrix3Xd velocities;         // 3 x V, m/s
+  std::vector<mesh::VertexId> pinned;  // sorted, unique
+  HeldVertices held_vertices;
+  AppliedForces applied_forces;
+};
+
+// Checks the config and builds what it describes. Errors: those of Sheet::create(), except SHEET_TOO_STIFF.
+Result<InitialState> make_initial_state(SheetConfig config);
+
+}  // namespace kerf::sheet

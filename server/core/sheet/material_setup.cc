@@ -1,0 +1,62 @@
+#include "server/core/sheet/material_setup.h"
+
+#include <algorithm>
+
+#include "server/core/fem/model/condition.h"
+#include "server/core/scene/integrator_settings.h"
+
+namespace kerf::sheet {
+
+namespace {
+
+bool is_stepped_in_time(const SheetConfig& config) {
+  return std::holds_alternative<DynamicAnalysis>(config.analysis);
+}
+
+}  // namespace
+
+MaterialSetup::MaterialSetup(SheetMaterials materials, const SheetConfig& config, const mesh::TriangleMesh& uncut)
+    : materials_(std::make_shared<const SheetMaterials>(std::move(materials))) {
+  if (config.fidelity == Fidelity::kExact || !is_stepped_in_time(config)) return;
+  softening_ =
+      fem::choose_softening(uncut, by_region(), config.membrane_law,
+                            integrator_options(config.integrator, 1.0 / config.tick_rate_hz), config.gravity.norm());
+}
+
+Result<MaterialSetup> MaterialSetup::with(const SetMaterial& change, const SheetConfig& config,
+                                          const mesh::TriangleMesh& uncut) const {
+  SetMaterial wanted = change;
+  if (config.planar) wanted.material = fem::without_bending(wanted.material);
+  KERF_TRY_ASSIGN(SheetMaterials changed, with_material(*materials_, wanted));
+  return MaterialSetup(std::move(changed), config, uncut);
+}
+
+fem::Model MaterialSetup::make_model(const SheetConfig& config, const mesh::TriangleMesh& mesh) const {
+  return {mesh, softening_ ? fem::soften(by_region(), softening_->factor) : by_region(), config.membrane_law};
+}
+
+bool MaterialSetup::is_damped() const {
+  return std::any_of(by_region().begin(), by_region().end(), [](const fem::Material& material) {
+    return material.mass_damping > 0.0 || material.stiffness_damping > 0.0;
+  });
+}
+
+Status check_condition(const SheetConfig& config, const fem::Model& model, const std::string& prefix) {
+  const double condition = fem::condition_number(model, 1.0 / config.tick_rate_hz);
+  if (!is_stepped_in_time(config) || fem::rate_condition(condition) != fem::ConditionClass::kRefused) return Nothing{};
+  return invalid_argument("SHEET_TOO_STIFF",
+                          fem::describe_condition(condition) +
+                              ": steps of this length would be all rounding; make the material softer or heavier, the "
+                              "mesh coarser, or the tick rate higher",
+                          prefix + ".youngs_modulus_pa");
+}
+
+double rest_mass(const mesh::TriangleMesh& mesh, const std::vector<fem::Material>& by_region) {
+  double mass = 0.0;
+  for (mesh::TriangleId t = 0; t < mesh.num_triangle_slots(); ++t) {
+    if (mesh.is_solid(t)) mass += surface_density(mesh, t, by_region) * mesh.area(t);
+  }
+  return mass;
+}
+
+}  // namespace kerf::sheet

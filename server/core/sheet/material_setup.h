@@ -1,0 +1,52 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "server/base/result.h"
+#include "server/core/fem/model/model.h"
+#include "server/core/fem/step/softening.h"
+#include "server/core/mesh/triangle_mesh.h"
+#include "server/core/scene/command.h"
+#include "server/core/scene/sheet_config.h"
+#include "server/core/scene/sheet_materials.h"
+
+namespace kerf::sheet {
+
+// The materials of a sheet, and how its membrane is softened so that its steps fit into a tick. A value that is cheap
+// to copy. All functions take the config that it was made with.
+class MaterialSetup {
+ public:
+  // Chooses the softening for the uncut mesh; none where the scene is exact or not stepped in time.
+  MaterialSetup(SheetMaterials materials, const SheetConfig& config, const mesh::TriangleMesh& uncut);
+
+  // Returns the setup with another material in one part, or in all. Errors: those of with_material().
+  [[nodiscard]] Result<MaterialSetup> with(const SetMaterial& change, const SheetConfig& config,
+                                           const mesh::TriangleMesh& uncut) const;
+
+  // Makes the model that steps a mesh of these materials.
+  [[nodiscard]] fem::Model make_model(const SheetConfig& config, const mesh::TriangleMesh& mesh) const;
+
+  [[nodiscard]] const SheetMaterials& materials() const { return *materials_; }
+  [[nodiscard]] const std::vector<fem::Material>& by_region() const { return materials_->by_region; }
+  [[nodiscard]] const std::optional<fem::Softening>& softening() const { return softening_; }
+  [[nodiscard]] double half_thickness() const { return 0.5 * greatest_thickness(by_region()); }  // m
+  // Returns true if any material has damping of its own.
+  [[nodiscard]] bool is_damped() const;
+
+ private:
+  std::shared_ptr<const SheetMaterials> materials_;
+  std::optional<fem::Softening> softening_;
+};
+
+// Refuses a sheet that is to move and that double precision cannot move: kInvalidArgument SHEET_TOO_STIFF. `prefix`:
+// path of the material ("material").
+Status check_condition(const SheetConfig& config, const fem::Model& model, const std::string& prefix);
+
+// Returns the mass (kg) of the mesh. O(slots).
+double rest_mass(const mesh::TriangleMesh& mesh, const std::vector<fem::Material>& by_region);
+
+}  // namespace kerf::sheet

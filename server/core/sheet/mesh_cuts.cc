@@ -1,0 +1,107 @@
+#include "server/core/sheet/mesh_cuts.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <string>
+#include <utility>
+
+#include "server/core/cut/cut.h"
+#include "server/core/fem/model/transfer.h"
+#include "server/core/scene/region.h"
+#include "server/core/sheet/material_setup.h"
+
+namespace kerf::sheet {
+
+namespace {
+
+std::string millimetres(double metres) {
+  std::array<char, 32> text{};
+  const double mm = 1e3 * metres;
+  std::snprintf(text.data(), text.size(), mm < 100.0 ? "%.2g mm" : "%.0f mm", mm);
+  return text.data();
+}
+
+// `remarks` come first. Closed gaps and merged segments are below the cut's tolerance, so that the report alone has
+// them.
+std::vector<std::string> warnings_of(const cut::CutReport& report, const std::vector<std::string>& remarks) {
+  std::vector<std::string> warnings = remarks;
+  if (report.triangles_behind > 0) {
+    warnings.push_back("triangles that reach behind the camera, left out: " + std::to_string(report.triangles_behind));
+  }
+  if (report.view_deviation_m > 0.0) {
+    warnings.push_back("seen nearly edge-on: the cut is up to " + millimetres(report.view_deviation_m) +
+                       " off the sight lines");
+  }
+  if (report.refinement_stopped) warnings.emplace_back("refinement stopped early: some new triangles are flat");
+  return warnings;
+}
+
+// mass_before: mass of the sheet before the cut (kg); used only when it has several materials.
+CutReply reply_of(const cut::CutOutcome& outcome, const Cut& cut, const mesh::TriangleMesh& mesh,
+                  const std::vector<fem::Material>& materials, double mass_before) {
+  CutReply reply;
+  reply.status = outcome.status;
+  reply.report = outcome.report;
+  reply.report.pieces = mesh.num_pieces();
+  reply.warnings = warnings_of(outcome.report, cut.remarks);
+  if (cut.options.width_m && outcome.status == cut::CutStatus::kApplied) {
+    const double density = materials[0].density * materials[0].thickness;
+    reply.removed_mass =
+        materials.size() == 1 ? density * outcome.report.removed_area_m2 : mass_before - rest_mass(mesh, materials);
+  }
+  return reply;
+}
+
+Result<cut::CutOutcome> plan_and_apply(const cut::CutRequest& request, mesh::TriangleMesh& mesh,
+                                       PhaseObserver* observer) {
+  KERF_TRY_ASSIGN(const cut::CutPlan plan, cut::plan(mesh, request));
+  return cut::apply(mesh, plan, observer);
+}
+
+}  // namespace
+
+Result<MeshCuts> cut_mesh(std::span<const Cut> cuts, bool is_batch, const CutSurroundings& around,
+                          mesh::TriangleMesh& mesh, PhaseObserver* observer) {
+  MeshCuts made;
+  // Pins and positions as they are before each cut. Positions matter only to cuts on a picture.
+  std::vector<mesh::VertexId> pins = around.pins.vertices();
+  mesh::VertexField positions;
+  const bool has_view = std::any_of(cuts.begin(), cuts.end(), [](const Cut& cut) { return cut.view.has_value(); });
+  if (is_batch && has_view) positions = around.positions;
+  for (std::size_t i = 0; i < cuts.size(); ++i) {
+    const Cut& cut = cuts[i];
+    enter_phase(observer, "plan");
+    cut::CutRequest request;
+    request.curve = cut.curve;
+    request.options = cut.options;
+    request.view = cut.view;
+    request.max_vertices = around.max_vertices;
+    request.positions = is_batch ? &positions : &around.positions;
+    request.fixed_vertices = pins;
+    around.grabs.add_vertices_to(request.fixed_vertices);
+    const double mass_before =
+        cut.options.width_m && around.materials.size() > 1 ? rest_mass(mesh, around.materials) : 0.0;
+    Result<cut::CutOutcome> outcome = plan_and_apply(request, mesh, observer);
+    if (!outcome.ok()) {
+      for (auto done = made.done.rbegin(); done != made.done.rend(); ++done) done->edit.undo.undo(mesh);
+      return is_batch ? in_batch(outcome.error(), i) : outcome.error();
+    }
+    enter_phase(observer, "keep for undo");
+    made.replies.push_back(reply_of(*outcome, cut, mesh, around.materials, mass_before));
+    if (outcome->status != cut::CutStatus::kApplied) continue;
+    if (is_batch) inherit_pins(outcome->edit, pins);
+    if (is_batch && has_view) fem::carry_over(outcome->edit, positions);
+    mesh::UndoLog again = outcome->undo.inverse(mesh);
+    std::vector<fem::Pin> lost = around.pins.lost_by(outcome->edit);
+    made.done.push_back({{std::move(outcome->edit), std::move(outcome->undo)},
+                         std::move(again),
+                         0,
+                         {},
+                         std::move(lost),
+                         around.pins.version()});
+  }
+  return made;
+}
+
+}  // namespace kerf::sheet

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "server/base/phase_observer.h"
+#include "server/base/result.h"
+#include "server/core/fem/element/material.h"
+#include "server/core/linear/vertex_field.h"
+#include "server/core/mesh/triangle_mesh.h"
+#include "server/core/scene/command.h"
+#include "server/core/sheet/done_cut.h"
+#include "server/core/sheet/grab_set.h"
+#include "server/core/sheet/pin_set.h"
+
+namespace kerf::sheet {
+
+// The sheet around a mesh, as it is before its cuts.
+struct CutSurroundings {
+  std::int32_t max_vertices = 0;  // that the mesh may have
+  const PinSet& pins;
+  const GrabSet& grabs;
+  const mesh::VertexField& positions;           // 3 x V, m, world
+  const std::vector<fem::Material>& materials;  // by region of the mesh
+};
+
+struct MeshCuts {
+  std::vector<CutReply> replies;  // of all cuts; those in `done` still without number and split pieces
+  std::vector<DoneCut> done;      // applied ones, still without number and lineage
+};
+
+// Cuts the mesh and nothing else, one cut after another. If a cut is refused, the mesh is as it was. Errors: those of
+// cut::plan() and cut::apply(); with `is_batch` they name the cut.
+Result<MeshCuts> cut_mesh(std::span<const Cut> cuts, bool is_batch, const CutSurroundings& around,
+                          mesh::TriangleMesh& mesh, PhaseObserver* observer);
+
+}  // namespace kerf::sheet

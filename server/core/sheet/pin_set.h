@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "server/core/fem/element/loads.h"
+#include "server/core/fem/element/state.h"
+#include "server/core/mesh/mesh_edit.h"
+
+namespace kerf::sheet {
+
+// The pinned vertices of a sheet and where each is held. A value.
+class PinSet {
+ public:
+  // Holds exactly `vertices` (sorted, unique), each at its position in `state`, and sets their velocities to zero.
+  void hold(std::vector<mesh::VertexId> vertices, fem::State& state);
+  // Marks the pins as those of SetPins number `version`; 0: the scene's.
+  void set_version(std::int32_t version) { version_ = version; }
+
+  [[nodiscard]] const std::vector<mesh::VertexId>& vertices() const { return vertices_; }  // sorted, unique
+  [[nodiscard]] const std::vector<fem::Pin>& holds() const { return holds_; }              // of those, in order
+  [[nodiscard]] std::int32_t version() const { return version_; }
+  // Returns the pins of vertices that the edit leaves without material.
+  [[nodiscard]] std::vector<fem::Pin> lost_by(const mesh::MeshEdit& edit) const;
+
+ private:
+  std::vector<mesh::VertexId> vertices_;
+  std::vector<fem::Pin> holds_;
+  std::int32_t version_ = 0;
+};
+
+}  // namespace kerf::sheet

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+
+#include "server/core/sheet/stage_observer.h"
+
+namespace kerf::sheet {
+
+// Origin of a command: the observer of its stages, and its number there.
+struct CommandContext {
+  StageObserver* observer = nullptr;
+  std::int32_t index = -1;
+};
+
+// Notifies an observer, if there is one, of the beginning and the end of a stage.
+class StageScope {
+ public:
+  StageScope(Stage stage, const CommandContext& context) : stage_(stage), context_(context) {
+    if (context_.observer != nullptr) context_.observer->begin(stage_, context_.index);
+  }
+  ~StageScope() {
+    if (context_.observer != nullptr) context_.observer->end(stage_, context_.index);
+  }
+  StageScope(const StageScope&) = delete;
+  StageScope& operator=(const StageScope&) = delete;
+
+ private:
+  Stage stage_;
+  CommandContext context_;
+};
+
+}  // namespace kerf::sheet

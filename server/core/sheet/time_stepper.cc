@@ -1,0 +1,123 @@
+#include "server/core/sheet/time_stepper.h"
+
+#include <algorithm>
+#include <new>
+#include <utility>
+
+#include "server/base/interruption.h"
+#include "server/core/fem/model/condition.h"
+#include "server/core/scene/integrator_settings.h"
+
+namespace kerf::sheet {
+
+TimeStepper::TimeStepper(const SheetConfig& config, IntegratorFactory make_integrator, double size)
+    : dt_(1.0 / config.tick_rate_hz),
+      integrator_(std::move(make_integrator), integrator_options(config.integrator, 1.0 / config.tick_rate_hz)),
+      rest_(size) {
+  contact_.set_colliders(config.colliders);
+}
+
+void TimeStepper::rebuild(const fem::Model& model, const std::optional<fem::Softening>& softening,
+                          Eigen::Index num_vertices) {
+  integrator_->rebuild(model);
+  make_room(model, softening, num_vertices);
+}
+
+void TimeStepper::follow(const fem::Model& model, const std::optional<fem::Softening>& softening,
+                         Eigen::Index num_vertices, bool rebuilds) {
+  if (rebuilds || is_frozen_) {  // a step may have left the integrator half-done
+    integrator_->rebuild(model);
+  } else {
+    integrator_->follow(model);
+  }
+  make_room(model, softening, num_vertices);
+}
+
+void TimeStepper::make_room(const fem::Model& model, const std::optional<fem::Softening>& softening,
+                            Eigen::Index num_vertices) {
+  description_ =
+      std::string(integrator_->explanation()) + "; " + fem::describe_condition(fem::condition_number(model, dt_));
+  if (softening) description_ += "; " + fem::describe(*softening);
+  last_good_.x.resize(num_vertices);
+  last_good_.v.resize(num_vertices);
+  rest_.make_room(num_vertices);
+}
+
+StepOutcome TimeStepper::step(fem::Model& model, const fem::Loads& loads, const StopConditions& stop,
+                              fem::State& state) {
+  StepOutcome outcome;
+  fem::StepStats& stats = outcome.stats;
+  last_good_ = state;
+  model.bend_by_matrix();
+  integrator_->heed(stop.goes_on);
+  const bool touches = last_counts_ && last_counts_->contact_blocks > 0.0;
+  contact_.set_calm(touches && rest_.is_calm());
+  const std::int64_t blocks_before = contact_.blocks();
+  outcome.gave_up = !integrate(model, loads, stop.may_go_on, state, stats);
+  integrator_->heed(nullptr);
+  if (outcome.gave_up) {
+    state = last_good_;
+    is_frozen_ = true;
+    stats = {};
+    stats.interrupted = true;
+  }
+  if (stats.interrupted) return outcome;
+  if (!state.x.allFinite() || !state.v.allFinite()) stats.flags |= fem::kFrozen;
+  outcome.failed = (stats.flags & fem::kFrozen) != 0;
+  if (outcome.failed) {
+    stats.simulated = 0.0;
+    state = last_good_;
+    if (++failed_steps_ >= Sheet::kMaxFailedSteps) is_frozen_ = true;
+  } else {
+    failed_steps_ = 0;
+    count_tick(model, stats, contact_.blocks() - blocks_before);
+  }
+  return outcome;
+}
+
+bool TimeStepper::integrate(const fem::Model& model, const fem::Loads& loads, const fem::GoesOn* may_go_on,
+                            fem::State& state, fem::StepStats& stats) {
+  try {
+    std::optional<InterruptionScope> scope;
+    if (may_go_on != nullptr) scope.emplace(*may_go_on);
+    stats = integrator_->step(model, loads, dt_, contact_.empty() ? nullptr : &contact_, state);
+    return true;
+  } catch (const std::bad_alloc&) {
+    return false;
+  } catch (const Interrupted&) {
+    return false;
+  }
+}
+
+void TimeStepper::count_tick(const fem::Model& model, const fem::StepStats& stats, std::int64_t contact_blocks) {
+  const double substeps = std::max(stats.substeps, 1);
+  const fem::TickCost planned = integrator_->expected_cost(model, dt_, {});
+  last_counts_ = fem::TickCounts{
+      .contact_blocks = static_cast<double>(contact_blocks) / substeps,
+      .cluster_pushes = stats.cluster_pushes / substeps,
+      .load_phases = stats.load_phases / substeps,
+      .more_substeps = planned.substeps > 0.0 ? substeps / planned.substeps : 1.0,
+      .more_kicks = stats.bending_interval > 0 ? planned.bending_interval / stats.bending_interval : 1.0,
+      .is_double = stats.is_double,
+      .newton_iterations = static_cast<double>(stats.newton_iterations),
+      .linear_iterations = static_cast<double>(stats.linear_iterations)};
+}
+
+void TimeStepper::watch_rest(const fem::Model& model, const RestWatch::Tick& tick, fem::State& state) {
+  rest_.after_tick(model, tick, state);
+}
+
+void TimeStepper::restore(std::int32_t failed_steps, bool is_frozen) {
+  failed_steps_ = failed_steps;
+  is_frozen_ = is_frozen;
+  forget_counts();
+}
+
+fem::TickCost TimeStepper::expected_cost(const fem::Model& model, const fem::TickCounts& first) const {
+  fem::TickCounts counts = last_counts_ ? *last_counts_ : first;
+  // The next tick may be that of a sheet that is not calm any more.
+  if (last_counts_ && contact_.is_calm() && !rest_.is_calm()) counts.more_substeps = counts.more_kicks = 1.0;
+  return integrator_->expected_cost(model, dt_, counts);
+}
+
+}  // namespace kerf::sheet
