@@ -66,7 +66,7 @@ inline Finding find_flaw_of_applied(const mesh::TriangleMesh& before, const mesh
     if (undone.state_hash() != before.state_hash()) return "undo gives another hash";
   }
   if (depth.reload) {
-    mesh::TriangleMesh reloaded(before.records());
+    mesh::TriangleMesh reloaded(before.data());
     if (reloaded.state_hash() != before.state_hash()) return "the mesh read back has another hash";
     const Result<cut::CutOutcome> again = cut::apply(reloaded, done.plan);
     if (!again.ok()) return "refused on the mesh read back: " + again.error().message;

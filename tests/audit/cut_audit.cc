@@ -18,7 +18,7 @@ using Box = Eigen::AlignedBox2d;
 using Eigen::Vector2d;
 using mesh::kNone;
 using mesh::LatticePoint;
-using mesh::MeshRecords;
+using mesh::MeshData;
 using mesh::TriangleRecord;
 using mesh::VertexId;
 using mesh::VertexSource;
@@ -41,11 +41,11 @@ LatticePoint minus(const LatticePoint& a, const LatticePoint& b) {
 }
 
 // Three times the centre of a triangle.
-LatticePoint tripled_centre(const MeshRecords& records, const TriangleRecord& r) {
+LatticePoint tripled_centre(const MeshData& data, const TriangleRecord& r) {
   LatticePoint sum;
   for (const mesh::PointId p : r.points) {
-    sum.x += records.points[index(p)].at.x;
-    sum.y += records.points[index(p)].at.y;
+    sum.x += data.points[index(p)].at.x;
+    sum.y += data.points[index(p)].at.y;
   }
   return sum;
 }
@@ -56,8 +56,8 @@ class CutAudit {
            const cut::CutOutcome& outcome)
       : before_mesh_(before),
         after_mesh_(after),
-        old_(before.records()),
-        now_(after.records()),
+        old_(before.data()),
+        now_(after.data()),
         plan_(plan),
         outcome_(outcome),
         grid_({}) {}
@@ -133,12 +133,12 @@ class CutAudit {
     if (takes_material()) return std::nullopt;
     std::map<std::int32_t, Wide> area;  // twice the change, by region
     std::map<std::int32_t, Wide> total;
-    const auto add = [&](const MeshRecords& records, int sign) {
-      for (const TriangleRecord& r : records.triangles) {
+    const auto add = [&](const MeshData& data, int sign) {
+      for (const TriangleRecord& r : data.triangles) {
         if (!is_solid(r)) continue;
-        const LatticePoint& a = records.points[index(r.points[0])].at;
+        const LatticePoint& a = data.points[index(r.points[0])].at;
         const Wide doubled =
-            turn(minus(records.points[index(r.points[1])].at, a), minus(records.points[index(r.points[2])].at, a));
+            turn(minus(data.points[index(r.points[1])].at, a), minus(data.points[index(r.points[2])].at, a));
         area[r.region] += sign * doubled;
         total[r.region] += doubled;
       }
@@ -399,7 +399,7 @@ class CutAudit {
 
   // The number that a piece had until others, all of which was removed, were given up.
   [[nodiscard]] std::int32_t before_renumbering(std::int32_t piece) const {
-    const auto& vanished = outcome_.edit.vanished_pieces;
+    const auto& vanished = outcome_.edit.removed_pieces;
     std::int32_t count = now_.num_pieces;
     for (auto gone = vanished.rbegin(); gone != vanished.rend(); ++gone, ++count) {
       if (piece == *gone) piece = count;
@@ -408,7 +408,7 @@ class CutAudit {
   }
 
   Finding check_pieces() {
-    std::vector<std::int32_t> parent(index(now_.num_pieces) + outcome_.edit.vanished_pieces.size(), kNone);
+    std::vector<std::int32_t> parent(index(now_.num_pieces) + outcome_.edit.removed_pieces.size(), kNone);
     for (std::size_t t = 0; t < old_.triangles.size(); ++t) {
       const std::int32_t was = old_.triangles[t].piece;
       std::int32_t is = now_.triangles[t].piece;
@@ -452,9 +452,9 @@ class CutAudit {
   }
 
   // Returns the positions of a triangle's corners, in a fixed order.
-  static std::array<LatticePoint, 3> places_of(const MeshRecords& records, const TriangleRecord& r) {
+  static std::array<LatticePoint, 3> places_of(const MeshData& data, const TriangleRecord& r) {
     std::array<LatticePoint, 3> places{};
-    for (std::size_t k = 0; k < 3; ++k) places[k] = records.points[index(r.points[k])].at;
+    for (std::size_t k = 0; k < 3; ++k) places[k] = data.points[index(r.points[k])].at;
     std::sort(places.begin(), places.end());
     return places;
   }
@@ -508,8 +508,8 @@ class CutAudit {
 
   const mesh::TriangleMesh& before_mesh_;
   const mesh::TriangleMesh& after_mesh_;
-  const MeshRecords& old_;
-  const MeshRecords& now_;
+  const MeshData& old_;
+  const MeshData& now_;
   const cut::CutPlan& plan_;
   const cut::CutOutcome& outcome_;
   Census census_;
@@ -529,8 +529,8 @@ Finding find_cut_flaw(const mesh::TriangleMesh& before, const mesh::TriangleMesh
 }
 
 Finding find_difference(const mesh::TriangleMesh& a, const mesh::TriangleMesh& b) {
-  const MeshRecords& x = a.records();
-  const MeshRecords& y = b.records();
+  const MeshData& x = a.data();
+  const MeshData& y = b.data();
   if (!(x.lattice == y.lattice)) return "the lattices differ";
   if (x.bounds.min() != y.bounds.min() || x.bounds.max() != y.bounds.max()) return "the bounds differ";
   if (!(x.lengths == y.lengths)) return "the edge lengths differ";

@@ -40,10 +40,7 @@ struct Side {
 class Audit {
  public:
   explicit Audit(const mesh::TriangleMesh& mesh)
-      : records_(mesh.records()),
-        triangles_(records_.triangles),
-        corners_(3 * triangles_.size()),
-        pieces_(triangles_.size()) {}
+      : data_(mesh.data()), triangles_(data_.triangles), corners_(3 * triangles_.size()), pieces_(triangles_.size()) {}
 
   Finding run(Census* census) {
     for (const auto check : {&Audit::check_ranges, &Audit::check_areas, &Audit::check_edges, &Audit::check_vertices,
@@ -64,18 +61,18 @@ class Audit {
       const TriangleRecord& r = triangles_[index(t)];
       if (r.region < kNone) return at_slot("a negative region", t);
       for (std::size_t k = 0; k < 3; ++k) {
-        if (!in(r.points[k], records_.points.size())) return at_slot("a corner at no point", t);
-        if (is_solid(r) != in(r.vertices[k], records_.vertices.size())) {
+        if (!in(r.points[k], data_.points.size())) return at_slot("a corner at no point", t);
+        if (is_solid(r) != in(r.vertices[k], data_.vertices.size())) {
           return at_slot("a solid corner without vertex, or a void one with one", t);
         }
-        if (is_solid(r) && records_.vertices[index(r.vertices[k])].point != r.points[k]) {
+        if (is_solid(r) && data_.vertices[index(r.vertices[k])].point != r.points[k]) {
           return at_slot("a vertex that lies elsewhere", t);
         }
         if (r.neighbours[k] != kNone && !in(r.neighbours[k], triangles_.size())) return at_slot("no such neighbour", t);
       }
       if (is_solid(r)) ++census_.triangles;
     }
-    if (census_.triangles != records_.num_solid_triangles) return "the number of solid triangles is wrong";
+    if (census_.triangles != data_.num_solid_triangles) return "the number of solid triangles is wrong";
     return std::nullopt;
   }
 
@@ -83,9 +80,9 @@ class Audit {
     Wide total = 0;
     for (std::int32_t t = 0; t < num_slots(); ++t) {
       const TriangleRecord& r = triangles_[index(t)];
-      const LatticePoint& a = records_.points[index(r.points[0])].at;
-      const LatticePoint& b = records_.points[index(r.points[1])].at;
-      const LatticePoint& c = records_.points[index(r.points[2])].at;
+      const LatticePoint& a = data_.points[index(r.points[0])].at;
+      const LatticePoint& b = data_.points[index(r.points[1])].at;
+      const LatticePoint& c = data_.points[index(r.points[2])].at;
       const Wide doubled = Wide{a.x - c.x} * (b.y - c.y) - Wide{a.y - c.y} * (b.x - c.x);
       if (doubled <= 0) return at_slot("a rest triangle that is not counter-clockwise", t);
       total += doubled;
@@ -105,7 +102,7 @@ class Audit {
       }
     }
     std::sort(sides_.begin(), sides_.end());
-    degree_.assign(records_.points.size(), 0);
+    degree_.assign(data_.points.size(), 0);
     for (std::size_t i = 0; i < sides_.size();) {
       const Side& first = sides_[i];
       std::size_t end = i + 1;
@@ -124,8 +121,8 @@ class Audit {
 
   [[nodiscard]] Finding check_rim(const Side& side) const {
     const TriangleRecord& r = triangles_[index(side.slot)];
-    const LatticePoint& a = records_.points[index(side.low)].at;
-    const LatticePoint& b = records_.points[index(side.high)].at;
+    const LatticePoint& a = data_.points[index(side.low)].at;
+    const LatticePoint& b = data_.points[index(side.high)].at;
     const bool on_rim = (a.x == b.x && std::abs(a.x) == kRim) || (a.y == b.y && std::abs(a.y) == kRim);
     if (!on_rim) return at_slot("an edge with one side only", side.slot);
     if (is_solid(r) || r.locks[index(side.k)] != 0 || r.neighbours[index(side.k)] != kNone) {
@@ -178,8 +175,8 @@ class Audit {
 
   // One sector, one vertex, and the other way round.
   Finding check_vertices() {
-    std::vector<std::size_t> sector(records_.vertices.size(), 3 * triangles_.size());
-    std::vector<std::int32_t> num_vertices(records_.points.size(), 0);
+    std::vector<std::size_t> sector(data_.vertices.size(), 3 * triangles_.size());
+    std::vector<std::int32_t> num_vertices(data_.points.size(), 0);
     for (std::int32_t t = 0; t < num_slots(); ++t) {
       if (!is_solid(triangles_[index(t)])) continue;
       for (std::size_t k = 0; k < 3; ++k) {
@@ -195,18 +192,18 @@ class Audit {
     }
     for (std::size_t v = 0; v < sector.size(); ++v) {
       if (sector[v] == 3 * triangles_.size()) {
-        if (records_.vertices[v].triangle != kNone) return "vertex " + std::to_string(v) + " is used by no triangle";
+        if (data_.vertices[v].triangle != kNone) return "vertex " + std::to_string(v) + " is used by no triangle";
         continue;
       }
       ++census_.vertices;
-      if (records_.vertices[v].triangle == kNone) return "vertex " + std::to_string(v) + " names no triangle";
-      const auto& named = triangles_[index(records_.vertices[v].triangle)].vertices;
+      if (data_.vertices[v].triangle == kNone) return "vertex " + std::to_string(v) + " names no triangle";
+      const auto& named = triangles_[index(data_.vertices[v].triangle)].vertices;
       if (std::find(named.begin(), named.end(), static_cast<std::int32_t>(v)) == named.end()) {
         return "vertex " + std::to_string(v) + " names a triangle without it";
       }
     }
-    for (std::size_t p = 0; p < records_.points.size(); ++p) {
-      const auto& named = triangles_[index(records_.points[p].triangle)].points;
+    for (std::size_t p = 0; p < data_.points.size(); ++p) {
+      const auto& named = triangles_[index(data_.points[p].triangle)].points;
       if (std::find(named.begin(), named.end(), static_cast<std::int32_t>(p)) == named.end()) {
         return "point " + std::to_string(p) + " names a triangle without it";
       }
@@ -226,26 +223,26 @@ class Audit {
   }
 
   Finding check_pieces() {
-    std::vector<std::size_t> component(index(records_.num_pieces), triangles_.size());
+    std::vector<std::size_t> component(index(data_.num_pieces), triangles_.size());
     for (std::int32_t t = 0; t < num_slots(); ++t) {
       const TriangleRecord& r = triangles_[index(t)];
       if (!is_solid(r)) {
         if (r.piece != kNone) return at_slot("void with a piece", t);
         continue;
       }
-      if (r.piece < 0 || r.piece >= records_.num_pieces) return at_slot("a piece that does not exist", t);
+      if (r.piece < 0 || r.piece >= data_.num_pieces) return at_slot("a piece that does not exist", t);
       std::size_t& known = component[index(r.piece)];
       if (known == triangles_.size()) known = pieces_.root(index(t));
       if (known != pieces_.root(index(t))) return at_slot("one number for two pieces", t);
       if (pieces_.root(index(t)) == index(t)) ++census_.pieces;
     }
-    if (census_.pieces != records_.num_pieces) return "the number of pieces is wrong";
+    if (census_.pieces != data_.num_pieces) return "the number of pieces is wrong";
     return std::nullopt;
   }
 
   // Boundary edges form closed chains that meet no vertex twice; then Euler's formula for pieces of genus 0.
   Finding check_boundary() {
-    std::vector<std::int32_t> next(records_.vertices.size(), kNone);
+    std::vector<std::int32_t> next(data_.vertices.size(), kNone);
     const auto add = [&](const Side& side) -> Finding {
       const TriangleRecord& r = triangles_[index(side.slot)];
       std::int32_t& follower = next[index(r.vertices[index((side.k + 1) % 3)])];
@@ -272,7 +269,7 @@ class Audit {
     return std::nullopt;
   }
 
-  const mesh::MeshRecords& records_;
+  const mesh::MeshData& data_;
   const std::vector<TriangleRecord>& triangles_;
   UnionFind corners_;  // corner 3 t + k
   UnionFind pieces_;   // slot

@@ -124,8 +124,8 @@ std::optional<Range> first_gap(std::vector<Range> wanted, std::vector<Range> giv
 class Locks {
  public:
   Locks(const mesh::TriangleMesh& mesh, mesh::LockBits which) : grid_({}) {
-    const auto& triangles = mesh.records().triangles;
-    const auto& points = mesh.records().points;
+    const auto& triangles = mesh.data().triangles;
+    const auto& points = mesh.data().points;
     std::vector<Box> boxes;
     for (std::size_t t = 0; t < triangles.size(); ++t) {
       for (std::size_t k = 0; k < 3; ++k) {
@@ -161,14 +161,14 @@ class PathAudit {
         new_locks_(after, kOpen),
         cuts_(after, mesh::kLockCut),
         grid_({}) {
-    const auto& records = before.records();
+    const auto& data = before.data();
     std::vector<Box> boxes;
-    for (const mesh::TriangleRecord& r : records.triangles) {
+    for (const mesh::TriangleRecord& r : data.triangles) {
       if (r.region < 0) continue;
       std::array<Vector2d, 3> corners;
       Box box;
       for (std::size_t k = 0; k < 3; ++k) {
-        corners[k] = to_double(records.points[static_cast<std::size_t>(r.points[k])].at);
+        corners[k] = to_double(data.points[static_cast<std::size_t>(r.points[k])].at);
         box.extend(corners[k]);
       }
       solid_.push_back(corners);
@@ -193,7 +193,7 @@ class PathAudit {
 
   // A stretch of the path inside the sheet that is not covered; notes the triangles it runs through.
   Finding find_gap(const cut::CutPlan& plan, const cut::CutReport& report) {
-    const double spacing = before_.records().lattice.spacing;
+    const double spacing = before_.data().lattice.spacing;
     const double radius = radius_of(plan, report);
     for (const Segment& segment : segments_of(plan)) {
       const double length = (segment.b - segment.a).norm();
@@ -243,17 +243,17 @@ class PathAudit {
 
  private:
   [[nodiscard]] double radius_of(const cut::CutPlan& plan, const cut::CutReport& report) const {
-    return (report.deviation_m - plan.curve_deviation_m) / before_.records().lattice.spacing;
+    return (report.deviation_m - plan.curve_deviation_m) / before_.data().lattice.spacing;
   }
 
   // True if no material, farther than `radius` from its border, is left at `range` of the segment.
   [[nodiscard]] bool lies_in_void(const Segment& segment, const Range& range, double radius) const {
     constexpr int kSamples = 16;
-    for (const mesh::TriangleRecord& r : after_.records().triangles) {
+    for (const mesh::TriangleRecord& r : after_.data().triangles) {
       if (r.region < 0) continue;
       std::array<Vector2d, 3> corners;
       for (std::size_t k = 0; k < 3; ++k) {
-        corners[k] = to_double(after_.records().points[static_cast<std::size_t>(r.points[k])].at);
+        corners[k] = to_double(after_.data().points[static_cast<std::size_t>(r.points[k])].at);
       }
       for (int i = 0; i <= kSamples; ++i) {
         const double t = range.first + (range.second - range.first) * i / kSamples;
@@ -266,7 +266,7 @@ class PathAudit {
   }
 
   std::vector<Segment> segments_of(const cut::CutPlan& plan) {
-    const mesh::Lattice& lattice = before_.records().lattice;
+    const mesh::Lattice& lattice = before_.data().lattice;
     std::vector<Segment> path;
     const double dust = largest_snap(before_, plan);
     for (const cut::Stroke& stroke : plan.strokes) {
@@ -428,7 +428,7 @@ std::vector<std::vector<Vector2d>> sample_curve(const cut::Curve& curve, int sam
 
 Finding find_curve_flaw(const mesh::TriangleMesh& before, const mesh::TriangleMesh& after, const cut::Curve& curve,
                         const cut::CutReport& report, int samples, double dust_m) {
-  const mesh::Lattice& lattice = before.records().lattice;
+  const mesh::Lattice& lattice = before.data().lattice;
   std::vector<Vector2d> points;
   for (const std::vector<Vector2d>& line : sample_curve(curve, samples, report.merged_segments > 0 ? dust_m : 0.0)) {
     for (const Vector2d& point : line) points.emplace_back((point - lattice.origin) / lattice.spacing);
@@ -437,7 +437,7 @@ Finding find_curve_flaw(const mesh::TriangleMesh& before, const mesh::TriangleMe
 }
 
 double largest_tolerance(const mesh::TriangleMesh& mesh, const cut::CutPlan& plan) {
-  const mesh::EdgeLengths& lengths = mesh.records().lengths;
+  const mesh::EdgeLengths& lengths = mesh.data().lengths;
   int exponent = 0;
   if (!lengths.exponents.empty()) exponent = *std::max_element(lengths.exponents.begin(), lengths.exponents.end());
   return plan.options.tolerance_m.value_or(plan.options.tolerance * std::ldexp(lengths.mean, exponent));

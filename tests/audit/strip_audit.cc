@@ -17,7 +17,7 @@ namespace {
 using Box = Eigen::AlignedBox2d;
 using Eigen::Vector2d;
 using mesh::kNone;
-using mesh::MeshRecords;
+using mesh::MeshData;
 using mesh::TriangleRecord;
 
 __extension__ using Wide = __int128;
@@ -26,8 +26,8 @@ std::size_t index(std::int32_t id) {
   return static_cast<std::size_t>(id);
 }
 
-Vector2d position(const MeshRecords& records, mesh::PointId p) {
-  return records.lattice.position(records.points[index(p)].at);
+Vector2d position(const MeshData& data, mesh::PointId p) {
+  return data.lattice.position(data.points[index(p)].at);
 }
 
 double distance_to_segment(const Vector2d& p, const Vector2d& a, const Vector2d& b) {
@@ -63,13 +63,13 @@ double winding(const std::vector<std::vector<Vector2d>>& lines, const Vector2d& 
 // Locates material.
 class Solid {
  public:
-  explicit Solid(const mesh::TriangleMesh& mesh) : records_(mesh.records()), grid_({}) {
+  explicit Solid(const mesh::TriangleMesh& mesh) : data_(mesh.data()), grid_({}) {
     std::vector<Box> boxes;
-    for (std::size_t t = 0; t < records_.triangles.size(); ++t) {
-      const TriangleRecord& r = records_.triangles[t];
+    for (std::size_t t = 0; t < data_.triangles.size(); ++t) {
+      const TriangleRecord& r = data_.triangles[t];
       if (r.region < 0) continue;
       Box box;
-      for (const mesh::PointId p : r.points) box.extend(position(records_, p));
+      for (const mesh::PointId p : r.points) box.extend(position(data_, p));
       boxes.push_back(box);
       slots_.push_back(t);
     }
@@ -80,11 +80,11 @@ class Solid {
   bool holds(const Vector2d& p, double margin) {
     bool found = false;
     grid_.for_touching(Box(p, p), [&](std::size_t i) {
-      const TriangleRecord& r = records_.triangles[slots_[i]];
+      const TriangleRecord& r = data_.triangles[slots_[i]];
       double least = std::numeric_limits<double>::infinity();
       for (std::size_t k = 0; k < 3; ++k) {
-        const Vector2d a = position(records_, r.points[k]);
-        const Vector2d along = (position(records_, r.points[(k + 1) % 3]) - a).normalized();
+        const Vector2d a = position(data_, r.points[k]);
+        const Vector2d along = (position(data_, r.points[(k + 1) % 3]) - a).normalized();
         least = std::min(least, along.x() * (p - a).y() - along.y() * (p - a).x());
       }
       found = found || least > margin;
@@ -93,25 +93,25 @@ class Solid {
   }
 
  private:
-  const MeshRecords& records_;
+  const MeshData& data_;
   std::vector<std::size_t> slots_;
   BoxGrid grid_;
 };
 
 // m^2; where the rest shape is curved, on the surface.
-double area(const MeshRecords& records) {
-  std::vector<Wide> doubled(records.surface ? records.surface->facets.size() : 1, 0);  // by facet
-  for (const TriangleRecord& r : records.triangles) {
+double area(const MeshData& data) {
+  std::vector<Wide> doubled(data.surface ? data.surface->facets.size() : 1, 0);  // by facet
+  for (const TriangleRecord& r : data.triangles) {
     if (r.region < 0) continue;
-    const auto& a = records.points[index(r.points[0])].at;
-    const auto& b = records.points[index(r.points[1])].at;
-    const auto& c = records.points[index(r.points[2])].at;
-    doubled[records.surface ? index(r.region) : 0] += Wide{b.x - a.x} * (c.y - a.y) - Wide{b.y - a.y} * (c.x - a.x);
+    const auto& a = data.points[index(r.points[0])].at;
+    const auto& b = data.points[index(r.points[1])].at;
+    const auto& c = data.points[index(r.points[2])].at;
+    doubled[data.surface ? index(r.region) : 0] += Wide{b.x - a.x} * (c.y - a.y) - Wide{b.y - a.y} * (c.x - a.x);
   }
   double sum = 0.0;
   for (std::size_t i = 0; i < doubled.size(); ++i) {
-    const double in_plane = 0.5 * static_cast<double>(doubled[i]) * records.lattice.spacing * records.lattice.spacing;
-    sum += records.surface ? records.surface->facets[i].area_ratio() * in_plane : in_plane;
+    const double in_plane = 0.5 * static_cast<double>(doubled[i]) * data.lattice.spacing * data.lattice.spacing;
+    sum += data.surface ? data.surface->facets[i].area_ratio() * in_plane : in_plane;
   }
   return sum;
 }
@@ -122,7 +122,7 @@ std::vector<std::vector<Vector2d>> lines_of(const std::vector<cut::Stroke>& stro
   return lines;
 }
 
-Finding find_wrong_counts(const MeshRecords& before, const MeshRecords& after, const cut::CutOutcome& outcome) {
+Finding find_wrong_counts(const MeshData& before, const MeshData& after, const cut::CutOutcome& outcome) {
   std::vector<mesh::VertexId> gone;
   for (std::size_t v = 0; v < before.vertices.size(); ++v) {
     if (before.vertices[v].triangle != kNone && after.vertices[v].triangle == kNone) {
@@ -138,7 +138,7 @@ Finding find_wrong_counts(const MeshRecords& before, const MeshRecords& after, c
   if (gone != outcome.edit.removed_vertices) return "removed_vertices are not those without a triangle";
   const cut::CutReport& report = outcome.report;
   if (report.removed_vertices != static_cast<std::int32_t>(gone.size())) return "removed_vertices is wrong";
-  if (report.removed_pieces != static_cast<std::int32_t>(outcome.edit.vanished_pieces.size())) {
+  if (report.removed_pieces != static_cast<std::int32_t>(outcome.edit.removed_pieces.size())) {
     return "removed_pieces is wrong";
   }
   const double total = area(before);
@@ -150,7 +150,7 @@ Finding find_wrong_counts(const MeshRecords& before, const MeshRecords& after, c
 
 Finding find_strip_flaw(const mesh::TriangleMesh& before, const mesh::TriangleMesh& after, const cut::CutPlan& plan,
                         const cut::CutOutcome& outcome) {
-  if (Finding found = find_wrong_counts(before.records(), after.records(), outcome)) return found;
+  if (Finding found = find_wrong_counts(before.data(), after.data(), outcome)) return found;
   // Checks rewritten triangles: those left are outside, those removed inside.
   constexpr std::size_t kLookedAt = 100;
   const auto& rewritten = outcome.edit.rewritten_triangles;
@@ -161,28 +161,27 @@ Finding find_strip_flaw(const mesh::TriangleMesh& before, const mesh::TriangleMe
   Solid is(after);
   for (std::size_t i = 0; i < rewritten.size(); i += stride) {
     const mesh::TriangleId t = rewritten[i];
-    const bool existed = index(t) < before.records().triangles.size();
-    const bool was_solid = existed && before.records().triangles[index(t)].region >= 0;
-    const TriangleRecord& r = after.records().triangles[index(t)];
+    const bool existed = index(t) < before.data().triangles.size();
+    const bool was_solid = existed && before.data().triangles[index(t)].region >= 0;
+    const TriangleRecord& r = after.data().triangles[index(t)];
     if (r.region < 0 && !was_solid) continue;
-    const MeshRecords& records = r.region >= 0 ? after.records() : before.records();
-    const TriangleRecord& shape = records.triangles[index(t)];
+    const MeshData& data = r.region >= 0 ? after.data() : before.data();
+    const TriangleRecord& shape = data.triangles[index(t)];
     const Vector2d centre =
-        (position(records, shape.points[0]) + position(records, shape.points[1]) + position(records, shape.points[2])) /
-        3.0;
+        (position(data, shape.points[0]) + position(data, shape.points[1]) + position(data, shape.points[2])) / 3.0;
     if (distance_to(outline, centre) <= margin) continue;
     const bool inside = winding(outline, centre) > 0.5;
     if (inside && is.holds(centre, 0.0)) return "slot " + std::to_string(t) + " is left inside the strip";
     if (!inside && !is.holds(centre, -margin)) return "material of slot " + std::to_string(t) + " is gone";
   }
   // No piece is left inside, touched or not.
-  std::vector<bool> seen(index(after.records().num_pieces), false);
-  for (const TriangleRecord& r : after.records().triangles) {
+  std::vector<bool> seen(index(after.data().num_pieces), false);
+  for (const TriangleRecord& r : after.data().triangles) {
     if (r.region < 0 || seen[index(r.piece)]) continue;
     seen[index(r.piece)] = true;
-    const MeshRecords& records = after.records();
+    const MeshData& data = after.data();
     const Vector2d centre =
-        (position(records, r.points[0]) + position(records, r.points[1]) + position(records, r.points[2])) / 3.0;
+        (position(data, r.points[0]) + position(data, r.points[1]) + position(data, r.points[2])) / 3.0;
     if (distance_to(outline, centre) > margin && winding(outline, centre) > 0.5) {
       return "piece " + std::to_string(r.piece) + " is left inside the strip";
     }

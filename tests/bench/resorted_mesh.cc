@@ -95,19 +95,19 @@ Numbering number(const mesh::TriangleMesh& mesh, int side, Order order) {
 mesh::TriangleMesh renumbered(const mesh::TriangleMesh& mesh, const Numbering& numbering) {
   const auto vertex = [&](VertexId v) { return v == kNone ? kNone : numbering.vertices[static_cast<std::size_t>(v)]; };
   const auto slot = [&](TriangleId t) { return t == kNone ? kNone : numbering.slots[static_cast<std::size_t>(t)]; };
-  mesh::MeshRecords records = mesh.records();
-  for (mesh::PointRecord& point : records.points) point.triangle = slot(point.triangle);
+  mesh::MeshData data = mesh.data();
+  for (mesh::PointRecord& point : data.points) point.triangle = slot(point.triangle);
   for (VertexId v = 0; v < mesh.num_vertices(); ++v) {
-    const mesh::VertexRecord& from = mesh.records().vertices[static_cast<std::size_t>(v)];
-    records.vertices[static_cast<std::size_t>(vertex(v))] = {from.point, slot(from.triangle)};
+    const mesh::VertexRecord& from = mesh.data().vertices[static_cast<std::size_t>(v)];
+    data.vertices[static_cast<std::size_t>(vertex(v))] = {from.point, slot(from.triangle)};
   }
   for (TriangleId t = 0; t < mesh.num_triangle_slots(); ++t) {
-    mesh::TriangleRecord to = mesh.records().triangles[static_cast<std::size_t>(t)];
+    mesh::TriangleRecord to = mesh.data().triangles[static_cast<std::size_t>(t)];
     for (VertexId& v : to.vertices) v = vertex(v);
     for (TriangleId& neighbour : to.neighbours) neighbour = slot(neighbour);
-    records.triangles[static_cast<std::size_t>(slot(t))] = to;
+    data.triangles[static_cast<std::size_t>(slot(t))] = to;
   }
-  mesh::TriangleMesh result(std::move(records));
+  mesh::TriangleMesh result(std::move(data));
   KERF_CHECK(!result.find_violation(), "a mesh stays valid whatever its numbers");
   return result;
 }

@@ -100,7 +100,7 @@ Polyline line_on_picture(const View& view, const Vector3d& from, const Vector3d&
 }
 
 ViewPath lay(const Scene& s, const Curve& curve, const View& view, double tolerance = 1e-3) {
-  const Result<ViewPath> path = lay_on_sheet(s.mesh, s.positions, curve, view, tolerance);
+  const Result<ViewPath> path = project_onto_sheet(s.mesh, s.positions, curve, view, tolerance);
   EXPECT_TRUE(path.ok()) << (path.ok() ? "" : path.error().message);
   return path.ok() ? *path : ViewPath{};
 }
@@ -275,7 +275,7 @@ TEST(ViewCut, OnePieceLeavesTheOthers) {
   ASSERT_EQ(below.flat.strokes.size(), 1u);
   for (const Vector2d& p : below.flat.strokes[0].points) EXPECT_GE(p.x(), 0.5 - 1e-12);
   view.piece = 2;
-  const Result<ViewPath> unknown = lay_on_sheet(s.mesh, s.positions, line, view, 1e-3);
+  const Result<ViewPath> unknown = project_onto_sheet(s.mesh, s.positions, line, view, 1e-3);
   ASSERT_FALSE(unknown.ok());
   EXPECT_EQ(unknown.error().reason, "PIECE_UNKNOWN");
 }

@@ -111,7 +111,7 @@ TEST(CutWidth, PiecesKeepTheirNumbersButForTheHighest) {
   EXPECT_EQ(taken.outcome.report.removed_pieces, 2);
   EXPECT_EQ(taken.outcome.report.pieces, 2);
   mesh = taken.mesh;
-  EXPECT_EQ(taken.outcome.edit.vanished_pieces, (std::vector<std::int32_t>{before[1], before[0]}));
+  EXPECT_EQ(taken.outcome.edit.removed_pieces, (std::vector<std::int32_t>{before[1], before[0]}));
   EXPECT_LT(piece_at(0.8), 2);
 }
 

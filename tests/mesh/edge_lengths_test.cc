@@ -64,9 +64,9 @@ TEST(EdgeLengths, ArePartOfTheState) {
   std::vector<double> widths(10, 1.0);
   widths.insert(widths.end(), 640, 1.0 / 64.0);
   const TriangleMesh mesh = strip(widths);
-  MeshRecords records = mesh.records();
-  records.lengths.exponents[0] = 1;
-  const TriangleMesh other(records);
+  MeshData data = mesh.data();
+  data.lengths.exponents[0] = 1;
+  const TriangleMesh other(data);
   EXPECT_FALSE(mesh == other);
   EXPECT_NE(mesh.state_hash(), other.state_hash());
 }

@@ -161,7 +161,7 @@ TEST(Flattening, ComponentsLieSideBySide) {
 TEST(Facets, FlatPartsAreOneFacetWhereverTheyLie) {
   const TriangleMesh mesh = test::must(import_mesh(test::creased_sheet(9)));
   ASSERT_TRUE(mesh.is_curved());
-  EXPECT_EQ(mesh.records().surface->facets.size(), 2U);
+  EXPECT_EQ(mesh.data().surface->facets.size(), 2U);
   // Along the crease, and only there, flips are out of the question.
   int fixed = 0;
   for (TriangleId t = 0; t < mesh.num_triangle_slots(); ++t) {

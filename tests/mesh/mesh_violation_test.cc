@@ -39,24 +39,24 @@ Edge edge_between(const TriangleMesh& mesh, PointId p, PointId q) {
   return edge;
 }
 
-void set_locks(MeshRecords& r, const Edge& edge, LockBits bits) {
+void set_locks(MeshData& r, const Edge& edge, LockBits bits) {
   r.triangles[edge.t].locks[edge.k] = bits;
   r.triangles[edge.u].locks[edge.m] = bits;
 }
 
 void expect_found(const std::string& invariant, const std::string& fault,
-                  const std::function<void(MeshRecords&, const TriangleMesh&)>& seed) {
+                  const std::function<void(MeshData&, const TriangleMesh&)>& seed) {
   SCOPED_TRACE(fault);
   const TriangleMesh sound = cut_grid();
   ASSERT_EQ(sound.find_violation(), std::nullopt);
-  MeshRecords records = sound.records();
-  seed(records, sound);
-  const std::optional<std::string> found = TriangleMesh(std::move(records)).find_violation();
+  MeshData data = sound.data();
+  seed(data, sound);
+  const std::optional<std::string> found = TriangleMesh(std::move(data)).find_violation();
   ASSERT_TRUE(found.has_value());
   EXPECT_EQ(found->substr(0, found->find(':')), invariant) << *found;
 }
 
-using Records = MeshRecords;
+using Records = MeshData;
 
 TEST(FindViolation, SeesBrokenIndices) {
   expect_found("I1", "point id", [](Records& r, auto&) { r.triangles[3].points[1] = 999; });
@@ -149,9 +149,9 @@ TEST(FindViolation, SeesWrongPieces) {
   });
   expect_found("I11", "number of pieces", [](Records& r, auto&) { r.num_pieces = 2; });
   const TriangleMesh two = test::must(import_mesh(test::two_components()));
-  MeshRecords records = two.records();
-  for (TriangleRecord& t : records.triangles) t.piece = t.piece == 1 ? 0 : t.piece;
-  EXPECT_NE(TriangleMesh(records).find_violation(), std::nullopt);
+  MeshData data = two.data();
+  for (TriangleRecord& t : data.triangles) t.piece = t.piece == 1 ? 0 : t.piece;
+  EXPECT_NE(TriangleMesh(data).find_violation(), std::nullopt);
 }
 
 // Two copies of a domain glued crosswise along an edge: positive and adjacent everywhere, yet it covers the domain
@@ -163,30 +163,30 @@ TEST(FindViolation, SeesADoubleCover) {
   const std::vector<PointId> inserted = insert_delaunay(editor, points);
   (void)editor.commit();
   ASSERT_EQ(domain.find_violation(), std::nullopt);
-  MeshRecords records = domain.records();
+  MeshData data = domain.data();
   const PointId p = inserted[0], q = inserted[1];
   const Edge edge = edge_between(domain, p, q);
   ASSERT_NE(edge.t, kNone);
   const std::int32_t n = domain.num_triangle_slots();
   const std::int32_t num_points = domain.num_points();
-  for (PointId i = 0; i < num_points; ++i) records.points.push_back({domain.at(i), records.points[i].triangle + n});
+  for (PointId i = 0; i < num_points; ++i) data.points.push_back({domain.at(i), data.points[i].triangle + n});
   for (TriangleId t = 0; t < n; ++t) {
     TriangleRecord copy = domain.record(t);
     for (int k = 0; k < 3; ++k) {
       if (copy.points[k] != p && copy.points[k] != q) copy.points[k] += num_points;
       if (copy.neighbours[k] != kNone) copy.neighbours[k] += n;
     }
-    records.triangles.push_back(copy);
+    data.triangles.push_back(copy);
   }
-  records.triangles[edge.t].neighbours[edge.k] = edge.u + n;
-  records.triangles[edge.u + n].neighbours[edge.m] = edge.t;
-  records.triangles[edge.u].neighbours[edge.m] = edge.t + n;
-  records.triangles[edge.t + n].neighbours[edge.k] = edge.u;
+  data.triangles[edge.t].neighbours[edge.k] = edge.u + n;
+  data.triangles[edge.u + n].neighbours[edge.m] = edge.t;
+  data.triangles[edge.u].neighbours[edge.m] = edge.t + n;
+  data.triangles[edge.t + n].neighbours[edge.k] = edge.u;
   for (const PointId branch : {p, q}) {  // Their second records would be orphaned: give them a place of their own.
-    records.points[branch + num_points] = records.points.back();
+    data.points[branch + num_points] = data.points.back();
   }
-  records.points.resize(static_cast<std::size_t>(2 * num_points));
-  const std::optional<std::string> found = TriangleMesh(records).find_violation();
+  data.points.resize(static_cast<std::size_t>(2 * num_points));
+  const std::optional<std::string> found = TriangleMesh(data).find_violation();
   ASSERT_TRUE(found.has_value());
   EXPECT_TRUE(found->starts_with("I10") || found->starts_with("I9")) << *found;
 }

@@ -55,7 +55,7 @@ int compare(const Ratio& a, const Ratio& b) {
 class Arrangement {
  public:
   Arrangement(const mesh::TriangleMesh& sheet, const std::vector<cut::Stroke>& strokes, double clearance)
-      : records_(sheet.records()), search_(clearance), clearance_(clearance) {
+      : data_(sheet.data()), search_(clearance), clearance_(clearance) {
     add_edges([](const TriangleRecord& r, std::size_t k) { return r.locks[k] != 0; });
     num_locks_ = segments_.size();
     add_edges([&](const TriangleRecord& r, std::size_t k) { return r.locks[k] == 0 && is_between_regions(r, k); });
@@ -107,24 +107,24 @@ class Arrangement {
   }
 
   [[nodiscard]] bool is_between_regions(const TriangleRecord& r, std::size_t k) const {
-    return r.neighbours[k] != mesh::kNone && records_.triangles[index(r.neighbours[k])].region != r.region;
+    return r.neighbours[k] != mesh::kNone && data_.triangles[index(r.neighbours[k])].region != r.region;
   }
 
   // Adds the edges that `is_wanted(triangle, corner)` picks, each once.
   template <typename Wanted>
   void add_edges(const Wanted& is_wanted) {
-    for (std::size_t t = 0; t < records_.triangles.size(); ++t) {
-      const TriangleRecord& r = records_.triangles[t];
+    for (std::size_t t = 0; t < data_.triangles.size(); ++t) {
+      const TriangleRecord& r = data_.triangles[t];
       for (std::size_t k = 0; k < 3; ++k) {
         if (!is_wanted(r, k) || index(r.neighbours[k]) < t) continue;
-        add_segment(records_.points[index(r.points[(k + 1) % 3])].at, records_.points[index(r.points[(k + 2) % 3])].at,
+        add_segment(data_.points[index(r.points[(k + 1) % 3])].at, data_.points[index(r.points[(k + 2) % 3])].at,
                     (r.locks[k] & mesh::kLockBorder) != 0);
       }
     }
   }
 
   void add_strokes(const std::vector<cut::Stroke>& strokes) {
-    const mesh::Lattice& lattice = records_.lattice;
+    const mesh::Lattice& lattice = data_.lattice;
     const auto rounded = [&](const Eigen::Vector2d& p) {
       return LatticePoint{std::llrint((p.x() - lattice.origin.x()) / lattice.spacing),
                           std::llrint((p.y() - lattice.origin.y()) / lattice.spacing)};
@@ -258,14 +258,14 @@ class Arrangement {
   }
 
   [[nodiscard]] std::int64_t void_parts() const {
-    UnionFind parts(records_.triangles.size());
+    UnionFind parts(data_.triangles.size());
     std::int64_t count = 0;
-    for (std::size_t t = 0; t < records_.triangles.size(); ++t) {
-      const TriangleRecord& r = records_.triangles[t];
+    for (std::size_t t = 0; t < data_.triangles.size(); ++t) {
+      const TriangleRecord& r = data_.triangles[t];
       if (r.region >= 0) continue;
       ++count;
       for (const mesh::TriangleId n : r.neighbours) {
-        if (n != mesh::kNone && index(n) < t && records_.triangles[index(n)].region < 0 && parts.join(t, index(n)))
+        if (n != mesh::kNone && index(n) < t && data_.triangles[index(n)].region < 0 && parts.join(t, index(n)))
           --count;
       }
     }
@@ -277,7 +277,7 @@ class Arrangement {
     std::set<mesh::PointId> points;
     std::int64_t twice_edges = 0;
     std::int64_t num_triangles = 0;
-    for (const TriangleRecord& r : records_.triangles) {
+    for (const TriangleRecord& r : data_.triangles) {
       if (r.region < 0) continue;
       ++num_triangles;
       points.insert(r.points.begin(), r.points.end());
@@ -286,7 +286,7 @@ class Arrangement {
     return static_cast<std::int64_t>(points.size()) - twice_edges / 2 + num_triangles;
   }
 
-  const mesh::MeshRecords& records_;
+  const mesh::MeshData& data_;
   // Locks, then the edges between regions of the sheet, where a path gets points but none that count, then the path.
   std::vector<Segment> segments_;
   std::size_t num_locks_ = 0;

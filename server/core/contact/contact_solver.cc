@@ -70,11 +70,11 @@ void ContactSolver::begin(double thickness, std::span<const std::uint8_t> fixed,
   for (std::size_t c = 0; c < colliders_.size(); ++c) {
     const double distance = colliders_[c].query(0.5 * (low + high).matrix()).distance;
     collider_due_[c] = distance - radius - thickness - kTouching;
-    if (!(collider_due_[c] > 0.0)) look_at_all(c, x);
+    if (!(collider_due_[c] > 0.0)) find_all_gaps(c, x);
   }
 }
 
-void ContactSolver::look_at_all(std::size_t collider, const mesh::VertexField& x) {
+void ContactSolver::find_all_gaps(std::size_t collider, const mesh::VertexField& x) {
   const auto num_vertices = static_cast<std::size_t>(x.cols());
   collider_due_[collider] = kNever;
   mesh::VertexLanes::Lanes gaps;

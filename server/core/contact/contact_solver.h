@@ -91,7 +91,7 @@ class ContactSolver {
   [[nodiscard]] double& due(std::size_t collider, std::size_t block) { return due_[collider * num_blocks_ + block]; }
   // Sets due() of a collider at the present travel from all blocks of `x`. Also sets the starting thickness of vertices
   // that are inside it.
-  void look_at_all(std::size_t collider, const mesh::VertexField& x);
+  void find_all_gaps(std::size_t collider, const mesh::VertexField& x);
   void set_block_due(std::size_t block);
   // Makes one pass over the colliders and adds moved vertices to `pushed`. Returns true if a collider pushed by more
   // than kTouching.

@@ -45,7 +45,7 @@ constexpr double kLengthFloor = 0.25;  // -; as a fraction of the snap distance,
 constexpr double kInsertionsPerTip = 400.0;
 constexpr double kGradedReach = 3.0;
 
-constexpr int kCloserAttempts = 2;    // see calls_for_less_snapping
+constexpr int kCloserAttempts = 2;    // see needs_less_snapping
 constexpr double kCloserSnap = 0.01;  // -; by which each multiplies the snap distance
 
 // Ids in the order they are added in, each once.
@@ -70,7 +70,8 @@ class Cutter {
         spacing_(mesh.lattice().spacing),
         scale_(mesh, plan.options, plan.snap),
         editor_(mesh, slot_limit(mesh, plan)),
-        insertion_(editor_, scale_, is_by_element() ? kNoSpacing : kSpacing, plan.options.width_m ? &laid_ : nullptr) {}
+        insertion_(editor_, scale_, is_by_element() ? kNoSpacing : kSpacing,
+                   plan.options.width_m ? &outline_edges_ : nullptr) {}
 
   Result<CutOutcome> run() {
     CutOutcome outcome;
@@ -84,7 +85,7 @@ class Cutter {
     }
     KERF_TRY(insertion_.split_lone_edges());
     if (has_width()) {
-      KERF_TRY_ASSIGN(strip_, strip_triangles(mesh_, laid_, plan_.outline, max_strip_area()));
+      KERF_TRY_ASSIGN(strip_, strip_triangles(mesh_, outline_edges_, plan_.outline, max_strip_area()));
     }
     if (has_width() ? strip_.empty() : insertion_.counts().new_lip_edges == 0) {
       editor_.rollback();
@@ -302,7 +303,7 @@ class Cutter {
       report.new_triangles += mesh_.is_solid(t) ? 1 : 0;
     }
     report.removed_vertices = static_cast<std::int32_t>(outcome.edit.removed_vertices.size());
-    report.removed_pieces = static_cast<std::int32_t>(outcome.edit.vanished_pieces.size());
+    report.removed_pieces = static_cast<std::int32_t>(outcome.edit.removed_pieces.size());
     report.rewritten_triangles = static_cast<std::int32_t>(outcome.edit.rewritten_triangles.size());
     const InsertionCounts& counts = insertion_.counts();
     report.new_lip_edges = counts.new_lip_edges;
@@ -326,7 +327,7 @@ class Cutter {
   double spacing_;  // m a lattice unit
   PathScale scale_;
   mesh::MeshEditor editor_;
-  LaidOutline laid_;  // of a cut with a width
+  OutlineEdges outline_edges_;  // of a cut with a width
   PathInsertion insertion_;
   std::vector<TriangleId> strip_;                 // of a cut with a width
   std::vector<PointId> path_, corridor_, moved_;  // sorted, unique
@@ -335,7 +336,7 @@ class Cutter {
 // Returns true if the cut should be tried again with less snapping. Among dense older lips a path can be laid on one
 // and from there on the next, ever farther from its place. Or it runs into a corner without any lattice point to round
 // to.
-bool calls_for_less_snapping(const Result<CutOutcome>& outcome) {
+bool needs_less_snapping(const Result<CutOutcome>& outcome) {
   return !outcome.ok() && outcome.error().code == ErrorCode::kFailedPrecondition &&
          outcome.error().reason != "STRIP_COVERS_SHEET";
 }
@@ -351,7 +352,7 @@ Result<CutOutcome> apply(TriangleMesh& mesh, const CutPlan& plan, PhaseObserver*
   }
   Result<CutOutcome> outcome = Cutter(mesh, plan, observer).run();
   CutPlan closer = plan;
-  for (int attempt = 0; attempt < kCloserAttempts && calls_for_less_snapping(outcome); ++attempt) {
+  for (int attempt = 0; attempt < kCloserAttempts && needs_less_snapping(outcome); ++attempt) {
     closer.snap *= kCloserSnap;
     closer.snap_m = PathScale(mesh, closer.options, closer.snap).mean_snap();
     outcome = Cutter(mesh, closer, observer).run();

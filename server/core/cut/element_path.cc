@@ -75,7 +75,7 @@ class Crossings {
   void keep_here(int exit) {
     const std::size_t first = kept_.back();
     const std::size_t last = points_.size() - 1;
-    if (entry_ != kNone && exit != kNone && is_longer_than_midline(first, last, exit)) keep_bend(first, last);
+    if (entry_ != kNone && exit != kNone && is_longer_than_midline(first, last, exit)) keep_sharpest_bend(first, last);
     kept_.push_back(last);
     entry_ = exit == kNone ? kNone : mesh_.mirror_corner(triangle_, exit);
   }
@@ -89,7 +89,7 @@ class Crossings {
   }
 
   // Keeps the point of the curve with the largest curvature strictly between the two, if it bends there.
-  void keep_bend(std::size_t first, std::size_t last) {
+  void keep_sharpest_bend(std::size_t first, std::size_t last) {
     std::size_t sharpest = first;
     double largest = 0.0;
     for (std::size_t i = first + 1; i < last; ++i) {

@@ -66,7 +66,7 @@ class Placing {
 
 // Returns true if an inner control point lies outside the box along `axis`. If none does, the piece, in the convex hull
 // of its control points, lies inside.
-bool reaches_out(const Eigen::AlignedBox2d& box, const RationalPiece& piece, int axis) {
+bool has_control_point_outside(const Eigen::AlignedBox2d& box, const RationalPiece& piece, int axis) {
   for (int i = 1; i < piece.degree; ++i) {
     const double at = projected(piece.points[static_cast<std::size_t>(i)])[axis];
     if (!(at >= box.min()[axis] && at <= box.max()[axis])) return true;
@@ -78,7 +78,7 @@ void extend(Eigen::AlignedBox2d& box, const RationalPiece& piece) {
   box.extend(piece.start);
   box.extend(piece.end);
   for (int axis = 0; piece.degree > 1 && axis < 2; ++axis) {
-    if (!reaches_out(box, piece, axis)) continue;
+    if (!has_control_point_outside(box, piece, axis)) continue;
     for (const double t : turning_parameters(piece, axis)) {
       if (t > 0.0 && t < 1.0) box.extend(split(piece, t).first.end);
     }

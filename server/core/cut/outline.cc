@@ -94,7 +94,7 @@ class ChordsOnGrid {
   bool is_new(const ClipperLib::IntPoint& a, const ClipperLib::IntPoint& b) {
     if (a == b) return false;
     const auto [low, high] = std::minmax({Point(a.X, a.Y), Point(b.X, b.Y)});
-    return laid_.insert({low, high}).second;
+    return outline_edges_.insert({low, high}).second;
   }
   // A point alone stays where it is the whole stroke, as a chord: Clipper leaves a gap in the circle around a point.
   void end(ClipperLib::Path& chain, bool is_whole) {
@@ -107,7 +107,7 @@ class ChordsOnGrid {
 
   const Grid& grid_;
   std::vector<Chain> chains_;
-  std::set<std::pair<Point, Point>> laid_;
+  std::set<std::pair<Point, Point>> outline_edges_;
 };
 
 // Returns the angle, radians, by which the chain turns at the end of chord i, where the outline has an arc.

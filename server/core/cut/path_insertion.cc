@@ -43,12 +43,13 @@ Error rounding_error() {
 
 }  // namespace
 
-PathInsertion::PathInsertion(mesh::MeshEditor& editor, const PathScale& scale, double spacing, LaidOutline* laid)
+PathInsertion::PathInsertion(mesh::MeshEditor& editor, const PathScale& scale, double spacing,
+                             OutlineEdges* outline_edges)
     : editor_(editor),
       mesh_(editor.mesh()),
       scale_(scale),
       spacing_(spacing),
-      laid_(laid),
+      outline_edges_(outline_edges),
       walk_(editor.mesh(), scale),
       trace_(editor.mesh(), scale) {}
 
@@ -133,7 +134,7 @@ Status PathInsertion::advance(PathPosition& position, const LatticePoint& at) {
   last_point_ = position.point;
   KERF_TRY_ASSIGN(const PathPosition target, place(at));
   if (target.point != kNone && target.point == position.point) {
-    note_dust();
+    count_merged_segment();
   } else {
     KERF_TRY(run_segment(position, target));
   }
@@ -141,9 +142,9 @@ Status PathInsertion::advance(PathPosition& position, const LatticePoint& at) {
   return Nothing{};
 }
 
-void PathInsertion::note_met(PointId point) {
-  if (is_on_lip(point)) note_gap(distance_to_path(point));
-  note_point(point);
+void PathInsertion::record_passed_point(PointId point) {
+  if (is_on_lip(point)) record_gap(distance_to_path(point));
+  record_point(point);
 }
 
 // Returns the distance of a point from the current segment, lattice units; 0 only if it lies on the segment exactly.
@@ -154,12 +155,12 @@ double PathInsertion::distance_to_path(PointId point) const {
                   doubled_area / difference(segment_start_, segment_end_).norm());
 }
 
-void PathInsertion::note_dust() {
+void PathInsertion::count_merged_segment() {
   ++counts_.merged_segments;
 }
 
 // `width`: between the path and the lip or border that it was laid on, lattice units; 0 where it met that exactly.
-void PathInsertion::note_gap(double width) {
+void PathInsertion::record_gap(double width) {
   if (width <= 0.0) return;
   ++counts_.closed_gaps;
   counts_.widest_gap = std::max(counts_.widest_gap, width);
@@ -239,14 +240,14 @@ Result<PathPosition> PathInsertion::place(const LatticePoint& at) {
   use_scale_at(at);
   if (location.kind == Location::Kind::kPoint) {
     // A place between the ends of the segment is rounded, and the segment may miss the point that is there.
-    if (at != segment_end_ && location.point != last_point_) note_met(location.point);
-    note_point(location.point);
+    if (at != segment_end_ && location.point != last_point_) record_passed_point(location.point);
+    record_point(location.point);
     return PathPosition{at, location.point, kNone};
   }
   const Snap snap = find_snap(at, location.triangle);
   PointId point = snap.point;
   if (point != kNone) {
-    if (point != last_point_ && is_on_lip(point)) note_gap(difference(at, mesh_.at(point)).norm());
+    if (point != last_point_ && is_on_lip(point)) record_gap(difference(at, mesh_.at(point)).norm());
     ++counts_.snapped_points;
   } else if (snap.triangle != kNone) {
     const LatticePoint& a = mesh_.at(mesh_.points(snap.triangle)[next_corner(snap.corner)]);
@@ -256,14 +257,14 @@ Result<PathPosition> PathInsertion::place(const LatticePoint& at) {
     const double gap = orient2d(a, b, at) == 0 ? 0.0 : distance_to_segment(at, a, b);
     KERF_TRY_ASSIGN(point, split_near(snap.triangle, snap.corner, foot));
     if (foot != at) ++counts_.snapped_points;
-    if (!is_element_edge) note_gap(gap);
+    if (!is_element_edge) record_gap(gap);
   } else if (!mesh_.is_solid(location.triangle)) {
     return PathPosition{at, kNone, location.triangle};
   } else {
     KERF_TRY_ASSIGN(point, insert_here(at, location));
   }
-  note_deviation(point, difference(at, mesh_.at(point)).norm());
-  note_point(point);
+  record_deviation(point, difference(at, mesh_.at(point)).norm());
+  record_point(point);
   return PathPosition{mesh_.at(point), point, kNone};
 }
 
@@ -282,20 +283,20 @@ Result<PointId> PathInsertion::split_near(TriangleId t, int corner, const Lattic
     const PointId point = editor_.split_edge(t, corner, {at.x + dx, at.y + dy});
     if (editor_.budget_exhausted()) return budget_error();
     if (point == kNone) continue;
-    if (laid_ != nullptr) laid_->split(a, b, point);
+    if (outline_edges_ != nullptr) outline_edges_->split(a, b, point);
     editor_.legalise(point);
     return point;
   }
   return rounding_error();
 }
 
-void PathInsertion::note_point(PointId point) {
+void PathInsertion::record_point(PointId point) {
   path_points_.push_back(point);
-  hint_ = mesh_.records().points[static_cast<std::size_t>(point)].triangle;
-  note_deviation(point, distance_to_segment(mesh_.at(point), segment_start_, segment_end_));
+  hint_ = mesh_.data().points[static_cast<std::size_t>(point)].triangle;
+  record_deviation(point, distance_to_segment(mesh_.at(point), segment_start_, segment_end_));
 }
 
-void PathInsertion::note_deviation(PointId point, double distance) {
+void PathInsertion::record_deviation(PointId point, double distance) {
   if (distance <= 0.0) return;
   counts_.deviation = std::max(counts_.deviation, distance);
   const double of_tolerance = distance * mesh_.lattice().spacing / scale_.tolerance(mesh_.point_position(point));
@@ -313,7 +314,7 @@ Status PathInsertion::run_segment(PathPosition from, const PathPosition& to) {
     switch (met.kind) {
       case Encounter::Kind::kArrived: {
         if (from.point != kNone && target.point != kNone && runs_through_sheet(met)) {
-          KERF_TRY(secure_edge(from.point, target.point));
+          KERF_TRY(recover_and_lock_edge(from.point, target.point));
         }
         from = target;
         if (from.point == kNone) from.triangle = met.triangle;
@@ -321,7 +322,7 @@ Status PathInsertion::run_segment(PathPosition from, const PathPosition& to) {
         break;
       }
       case Encounter::Kind::kPoint: {
-        note_met(met.point);
+        record_passed_point(met.point);
         targets.push_back({mesh_.at(met.point), met.point, kNone});
         break;
       }
@@ -330,7 +331,7 @@ Status PathInsertion::run_segment(PathPosition from, const PathPosition& to) {
         const LatticePoint& b = mesh_.at(mesh_.points(met.triangle)[previous_corner(met.corner)]);
         const LatticePoint crossing = rounded_crossing(from.at, target.at, a, b);
         KERF_TRY_ASSIGN(const PointId split, split_near(met.triangle, met.corner, crossing));
-        note_point(split);
+        record_point(split);
         const PathPosition position{mesh_.at(split), split, kNone};
         if (met.solid) {
           targets.push_back(position);
@@ -352,14 +353,14 @@ bool PathInsertion::runs_through_sheet(const Encounter& arrival) const {
   return mesh_.is_solid(arrival.triangle) || (other != kNone && mesh_.is_solid(other));
 }
 
-Status PathInsertion::secure_edge(PointId p, PointId q) {
+Status PathInsertion::recover_and_lock_edge(PointId p, PointId q) {
   const auto& corridor = walk_.corridor();
   corridor_points_.insert(corridor_points_.end(), corridor.begin(), corridor.end());
   const Recovery recovery = editor_.recover_edge(p, q, mesh::kLockRequest);
   if (recovery.status == Recovery::Status::kLimit) return budget_error();
   KERF_CHECK(recovery.status == Recovery::Status::kRecovered, "a leg that was followed to its end can be recovered");
   lock_as_cut(recovery.triangle, recovery.corner);
-  if (laid_ != nullptr) laid_->run(p, q);
+  if (outline_edges_ != nullptr) outline_edges_->add(p, q);
   return Nothing{};
 }
 

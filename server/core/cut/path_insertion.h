@@ -35,9 +35,10 @@ struct InsertionCounts {
 // points, those near lips of earlier cuts are left out, never two in a row.
 class PathInsertion {
  public:
-  // `spacing`: longest stretch of path without a point, as a fraction of the edge length there. `laid`: receives the
-  // edges that the strokes become; null if not needed.
-  PathInsertion(mesh::MeshEditor& editor, const PathScale& scale, double spacing, LaidOutline* laid = nullptr);
+  // `spacing`: longest stretch of path without a point, as a fraction of the edge length there. `outline_edges`:
+  // receives the edges that the strokes become; null if not needed.
+  PathInsertion(mesh::MeshEditor& editor, const PathScale& scale, double spacing,
+                OutlineEdges* outline_edges = nullptr);
 
   // Lays one stroke. Errors: those of cut::apply(); the editor must be rolled back then.
   Status insert(const Stroke& stroke);
@@ -75,24 +76,24 @@ class PathInsertion {
   Result<mesh::PointId> split_near(mesh::TriangleId t, int corner, const mesh::LatticePoint& at);
   Status run_segment(PathPosition from, const PathPosition& to);
   [[nodiscard]] bool runs_through_sheet(const Encounter& arrival) const;
-  Status secure_edge(mesh::PointId p, mesh::PointId q);
+  Status recover_and_lock_edge(mesh::PointId p, mesh::PointId q);
   [[nodiscard]] bool is_on_lip(mesh::PointId point) const;
-  void note_dust();
-  void note_gap(double width);
+  void count_merged_segment();
+  void record_gap(double width);
   [[nodiscard]] double distance_to_path(mesh::PointId point) const;
   void lock_as_cut(mesh::TriangleId t, int corner);
-  void note_met(mesh::PointId point);
-  void note_point(mesh::PointId point);
-  void note_deviation(mesh::PointId point, double distance);
+  void record_passed_point(mesh::PointId point);
+  void record_point(mesh::PointId point);
+  void record_deviation(mesh::PointId point, double distance);
   void use_scale_at(const mesh::LatticePoint& at);
   [[nodiscard]] bool is_tip(mesh::PointId point) const;
 
   mesh::MeshEditor& editor_;
   const mesh::TriangleMesh& mesh_;
   const PathScale& scale_;
-  double spacing_;     // -
-  LaidOutline* laid_;  // may be null
-  double snap_ = 0.0;  // lattice units, where the path is
+  double spacing_;               // -
+  OutlineEdges* outline_edges_;  // may be null
+  double snap_ = 0.0;            // lattice units, where the path is
   PathWalk walk_;
   LipTrace trace_;
   InsertionCounts counts_;

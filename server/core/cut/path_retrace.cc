@@ -25,9 +25,9 @@ bool PathInsertion::retrace(PathPosition& position, const LatticePoint& at) {
   if (!trace_.chain().empty()) position = {mesh_.at(trace_.chain().back()), trace_.chain().back(), kNone};
   // Counts the rest of the segment, or all of it, as merged.
   const LatticePoint reached = mesh::rounded_projection(segment_start_, segment_end_, position.at);
-  if (trace_.chain().empty() || reached != at) note_dust();
+  if (trace_.chain().empty() || reached != at) count_merged_segment();
   if (position.at != at) ++counts_.snapped_points;
-  note_deviation(position.point, difference(at, position.at).norm());
+  record_deviation(position.point, difference(at, position.at).norm());
   return true;
 }
 
@@ -38,7 +38,7 @@ bool PathInsertion::follow_lips(PathPosition& from, std::vector<PathPosition>& t
   if (from.point == kNone) {
     if (target.point == kNone || !trace_.find_border(target.point, leg_to(target.at, from.at))) return false;
     const PointId entry = trace_.chain().back();
-    note_met(entry);
+    record_passed_point(entry);
     targets.push_back({mesh_.at(entry), entry, kNone});
     return false;
   }
@@ -66,12 +66,12 @@ LipTrace::Leg PathInsertion::leg_to(const LatticePoint& from, const LatticePoint
 void PathInsertion::run_along_chain(PointId from) {
   double widest = 0.0;
   for (const PointId next : trace_.chain()) {
-    if (laid_ != nullptr) laid_->run(from, next);
-    note_point(next);
+    if (outline_edges_ != nullptr) outline_edges_->add(from, next);
+    record_point(next);
     widest = std::max(widest, distance_to_path(next));
     from = next;
   }
-  note_gap(widest);
+  record_gap(widest);
 }
 
 }  // namespace kerf::cut

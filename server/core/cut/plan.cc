@@ -164,7 +164,8 @@ Result<CutPlan> plan(const mesh::TriangleMesh& mesh, const CutRequest& request) 
   const double flatness = share * scale.least_flattening();
   FlatCurve whole;
   if (request.view) {
-    KERF_TRY_ASSIGN(ViewPath path, lay_on_sheet(mesh, *request.positions, request.curve, *request.view, flatness));
+    KERF_TRY_ASSIGN(ViewPath path,
+                    project_onto_sheet(mesh, *request.positions, request.curve, *request.view, flatness));
     plan.layers = std::move(path.layers);
     plan.triangles_behind = path.behind;
     const auto most = plan.options.width_m ? std::optional(flatness) : std::nullopt;

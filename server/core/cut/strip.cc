@@ -26,7 +26,8 @@ std::uint64_t key(PointId low, PointId high) {
 // Grows the strip from triangles known to be in it.
 class StripGrowth {
  public:
-  StripGrowth(const TriangleMesh& mesh, const LaidOutline& laid) : mesh_(mesh), laid_(laid) {}
+  StripGrowth(const TriangleMesh& mesh, const OutlineEdges& outline_edges)
+      : mesh_(mesh), outline_edges_(outline_edges) {}
 
   void add(TriangleId t) {
     if (t == kNone || !mesh_.is_solid(t) || !seen_.insert(t).second) return;
@@ -39,7 +40,7 @@ class StripGrowth {
       if (area_ > max_area) return false;
       const TriangleId t = strip_[next_++];
       for (int k = 0; k < 3; ++k) {
-        if (laid_.step(mesh_.points(t)[next_corner(k)], mesh_.points(t)[previous_corner(k)]) != 0) continue;
+        if (outline_edges_.step(mesh_.points(t)[next_corner(k)], mesh_.points(t)[previous_corner(k)]) != 0) continue;
         add(mesh_.welded_neighbour(t, k));
       }
     }
@@ -53,7 +54,7 @@ class StripGrowth {
 
  private:
   const TriangleMesh& mesh_;
-  const LaidOutline& laid_;
+  const OutlineEdges& outline_edges_;
   std::vector<TriangleId> strip_;
   std::unordered_set<TriangleId> seen_;  // looked up, never iterated
   std::size_t next_ = 0;
@@ -76,26 +77,26 @@ std::vector<TriangleId> representatives(const TriangleMesh& mesh, const std::vec
 
 }  // namespace
 
-void LaidOutline::add(PointId p, PointId q, std::int32_t step) {
+void OutlineEdges::change(PointId p, PointId q, std::int32_t step) {
   if (step == 0) return;
   steps_[key(std::min(p, q), std::max(p, q))] += p < q ? step : -step;
 }
 
-std::int32_t LaidOutline::step(PointId p, PointId q) const {
+std::int32_t OutlineEdges::step(PointId p, PointId q) const {
   const auto found = steps_.find(key(std::min(p, q), std::max(p, q)));
   if (found == steps_.end()) return 0;
   return p < q ? found->second : -found->second;
 }
 
-void LaidOutline::split(PointId p, PointId q, PointId m) {
+void OutlineEdges::split(PointId p, PointId q, PointId m) {
   const std::int32_t step = this->step(p, q);
   if (step == 0) return;
   steps_.erase(key(std::min(p, q), std::max(p, q)));
-  add(p, m, step);
-  add(m, q, step);
+  change(p, m, step);
+  change(m, q, step);
 }
 
-std::vector<LaidOutline::Edge> LaidOutline::edges() const {
+std::vector<OutlineEdges::Edge> OutlineEdges::edges() const {
   std::vector<std::uint64_t> keys;
   for (const auto& [key, step] : steps_) {
     if (step != 0) keys.push_back(key);
@@ -111,11 +112,11 @@ std::vector<LaidOutline::Edge> LaidOutline::edges() const {
   return edges;
 }
 
-Result<std::vector<TriangleId>> strip_triangles(const TriangleMesh& mesh, const LaidOutline& laid,
+Result<std::vector<TriangleId>> strip_triangles(const TriangleMesh& mesh, const OutlineEdges& outline_edges,
                                                 const std::vector<Stroke>& outline, double max_area_m2) {
-  StripGrowth growth(mesh, laid);
+  StripGrowth growth(mesh, outline_edges);
   std::vector<bool> touched(static_cast<std::size_t>(mesh.num_pieces()), false);
-  for (const auto& [from, to] : laid.edges()) {
+  for (const auto& [from, to] : outline_edges.edges()) {
     int corner = 0;
     const TriangleId left = mesh.find_edge(from, to, corner);
     KERF_CHECK(left != kNone, "an edge that the outline was laid on is there until it is split");

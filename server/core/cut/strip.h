@@ -12,11 +12,11 @@ namespace kerf::cut {
 
 // The edges of the mesh that an outline was laid on, and by how much its winding number is larger on the left of each:
 // kept up to date as edges are split.
-class LaidOutline {
+class OutlineEdges {
  public:
-  // Notes that the outline runs along edge pq, from p to q.
-  void run(mesh::PointId p, mesh::PointId q) { add(p, q, 1); }
-  // Notes that edge pq, on the outline or not, was split at m.
+  // Adds edge pq, which the outline runs along from p to q.
+  void add(mesh::PointId p, mesh::PointId q) { change(p, q, 1); }
+  // Replaces edge pq, on the outline or not, by its halves after a split at m.
   void split(mesh::PointId p, mesh::PointId q, mesh::PointId m);
   // Returns the winding number on the left of pq, seen from p, less that on its right. 0 if the outline does not run
   // along pq, or runs equally often in both directions.
@@ -28,7 +28,7 @@ class LaidOutline {
   [[nodiscard]] std::vector<Edge> edges() const;
 
  private:
-  void add(mesh::PointId p, mesh::PointId q, std::int32_t step);
+  void change(mesh::PointId p, mesh::PointId q, std::int32_t step);
   std::unordered_map<std::uint64_t, std::int32_t> steps_;  // by both ends, the lower one first; seen from that
 };
 
@@ -38,7 +38,7 @@ class LaidOutline {
 // upper bound of the strip's area, m^2.
 // Errors: kFailedPrecondition CUT_NOT_REPRESENTABLE (its sides could not be distinguished: shift the curve), and
 //         STRIP_COVERS_SHEET, where nothing would be left.
-Result<std::vector<mesh::TriangleId>> strip_triangles(const mesh::TriangleMesh& mesh, const LaidOutline& laid,
+Result<std::vector<mesh::TriangleId>> strip_triangles(const mesh::TriangleMesh& mesh, const OutlineEdges& outline_edges,
                                                       const std::vector<Stroke>& outline, double max_area_m2);
 
 }  // namespace kerf::cut

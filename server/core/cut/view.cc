@@ -76,8 +76,8 @@ Status validate(const View& view) {
   return Nothing{};
 }
 
-Result<ViewPath> lay_on_sheet(const mesh::TriangleMesh& mesh, const mesh::VertexField& positions, const Curve& curve,
-                              const View& view, double tolerance) {
+Result<ViewPath> project_onto_sheet(const mesh::TriangleMesh& mesh, const mesh::VertexField& positions,
+                                    const Curve& curve, const View& view, double tolerance) {
   if (view.layers == LayerRule::kPiece && view.piece >= mesh.num_pieces()) {
     return invalid_argument("PIECE_UNKNOWN",
                             "cut.view.piece is " + std::to_string(view.piece) + "; the sheet has pieces 0.." +

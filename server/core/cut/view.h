@@ -36,7 +36,7 @@ struct ViewPath {
 // no ties.
 // Errors: those of validate(curve); kResourceExhausted VIEW_WORK_BUDGET: too many pairs of triangles and curve segments
 // meet; PIECE_UNKNOWN.
-Result<ViewPath> lay_on_sheet(const mesh::TriangleMesh& mesh, const mesh::VertexField& positions, const Curve& curve,
-                              const View& view, double tolerance);
+Result<ViewPath> project_onto_sheet(const mesh::TriangleMesh& mesh, const mesh::VertexField& positions,
+                                    const Curve& curve, const View& view, double tolerance);
 
 }  // namespace kerf::cut

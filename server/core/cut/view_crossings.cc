@@ -80,7 +80,7 @@ std::vector<ScreenSegment> segments_of(const std::vector<Stroke>& strokes) {
 // Boxes of the picture with the segments that may pass through them.
 class SegmentGrid {
  public:
-  explicit SegmentGrid(const std::vector<ScreenSegment>& segments) : last_asked_(segments.size(), -1) {
+  explicit SegmentGrid(const std::vector<ScreenSegment>& segments) : last_query_(segments.size(), -1) {
     low_ = high_ = difference({}, segments.front().from);
     for (const ScreenSegment& s : segments) {
       for (const LatticePoint& p : {s.from, s.to}) {
@@ -105,11 +105,11 @@ class SegmentGrid {
     const Vector2d low = a.cwiseMin(b).cwiseMin(c);
     const Vector2d high = a.cwiseMax(b).cwiseMax(c);
     if ((low.array() > high_.array()).any() || (high.array() < low_.array()).any()) return;
-    ++question_;
+    ++query_;
     for_cells(low, high, [&](const std::vector<std::size_t>& cell) {
       for (const std::size_t i : cell) {
-        if (last_asked_[i] == question_) continue;
-        last_asked_[i] = question_;
+        if (last_query_[i] == query_) continue;
+        last_query_[i] = query_;
         visit(i);
       }
     });
@@ -134,8 +134,8 @@ class SegmentGrid {
 
   Vector2d low_, high_, cell_;
   std::vector<std::vector<std::size_t>> cells_;
-  std::vector<std::int64_t> last_asked_;
-  std::int64_t question_ = 0;
+  std::vector<std::int64_t> last_query_;
+  std::int64_t query_ = 0;
 };
 
 // One triangle on the picture.

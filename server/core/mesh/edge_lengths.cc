@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "server/core/mesh/mesh_records.h"
+#include "server/core/mesh/mesh_data.h"
 
 namespace kerf::mesh {
 namespace {

@@ -31,7 +31,7 @@ struct MeshEdit {
   std::vector<std::int32_t> split_from;
   // Numbers of pieces all of whose material was removed, as after the splits, in descending order. One by one each
   // number is given up, and the piece with the highest number then takes it.
-  std::vector<std::int32_t> vanished_pieces;
+  std::vector<std::int32_t> removed_pieces;
 
   [[nodiscard]] bool empty() const {
     return added_vertices.empty() && moved_vertices.empty() && rewritten_triangles.empty();

@@ -17,7 +17,7 @@ void UndoLog::undo(TriangleMesh& mesh) const {
 }
 
 UndoLog UndoLog::inverse(const TriangleMesh& mesh) const {
-  const MeshRecords& now = mesh.records();
+  const MeshData& now = mesh.data();
   UndoLog log;
   log.num_points = num_points_after;
   log.num_vertices = num_vertices_after;
@@ -27,12 +27,11 @@ UndoLog UndoLog::inverse(const TriangleMesh& mesh) const {
   log.num_points_after = num_points;
   log.num_vertices_after = num_vertices;
   log.num_triangle_slots_after = num_triangle_slots;
-  const auto keep = [](const auto& overwritten, std::int32_t first_new, const auto& records, auto& kept) {
-    const auto end = static_cast<std::int32_t>(records.size());
+  const auto keep = [](const auto& overwritten, std::int32_t first_new, const auto& data, auto& kept) {
+    const auto end = static_cast<std::int32_t>(data.size());
     kept.reserve(overwritten.size() + static_cast<std::size_t>(end - first_new));
-    for (const auto& entry : overwritten)
-      kept.emplace_back(entry.first, records[static_cast<std::size_t>(entry.first)]);
-    for (std::int32_t i = first_new; i < end; ++i) kept.emplace_back(i, records[static_cast<std::size_t>(i)]);
+    for (const auto& entry : overwritten) kept.emplace_back(entry.first, data[static_cast<std::size_t>(entry.first)]);
+    for (std::int32_t i = first_new; i < end; ++i) kept.emplace_back(i, data[static_cast<std::size_t>(i)]);
   };
   keep(points, num_points, now.points, log.points);
   keep(vertices, num_vertices, now.vertices, log.vertices);
@@ -41,15 +40,15 @@ UndoLog UndoLog::inverse(const TriangleMesh& mesh) const {
 }
 
 void UndoLog::restore(TriangleMesh& mesh) const {
-  MeshRecords& records = mesh.records_;
-  records.points.resize(static_cast<std::size_t>(num_points));
-  records.vertices.resize(static_cast<std::size_t>(num_vertices));
-  records.triangles.resize(static_cast<std::size_t>(num_triangle_slots));
-  for (const auto& [p, record] : points) records.points[p] = record;
-  for (const auto& [v, record] : vertices) records.vertices[v] = record;
-  for (const auto& [t, record] : triangles) records.triangles[t] = record;
-  records.num_solid_triangles = num_solid_triangles;
-  records.num_pieces = num_pieces;
+  MeshData& data = mesh.data_;
+  data.points.resize(static_cast<std::size_t>(num_points));
+  data.vertices.resize(static_cast<std::size_t>(num_vertices));
+  data.triangles.resize(static_cast<std::size_t>(num_triangle_slots));
+  for (const auto& [p, record] : points) data.points[p] = record;
+  for (const auto& [v, record] : vertices) data.vertices[v] = record;
+  for (const auto& [t, record] : triangles) data.triangles[t] = record;
+  data.num_solid_triangles = num_solid_triangles;
+  data.num_pieces = num_pieces;
 }
 
 MeshEditor::MeshEditor(TriangleMesh& mesh, std::int32_t max_triangle_slots)
@@ -66,7 +65,7 @@ MeshEditor::~MeshEditor() {
 }
 
 TriangleRecord& MeshEditor::touch_triangle(TriangleId t) {
-  TriangleRecord& record = mesh_.records_.triangles[t];
+  TriangleRecord& record = mesh_.data_.triangles[t];
   if (t < log_.num_triangle_slots && triangle_entry_.add(t, static_cast<std::int32_t>(log_.triangles.size()))) {
     log_.triangles.emplace_back(t, record);
   }
@@ -74,7 +73,7 @@ TriangleRecord& MeshEditor::touch_triangle(TriangleId t) {
 }
 
 PointRecord& MeshEditor::touch_point(PointId p) {
-  PointRecord& record = mesh_.records_.points[p];
+  PointRecord& record = mesh_.data_.points[p];
   if (p < log_.num_points && point_entry_.add(p, static_cast<std::int32_t>(log_.points.size()))) {
     log_.points.emplace_back(p, record);
   }
@@ -82,7 +81,7 @@ PointRecord& MeshEditor::touch_point(PointId p) {
 }
 
 VertexRecord& MeshEditor::touch_vertex(VertexId v) {
-  VertexRecord& record = mesh_.records_.vertices[v];
+  VertexRecord& record = mesh_.data_.vertices[v];
   if (v < log_.num_vertices && vertex_entry_.add(v, static_cast<std::int32_t>(log_.vertices.size()))) {
     log_.vertices.emplace_back(v, record);
   }
@@ -99,14 +98,14 @@ bool MeshEditor::take_slots(std::int32_t count) {
 TriangleId MeshEditor::add_slot(const TriangleRecord& record, TriangleId parent) {
   const TriangleId t = mesh_.num_triangle_slots();
   parents_.push_back(parent_of(parent));
-  mesh_.records_.triangles.push_back(record);
-  if (record.region != kNone) ++mesh_.records_.num_solid_triangles;
+  mesh_.data_.triangles.push_back(record);
+  if (record.region != kNone) ++mesh_.data_.num_solid_triangles;
   return t;
 }
 
 PointId MeshEditor::add_point(const LatticePoint& p) {
   const PointId id = mesh_.num_points();
-  mesh_.records_.points.push_back({p, kNone});
+  mesh_.data_.points.push_back({p, kNone});
   lips_.emplace_back();
   pending_.push_back(id);
   return id;
@@ -130,8 +129,8 @@ void MeshEditor::clear_edit_locks() {
   const auto clear = [](TriangleRecord& record) {
     for (LockBits& bits : record.locks) bits = static_cast<LockBits>(bits & ~kLocksOfOneEdit);
   };
-  for (const auto& entry : log_.triangles) clear(mesh_.records_.triangles[entry.first]);
-  for (TriangleId t = log_.num_triangle_slots; t < mesh_.num_triangle_slots(); ++t) clear(mesh_.records_.triangles[t]);
+  for (const auto& entry : log_.triangles) clear(mesh_.data_.triangles[entry.first]);
+  for (TriangleId t = log_.num_triangle_slots; t < mesh_.num_triangle_slots(); ++t) clear(mesh_.data_.triangles[t]);
 }
 
 CommittedEdit MeshEditor::commit() {
@@ -139,12 +138,12 @@ CommittedEdit MeshEditor::commit() {
   open();
   clear_edit_locks();
   CommittedEdit done;
-  for (const Birth& birth : births_) done.edit.added_vertices.push_back(source_of(birth));
+  for (const NewVertex& added : new_vertices_) done.edit.added_vertices.push_back(source_of(added));
   done.edit.moved_vertices = moved_sources();
   done.edit.rewritten_triangles = rewritten_triangles();
   done.edit.removed_vertices = std::move(removed_vertices_);
   done.edit.split_from = std::move(split_from_);
-  done.edit.vanished_pieces = std::move(vanished_pieces_);
+  done.edit.removed_pieces = std::move(removed_pieces_);
   finished_ = true;
   log_.num_points_after = mesh_.num_points();
   log_.num_vertices_after = mesh_.num_vertices();

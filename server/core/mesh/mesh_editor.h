@@ -164,7 +164,7 @@ class MeshEditor {
     int corner = 0;
   };
   // Ancestry of a new vertex, known when it is made; weights follow at commit, from final positions.
-  struct Birth {
+  struct NewVertex {
     VertexId vertex = kNone;
     VertexId origin = kNone;  // vertex before the edit at the same point, or kNone for a new point
     Lip lip;                  // on the side of the vertex's sector
@@ -183,7 +183,7 @@ class MeshEditor {
   PointId add_point(const LatticePoint& p);
   bool take_slots(std::int32_t count);
   void relink(TriangleId t, TriangleId from, TriangleId to);
-  void hand_over(TriangleId from, TriangleId to, PointId p, VertexId v);
+  void move_representative(TriangleId from, TriangleId to, PointId p, VertexId v);
   [[nodiscard]] bool respects_clearance(TriangleId t, const LatticePoint& p, int skipped_edge) const;
   [[nodiscard]] Lip lip_of_edge(TriangleId t, int k) const;
   [[nodiscard]] Lip across(const Lip& lip) const;
@@ -197,10 +197,10 @@ class MeshEditor {
   [[nodiscard]] std::vector<Sector> sectors_around(PointId p, std::vector<TriangleId>& fan) const;
   [[nodiscard]] std::vector<bool> left_of_lip(PointId p, const Lip& lip, const std::vector<TriangleId>& fan) const;
   void add_vertex(PointId p, const Sector& sector, VertexId held);
-  void drop_bereft_vertices();
+  void drop_orphaned_vertices();
   void label_pieces();
   void label_split_pieces(const std::vector<TriangleId>& seeds);
-  void drop_bereft_pieces(const std::vector<TriangleId>& seeds);
+  void drop_orphaned_pieces(const std::vector<TriangleId>& seeds);
 
   [[nodiscard]] const TriangleRecord& old_record(TriangleId t) const;
   [[nodiscard]] const LatticePoint& old_at(PointId p) const;
@@ -208,7 +208,7 @@ class MeshEditor {
   [[nodiscard]] TriangleId parent_of(TriangleId t) const;
   [[nodiscard]] Lip old_edge(TriangleId t, int k) const;
   [[nodiscard]] TriangleId locate_in_old(const LatticePoint& p, TriangleId start) const;
-  [[nodiscard]] VertexSource source_of(const Birth& birth) const;
+  [[nodiscard]] VertexSource source_of(const NewVertex& added) const;
   [[nodiscard]] VertexSource interpolate(VertexId v) const;
   [[nodiscard]] VertexSource interpolate_on_lip(VertexId v, const Lip& lip) const;
   [[nodiscard]] std::vector<VertexSource> moved_sources() const;
@@ -226,13 +226,13 @@ class MeshEditor {
   std::vector<Lip> lips_;                 // of new points
   std::vector<PointId> pending_;          // points to open, may repeat
   std::vector<PointId> moved_;            // old points that move_point was called on, may repeat
-  std::vector<Birth> births_;             // by VertexId - log_.num_vertices
+  std::vector<NewVertex> new_vertices_;   // by VertexId - log_.num_vertices
   std::vector<std::int32_t> split_from_;  // see MeshEdit
   // Vertices and pieces of removed slots, in any order, repeated; then those left without material, see MeshEdit.
-  std::vector<VertexId> bereft_vertices_;
-  std::vector<std::int32_t> bereft_pieces_;
+  std::vector<VertexId> orphaned_vertices_;
+  std::vector<std::int32_t> orphaned_pieces_;
   std::vector<VertexId> removed_vertices_;
-  std::vector<std::int32_t> vanished_pieces_;
+  std::vector<std::int32_t> removed_pieces_;
 };
 
 }  // namespace kerf::mesh

@@ -29,8 +29,8 @@ MeshEditor::Lip MeshEditor::old_edge(TriangleId t, int k) const {
     return static_cast<int>(std::find(record.points.begin(), record.points.end(), p) - record.points.begin());
   };
   const std::int32_t entry = point_entry_.find(a);
-  const TriangleId start = entry == kNone ? mesh_.records().points[a].triangle
-                                          : log_.points[static_cast<std::size_t>(entry)].second.triangle;
+  const TriangleId start =
+      entry == kNone ? mesh_.data().points[a].triangle : log_.points[static_cast<std::size_t>(entry)].second.triangle;
   TriangleId s = start;
   do {
     const TriangleRecord& record = old_record(s);
@@ -98,7 +98,7 @@ std::vector<bool> MeshEditor::left_of_lip(PointId p, const Lip& lip, const std::
     KERF_CHECK(!bound, "a split lock leaves one half on each side");
     bound = &bound == &first ? (i + 1) % n : i;
   }
-  KERF_CHECK((first && last) || !bereft_pieces_.empty(), "a split lock leaves two halves");
+  KERF_CHECK((first && last) || !orphaned_pieces_.empty(), "a split lock leaves two halves");
   std::vector<bool> is_left(n, false);
   if (!first && !last) {
     for (std::size_t i = 0; i < n; ++i) {
@@ -119,18 +119,18 @@ std::vector<bool> MeshEditor::left_of_lip(PointId p, const Lip& lip, const std::
 }
 
 void MeshEditor::add_vertex(PointId p, const Sector& sector, VertexId held) {
-  Birth birth;
-  birth.vertex = mesh_.num_vertices();
+  NewVertex added;
+  added.vertex = mesh_.num_vertices();
   if (held == kNone) {
-    birth.lip = sector.lip;
+    added.lip = sector.lip;
   } else if (held < log_.num_vertices) {
-    birth.origin = held;
+    added.origin = held;
   } else {
-    birth.origin = births_[held - log_.num_vertices].origin;
-    birth.lip = births_[held - log_.num_vertices].lip;
+    added.origin = new_vertices_[held - log_.num_vertices].origin;
+    added.lip = new_vertices_[held - log_.num_vertices].lip;
   }
-  births_.push_back(birth);
-  mesh_.records_.vertices.push_back({p, sector.lowest});
+  new_vertices_.push_back(added);
+  mesh_.data_.vertices.push_back({p, sector.lowest});
 }
 
 void MeshEditor::open_point(PointId p) {
@@ -145,7 +145,7 @@ void MeshEditor::open_point(PointId p) {
       add_vertex(p, sector, held);
     } else {
       kept.push_back(v);
-      if (mesh_.records_.vertices[v].triangle != lowest) touch_vertex(v).triangle = lowest;
+      if (mesh_.data_.vertices[v].triangle != lowest) touch_vertex(v).triangle = lowest;
     }
     for (std::size_t i = sector.begin; i < sector.end; ++i) {
       const int c = mesh_.corner_of(fan[i], p);
@@ -155,15 +155,15 @@ void MeshEditor::open_point(PointId p) {
 }
 
 // Vertices of slots that were removed and that no solid slot has a corner at any more.
-void MeshEditor::drop_bereft_vertices() {
-  sort_unique(bereft_vertices_);
-  for (const VertexId v : bereft_vertices_) {
+void MeshEditor::drop_orphaned_vertices() {
+  sort_unique(orphaned_vertices_);
+  for (const VertexId v : orphaned_vertices_) {
     const std::array<VertexId, 3>& corners = mesh_.vertices(mesh_.triangle_at(v));
     if (std::find(corners.begin(), corners.end(), v) != corners.end()) continue;
     touch_vertex(v).triangle = kNone;
     removed_vertices_.push_back(v);
   }
-  bereft_vertices_.clear();
+  orphaned_vertices_.clear();
 }
 
 void MeshEditor::label_pieces() {
@@ -177,7 +177,7 @@ void MeshEditor::label_pieces() {
     }
   }
   label_split_pieces(seeds);
-  drop_bereft_pieces(seeds);
+  drop_orphaned_pieces(seeds);
 }
 
 void MeshEditor::label_split_pieces(const std::vector<TriangleId>& seeds) {
@@ -185,38 +185,38 @@ void MeshEditor::label_split_pieces(const std::vector<TriangleId>& seeds) {
     const std::int32_t parent = mesh_.piece(component.front());
     split_from_.push_back(parent < log_.num_pieces ? parent
                                                    : split_from_[static_cast<std::size_t>(parent - log_.num_pieces)]);
-    const std::int32_t piece = mesh_.records_.num_pieces++;
+    const std::int32_t piece = mesh_.data_.num_pieces++;
     for (const TriangleId t : component) touch_triangle(t).piece = piece;
   }
 }
 
 // A piece that lost some of its material has a seed where the rest of it met that: those without any are gone.
-void MeshEditor::drop_bereft_pieces(const std::vector<TriangleId>& seeds) {
-  if (bereft_pieces_.empty()) return;
+void MeshEditor::drop_orphaned_pieces(const std::vector<TriangleId>& seeds) {
+  if (orphaned_pieces_.empty()) return;
   std::vector<bool> remains(static_cast<std::size_t>(mesh_.num_pieces()));
   for (const TriangleId t : seeds) {
     std::int32_t piece = mesh_.piece(t);
     if (piece >= log_.num_pieces) piece = split_from_[static_cast<std::size_t>(piece - log_.num_pieces)];
     remains[static_cast<std::size_t>(piece)] = true;
   }
-  std::sort(bereft_pieces_.begin(), bereft_pieces_.end(), std::greater<>());
-  bereft_pieces_.erase(std::unique(bereft_pieces_.begin(), bereft_pieces_.end()), bereft_pieces_.end());
-  for (const std::int32_t gone : bereft_pieces_) {
+  std::sort(orphaned_pieces_.begin(), orphaned_pieces_.end(), std::greater<>());
+  orphaned_pieces_.erase(std::unique(orphaned_pieces_.begin(), orphaned_pieces_.end()), orphaned_pieces_.end());
+  for (const std::int32_t gone : orphaned_pieces_) {
     if (remains[static_cast<std::size_t>(gone)]) continue;
-    vanished_pieces_.push_back(gone);
-    const std::int32_t highest = --mesh_.records_.num_pieces;
+    removed_pieces_.push_back(gone);
+    const std::int32_t highest = --mesh_.data_.num_pieces;
     if (highest == gone) continue;
     for (TriangleId t = 0; t < mesh_.num_triangle_slots(); ++t) {
       if (mesh_.piece(t) == highest) touch_triangle(t).piece = gone;
     }
   }
-  bereft_pieces_.clear();
+  orphaned_pieces_.clear();
 }
 
 void MeshEditor::open() {
   sort_unique(pending_);
   for (const PointId p : pending_) open_point(p);
-  drop_bereft_vertices();
+  drop_orphaned_vertices();
   label_pieces();
   pending_.clear();
 }

@@ -30,9 +30,9 @@ void MeshEditor::relink(TriangleId t, TriangleId from, TriangleId to) {
 }
 
 // Slot `from` has lost its corner at point p (vertex v), which slot `to` has now.
-void MeshEditor::hand_over(TriangleId from, TriangleId to, PointId p, VertexId v) {
-  if (mesh_.records_.points[p].triangle == from) touch_point(p).triangle = to;
-  if (v != kNone && mesh_.records_.vertices[v].triangle == from) touch_vertex(v).triangle = to;
+void MeshEditor::move_representative(TriangleId from, TriangleId to, PointId p, VertexId v) {
+  if (mesh_.data_.points[p].triangle == from) touch_point(p).triangle = to;
+  if (v != kNone && mesh_.data_.vertices[v].triangle == from) touch_vertex(v).triangle = to;
 }
 
 bool MeshEditor::respects_clearance(TriangleId t, const LatticePoint& p, int skipped_edge) const {
@@ -71,8 +71,8 @@ PointId MeshEditor::split_triangle(TriangleId t, const LatticePoint& p) {
       relink(old.neighbours[k], t, child[k]);
     }
   }
-  mesh_.records_.points[added].triangle = t;
-  hand_over(t, child[1], old.points[0], old.vertices[0]);
+  mesh_.data_.points[added].triangle = t;
+  move_representative(t, child[1], old.points[0], old.vertices[0]);
   return added;
 }
 
@@ -116,9 +116,9 @@ PointId MeshEditor::split_edge(TriangleId t, int k, const LatticePoint& p) {
 
   relink(old_t.neighbours[ka], t, s);
   relink(old_u.neighbours[ma], u, v);
-  mesh_.records_.points[added].triangle = t;
-  hand_over(t, s, old_t.points[kb], old_t.vertices[kb]);
-  hand_over(u, v, old_u.points[mb], old_u.vertices[mb]);
+  mesh_.data_.points[added].triangle = t;
+  move_representative(t, s, old_t.points[kb], old_t.vertices[kb]);
+  move_representative(u, v, old_u.points[mb], old_u.vertices[mb]);
   return added;
 }
 
@@ -160,8 +160,8 @@ bool MeshEditor::flip_edge(TriangleId t, int k) {
 
   relink(old_u.neighbours[mb], u, t);
   relink(old_t.neighbours[ka], t, u);
-  hand_over(u, t, old_t.points[ka], old_u.vertices[ma]);
-  hand_over(t, u, old_t.points[kb], old_t.vertices[kb]);
+  move_representative(u, t, old_t.points[ka], old_u.vertices[ma]);
+  move_representative(t, u, old_t.points[kb], old_t.vertices[kb]);
   return true;
 }
 
@@ -185,18 +185,18 @@ bool MeshEditor::lock_edge(TriangleId t, int k, LockBits bits) {
 }
 
 void MeshEditor::remove_triangles(const std::vector<TriangleId>& slots) {
-  KERF_CHECK(births_.empty(), "material is removed before the edit is opened");
+  KERF_CHECK(new_vertices_.empty(), "material is removed before the edit is opened");
   for (const TriangleId t : slots) {
     TriangleRecord& record = touch_triangle(t);
     KERF_CHECK(record.region != kNone, "only solid slots are removed, each once");
     for (int k = 0; k < 3; ++k) {
-      if (record.vertices[k] != kNone) bereft_vertices_.push_back(record.vertices[k]);
+      if (record.vertices[k] != kNone) orphaned_vertices_.push_back(record.vertices[k]);
       pending_.push_back(record.points[k]);
     }
-    bereft_pieces_.push_back(record.piece);
+    orphaned_pieces_.push_back(record.piece);
     record.region = record.piece = kNone;
     record.vertices = {kNone, kNone, kNone};
-    --mesh_.records_.num_solid_triangles;
+    --mesh_.data_.num_solid_triangles;
   }
   KERF_CHECK(mesh_.num_solid_triangles() > 0, "something of a sheet stays");
   for (const TriangleId t : slots) {

@@ -45,7 +45,7 @@ TriangleId MeshEditor::locate_in_old(const LatticePoint& p, TriangleId start) co
 // slot, not from the vertex's: all vertices at a point get the same sources, and lips are equal bit for bit when they
 // are born.
 VertexSource MeshEditor::interpolate(VertexId v) const {
-  const PointRecord& point = mesh_.records().points[mesh_.point(v)];
+  const PointRecord& point = mesh_.data().points[mesh_.point(v)];
   const LatticePoint& p = point.at;
   const TriangleRecord& record = old_record(locate_in_old(p, parent_of(point.triangle)));
   return {v, record.vertices,
@@ -67,10 +67,10 @@ VertexSource MeshEditor::interpolate_on_lip(VertexId v, const Lip& lip) const {
   return source;
 }
 
-VertexSource MeshEditor::source_of(const Birth& birth) const {
-  if (birth.lip.triangle != kNone) return interpolate_on_lip(birth.vertex, birth.lip);
-  if (birth.origin == kNone || is_moved(mesh_.point(birth.vertex))) return interpolate(birth.vertex);
-  return {birth.vertex, {birth.origin, birth.origin, birth.origin}, {1.0, 0.0, 0.0}};
+VertexSource MeshEditor::source_of(const NewVertex& added) const {
+  if (added.lip.triangle != kNone) return interpolate_on_lip(added.vertex, added.lip);
+  if (added.origin == kNone || is_moved(mesh_.point(added.vertex))) return interpolate(added.vertex);
+  return {added.vertex, {added.origin, added.origin, added.origin}, {1.0, 0.0, 0.0}};
 }
 
 std::vector<VertexSource> MeshEditor::moved_sources() const {

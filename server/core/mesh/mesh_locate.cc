@@ -11,9 +11,9 @@ namespace kerf::mesh {
 namespace {
 
 struct CurrentMesh {
-  const MeshRecords& records;
-  [[nodiscard]] const TriangleRecord& triangle(TriangleId t) const { return records.triangles[t]; }
-  [[nodiscard]] const LatticePoint& at(PointId p) const { return records.points[p].at; }
+  const MeshData& data;
+  [[nodiscard]] const TriangleRecord& triangle(TriangleId t) const { return data.triangles[t]; }
+  [[nodiscard]] const LatticePoint& at(PointId p) const { return data.points[p].at; }
 };
 
 }  // namespace
@@ -21,10 +21,10 @@ struct CurrentMesh {
 void TriangleMesh::build_hints() {
   hints_.clear();
   hint_columns_ = hint_rows_ = 0;
-  if (records_.num_solid_triangles == 0) return;
+  if (data_.num_solid_triangles == 0) return;
   // Two cells to the square of an average pair of triangles, up to 1024 a side.
-  const Eigen::Vector2d size = records_.bounds.sizes();
-  const double cell = std::max(std::sqrt(2.0 * size.prod() / records_.num_solid_triangles), size.maxCoeff() / 1024.0);
+  const Eigen::Vector2d size = data_.bounds.sizes();
+  const double cell = std::max(std::sqrt(2.0 * size.prod() / data_.num_solid_triangles), size.maxCoeff() / 1024.0);
   hint_columns_ = std::max(1, static_cast<std::int32_t>(std::ceil(size.x() / cell)));
   hint_rows_ = std::max(1, static_cast<std::int32_t>(std::ceil(size.y() / cell)));
   hints_.assign(static_cast<std::size_t>(hint_columns_) * static_cast<std::size_t>(hint_rows_), kNone);
@@ -35,7 +35,7 @@ void TriangleMesh::build_hints() {
     if (!is_solid(t) || *low < 0 || *high >= num_points()) continue;
     const LatticePoint middle{at(p[0]).x / 3 + at(p[1]).x / 3 + at(p[2]).x / 3,
                               at(p[0]).y / 3 + at(p[1]).y / 3 + at(p[2]).y / 3};
-    const Eigen::Vector2d relative = (records_.lattice.position(middle) - records_.bounds.min()).cwiseQuotient(size);
+    const Eigen::Vector2d relative = (data_.lattice.position(middle) - data_.bounds.min()).cwiseQuotient(size);
     const auto column = std::clamp(static_cast<std::int32_t>(relative.x() * hint_columns_), 0, hint_columns_ - 1);
     const auto row = std::clamp(static_cast<std::int32_t>(relative.y() * hint_rows_), 0, hint_rows_ - 1);
     hints_[row * hint_columns_ + column] = t;
@@ -51,8 +51,7 @@ void TriangleMesh::build_hints() {
 
 TriangleId TriangleMesh::hint_near(const LatticePoint& p) const {
   if (hints_.empty()) return 0;
-  const Eigen::Vector2d relative =
-      (records_.lattice.position(p) - records_.bounds.min()).cwiseQuotient(records_.bounds.sizes());
+  const Eigen::Vector2d relative = (data_.lattice.position(p) - data_.bounds.min()).cwiseQuotient(data_.bounds.sizes());
   const double column = std::clamp(relative.x() * hint_columns_, 0.0, hint_columns_ - 1.0);
   const double row = std::clamp(relative.y() * hint_rows_, 0.0, hint_rows_ - 1.0);
   return hints_[static_cast<std::int32_t>(row) * hint_columns_ + static_cast<std::int32_t>(column)];
@@ -60,7 +59,7 @@ TriangleId TriangleMesh::hint_near(const LatticePoint& p) const {
 
 Location TriangleMesh::locate(const LatticePoint& p, TriangleId hint) const {
   if (std::abs(p.x) >= Lattice::kHalfDomain || std::abs(p.y) >= Lattice::kHalfDomain) return {};
-  const CurrentMesh view{records_};
+  const CurrentMesh view{data_};
   const TriangleId start = hint != kNone ? hint : hint_near(p);
   TriangleId t = walk_to(view, p, start, 4 * static_cast<std::int64_t>(num_triangle_slots()) + 100);
   for (TriangleId s = 0; t == kNone && s < num_triangle_slots(); ++s) {  // the walk ran out of steps: ask every slot

@@ -28,10 +28,10 @@ VertexSource source_at(const TriangleMesh& mesh, VertexId vertex, const LatticeP
 }
 
 // Finds what revived vertices are placed by. Made of the mesh with the edit in it.
-class Revival {
+class Restoration {
  public:
-  Revival(const TriangleMesh& mesh, const CommittedEdit& edit) : revived_(edit.edit.removed_vertices) {
-    if (revived_.empty()) return;
+  Restoration(const TriangleMesh& mesh, const CommittedEdit& edit) : restored_(edit.edit.removed_vertices) {
+    if (restored_.empty()) return;
     for (const auto& [slot, old] : edit.undo.triangles) {
       for (const VertexId v : old.vertices) {
         if (v != kNone && mesh.has_material(v)) patches_.try_emplace(v, largest_triangle_at(mesh, v));
@@ -45,7 +45,7 @@ class Revival {
     std::unordered_map<VertexId, const Patch*> patch_of;  // looked up, never iterated
     std::vector<VertexId> placed;
     std::vector<TriangleId> ring;
-    for (const VertexId v : revived_) {
+    for (const VertexId v : restored_) {
       mesh.triangles_around(v, ring);
       for (const TriangleId t : ring) {
         for (const VertexId u : mesh.vertices(t)) {
@@ -58,14 +58,14 @@ class Revival {
       mesh.triangles_around(placed[i], ring);
       for (const TriangleId t : ring) {
         for (const VertexId u : mesh.vertices(t)) {
-          const bool is_revived = std::binary_search(revived_.begin(), revived_.end(), u);
+          const bool is_revived = std::binary_search(restored_.begin(), restored_.end(), u);
           if (is_revived && patch_of.emplace(u, patch_of.at(placed[i])).second) placed.push_back(u);
         }
       }
     }
     std::vector<VertexSource> sources;
-    sources.reserve(revived_.size());
-    for (const VertexId v : revived_) {
+    sources.reserve(restored_.size());
+    for (const VertexId v : restored_) {
       const auto found = patch_of.find(v);
       sources.push_back({v, {v, v, v}, {1.0, 0.0, 0.0}});
       if (found == patch_of.end()) continue;
@@ -99,7 +99,7 @@ class Revival {
     return {1.0 - second - third, second, third};
   }
 
-  const std::vector<VertexId>& revived_;
+  const std::vector<VertexId>& restored_;
   std::unordered_map<VertexId, Patch> patches_;  // looked up, never iterated
 };
 
@@ -124,9 +124,9 @@ RevertedEdit revert(TriangleMesh& mesh, const CommittedEdit& edit) {
   const auto& rewritten = edit.edit.rewritten_triangles;  // sorted: the new slots are at its end
   reverted.rewritten_triangles.assign(rewritten.begin(),
                                       std::lower_bound(rewritten.begin(), rewritten.end(), reverted.num_slots));
-  const Revival revival(mesh, edit);
+  const Restoration restoration(mesh, edit);
   edit.undo.undo(mesh);
-  reverted.revived_vertices = revival.place(mesh);
+  reverted.restored_vertices = restoration.place(mesh);
   return reverted;
 }
 

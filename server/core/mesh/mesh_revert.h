@@ -21,7 +21,7 @@ struct RevertedEdit {
   // Vertices whose removed material is back: fields as sources say, read as it was before the revert. Each is
   // extrapolated from a triangle of the nearest material that was left, so weights may be below 0. The source is the
   // vertex itself if none of its piece was left.
-  std::vector<VertexSource> revived_vertices;
+  std::vector<VertexSource> restored_vertices;
   std::vector<TriangleId> rewritten_triangles;  // as in MeshEdit, of the slots that remain; sorted, unique
 };
 

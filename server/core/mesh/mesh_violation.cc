@@ -20,7 +20,7 @@ std::string at_edge(const char* what, TriangleId t, int k) {
 
 class MeshChecker {
  public:
-  explicit MeshChecker(const TriangleMesh& mesh) : mesh_(mesh), records_(mesh.records()) {}
+  explicit MeshChecker(const TriangleMesh& mesh) : mesh_(mesh), data_(mesh.data()) {}
 
   Violation run() {
     for (const auto check :
@@ -37,11 +37,11 @@ class MeshChecker {
 
   Violation indices() {
     if (Violation found = triangle_indices()) return found;
-    for (const PointRecord& p : records_.points) {
+    for (const PointRecord& p : data_.points) {
       if (!in_range(p.triangle, mesh_.num_triangle_slots())) return "I1: triangle id of a point out of range";
       if (std::abs(p.at.x) > kMaxCoordinate || std::abs(p.at.y) > kMaxCoordinate) return "I1: point outside the domain";
     }
-    for (const VertexRecord& v : records_.vertices) {
+    for (const VertexRecord& v : data_.vertices) {
       if (v.triangle != kNone && !in_range(v.triangle, mesh_.num_triangle_slots())) {
         return "I1: triangle id of a vertex out of range";
       }
@@ -171,7 +171,7 @@ class MeshChecker {
 
   Violation anchors() {
     for (PointId p = 0; p < mesh_.num_points(); ++p) {
-      if (mesh_.corner_of(records_.points[p].triangle, p) == kNone) {
+      if (mesh_.corner_of(data_.points[p].triangle, p) == kNone) {
         return "I9: point " + std::to_string(p) + " names a triangle without it";
       }
     }
@@ -187,7 +187,7 @@ class MeshChecker {
 
   Violation sectors() {
     std::vector<std::int32_t> num_corners(static_cast<std::size_t>(mesh_.num_vertices()), 0);
-    for (const TriangleRecord& r : records_.triangles) {
+    for (const TriangleRecord& r : data_.triangles) {
       for (const VertexId v : r.vertices) {
         if (v != kNone) ++num_corners[v];
       }
@@ -204,12 +204,12 @@ class MeshChecker {
 
   Violation tiling() {
     std::vector<LatticePoint> points;
-    points.reserve(records_.points.size());
-    for (const PointRecord& p : records_.points) points.push_back(p.at);
+    points.reserve(data_.points.size());
+    for (const PointRecord& p : data_.points) points.push_back(p.at);
     std::sort(points.begin(), points.end());
     if (std::adjacent_find(points.begin(), points.end()) != points.end()) return "I10: two points coincide";
     Int128 total = 0;
-    for (const TriangleRecord& r : records_.triangles) {
+    for (const TriangleRecord& r : data_.triangles) {
       total += doubled_area(mesh_.at(r.points[0]), mesh_.at(r.points[1]), mesh_.at(r.points[2]));
     }
     const Int128 side = 2 * static_cast<Int128>(Lattice::kHalfDomain);
@@ -301,13 +301,13 @@ class MeshChecker {
   }
 
   const TriangleMesh& mesh_;
-  const MeshRecords& records_;
+  const MeshData& data_;
 };
 
 }  // namespace
 
 std::int32_t TriangleMesh::num_boundary_loops() const {
-  std::vector<std::array<bool, 3>> seen(records_.triangles.size(), {false, false, false});
+  std::vector<std::array<bool, 3>> seen(data_.triangles.size(), {false, false, false});
   std::int32_t count = 0;
   for (TriangleId first = 0; first < num_triangle_slots(); ++first) {
     for (int k = 0; k < 3; ++k) {

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "server/core/mesh/mesh_records.h"
+#include "server/core/mesh/mesh_data.h"
 
 namespace kerf::mesh {
 

@@ -10,11 +10,11 @@ namespace kerf::mesh {
 
 TriangleMesh with_regions(const TriangleMesh& mesh, std::span<const std::int32_t> regions) {
   KERF_CHECK(regions.size() == static_cast<std::size_t>(mesh.num_triangle_slots()), "one region a slot");
-  MeshRecords records = mesh.records();
+  MeshData data = mesh.data();
   RestSurface surface;
   std::map<std::pair<std::int32_t, std::int32_t>, std::int32_t> facet_of;  // by old facet and region
   for (std::size_t t = 0; t < regions.size(); ++t) {
-    TriangleRecord& record = records.triangles[t];
+    TriangleRecord& record = data.triangles[t];
     if (record.region == kNone) continue;
     KERF_CHECK(regions[t] >= 0, "regions have labels >= 0");
     if (!mesh.is_curved()) {
@@ -29,8 +29,8 @@ TriangleMesh with_regions(const TriangleMesh& mesh, std::span<const std::int32_t
     }
     record.region = at->second;
   }
-  if (mesh.is_curved()) records.surface = std::make_shared<const RestSurface>(std::move(surface));
-  return TriangleMesh(std::move(records));
+  if (mesh.is_curved()) data.surface = std::make_shared<const RestSurface>(std::move(surface));
+  return TriangleMesh(std::move(data));
 }
 
 }  // namespace kerf::mesh

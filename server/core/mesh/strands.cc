@@ -55,17 +55,17 @@ bool Strands::has_strands(TriangleId t, int c, double reach) {
         const TriangleId u = mesh_.welded_neighbour(found_[i], k);
         if (std::find(found_.begin(), found_.end(), u) == found_.end()) found_.push_back(u);
       } else if ((mesh_.locks(found_[i], k) & kLocksThatOpen) != 0) {
-        if (note_end(right, a) || note_end(left, b)) return true;
+        if (record_end(right, a) || record_end(left, b)) return true;
         if (share <= 0.0 || share >= 1.0) continue;
         if (foot.norm() < kOnEdge) foot = -normal;
-        if (note_foot(foot)) return true;
+        if (record_foot(foot)) return true;
       }
     }
   }
   return false;
 }
 
-bool Strands::note_end(PointId p, const Vector2d& offset) {
+bool Strands::record_end(PointId p, const Vector2d& offset) {
   if (offset.norm() >= reach_ || std::find(ends_.begin(), ends_.end(), p) != ends_.end()) return false;
   ends_.push_back(p);
   int num_cuts = 0;
@@ -81,10 +81,10 @@ bool Strands::note_end(PointId p, const Vector2d& offset) {
     if (offset.dot(along) < 0.0) is_nearest = false;
   }
   if (num_cuts >= kCutsOfCrossing) return true;
-  return is_nearest && note_foot(offset);
+  return is_nearest && record_foot(offset);
 }
 
-bool Strands::note_foot(const Vector2d& foot) {
+bool Strands::record_foot(const Vector2d& foot) {
   const double distance = foot.norm();
   for (const Vector2d& other : feet_) {
     if (distance + other.norm() < reach_ && foot.dot(other) <= kCosFacing * distance * other.norm()) return true;

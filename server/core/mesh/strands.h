@@ -41,9 +41,9 @@ class Strands {
   // cross within `reach` of it. The edge is that of t opposite corner c.
   [[nodiscard]] bool has_strands(TriangleId t, int c, double reach);
   // Takes note of a point of lips or border at this offset from the middle. True where lips cross in it.
-  bool note_end(PointId p, const Eigen::Vector2d& offset);
+  bool record_end(PointId p, const Eigen::Vector2d& offset);
   // Takes note of the place of a lip or border that is nearest to the middle. True where another faces it.
-  bool note_foot(const Eigen::Vector2d& foot);
+  bool record_foot(const Eigen::Vector2d& foot);
 
   const TriangleMesh& mesh_;
   StrandWidths widths_;

@@ -8,7 +8,7 @@
 
 namespace kerf::mesh {
 
-TriangleMesh::TriangleMesh(MeshRecords records) : records_(std::move(records)) {
+TriangleMesh::TriangleMesh(MeshData data) : data_(std::move(data)) {
   build_hints();
 }
 
@@ -51,7 +51,7 @@ bool TriangleMesh::has_fixed_edge(PointId p) const {
 
 void TriangleMesh::fan_around(PointId p, std::vector<TriangleId>& fan) const {
   fan.clear();
-  const TriangleId start = records_.points[p].triangle;
+  const TriangleId start = data_.points[p].triangle;
   TriangleId first = start;
   if (std::abs(at(p).x) == Lattice::kHalfDomain &&
       std::abs(at(p).y) == Lattice::kHalfDomain) {  // open: corner of the domain
@@ -71,7 +71,7 @@ double TriangleMesh::area(TriangleId t) const {
 
 double TriangleMesh::material_area(TriangleId t) const {
   const std::array<PointId, 3>& p = points(t);
-  const double spacing = records_.lattice.spacing;
+  const double spacing = data_.lattice.spacing;
   return 0.5 * spacing * spacing * to_double(doubled_area(at(p[0]), at(p[1]), at(p[2])));
 }
 
@@ -80,7 +80,7 @@ Eigen::Matrix2d TriangleMesh::rest_edges(TriangleId t) const {
   const auto edge = [&](PointId to) {
     const LatticePoint& a = at(p[0]);
     const LatticePoint& b = at(to);
-    return Eigen::Vector2d(records_.lattice.spacing *
+    return Eigen::Vector2d(data_.lattice.spacing *
                            Eigen::Vector2d(static_cast<double>(b.x - a.x), static_cast<double>(b.y - a.y)));
   };
   Eigen::Matrix2d edges;
@@ -113,7 +113,7 @@ bool TriangleMesh::is_in_circle(TriangleId t, const LatticePoint& p) const {
 }
 
 TriangleId TriangleMesh::find_edge(PointId p, PointId q, int& corner) const {
-  const TriangleId start = records_.points[p].triangle;
+  const TriangleId start = data_.points[p].triangle;
   for (const bool clockwise :
        {false, true}) {  // the second way round only where the fan is open, at the domain's corners
     TriangleId t = start;
@@ -131,36 +131,36 @@ TriangleId TriangleMesh::find_edge(PointId p, PointId q, int& corner) const {
 }
 
 void TriangleMesh::add_to(StateHash& hash) const {
-  hash.add(records_.lattice.origin.x());
-  hash.add(records_.lattice.origin.y());
-  hash.add(records_.lattice.spacing);
-  for (const double value : {records_.bounds.min().x(), records_.bounds.min().y(), records_.bounds.max().x(),
-                             records_.bounds.max().y(), records_.lengths.mean}) {
+  hash.add(data_.lattice.origin.x());
+  hash.add(data_.lattice.origin.y());
+  hash.add(data_.lattice.spacing);
+  for (const double value : {data_.bounds.min().x(), data_.bounds.min().y(), data_.bounds.max().x(),
+                             data_.bounds.max().y(), data_.lengths.mean}) {
     hash.add(value);
   }
-  if (!records_.lengths.is_uniform()) hash.add_span(std::span<const std::int8_t>(records_.lengths.exponents));
+  if (!data_.lengths.is_uniform()) hash.add_span(std::span<const std::int8_t>(data_.lengths.exponents));
   hash.add(num_points());
-  for (const PointRecord& point : records_.points) {
+  for (const PointRecord& point : data_.points) {
     hash.add(point.at.x);
     hash.add(point.at.y);
     hash.add(point.triangle);
   }
   hash.add(num_vertices());
-  hash.add_span(std::span<const VertexRecord>(records_.vertices));
+  hash.add_span(std::span<const VertexRecord>(data_.vertices));
   hash.add(num_triangle_slots());
   const auto pair = [](std::int32_t a, std::int32_t b) {
     return static_cast<std::uint64_t>(static_cast<std::uint32_t>(a)) << 32 | static_cast<std::uint32_t>(b);
   };
-  for (const TriangleRecord& r : records_.triangles) {  // by field: the record has padding
+  for (const TriangleRecord& r : data_.triangles) {  // by field: the record has padding
     for (int k = 0; k < 3; ++k) {
       hash.add(pair(r.points[k], r.neighbours[k]));
       hash.add(pair(r.vertices[k], r.locks[k]));
     }
     hash.add(pair(r.region, r.piece));
   }
-  hash.add(records_.num_solid_triangles);
-  hash.add(records_.num_pieces);
-  if (is_curved()) records_.surface->add_to(hash);
+  hash.add(data_.num_solid_triangles);
+  hash.add(data_.num_pieces);
+  if (is_curved()) data_.surface->add_to(hash);
 }
 
 std::uint64_t TriangleMesh::state_hash() const {
@@ -170,14 +170,14 @@ std::uint64_t TriangleMesh::state_hash() const {
 }
 
 bool TriangleMesh::has_surface_of(const TriangleMesh& other) const {
-  const RestSurface* const ours = records_.surface.get();
-  const RestSurface* const theirs = other.records_.surface.get();
+  const RestSurface* const ours = data_.surface.get();
+  const RestSurface* const theirs = other.data_.surface.get();
   return ours == theirs || (ours != nullptr && theirs != nullptr && *ours == *theirs);
 }
 
 bool operator==(const TriangleMesh& a, const TriangleMesh& b) {
-  const MeshRecords& x = a.records_;
-  const MeshRecords& y = b.records_;
+  const MeshData& x = a.data_;
+  const MeshData& y = b.data_;
   return x.lattice == y.lattice && x.bounds.min() == y.bounds.min() && x.bounds.max() == y.bounds.max() &&
          x.lengths == y.lengths && x.points == y.points && x.vertices == y.vertices && x.triangles == y.triangles &&
          x.num_solid_triangles == y.num_solid_triangles && x.num_pieces == y.num_pieces && a.has_surface_of(b);

@@ -11,7 +11,7 @@
 
 #include "server/base/state_hash.h"
 #include "server/core/mesh/ids.h"
-#include "server/core/mesh/mesh_records.h"
+#include "server/core/mesh/mesh_data.h"
 
 namespace kerf::mesh {
 
@@ -72,14 +72,14 @@ class TriangleMesh {
  public:
   TriangleMesh() = default;
   // Takes records as they are; for records of unknown origin, call find_violation() afterwards.
-  explicit TriangleMesh(MeshRecords records);
+  explicit TriangleMesh(MeshData data);
 
   // --- Sizes. Loop over slots t in [0, num_triangle_slots()) and skip those that are not solid.
-  [[nodiscard]] std::int32_t num_vertices() const { return static_cast<std::int32_t>(records_.vertices.size()); }
-  [[nodiscard]] std::int32_t num_points() const { return static_cast<std::int32_t>(records_.points.size()); }
-  [[nodiscard]] std::int32_t num_triangle_slots() const { return static_cast<std::int32_t>(records_.triangles.size()); }
-  [[nodiscard]] std::int32_t num_solid_triangles() const { return records_.num_solid_triangles; }
-  [[nodiscard]] std::int32_t num_pieces() const { return records_.num_pieces; }
+  [[nodiscard]] std::int32_t num_vertices() const { return static_cast<std::int32_t>(data_.vertices.size()); }
+  [[nodiscard]] std::int32_t num_points() const { return static_cast<std::int32_t>(data_.points.size()); }
+  [[nodiscard]] std::int32_t num_triangle_slots() const { return static_cast<std::int32_t>(data_.triangles.size()); }
+  [[nodiscard]] std::int32_t num_solid_triangles() const { return data_.num_solid_triangles; }
+  [[nodiscard]] std::int32_t num_pieces() const { return data_.num_pieces; }
 
   // --- The opened mesh.
   [[nodiscard]] bool is_solid(TriangleId t) const { return record(t).region != kNone; }
@@ -99,38 +99,38 @@ class TriangleMesh {
   [[nodiscard]] std::int32_t piece(TriangleId t) const { return record(t).piece; }
   // Material coordinates, m.
   [[nodiscard]] Eigen::Vector2d rest_position(VertexId v) const {
-    return records_.lattice.position(records_.points[records_.vertices[v].point].at);
+    return data_.lattice.position(data_.points[data_.vertices[v].point].at);
   }
   // Returns true if any triangle has a corner at v. Once the material around v was removed, only an undo makes it true
   // again.
   [[nodiscard]] bool has_material(VertexId v) const { return triangle_at(v) != kNone; }
   // One solid triangle with a corner at v; kNone where it has no material.
-  [[nodiscard]] TriangleId triangle_at(VertexId v) const { return records_.vertices[v].triangle; }
+  [[nodiscard]] TriangleId triangle_at(VertexId v) const { return data_.vertices[v].triangle; }
   // The triangles around v in counter-clockwise order, replacing the contents of `ring`; on the boundary from the
   // clockwise end, inside starting at triangle_at(v); empty without material. O(degree).
   void triangles_around(VertexId v, std::vector<TriangleId>& ring) const;
 
   // --- Sizes in rest space.
   // Bounding box of the sheet as built, m.
-  [[nodiscard]] const Eigen::AlignedBox2d& bounding_box() const { return records_.bounds; }
+  [[nodiscard]] const Eigen::AlignedBox2d& bounding_box() const { return data_.bounds; }
   // m^2, > 0; where the rest shape is curved, of solid triangles on the surface.
   [[nodiscard]] double area(TriangleId t) const;
   // m^2, > 0; in the material plane, void slots too.
   [[nodiscard]] double material_area(TriangleId t) const;
   // Mean over the solid triangles of the mesh as built of sqrt(2 area), the leg of the isosceles right triangle of the
   // same area, m. Cuts do not change it.
-  [[nodiscard]] double base_edge_length() const { return records_.lengths.mean; }
+  [[nodiscard]] double base_edge_length() const { return data_.lengths.mean; }
   // Returns the local edge lengths. Cuts do not change them either.
-  [[nodiscard]] const EdgeLengths& edge_lengths() const { return records_.lengths; }
+  [[nodiscard]] const EdgeLengths& edge_lengths() const { return data_.lengths; }
 
   // --- The rest shape, where it is curved: material coordinates are then a chart of it, and lengths of a cut, as in
   // edge_lengths(), are lengths there.
-  [[nodiscard]] bool is_curved() const { return records_.surface != nullptr; }
+  [[nodiscard]] bool is_curved() const { return data_.surface != nullptr; }
   // Returns true if both are flat, or have equal surfaces.
   [[nodiscard]] bool has_surface_of(const TriangleMesh& other) const;
   // Returns the facet that a solid triangle is part of; null if the rest shape is flat, and in the void.
   [[nodiscard]] const Facet* facet(TriangleId t) const {
-    return is_curved() && is_solid(t) ? &records_.surface->facets[static_cast<std::size_t>(record(t).region)] : nullptr;
+    return is_curved() && is_solid(t) ? &data_.surface->facets[static_cast<std::size_t>(record(t).region)] : nullptr;
   }
   // Returns the edges of a solid triangle from corner 0 to corners 1 and 2 as columns, m, in its plane. The first axis
   // of the plane is along material x. Differences of the lattice are exact, those of positions are not where the sheet
@@ -146,15 +146,15 @@ class TriangleMesh {
   [[nodiscard]] bool is_in_circle(TriangleId t, const LatticePoint& p) const;
 
   // --- The welded mesh (for cutting and checking).
-  [[nodiscard]] const Lattice& lattice() const { return records_.lattice; }
-  [[nodiscard]] const TriangleRecord& record(TriangleId t) const { return records_.triangles[t]; }
-  [[nodiscard]] const MeshRecords& records() const { return records_; }
+  [[nodiscard]] const Lattice& lattice() const { return data_.lattice; }
+  [[nodiscard]] const TriangleRecord& record(TriangleId t) const { return data_.triangles[t]; }
+  [[nodiscard]] const MeshData& data() const { return data_; }
   [[nodiscard]] const std::array<PointId, 3>& points(TriangleId t) const { return record(t).points; }
-  [[nodiscard]] const LatticePoint& at(PointId p) const { return records_.points[p].at; }
-  [[nodiscard]] Eigen::Vector2d point_position(PointId p) const { return records_.lattice.position(at(p)); }  // m
+  [[nodiscard]] const LatticePoint& at(PointId p) const { return data_.points[p].at; }
+  [[nodiscard]] Eigen::Vector2d point_position(PointId p) const { return data_.lattice.position(at(p)); }  // m
   // One slot with a corner at p.
-  [[nodiscard]] TriangleId triangle_at_point(PointId p) const { return records_.points[p].triangle; }
-  [[nodiscard]] PointId point(VertexId v) const { return records_.vertices[v].point; }
+  [[nodiscard]] TriangleId triangle_at_point(PointId p) const { return data_.points[p].triangle; }
+  [[nodiscard]] PointId point(VertexId v) const { return data_.vertices[v].point; }
   // Across edge k whatever its locks; kNone at the rim of the domain only.
   [[nodiscard]] TriangleId welded_neighbour(TriangleId t, int k) const { return record(t).neighbours[k]; }
   [[nodiscard]] LockBits locks(TriangleId t, int k) const { return record(t).locks[k]; }
@@ -208,7 +208,7 @@ class TriangleMesh {
   [[nodiscard]] TriangleId hint_near(const LatticePoint& p) const;
   void build_hints();
 
-  MeshRecords records_;
+  MeshData data_;
   // Coarse grid of slots to start walks from: cell -> a slot that was there when the mesh was built. Only a hint, so
   // not part of the state.
   std::vector<TriangleId> hints_;

@@ -33,7 +33,7 @@ class Lineage {
   // By the mesh's piece number.
   [[nodiscard]] const std::vector<PieceBirth>& pieces() const { return pieces_; }
 
-  // Follows an edit made by cut number `cut`; see MeshEdit::split_from and vanished_pieces.
+  // Follows an edit made by cut number `cut`; see MeshEdit::split_from and removed_pieces.
   LineageChange split(const std::vector<std::int32_t>& split_from, const std::vector<std::int32_t>& vanished,
                       std::int64_t cut);
   // Undoes the last change that is not undone yet.

@@ -6,18 +6,18 @@ namespace kerf::sheet {
 
 void ContactBridge::set_vertices(std::int32_t num_vertices, const std::vector<mesh::VertexId>& pinned,
                                  const std::vector<mesh::VertexId>& removed) {
-  for (const mesh::VertexId v : left_alone_) is_left_alone_[static_cast<std::size_t>(v)] = 0;
-  left_alone_ = pinned;
-  left_alone_.insert(left_alone_.end(), removed.begin(), removed.end());
-  is_left_alone_.resize(static_cast<std::size_t>(num_vertices), 0);
-  for (const mesh::VertexId v : left_alone_) is_left_alone_[static_cast<std::size_t>(v)] = 1;
+  for (const mesh::VertexId v : excluded_) is_excluded_[static_cast<std::size_t>(v)] = 0;
+  excluded_ = pinned;
+  excluded_.insert(excluded_.end(), removed.begin(), removed.end());
+  is_excluded_.resize(static_cast<std::size_t>(num_vertices), 0);
+  for (const mesh::VertexId v : excluded_) is_excluded_[static_cast<std::size_t>(v)] = 1;
   x_before_.resize(num_vertices);
   solver_.reserve(num_vertices);
 }
 
 void ContactBridge::begin(const mesh::VertexField& x) {
   x_before_ = x;
-  solver_.begin(half_thickness_, is_left_alone_, x);
+  solver_.begin(half_thickness_, is_excluded_, x);
 }
 
 void ContactBridge::enforce(double dt, fem::State& state) {

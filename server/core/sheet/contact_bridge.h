@@ -48,9 +48,9 @@ class ContactBridge : public fem::ContactConstraint {
   contact::ContactSolver solver_;
   double half_thickness_ = 0.0;
   bool is_calm_ = false;
-  std::vector<mesh::VertexId> left_alone_;
-  std::vector<std::uint8_t> is_left_alone_;  // length V
-  mesh::VertexField x_before_;               // m, when the present substep began
+  std::vector<mesh::VertexId> excluded_;
+  std::vector<std::uint8_t> is_excluded_;  // length V
+  mesh::VertexField x_before_;             // m, when the present substep began
 };
 
 }  // namespace kerf::sheet

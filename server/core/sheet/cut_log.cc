@@ -10,7 +10,7 @@ void CutLog::add(std::vector<DoneCut> cuts, const mesh::TriangleMesh& mesh, cons
   bool fell_apart = false;
   for (DoneCut& cut : cuts) {
     cut.number = ++last_number_;
-    cut.lineage = lineage_.split(cut.edit.edit.split_from, cut.edit.edit.vanished_pieces, cut.number);
+    cut.lineage = lineage_.split(cut.edit.edit.split_from, cut.edit.edit.removed_pieces, cut.number);
     fell_apart = fell_apart || !cut.lineage.born.empty() || !cut.lineage.given_up.empty();
     changes.push_back(cut.lineage);
   }

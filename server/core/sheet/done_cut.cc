@@ -23,7 +23,7 @@ std::size_t bytes_of(const DoneCut& cut) {
   const mesh::MeshEdit& edit = cut.edit.edit;
   return sizeof(cut) + bytes_of(edit.added_vertices) + bytes_of(edit.moved_vertices) +
          bytes_of(edit.rewritten_triangles) + bytes_of(edit.split_from) + bytes_of(cut.edit.undo) +
-         bytes_of(cut.again) + bytes_of(edit.removed_vertices) + bytes_of(edit.vanished_pieces) +
+         bytes_of(cut.again) + bytes_of(edit.removed_vertices) + bytes_of(edit.removed_pieces) +
          bytes_of(cut.lineage.ended) + bytes_of(cut.lineage.born) + bytes_of(cut.lineage.given_up) +
          bytes_of(cut.lost_pins);
 }

@@ -40,10 +40,10 @@ bool MotionWindow::add(const Eigen::Matrix3Xd& x, double dt) {
   return time_ >= length_ * (1.0 - 1.0e-9) && num_ticks_.back() > 0;
 }
 
-double MotionWindow::expected_motion(double foresight, bool slows) const {
+double MotionWindow::expected_motion(double horizon, bool slows) const {
   constexpr double kSlowing = 0.95;  // -, what keeps more of its pace from third to third is not slowing down
   constexpr double kSafety = 1.5;    // -, of what is to come
-  const double steps = foresight / (length_ / 3.0);
+  const double steps = horizon / (length_ / 3.0);
   double expected = 0.0;
   for (Eigen::Index v = 0; v < num_vertices_; ++v) {
     std::array<Eigen::Vector3d, 3> means;
@@ -100,8 +100,8 @@ void RestWatch::after_tick(const fem::Model& model, const Tick& tick, fem::State
     // Noise may look like slowing down in one window.
     const bool settled =
         std::exchange(settles_[k], is_calm_ && window.length() * std::sqrt(tick.gravity / size_) >= kSwing &&
-                                       window.expected_motion(kForesight, true) <= kTolerance);
-    is_at_rest_ = is_at_rest_ || (settled && settles_[k]) || window.expected_motion(kForesight, false) <= kTolerance;
+                                       window.expected_motion(kHorizon, true) <= kTolerance);
+    is_at_rest_ = is_at_rest_ || (settled && settles_[k]) || window.expected_motion(kHorizon, false) <= kTolerance;
     window.begin(state.x);
   }
 }

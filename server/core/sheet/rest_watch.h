@@ -20,10 +20,10 @@ class MotionWindow {
   void begin(const Eigen::Matrix3Xd& x);
   // Takes positions (3 x V, m) `dt` (s) after those before. True: the window is complete; begin() another.
   bool add(const Eigen::Matrix3Xd& x, double dt);
-  // Estimates, in m, how far a vertex may be from its last place within `foresight` (s): as far as it has been from
+  // Estimates, in m, how far a vertex may be from its last place within `horizon` (s): as far as it has been from
   // there, and what it goes further if it keeps its pace. One that slowed down from the first two thirds to the last
   // two slows down further at that rate if `slows` is true.
-  [[nodiscard]] double expected_motion(double foresight, bool slows) const;
+  [[nodiscard]] double expected_motion(double horizon, bool slows) const;
   [[nodiscard]] double length() const { return length_; }
 
  private:
@@ -55,7 +55,7 @@ class RestWatch {
   static constexpr double kDampingRate = 0.8;    // -, of sqrt(g / size)
   static constexpr double kShortWindow = 2.0;    // s
   static constexpr double kLongWindow = 8.0;     // s
-  static constexpr double kForesight = 60.0;     // s
+  static constexpr double kHorizon = 60.0;       // s
   static constexpr double kSwing = 6.0;          // -, least window over sqrt(size / g) to separate slowing and swinging
   static constexpr double kTolerance = 9.0e-5;   // m
 

@@ -70,7 +70,7 @@ void Sheet::Impl::follow(const std::vector<DoneCut>& done, PhaseObserver* observ
   const std::vector<const mesh::MeshEdit*> edits = edits_of(done);
   if (moving.follow(edits, rewritten_slots(done, moving.mesh().num_triangle_slots()), observer)) ++settings_version;
   ++topology_version;
-  topology.note(edits);
+  topology.add_edits(edits);
 }
 
 void Sheet::Impl::redo(const std::vector<DoneCut>& done, const CommandContext& context) {

@@ -3,7 +3,7 @@
 #include <memory>
 #include <utility>
 
-#include "server/core/mesh/mesh_records.h"
+#include "server/core/mesh/mesh_data.h"
 #include "server/core/sheet/sheet_impl.h"
 
 namespace kerf::sheet {

@@ -27,7 +27,7 @@ void copy_mesh(const mesh::TriangleMesh& mesh, Topology& topology) {
 
 }  // namespace
 
-void LazyTopology::note(std::span<const mesh::MeshEdit* const> edits) {
+void LazyTopology::add_edits(std::span<const mesh::MeshEdit* const> edits) {
   if (!latest_) return;
   for (const mesh::MeshEdit* edit : edits) {
     rewritten_.insert(rewritten_.end(), edit->rewritten_triangles.begin(), edit->rewritten_triangles.end());

@@ -16,7 +16,7 @@ namespace kerf::sheet {
 class LazyTopology {
  public:
   // Notes edits that the mesh has made.
-  void note(std::span<const mesh::MeshEdit* const> edits);
+  void add_edits(std::span<const mesh::MeshEdit* const> edits);
   // Notes that the mesh was replaced: no patch leads to it from a topology that viewers have.
   void replace();
 

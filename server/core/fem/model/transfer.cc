@@ -82,7 +82,7 @@ class Fold {
   Fold(const MassesBefore& mass_before, State& state) : mass_before_(mass_before), state_(state) {}
 
   void take_back(const mesh::RevertedEdit& reverted) {
-    revive(reverted.revived_vertices);
+    revive(reverted.restored_vertices);
     const std::vector<Eigen::Vector3d> x = interpolate(reverted.moved_vertices, state_.x);
     const std::vector<Eigen::Vector3d> v = interpolate(reverted.moved_vertices, state_.v);
     write(reverted.moved_vertices, x, state_.x);

@@ -16,11 +16,11 @@ namespace {
 
 class FacetMaker {
  public:
-  FacetMaker(const Eigen::Matrix3Xd& surface, MeshRecords& records) : surface_(surface), records_(records) {}
+  FacetMaker(const Eigen::Matrix3Xd& surface, MeshData& data) : surface_(surface), data_(data) {}
 
   Status run() {
-    const auto count = static_cast<TriangleId>(records_.triangles.size());
-    std::vector<std::int32_t> facet_of(records_.triangles.size(), kNone);
+    const auto count = static_cast<TriangleId>(data_.triangles.size());
+    std::vector<std::int32_t> facet_of(data_.triangles.size(), kNone);
     RestSurface made;
     std::vector<TriangleId> stack;
     for (TriangleId first = 0; first < count; ++first) {
@@ -33,12 +33,12 @@ class FacetMaker {
       }
       if (facet_of[first] != kNone) continue;
       const auto number = static_cast<std::int32_t>(made.facets.size());
-      const Facet facet = Facet::of(material_corners(first), surface_corners(first), records_.triangles[first].region);
+      const Facet facet = Facet::of(material_corners(first), surface_corners(first), data_.triangles[first].region);
       made.facets.push_back(facet);
       facet_of[first] = number;
       stack.push_back(first);
       while (!stack.empty()) {
-        const TriangleRecord& record = records_.triangles[stack.back()];
+        const TriangleRecord& record = data_.triangles[stack.back()];
         stack.pop_back();
         for (int k = 0; k < 3; ++k) {
           const TriangleId next = record.neighbours[k];
@@ -48,20 +48,20 @@ class FacetMaker {
         }
       }
     }
-    for (std::size_t t = 0; t < facet_of.size(); ++t) records_.triangles[t].region = facet_of[t];
-    records_.surface = std::make_shared<const RestSurface>(std::move(made));
+    for (std::size_t t = 0; t < facet_of.size(); ++t) data_.triangles[t].region = facet_of[t];
+    data_.surface = std::make_shared<const RestSurface>(std::move(made));
     return Nothing{};
   }
 
  private:
   [[nodiscard]] std::array<Eigen::Vector2d, 3> material_corners(TriangleId t) const {
-    const std::array<PointId, 3>& p = records_.triangles[t].points;
-    const auto at = [&](int k) { return records_.lattice.position(records_.points[p[k]].at); };
+    const std::array<PointId, 3>& p = data_.triangles[t].points;
+    const auto at = [&](int k) { return data_.lattice.position(data_.points[p[k]].at); };
     return {at(0), at(1), at(2)};
   }
 
   [[nodiscard]] std::array<Eigen::Vector3d, 3> surface_corners(TriangleId t) const {
-    const std::array<VertexId, 3>& v = records_.triangles[t].vertices;
+    const std::array<VertexId, 3>& v = data_.triangles[t].vertices;
     return {surface_.col(v[0]), surface_.col(v[1]), surface_.col(v[2])};
   }
 
@@ -76,7 +76,7 @@ class FacetMaker {
   }
 
   [[nodiscard]] bool lies_on(const Facet& facet, TriangleId t) const {
-    if (records_.triangles[t].region != facet.region) return false;
+    if (data_.triangles[t].region != facet.region) return false;
     const std::array<Eigen::Vector2d, 3> material = material_corners(t);
     const std::array<Eigen::Vector3d, 3> at = surface_corners(t);
     const double allowed = kSameFacet * longest_edge(at);
@@ -87,13 +87,13 @@ class FacetMaker {
   }
 
   const Eigen::Matrix3Xd& surface_;
-  MeshRecords& records_;
+  MeshData& data_;
 };
 
 }  // namespace
 
-Status make_facets(const Eigen::Matrix3Xd& surface, MeshRecords& records) {
-  return FacetMaker(surface, records).run();
+Status make_facets(const Eigen::Matrix3Xd& surface, MeshData& data) {
+  return FacetMaker(surface, data).run();
 }
 
 }  // namespace kerf::mesh

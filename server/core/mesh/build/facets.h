@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 
 #include "server/base/result.h"
-#include "server/core/mesh/mesh_records.h"
+#include "server/core/mesh/mesh_data.h"
 
 namespace kerf::mesh {
 
@@ -11,6 +11,6 @@ namespace kerf::mesh {
 // positions of their vertices. Neighbours of one region share a facet if one affine map from the material plane meets
 // both within kSameFacet of their longest edge; the records' regions become the numbers of the facets. Error:
 // MESH_DEGENERATE_TRIANGLE (flatter than kMinFlatness on the surface), field = `surface`.
-Status make_facets(const Eigen::Matrix3Xd& surface, MeshRecords& records);
+Status make_facets(const Eigen::Matrix3Xd& surface, MeshData& data);
 
 }  // namespace kerf::mesh

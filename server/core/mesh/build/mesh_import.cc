@@ -47,12 +47,12 @@ class SheetImport {
                             &SheetImport::join_triangles, &SheetImport::check_vertices, &SheetImport::curve}) {
       KERF_TRY((this->*step)());
     }
-    records_.num_solid_triangles = num_triangles();
-    KERF_TRY(fill_void(records_, border_));
+    data_.num_solid_triangles = num_triangles();
+    KERF_TRY(fill_void(data_, border_));
     label_pieces();
     anchor();
     measure();
-    TriangleMesh mesh(std::move(records_));
+    TriangleMesh mesh(std::move(data_));
 #ifdef KERF_VALIDATE
     if (const std::optional<std::string> violation = mesh.find_violation()) KERF_CHECK(false, violation->c_str());
 #endif
@@ -147,10 +147,10 @@ class SheetImport {
     if (box.sizes().maxCoeff() < 1e-9) {
       return invalid_argument("MESH_DEGENERATE_TRIANGLE", "the sheet is smaller than 1e-9 m", "rest");
     }
-    records_.lattice = Lattice::for_bounds(box);
+    data_.lattice = Lattice::for_bounds(box);
     std::vector<std::pair<LatticePoint, VertexId>> order;
     order.reserve(static_cast<std::size_t>(num_vertices()));
-    for (VertexId v = 0; v < num_vertices(); ++v) order.emplace_back(records_.lattice.nearest(input_.rest.col(v)), v);
+    for (VertexId v = 0; v < num_vertices(); ++v) order.emplace_back(data_.lattice.nearest(input_.rest.col(v)), v);
     std::sort(order.begin(), order.end());
     std::vector<VertexId> first_at(order.size());  // the lowest vertex at the same place
     for (std::size_t i = 0; i < order.size(); ++i) {
@@ -161,10 +161,10 @@ class SheetImport {
     for (const auto& [position, v] : order) at[v] = position;
     for (VertexId v = 0; v < num_vertices(); ++v) {
       if (first_at[v] == v) {
-        records_.vertices.push_back({static_cast<PointId>(records_.points.size()), kNone});
-        records_.points.push_back({at[v], kNone});
+        data_.vertices.push_back({static_cast<PointId>(data_.points.size()), kNone});
+        data_.points.push_back({at[v], kNone});
       } else {
-        records_.vertices.push_back({records_.vertices[first_at[v]].point, kNone});
+        data_.vertices.push_back({data_.vertices[first_at[v]].point, kNone});
       }
     }
     return Nothing{};
@@ -173,10 +173,10 @@ class SheetImport {
   // All sides, those between the same two ends together; within these by triangle.
   [[nodiscard]] std::vector<Side> sorted_sides(bool by_point) const {
     std::vector<Side> sides;
-    sides.reserve(3 * records_.triangles.size());
+    sides.reserve(3 * data_.triangles.size());
     for (TriangleId t = 0; t < num_triangles(); ++t) {
       interruption_point();
-      const TriangleRecord& r = records_.triangles[t];
+      const TriangleRecord& r = data_.triangles[t];
       const std::array<std::int32_t, 3>& ends = by_point ? r.points : r.vertices;
       for (int k = 0; k < 3; ++k) sides.push_back({ends[next_corner(k)], ends[previous_corner(k)], t, k});
     }
@@ -195,11 +195,11 @@ class SheetImport {
       TriangleRecord r;
       for (int k = 0; k < 3; ++k) {
         r.vertices[k] = input_.triangles(k, t);
-        r.points[k] = records_.vertices[r.vertices[k]].point;
+        r.points[k] = data_.vertices[r.vertices[k]].point;
       }
       r.region = input_.regions.empty() ? 0 : input_.regions[t];
-      records_.triangles.push_back(r);
-      const auto at = [&](int k) { return records_.points[r.points[k]].at; };
+      data_.triangles.push_back(r);
+      const auto at = [&](int k) { return data_.points[r.points[k]].at; };
       sign[t] = orient2d(at(0), at(1), at(2));
       if (flatness(at(0), at(1), at(2)) < kMinFlatness) {
         return invalid_argument(
@@ -232,8 +232,8 @@ class SheetImport {
     }
     for (TriangleId t = 0; t < num_triangles(); ++t) {  // neighbours have equal signs, so whole components turn
       if (sign[t] > 0) continue;
-      std::swap(records_.triangles[t].points[1], records_.triangles[t].points[2]);
-      std::swap(records_.triangles[t].vertices[1], records_.triangles[t].vertices[2]);
+      std::swap(data_.triangles[t].points[1], data_.triangles[t].points[2]);
+      std::swap(data_.triangles[t].vertices[1], data_.triangles[t].vertices[2]);
     }
     return Nothing{};
   }
@@ -254,8 +254,8 @@ class SheetImport {
             "MESH_OVERLAP", "triangles " + id(a.triangle) + " and " + id(b.triangle) + " overlap along a common edge",
             "triangles");
       }
-      TriangleRecord& ra = records_.triangles[a.triangle];
-      TriangleRecord& rb = records_.triangles[b.triangle];
+      TriangleRecord& ra = data_.triangles[a.triangle];
+      TriangleRecord& rb = data_.triangles[b.triangle];
       ra.neighbours[a.corner] = b.triangle;
       rb.neighbours[b.corner] = a.triangle;
       const bool is_whole = ra.vertices[next_corner(a.corner)] == rb.vertices[previous_corner(b.corner)] &&
@@ -270,14 +270,14 @@ class SheetImport {
 
   // Each vertex has one fan.
   Status check_vertices() {
-    std::vector<std::int32_t> num_corners(records_.vertices.size(), 0);
+    std::vector<std::int32_t> num_corners(data_.vertices.size(), 0);
     for (TriangleId t = num_triangles() - 1; t >= 0; --t) {
-      for (const VertexId v : records_.triangles[t].vertices) {
+      for (const VertexId v : data_.triangles[t].vertices) {
         ++num_corners[v];
-        records_.vertices[v].triangle = t;
+        data_.vertices[v].triangle = t;
       }
     }
-    const TriangleMesh sheet(records_);
+    const TriangleMesh sheet(data_);
     std::vector<TriangleId> ring;
     for (VertexId v = 0; v < num_vertices(); ++v) {
       sheet.triangles_around(v, ring);
@@ -290,22 +290,22 @@ class SheetImport {
   }
 
   Status curve() {
-    return input_.surface.cols() == 0 ? Status(Nothing{}) : make_facets(input_.surface, records_);
+    return input_.surface.cols() == 0 ? Status(Nothing{}) : make_facets(input_.surface, data_);
   }
 
   void label_pieces() {
     std::vector<TriangleId> stack;
     for (TriangleId first = 0; first < num_triangles(); ++first) {
-      if (records_.triangles[first].piece != kNone) continue;
-      const std::int32_t piece = records_.num_pieces++;
-      records_.triangles[first].piece = piece;
+      if (data_.triangles[first].piece != kNone) continue;
+      const std::int32_t piece = data_.num_pieces++;
+      data_.triangles[first].piece = piece;
       stack.push_back(first);
       while (!stack.empty()) {
-        const TriangleRecord r = records_.triangles[stack.back()];
+        const TriangleRecord r = data_.triangles[stack.back()];
         stack.pop_back();
         for (int k = 0; k < 3; ++k) {
-          if (r.locks[k] != 0 || records_.triangles[r.neighbours[k]].piece != kNone) continue;
-          records_.triangles[r.neighbours[k]].piece = piece;
+          if (r.locks[k] != 0 || data_.triangles[r.neighbours[k]].piece != kNone) continue;
+          data_.triangles[r.neighbours[k]].piece = piece;
           stack.push_back(r.neighbours[k]);
         }
       }
@@ -313,22 +313,22 @@ class SheetImport {
   }
 
   void anchor() {
-    for (auto t = static_cast<TriangleId>(records_.triangles.size()) - 1; t >= 0; --t) {
-      for (const PointId p : records_.triangles[t].points) records_.points[p].triangle = t;
+    for (auto t = static_cast<TriangleId>(data_.triangles.size()) - 1; t >= 0; --t) {
+      for (const PointId p : data_.triangles[t].points) data_.points[p].triangle = t;
     }
   }
 
   void measure() {
-    records_.bounds.setEmpty();
-    for (const VertexRecord& v : records_.vertices) {
-      records_.bounds.extend(records_.lattice.position(records_.points[v.point].at));
+    data_.bounds.setEmpty();
+    for (const VertexRecord& v : data_.vertices) {
+      data_.bounds.extend(data_.lattice.position(data_.points[v.point].at));
     }
-    const std::span<const TriangleRecord> solid(records_.triangles.data(), static_cast<std::size_t>(num_triangles()));
-    records_.lengths = EdgeLengths::of(solid, records_.points, records_.lattice, records_.bounds);
+    const std::span<const TriangleRecord> solid(data_.triangles.data(), static_cast<std::size_t>(num_triangles()));
+    data_.lengths = EdgeLengths::of(solid, data_.points, data_.lattice, data_.bounds);
   }
 
   const IndexedMesh& input_;
-  MeshRecords records_;
+  MeshData data_;
   std::vector<BorderSide> border_;
 };
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "server/base/interruption.h"
-#include "server/core/mesh/build/words.h"
+#include "server/core/mesh/build/tokenizer.h"
 
 namespace kerf::mesh {
 namespace {
@@ -53,7 +53,7 @@ class ObjReader {
                     std::to_string(line.size()) + " bytes; the limit is " + std::to_string(kMaxObjLineBytes));
     }
     line = line.substr(0, line.find('#'));
-    const std::string_view keyword = next_word(line);
+    const std::string_view keyword = next_token(line);
     if (keyword == "v") return read_position(line);
     if (keyword == "vt") return read_texture(line);
     if (keyword == "f") return read_face(line);
@@ -63,7 +63,7 @@ class ObjReader {
   Status read_position(std::string_view line) {
     Eigen::Vector3d position;
     for (double& coordinate : position) {
-      if (!parse_number(next_word(line), coordinate)) return refuse("NUMBER", "a position is three finite numbers");
+      if (!parse_number(next_token(line), coordinate)) return refuse("NUMBER", "a position is three finite numbers");
     }
     return added(faces_.add_position(position));
   }
@@ -71,7 +71,7 @@ class ObjReader {
   Status read_texture(std::string_view line) {
     Eigen::Vector2d uv(0.0, 0.0);
     for (int i = 0; i < 2; ++i) {
-      const std::string_view word = next_word(line);
+      const std::string_view word = next_token(line);
       if (i == 1 && word.empty()) break;  // one-dimensional textures leave v out
       if (!parse_number(word, uv[i])) return refuse("NUMBER", "a texture coordinate is one or two finite numbers");
     }
@@ -89,7 +89,7 @@ class ObjReader {
 
   Status read_face(std::string_view line) {
     std::vector<FaceList::Corner> corners;
-    for (std::string_view word = next_word(line); !word.empty(); word = next_word(line)) {
+    for (std::string_view word = next_token(line); !word.empty(); word = next_token(line)) {
       const std::size_t slash = std::min(word.find('/'), word.size());
       FaceList::Corner corner{kNone, kNone};
       if (!resolve(word.substr(0, slash), faces_.num_positions(), corner.first)) {

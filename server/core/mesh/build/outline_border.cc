@@ -196,7 +196,7 @@ LatticePoint OutlineBorder::at(std::int32_t contour, double station) const {
 
 // Returns true if an edge may replace this part of a contour: nothing else lies between the two, and the part turns
 // little enough.
-bool OutlineBorder::stands_for(const Span& span) const {
+bool OutlineBorder::can_be_one_edge(const Span& span) const {
   const Contour& contour = contours_[span.contour];
   const std::size_t first = contour.chord_at(span.from);
   const std::size_t last =
@@ -230,7 +230,7 @@ bool OutlineBorder::stands_for(const Span& span) const {
 // Appends the vertices at the start of a part and inside it.
 bool OutlineBorder::append(const Span& span, std::int64_t max_vertices) {
   const double middle = 0.5 * (span.from + span.to);
-  if (stands_for(span) || middle <= span.from || middle >= span.to) {
+  if (can_be_one_edge(span) || middle <= span.from || middle >= span.to) {
     vertices_.push_back({span.contour, span.from, at(span.contour, span.from)});
     return static_cast<std::int64_t>(vertices_.size()) <= max_vertices;
   }

@@ -76,7 +76,7 @@ class OutlineBorder : public BorderCurves {
   [[nodiscard]] bool conflict(const Chord& a, const Chord& b) const;
   [[nodiscard]] bool are_neighbours(const Chord& a, const Chord& b) const;
   [[nodiscard]] LatticePoint at(std::int32_t contour, double station) const;
-  [[nodiscard]] bool stands_for(const Span& span) const;
+  [[nodiscard]] bool can_be_one_edge(const Span& span) const;
   [[nodiscard]] bool append(const Span& span, std::int64_t max_vertices);
   void link();
   [[nodiscard]] double station_after(const Vertex& from, const Vertex& to) const;

@@ -124,7 +124,7 @@ class OutlineMesher {
         "edges must be at least 1e-9 of the outline's larger side, which is " + std::to_string(side) + " m", field);
   }
 
-  [[nodiscard]] std::vector<SizeSource> asked_sources() const {
+  [[nodiscard]] std::vector<SizeSource> requested_sources() const {
     std::vector<SizeSource> sources;
     for (const OutlineSize& size : config_.sizes) {
       for (std::size_t i = 0; i + 1 < size.points.size(); ++i) {
@@ -135,12 +135,12 @@ class OutlineMesher {
     return sources;
   }
 
-  [[nodiscard]] SizeField sizes() const { return {edge_length_, asked_sources()}; }
+  [[nodiscard]] SizeField sizes() const { return {edge_length_, requested_sources()}; }
 
   // Returns the sizes with the contours' own edges, where these are shorter than requested.
   [[nodiscard]] SizeField sizes_inside() const {
     const SizeField asked = sizes();
-    std::vector<SizeSource> sources = asked_sources();
+    std::vector<SizeSource> sources = requested_sources();
     for (std::size_t v = 0; v < border_.vertices().size(); ++v) {
       const Vector2d a = border_.lattice().position(border_.vertices()[v].at);
       const auto next = static_cast<std::size_t>(border_.next(static_cast<std::int32_t>(v)));

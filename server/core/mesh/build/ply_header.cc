@@ -6,7 +6,7 @@
 
 #include "server/core/mesh/build/mesh_import.h"
 #include "server/core/mesh/build/ply_import.h"
-#include "server/core/mesh/build/words.h"
+#include "server/core/mesh/build/tokenizer.h"
 
 namespace kerf::mesh {
 namespace {
@@ -81,7 +81,7 @@ class HeaderReader {
   }
   // Returns true if this was the last line of the header.
   Result<bool> read_line(std::string_view line) {
-    const std::string_view keyword = next_word(line);
+    const std::string_view keyword = next_token(line);
     if (keyword == "comment" || keyword == "obj_info") return false;
     Status read = Nothing{};
     if (keyword == "format") {
@@ -94,7 +94,7 @@ class HeaderReader {
       return refuse("HEADER", quoted(keyword) + " is not one of format, element, property, comment, end_header");
     }
     KERF_TRY(read);
-    if (const std::string_view extra = next_word(line); !extra.empty()) {
+    if (const std::string_view extra = next_token(line); !extra.empty()) {
       return refuse("HEADER", quoted(extra) + " is unexpected at the end of this line");
     }
     if (keyword == "end_header" && !has_format_) return refuse("HEADER", "a line with the format is missing");
@@ -102,7 +102,7 @@ class HeaderReader {
   }
 
   Status read_format(std::string_view& line) {
-    const std::string_view name = next_word(line);
+    const std::string_view name = next_token(line);
     if (has_format_) return refuse("HEADER", "the format is given twice");
     if (name == "ascii") {
       header_.format = PlyFormat::kAscii;
@@ -114,15 +114,15 @@ class HeaderReader {
       return refuse("HEADER",
                     "format " + quoted(name) + " is not one of ascii, binary_little_endian, binary_big_endian");
     }
-    if (next_word(line) != "1.0") return refuse("HEADER", "the format's version must be 1.0");
+    if (next_token(line) != "1.0") return refuse("HEADER", "the format's version must be 1.0");
     has_format_ = true;
     return Nothing{};
   }
 
   Status read_element(std::string_view& line) {
     PlyElement element;
-    element.name = next_word(line);
-    if (!parse_number(next_word(line), element.count) || element.count < 0) {
+    element.name = next_token(line);
+    if (!parse_number(next_token(line), element.count) || element.count < 0) {
       return refuse("HEADER", "an element needs a name and a count, 0 or more");
     }
     if (find_named(header_.elements, element.name) != nullptr) {
@@ -153,14 +153,14 @@ class HeaderReader {
   Status read_property(std::string_view& line) {
     if (header_.elements.empty()) return refuse("HEADER", "a property must come after the element it belongs to");
     PlyProperty property;
-    std::string_view word = next_word(line);
+    std::string_view word = next_token(line);
     if (word == "list") {
-      KERF_TRY(read_type(next_word(line), property.count_type.emplace()));
+      KERF_TRY(read_type(next_token(line), property.count_type.emplace()));
       if (!is_integer(*property.count_type)) return refuse("HEADER", "the length of a list must be of an integer type");
-      word = next_word(line);
+      word = next_token(line);
     }
     KERF_TRY(read_type(word, property.type));
-    property.name = next_word(line);
+    property.name = next_token(line);
     if (property.name.empty()) return refuse("HEADER", "a property needs a name");
     std::vector<PlyProperty>& properties = header_.elements.back().properties;
     if (find_named(properties, property.name) != nullptr) {

@@ -10,7 +10,7 @@
 
 #include "server/base/interruption.h"
 #include "server/core/mesh/build/ply_header.h"
-#include "server/core/mesh/build/words.h"
+#include "server/core/mesh/build/tokenizer.h"
 
 namespace kerf::mesh {
 namespace {
@@ -113,7 +113,7 @@ class PlyReader {
     for (const PlyProperty& property : element_->properties) {
       KERF_TRY(property.count_type ? read_list(property) : read_scalar(property, position, texture));
     }
-    if (is_text() && !next_word(row_text_).empty()) {
+    if (is_text() && !next_token(row_text_).empty()) {
       return refuse("VALUES", "the line has more values than the header declares for this element");
     }
     if (element_->name == "face") return added(faces_.add_face(corners_));
@@ -179,7 +179,7 @@ class PlyReader {
 
   Status read_number(PlyType type, double& value) {
     if (is_text()) {
-      const std::string_view word = next_word(row_text_);
+      const std::string_view word = next_token(row_text_);
       if (word.empty()) return too_few();
       if (!parse_number(word, value)) return refuse("NUMBER", quoted(word) + " is not a number");
       return Nothing{};
@@ -194,7 +194,7 @@ class PlyReader {
   Status skip(PlyType type, std::uint64_t count) {
     if (is_text()) {
       for (std::uint64_t i = 0; i < count; ++i) {
-        if (next_word(row_text_).empty()) return too_few();
+        if (next_token(row_text_).empty()) return too_few();
       }
       return Nothing{};
     }

@@ -16,8 +16,8 @@ constexpr int kUnvisited = -1'000'000;
 
 class VoidFill {
  public:
-  VoidFill(MeshRecords& records, std::span<const BorderSide> border)
-      : records_(records), border_(border), domain_(make_empty_domain(records.lattice)) {
+  VoidFill(MeshData& data, std::span<const BorderSide> border)
+      : data_(data), border_(border), domain_(make_empty_domain(data.lattice)) {
     for (std::int32_t i = 0; i < static_cast<std::int32_t>(border_.size()); ++i)
       by_ends_.push_back({key(border_[i]), i});
     std::sort(by_ends_.begin(), by_ends_.end());
@@ -51,11 +51,11 @@ class VoidFill {
     sort_unique(used);
     std::vector<LatticePoint> positions;
     positions.reserve(used.size());
-    for (const PointId p : used) positions.push_back(records_.points[p].at);
+    for (const PointId p : used) positions.push_back(data_.points[p].at);
     MeshEditor editor(domain_);
     const std::vector<PointId> inserted = insert_delaunay(editor, positions);
     sheet_point_.assign(used.size() + 4, kNone);
-    domain_point_.assign(records_.points.size(), kNone);
+    domain_point_.assign(data_.points.size(), kNone);
     for (std::size_t i = 0; i < used.size(); ++i) {
       sheet_point_[inserted[i]] = used[i];
       domain_point_[used[i]] = inserted[i];
@@ -88,7 +88,7 @@ class VoidFill {
 
   Status compute_winding() {
     winding_.assign(static_cast<std::size_t>(domain_.num_triangle_slots()), kUnvisited);
-    std::vector<TriangleId> stack{domain_.records().points[0].triangle};
+    std::vector<TriangleId> stack{domain_.data().points[0].triangle};
     winding_[stack.back()] = 0;
     while (!stack.empty()) {
       const TriangleId t = stack.back();
@@ -119,11 +119,11 @@ class VoidFill {
     }
     std::string list;
     int num_listed = 0;
-    for (TriangleId s = 0; s < static_cast<TriangleId>(records_.triangles.size()) && num_listed < 8; ++s) {
-      const std::array<PointId, 3>& c = records_.triangles[s].points;
+    for (TriangleId s = 0; s < static_cast<TriangleId>(data_.triangles.size()) && num_listed < 8; ++s) {
+      const std::array<PointId, 3>& c = data_.triangles[s].points;
       bool is_inside = true;
       for (int k = 0; k < 3; ++k) {
-        is_inside = is_inside && orient2d(records_.points[c[k]].at, records_.points[c[next_corner(k)]].at, middle) >= 0;
+        is_inside = is_inside && orient2d(data_.points[c[k]].at, data_.points[c[next_corner(k)]].at, middle) >= 0;
       }
       if (!is_inside) continue;
       list += (num_listed++ == 0 ? "" : ", ") + std::to_string(s);
@@ -132,9 +132,9 @@ class VoidFill {
   }
 
   void append_void() {
-    const auto num_solid = static_cast<TriangleId>(records_.triangles.size());
-    const auto num_points = static_cast<PointId>(records_.points.size());
-    for (PointId p = 0; p < 4; ++p) records_.points.push_back({domain_.at(p), kNone});
+    const auto num_solid = static_cast<TriangleId>(data_.triangles.size());
+    const auto num_points = static_cast<PointId>(data_.points.size());
+    for (PointId p = 0; p < 4; ++p) data_.points.push_back({domain_.at(p), kNone});
     std::vector<TriangleId> slot(winding_.size(), kNone);
     TriangleId next = num_solid;
     for (TriangleId t = 0; t < domain_.num_triangle_slots(); ++t) {
@@ -154,15 +154,15 @@ class VoidFill {
         const BorderSide& side = *side_of_edge(t, k);
         record.neighbours[k] = side.triangle;
         record.locks[k] = kLockBorder;
-        TriangleRecord& solid = records_.triangles[side.triangle];
+        TriangleRecord& solid = data_.triangles[side.triangle];
         solid.neighbours[side.corner] = slot[t];
         solid.locks[side.corner] = kLockBorder;
       }
-      records_.triangles.push_back(record);
+      data_.triangles.push_back(record);
     }
   }
 
-  MeshRecords& records_;
+  MeshData& data_;
   std::span<const BorderSide> border_;
   TriangleMesh domain_;  // the border alone, triangulated
   std::vector<std::pair<Ends, std::int32_t>> by_ends_;
@@ -174,8 +174,8 @@ class VoidFill {
 
 }  // namespace
 
-Status fill_void(MeshRecords& records, std::span<const BorderSide> border) {
-  return VoidFill(records, border).run();
+Status fill_void(MeshData& data, std::span<const BorderSide> border) {
+  return VoidFill(data, border).run();
 }
 
 }  // namespace kerf::mesh

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "server/base/result.h"
-#include "server/core/mesh/mesh_records.h"
+#include "server/core/mesh/mesh_data.h"
 
 namespace kerf::mesh {
 
@@ -23,6 +23,6 @@ struct BorderSide {
 // Error: MESH_OVERLAP if the sheet covers a place twice or has a point inside a border side. The test is exact, as the
 // number of triangles over a place is the winding number of the border about it. So it is enough that no two border
 // sides cross and that every face between them has winding number 0 or 1.
-Status fill_void(MeshRecords& records, std::span<const BorderSide> border);
+Status fill_void(MeshData& data, std::span<const BorderSide> border);
 
 }  // namespace kerf::mesh

@@ -52,18 +52,18 @@ std::vector<std::size_t> insertion_order(std::span<const LatticePoint> points) {
 }  // namespace
 
 TriangleMesh make_empty_domain(const Lattice& lattice) {
-  MeshRecords records;
-  records.lattice = lattice;
+  MeshData data;
+  data.lattice = lattice;
   constexpr std::int64_t kHalf = Lattice::kHalfDomain;
-  records.points = {{{-kHalf, -kHalf}, 0}, {{kHalf, -kHalf}, 0}, {{kHalf, kHalf}, 0}, {{-kHalf, kHalf}, 1}};
+  data.points = {{{-kHalf, -kHalf}, 0}, {{kHalf, -kHalf}, 0}, {{kHalf, kHalf}, 0}, {{-kHalf, kHalf}, 1}};
   TriangleRecord below;
   below.points = {0, 1, 2};
   below.neighbours = {kNone, 1, kNone};
   TriangleRecord above;
   above.points = {0, 2, 3};
   above.neighbours = {kNone, kNone, 0};
-  records.triangles = {below, above};
-  return TriangleMesh(std::move(records));
+  data.triangles = {below, above};
+  return TriangleMesh(std::move(data));
 }
 
 std::vector<PointId> insert_delaunay(MeshEditor& editor, std::span<const LatticePoint> points) {
@@ -73,7 +73,7 @@ std::vector<PointId> insert_delaunay(MeshEditor& editor, std::span<const Lattice
     const PointId p = editor.insert_point(points[i], hint);
     KERF_CHECK(p != kNone, "a point inside a domain without locks can be inserted");
     editor.legalise(p);
-    hint = editor.mesh().records().points[p].triangle;
+    hint = editor.mesh().data().points[p].triangle;
     ids[i] = p;
   }
   return ids;

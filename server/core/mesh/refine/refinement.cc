@@ -74,9 +74,9 @@ class Refinement {
       interruption_point();
       consider(t);
     }
-    work_off_queue();
+    process_queue();
     refine_wedges();
-    work_off_queue();
+    process_queue();
     return counts_;
   }
 
@@ -95,12 +95,12 @@ class Refinement {
   // stay bounded because lips are not split at the corner any more.
   void refine_wedges() {
     stage_ = Stage::kWedges;
-    for (const Deferred& spared : wedges_) {
-      if (mesh_.points(spared.triangle) == spared.points) consider(spared.triangle);
+    for (const Deferred& deferred : wedges_) {
+      if (mesh_.points(deferred.triangle) == deferred.points) consider(deferred.triangle);
     }
   }
 
-  void work_off_queue() {
+  void process_queue() {
     while (!queue_.empty() && !editor_.budget_exhausted()) {
       interruption_point();
       const Pending next = queue_.top();

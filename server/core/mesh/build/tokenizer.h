@@ -14,7 +14,7 @@ inline bool is_blank(char c) {
 }
 
 // Cuts the next word off the front of `line`; empty at its end.
-inline std::string_view next_word(std::string_view& line) {
+inline std::string_view next_token(std::string_view& line) {
   while (!line.empty() && is_blank(line.front())) line.remove_prefix(1);
   std::size_t length = 0;
   while (length < line.size() && !is_blank(line[length])) ++length;

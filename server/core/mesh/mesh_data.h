@@ -50,7 +50,7 @@ struct TriangleRecord {
 };
 
 // All that a TriangleMesh holds.
-struct MeshRecords {
+struct MeshData {
   Lattice lattice;
   Eigen::AlignedBox2d bounds;                  // of the sheet as built, m
   EdgeLengths lengths;                         // of the sheet as built
