@@ -5,6 +5,7 @@
 #include <tuple>
 #include <vector>
 
+#include "tests/audit/exact_geometry.h"
 #include "tests/audit/union_find.h"
 
 namespace kerf::audit {
@@ -14,13 +15,7 @@ using mesh::kNone;
 using mesh::LatticePoint;
 using mesh::TriangleRecord;
 
-__extension__ using Wide = __int128;
-
 constexpr std::int64_t kRim = std::int64_t{1} << 52;  // half the side of the domain
-
-std::size_t index(std::int32_t id) {
-  return static_cast<std::size_t>(id);
-}
 
 std::string at_slot(const char* what, std::int32_t slot) {
   return std::string(what) + " (slot " + std::to_string(slot) + ")";
@@ -52,7 +47,6 @@ class Audit {
   }
 
  private:
-  static bool is_solid(const TriangleRecord& r) { return r.region >= 0; }
   [[nodiscard]] std::int32_t num_slots() const { return static_cast<std::int32_t>(triangles_.size()); }
 
   Finding check_ranges() {

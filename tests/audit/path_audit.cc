@@ -3,16 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <sstream>
-#include <type_traits>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include <Eigen/Geometry>
 
 #include "tests/audit/box_grid.h"
+#include "tests/audit/curve_samples.h"
+#include "tests/audit/exact_geometry.h"
 
 namespace kerf::audit {
 namespace {
@@ -39,10 +38,6 @@ struct Segment {
 
 double cross(const Vector2d& u, const Vector2d& v) {
   return u.x() * v.y() - u.y() * v.x();
-}
-
-Vector2d to_double(const mesh::LatticePoint& p) {
-  return {static_cast<double>(p.x), static_cast<double>(p.y)};
 }
 
 Range nothing() {
@@ -131,8 +126,8 @@ class Locks {
       for (std::size_t k = 0; k < 3; ++k) {
         const auto other = static_cast<std::size_t>(triangles[t].neighbours[k]);
         if ((triangles[t].locks[k] & which) == 0 || other < t) continue;
-        segments_.push_back({to_double(points[static_cast<std::size_t>(triangles[t].points[(k + 1) % 3])].at),
-                             to_double(points[static_cast<std::size_t>(triangles[t].points[(k + 2) % 3])].at)});
+        segments_.push_back({as_vector(points[static_cast<std::size_t>(triangles[t].points[(k + 1) % 3])].at),
+                             as_vector(points[static_cast<std::size_t>(triangles[t].points[(k + 2) % 3])].at)});
         boxes.push_back(segments_.back().box(0.0));
       }
     }
@@ -168,7 +163,7 @@ class PathAudit {
       std::array<Vector2d, 3> corners;
       Box box;
       for (std::size_t k = 0; k < 3; ++k) {
-        corners[k] = to_double(data.points[static_cast<std::size_t>(r.points[k])].at);
+        corners[k] = as_vector(data.points[static_cast<std::size_t>(r.points[k])].at);
         box.extend(corners[k]);
       }
       solid_.push_back(corners);
@@ -191,7 +186,7 @@ class PathAudit {
     return find_stray_lip(segments_of(plan), radius_of(plan, report));
   }
 
-  // A stretch of the path inside the sheet that is not covered; notes the triangles it runs through.
+  // Returns a stretch of the path inside the sheet that is not covered. Marks the triangles that it runs through.
   Finding find_gap(const cut::CutPlan& plan, const cut::CutReport& report) {
     const double spacing = before_.data().lattice.spacing;
     const double radius = radius_of(plan, report);
@@ -246,14 +241,14 @@ class PathAudit {
     return (report.deviation_m - plan.curve_deviation_m) / before_.data().lattice.spacing;
   }
 
-  // True if no material, farther than `radius` from its border, is left at `range` of the segment.
+  // Returns true if no material, farther than `radius` from its border, is left at `range` of the segment.
   [[nodiscard]] bool lies_in_void(const Segment& segment, const Range& range, double radius) const {
     constexpr int kSamples = 16;
     for (const mesh::TriangleRecord& r : after_.data().triangles) {
       if (r.region < 0) continue;
       std::array<Vector2d, 3> corners;
       for (std::size_t k = 0; k < 3; ++k) {
-        corners[k] = to_double(after_.data().points[static_cast<std::size_t>(r.points[k])].at);
+        corners[k] = as_vector(after_.data().points[static_cast<std::size_t>(r.points[k])].at);
       }
       for (int i = 0; i <= kSamples; ++i) {
         const double t = range.first + (range.second - range.first) * i / kSamples;
@@ -316,59 +311,6 @@ class PathAudit {
   bool takes_material_ = false;
 };
 
-// de Casteljau.
-Vector2d bezier_at(const Vector2d* control, double t) {
-  std::array<Vector2d, 4> p{control[0], control[1], control[2], control[3]};
-  for (std::size_t left = 3; left > 0; --left) {
-    for (std::size_t i = 0; i < left; ++i) p[i] += t * (p[i + 1] - p[i]);
-  }
-  return p[0];
-}
-
-// A rational Bezier segment by its Bernstein polynomials.
-template <std::size_t N>
-Vector2d rational_at(const std::array<Vector2d, N>& control, const std::array<double, N>& weights, double t) {
-  Vector2d sum(0.0, 0.0);
-  double total = 0.0;
-  for (std::size_t i = 0; i < N; ++i) {
-    const double binomial = i == 0 || i == N - 1 ? 1.0 : static_cast<double>(N - 1);  // of 2 and of 3
-    const double share =
-        weights[i] * binomial * std::pow(t, static_cast<double>(i)) * std::pow(1.0 - t, static_cast<double>(N - 1 - i));
-    sum += share * control[i];
-    total += share;
-  }
-  return sum / total;
-}
-
-// Arcs are left to the tests of their own pieces.
-template <typename Each>
-void sample_segment(const Vector2d& from, const cut::Segment& segment, const Each& each) {
-  if (const auto* line = std::get_if<cut::LineTo>(&segment)) {
-    each([&](double t) { return Vector2d(from + t * (line->end - from)); });
-  } else if (const auto* quadratic = std::get_if<cut::QuadraticTo>(&segment)) {
-    each([&](double t) { return rational_at<3>({from, quadratic->control, quadratic->end}, quadratic->weights, t); });
-  } else if (const auto* cubic = std::get_if<cut::CubicTo>(&segment)) {
-    each([&](double t) {
-      return rational_at<4>({from, cubic->controls[0], cubic->controls[1], cubic->end}, cubic->weights, t);
-    });
-  }
-}
-
-// A single point is no line, and nothing is cut there.
-bool is_point(const cut::Subpath& subpath) {
-  const auto stays = [&](const auto& segment) {
-    using Kind = std::decay_t<decltype(segment)>;
-    bool same = segment.end == subpath.start;
-    if constexpr (std::is_same_v<Kind, cut::QuadraticTo>) same = same && segment.control == subpath.start;
-    if constexpr (std::is_same_v<Kind, cut::CubicTo>) {
-      same = same && segment.controls[0] == subpath.start && segment.controls[1] == subpath.start;
-    }
-    return same;
-  };
-  return std::all_of(subpath.segments.begin(), subpath.segments.end(),
-                     [&](const cut::Segment& segment) { return std::visit(stays, segment); });
-}
-
 }  // namespace
 
 Finding find_path_flaw(const mesh::TriangleMesh& before, const mesh::TriangleMesh& after, const cut::CutPlan& plan,
@@ -378,52 +320,6 @@ Finding find_path_flaw(const mesh::TriangleMesh& before, const mesh::TriangleMes
 
 Finding find_uncovered_path(const mesh::TriangleMesh& mesh, const cut::CutPlan& plan, const cut::CutReport& report) {
   return PathAudit(mesh, mesh).find_gap(plan, report);
-}
-
-std::vector<std::vector<Vector2d>> sample_curve(const cut::Curve& curve, int samples, double dust) {
-  std::vector<std::vector<Vector2d>> lines;
-  const auto each = [&](const auto& at) {
-    lines.emplace_back();
-    for (int i = 0; i <= samples; ++i) lines.back().push_back(at(static_cast<double>(i) / samples));
-  };
-  if (const auto* circle = std::get_if<cut::Circle>(&curve)) {
-    each([&](double t) {
-      const double angle = 2.0 * std::numbers::pi * t;
-      return Vector2d(circle->centre + circle->radius * Vector2d(std::cos(angle), std::sin(angle)));
-    });
-  } else if (const auto* line = std::get_if<cut::Polyline>(&curve)) {
-    for (std::size_t i = 0; i + 1 < line->points.size(); ++i) {
-      each([&](double t) { return Vector2d(line->points[i] + t * (line->points[i + 1] - line->points[i])); });
-    }
-  } else if (const auto* bezier = std::get_if<cut::CubicBezier>(&curve)) {
-    for (std::size_t i = 0; i + 3 < bezier->points.size(); i += 3) {
-      each([&](double t) { return bezier_at(&bezier->points[i], t); });
-    }
-  } else if (const auto* ellipse = std::get_if<cut::Ellipse>(&curve)) {
-    const Eigen::Rotation2Dd rotation(ellipse->rotation);
-    each([&](double t) {
-      const double angle = 2.0 * std::numbers::pi * t;
-      const Vector2d unit(std::cos(angle), std::sin(angle));
-      return Vector2d(ellipse->centre + rotation * ellipse->semi_axes.cwiseProduct(unit));
-    });
-  } else if (const auto* path = std::get_if<cut::Path>(&curve)) {
-    for (const cut::Subpath& subpath : path->subpaths) {
-      if (is_point(subpath)) continue;
-      const std::size_t begin = lines.size();
-      Vector2d from = subpath.start;
-      for (const cut::Segment& segment : subpath.segments) {
-        sample_segment(from, segment, each);
-        from = std::visit([](const auto& kind) { return kind.end; }, segment);
-      }
-      if (subpath.closed) each([&](double t) { return Vector2d(from + t * (subpath.start - from)); });
-      Box box;
-      for (std::size_t i = begin; i < lines.size(); ++i) {
-        for (const Vector2d& point : lines[i]) box.extend(point);
-      }
-      if (lines.size() > begin && box.diagonal().norm() <= dust) lines.resize(begin);
-    }
-  }
-  return lines;
 }
 
 Finding find_curve_flaw(const mesh::TriangleMesh& before, const mesh::TriangleMesh& after, const cut::Curve& curve,

@@ -1,9 +1,5 @@
 #pragma once
 
-#include <vector>
-
-#include <Eigen/Core>
-
 #include "server/core/cut/cut.h"
 #include "tests/audit/mesh_audit.h"
 
@@ -24,10 +20,6 @@ Finding find_uncovered_path(const mesh::TriangleMesh& mesh, const cut::CutPlan& 
 // larger than `dust_m` (m) are left out too.
 Finding find_curve_flaw(const mesh::TriangleMesh& before, const mesh::TriangleMesh& after, const cut::Curve& curve,
                         const cut::CutReport& report, int samples, double dust_m);
-
-// Points of the curve, `samples` + 1 to a piece, one line for each; arcs of paths are left out, and lines of paths that
-// are a point or no larger than `dust` (m).
-std::vector<std::vector<Eigen::Vector2d>> sample_curve(const cut::Curve& curve, int samples, double dust = 0.0);
 
 // m; what the plan's tolerance is where the sheet as built has its longest edges.
 double largest_tolerance(const mesh::TriangleMesh& mesh, const cut::CutPlan& plan);

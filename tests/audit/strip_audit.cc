@@ -9,6 +9,8 @@
 
 #include "server/base/random.h"
 #include "tests/audit/box_grid.h"
+#include "tests/audit/curve_samples.h"
+#include "tests/audit/exact_geometry.h"
 #include "tests/audit/path_audit.h"
 
 namespace kerf::audit {
@@ -19,12 +21,6 @@ using Eigen::Vector2d;
 using mesh::kNone;
 using mesh::MeshData;
 using mesh::TriangleRecord;
-
-__extension__ using Wide = __int128;
-
-std::size_t index(std::int32_t id) {
-  return static_cast<std::size_t>(id);
-}
 
 Vector2d position(const MeshData& data, mesh::PointId p) {
   return data.lattice.position(data.points[index(p)].at);

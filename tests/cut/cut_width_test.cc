@@ -10,6 +10,7 @@
 #include "server/base/random.h"
 #include "server/core/cut/cut.h"
 #include "server/core/cut/outline.h"
+#include "tests/audit/curve_samples.h"
 #include "tests/audit/path_audit.h"
 #include "tests/audit/strip_audit.h"
 #include "tests/cut/cut_calls.h"

@@ -1,4 +1,4 @@
-// VertexField and IdTable.
+// VertexField and IdMap.
 #include <map>
 #include <utility>
 
@@ -6,7 +6,7 @@
 
 #include "server/base/random.h"
 #include "server/core/linear/vertex_field.h"
-#include "server/core/mesh/id_table.h"
+#include "server/core/mesh/id_map.h"
 
 namespace kerf::mesh {
 namespace {
@@ -43,19 +43,26 @@ TEST(VertexField, CopiesValuesAndMovesStorage) {
   EXPECT_EQ(moved, field);
 }
 
-TEST(IdTable, AgreesWithAMap) {
+TEST(IdMap, AgreesWithAMap) {
   SeededRandom random(5);
-  IdTable table;
+  IdMap ids;
   std::map<std::int32_t, std::int32_t> map;
   for (std::int32_t i = 0; i < 20'000; ++i) {
     const auto id = static_cast<std::int32_t>(random.below(i % 2 == 0 ? 1'000 : 100'000'000));
-    EXPECT_EQ(table.add(id, i), map.emplace(id, i).second);
+    EXPECT_EQ(ids.add(id, i), map.emplace(id, i).second);
   }
   for (std::int32_t id = 0; id < 2'000; ++id) {
-    EXPECT_EQ(table.has(id), map.contains(id));
-    EXPECT_EQ(table.find(id), map.contains(id) ? map[id] : -1);
+    EXPECT_EQ(ids.has(id), map.contains(id));
+    EXPECT_EQ(ids.find(id), map.contains(id) ? map[id] : -1);
   }
-  for (const auto& [id, number] : map) EXPECT_EQ(table.get(id), number);
+  for (const auto& [id, number] : map) EXPECT_EQ(ids.get(id), number);
+}
+
+TEST(IdMap, KeepsIdsInTheOrderTheyWereAddedIn) {
+  IdMap ids;
+  for (const std::int32_t id : {7, 3, 7, 900, 3, 0}) ids.add(id);
+  EXPECT_EQ(ids.ids(), (std::vector<std::int32_t>{7, 3, 900, 0}));
+  EXPECT_EQ(ids.get(900), 2) << "its index among them";
 }
 
 }  // namespace

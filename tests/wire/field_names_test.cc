@@ -14,6 +14,7 @@
 #include "server/core/fem/element/material.h"
 #include "server/core/sheet/sheet.h"
 #include "server/service/wire/scene_codec.h"
+#include "tests/wire/bad_scenes.h"
 #include "tests/wire/scene_samples.h"
 
 namespace kerf::wire {

@@ -10,6 +10,7 @@
 #include "server/service/wire/scene_codec.h"
 #include "tests/support/mesh_files.h"
 #include "tests/support/meshes.h"
+#include "tests/wire/bad_scenes.h"
 #include "tests/wire/codec_checks.h"
 #include "tests/wire/scene_samples.h"
 

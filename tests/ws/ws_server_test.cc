@@ -174,14 +174,14 @@ TEST_F(HttpServerTest, BodiesEndAtTheLimit) {
       "POST /kerf.v1.ServerService/GetServerInfo HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n");
   for (int i = 0; i < 17; ++i) chunked.send("10000\r\n" + std::string(65536, ' ') + "\r\n");
   EXPECT_EQ(chunked.read_response().status, 413);
-  RawClient garrulous(port_);
-  garrulous.send("POST /x HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n1;");
-  for (int i = 0; i < 5 && garrulous.send(std::string(65536, 'x')); ++i) {
+  RawClient long_extension(port_);
+  long_extension.send("POST /x HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n1;");
+  for (int i = 0; i < 5 && long_extension.send(std::string(65536, 'x')); ++i) {
   }
-  EXPECT_EQ(garrulous.read_response().status, 431) << "the extension of a chunk";
-  RawClient boastful(port_);
-  boastful.send("POST / HTTP/1.1\r\nHost: localhost\r\nContent-Length: 99999999999\r\n\r\n");
-  EXPECT_EQ(boastful.read_response().status, 413);
+  EXPECT_EQ(long_extension.read_response().status, 431) << "the extension of a chunk";
+  RawClient oversized(port_);
+  oversized.send("POST / HTTP/1.1\r\nHost: localhost\r\nContent-Length: 99999999999\r\n\r\n");
+  EXPECT_EQ(oversized.read_response().status, 413);
   EXPECT_EQ(get("/", "X-Long: " + std::string(17 << 10, 'x') + "\r\n").status, 431);
   EXPECT_EQ(get("/healthz").status, 200);
 }
@@ -206,9 +206,9 @@ TEST_F(HttpServerTest, MeshFilesAreUploadedBeyondTheLimitOfAMessage) {
   EXPECT_EQ(request(port_, "POST", target, "Origin: http://elsewhere.example\r\n", file).status, 403)
       << "of whoever may not upload nothing is read";
   EXPECT_EQ(request(port_, "POST", target, "Origin: http://elsewhere.example\r\n", "v").status, 403);
-  RawClient boastful(port_);
-  boastful.send("POST /sheets?format=obj HTTP/1.1\r\nHost: localhost\r\nContent-Length: 67108865\r\n\r\n");
-  EXPECT_EQ(boastful.read_response().status, 413);
+  RawClient oversized(port_);
+  oversized.send("POST /sheets?format=obj HTTP/1.1\r\nHost: localhost\r\nContent-Length: 67108865\r\n\r\n");
+  EXPECT_EQ(oversized.read_response().status, 413);
 }
 
 TEST_F(HttpServerTest, RecordingsAreDownloadedAndPlayed) {

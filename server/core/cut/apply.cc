@@ -11,7 +11,7 @@
 #include "server/core/cut/path_insertion.h"
 #include "server/core/cut/path_scale.h"
 #include "server/core/cut/strip.h"
-#include "server/core/mesh/id_table.h"
+#include "server/core/mesh/id_map.h"
 #include "server/core/mesh/refine/refinement.h"
 #include "server/core/mesh/refine/relaxation.h"
 
@@ -47,19 +47,6 @@ constexpr double kGradedReach = 3.0;
 
 constexpr int kCloserAttempts = 2;    // see needs_less_snapping
 constexpr double kCloserSnap = 0.01;  // -; by which each multiplies the snap distance
-
-// Ids in the order they are added in, each once.
-class UniqueIds {
- public:
-  void add(std::int32_t id) {
-    if (seen_.add(id, 0)) ids_.push_back(id);
-  }
-  [[nodiscard]] const std::vector<std::int32_t>& ids() const { return ids_; }
-
- private:
-  mesh::IdTable seen_;
-  std::vector<std::int32_t> ids_;
-};
 
 class Cutter {
  public:
@@ -172,7 +159,7 @@ class Cutter {
 
   // Adds the solid triangles that inserting the path has rewritten: those with a corner on it, and those made in a
   // corridor that was cleared for it.
-  void add_touched(UniqueIds& touched) const {
+  void add_touched(mesh::IdMap& touched) const {
     std::vector<TriangleId> fan;
     for (const PointId p : path_) {
       mesh_.fan_around(p, fan);
@@ -192,9 +179,9 @@ class Cutter {
   }
 
   void relax_ring() {
-    UniqueIds touched;
+    mesh::IdMap touched;
     add_touched(touched);
-    UniqueIds candidates;
+    mesh::IdMap candidates;
     for (const TriangleId t : touched.ids()) {
       for (const PointId p : mesh_.points(t)) {
         if (!editor_.is_new(p) && !on_path(p)) candidates.add(p);
@@ -212,7 +199,7 @@ class Cutter {
 
   Result<mesh::RefinementCounts> bisect() {
     enter_phase(observer_, "refine");
-    UniqueIds seeds;
+    mesh::IdMap seeds;
     add_touched(seeds);
     return bisect_ill_shaped(editor_, seeds.ids(), scale_, {kLengthFloor * plan_.snap_m / spacing_, max_insertions()});
   }
@@ -222,7 +209,7 @@ class Cutter {
     if (plan_.options.relax) relax_ring();
     enter_phase(observer_, "refine");
     if (plan_.options.min_angle_deg == 0.0 && !plan_.options.tip_edge_length_m) return mesh::RefinementCounts{};
-    UniqueIds seeds;
+    mesh::IdMap seeds;
     add_touched(seeds);
     std::vector<TriangleId> fan;
     for (const PointId p : moved_) {
@@ -265,9 +252,9 @@ class Cutter {
 
   // Adds the solid triangles around tips, out to where the grading allows edges of kGradedReach times the sheet's edge
   // length.
-  void add_graded(const mesh::TipGrading& grading, UniqueIds& seeds) const {
+  void add_graded(const mesh::TipGrading& grading, mesh::IdMap& seeds) const {
     std::vector<TriangleId> found;
-    mesh::IdTable seen;
+    mesh::IdMap seen;
     for (const LatticePoint& tip : grading.tips) {
       // Takes a triangle that depends on the point alone, not the one where the search ended.
       const mesh::Location location = mesh_.locate(tip);
@@ -280,7 +267,7 @@ class Cutter {
         if (t == kNone || !mesh_.is_solid(t)) continue;
         const LatticePoint& at = mesh_.at(mesh_.points(t)[0]);
         const double length = scale_.edge_length(mesh_.lattice().position(at)) / spacing_;
-        if (grading.length_at(at) > kGradedReach * length || !seen.add(t, 0)) continue;
+        if (grading.length_at(at) > kGradedReach * length || !seen.add(t)) continue;
         found.push_back(t);
       }
     }

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "server/base/sort_unique.h"
-#include "server/core/mesh/id_table.h"
+#include "server/core/mesh/id_map.h"
 #include "server/core/mesh/lip_corner.h"
 #include "server/core/mesh/triangle_shape.h"
 
@@ -113,10 +113,10 @@ std::vector<TriangleId> new_triangles(const mesh::TriangleMesh& mesh, const mesh
     return p >= undo.num_points || std::binary_search(moved.begin(), moved.end(), p);
   };
   std::vector<std::array<PointId, 3>> old;
-  mesh::IdTable kept;
+  mesh::IdMap kept;
   for (const auto& [t, record] : undo.triangles) {
     if (mesh.points(t) == record.points && mesh.is_solid(t)) {
-      kept.add(t, 0);
+      kept.add(t);
     } else {
       old.push_back(sorted(record.points));
     }

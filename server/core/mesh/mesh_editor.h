@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/core/mesh/id_table.h"
+#include "server/core/mesh/id_map.h"
 #include "server/core/mesh/mesh_edit.h"
 #include "server/core/mesh/triangle_mesh.h"
 
@@ -221,7 +221,7 @@ class MeshEditor {
   bool budget_exhausted_ = false;
   bool finished_ = false;
   // Positions of their entries in the log.
-  IdTable triangle_entry_, point_entry_, vertex_entry_;
+  IdMap triangle_entry_, point_entry_, vertex_entry_;
   std::vector<TriangleId> parents_;       // of new slots: the slot before the edit that they were split from
   std::vector<Lip> lips_;                 // of new points
   std::vector<PointId> pending_;          // points to open, may repeat

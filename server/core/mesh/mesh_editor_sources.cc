@@ -106,14 +106,14 @@ std::vector<TriangleId> MeshEditor::rewritten_triangles() const {
     }
     if (differs) rewritten.push_back(t);
   }
-  IdTable listed;
-  for (const TriangleId t : rewritten) listed.add(t, 0);
+  IdMap listed;
+  for (const TriangleId t : rewritten) listed.add(t);
   std::vector<TriangleId> fan;
   for (const PointId p : moved_) {
     if (!is_moved(p)) continue;
     mesh_.fan_around(p, fan);
     for (const TriangleId t : fan) {
-      if (t < log_.num_triangle_slots && mesh_.is_solid(t) && listed.add(t, 0)) rewritten.push_back(t);
+      if (t < log_.num_triangle_slots && mesh_.is_solid(t) && listed.add(t)) rewritten.push_back(t);
     }
   }
   std::sort(rewritten.begin(), rewritten.end());

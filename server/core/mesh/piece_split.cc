@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "server/base/sort_unique.h"
-#include "server/core/mesh/id_table.h"
+#include "server/core/mesh/id_map.h"
 
 namespace kerf::mesh {
 namespace {
@@ -97,7 +97,7 @@ class ComponentGrowth {
   }
 
   const TriangleMesh& mesh_;
-  IdTable group_of_;  // slot -> group, resolve with root()
+  IdMap group_of_;  // slot -> group, resolve with root()
   std::vector<Group> groups_;
   std::vector<std::int32_t> active_;
   std::vector<std::int32_t> pieces_;  // sorted

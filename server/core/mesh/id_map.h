@@ -6,12 +6,12 @@
 
 namespace kerf::mesh {
 
-// Maps some of the ids of a mesh to numbers, at a cost that depends on its entries and not on the mesh. Open
-// addressing: a power of two of places, at most half of them taken. Ids are only added, and there is no order among
-// them.
-class IdTable {
+// Maps some of the ids of a mesh to numbers, at a cost that depends on its entries and not on the mesh. Ids are only
+// added. Open addressing: a power of two of places, at most half of them taken. The sets of core/linear/index_set.h have
+// room for every id instead: they are faster, and worth it where they are kept from one edit to the next.
+class IdMap {
  public:
-  IdTable() : places_(kFirstSize) {}
+  IdMap() : places_(kFirstSize) {}
 
   // The number of `id`, or -1.
   [[nodiscard]] std::int32_t find(std::int32_t id) const {
@@ -19,17 +19,23 @@ class IdTable {
     return place.id == id ? place.number : -1;
   }
   [[nodiscard]] bool has(std::int32_t id) const { return places_[place_of(id)].id == id; }
-  // `id` must be in the table.
+  // `id` must be in the map.
   [[nodiscard]] std::int32_t get(std::int32_t id) const { return places_[place_of(id)].number; }
 
-  // id, number >= 0. Returns false, and changes nothing, if the table has the id already.
+  // id, number >= 0. Returns false, and changes nothing, if the map has the id already.
   bool add(std::int32_t id, std::int32_t number) {
     Place& place = places_[place_of(id)];
     if (place.id == id) return false;
     place = {id, number};
-    if (2 * ++size_ > places_.size()) grow();
+    ids_.push_back(id);
+    if (2 * ids_.size() > places_.size()) grow();
     return true;
   }
+  // The same; the number is the index in ids().
+  bool add(std::int32_t id) { return add(id, static_cast<std::int32_t>(ids_.size())); }
+
+  // Ids in the order they were added in.
+  [[nodiscard]] const std::vector<std::int32_t>& ids() const { return ids_; }
 
  private:
   struct Place {
@@ -55,7 +61,7 @@ class IdTable {
   }
 
   std::vector<Place> places_;
-  std::size_t size_ = 0;
+  std::vector<std::int32_t> ids_;
 };
 
 }  // namespace kerf::mesh
