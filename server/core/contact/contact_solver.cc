@@ -15,7 +15,7 @@ using mesh::kVertexLanes;
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
-// Squared sine of the angle between walls below which they count as parallel.
+// Squared sine of the angle between two walls; walls below it count as parallel.
 constexpr double kLeastSineSquared = 1.0e-6;
 
 void stop_approach(const Eigen::Vector3d& n, Eigen::Vector3d& v) {
@@ -218,7 +218,7 @@ void ContactSolver::leave_notch(double thickness, Eigen::Vector3d& x, Eigen::Vec
     stop_approach(first.normal, v);
     const Penetration second = deepest(thickness, x);
     if (second.collider == nullptr) return;
-    // Moves along the first surface, out of the second.
+    // Moves the vertex along the first surface until it is out of the second.
     const Eigen::Vector3d along = second.normal - second.normal.dot(first.normal) * first.normal;
     const double sine_squared = along.squaredNorm();
     if (sine_squared < kLeastSineSquared) return;

@@ -117,7 +117,7 @@ HWY_INLINE Near near_box(const PreparedCollider& box, const Vec3& x) {
     sign[k] = hn::IfThenElse(hn::Lt(local, set(0.0)), set(-1.0), set(1.0));
     excess[k] = hn::Sub(hn::Abs(local), set(box.vector()[static_cast<Eigen::Index>(k)]));
   }
-  // The nearest face, the first of equals.
+  // Finds the nearest face of the box; the first wins among equals.
   V largest = excess[0];
   Vec3 face = times(axes[0], sign[0]);
   for (std::size_t k = 1; k < 3; ++k) {

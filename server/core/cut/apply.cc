@@ -29,18 +29,19 @@ constexpr double kSpacing = 0.8;  // -; longest stretch of path without a point,
 constexpr double kNoSpacing =
     std::numeric_limits<double>::infinity();  // edges of elements space the path by themselves
 
-// Quality (mesh::TriangleShape::quality) from which a triangle is not worth moving an old vertex for, which costs time:
-// that of a right triangle with equal legs is 0.87, with one half as long 0.69. Larger angles take more room.
+// Quality (mesh::TriangleShape::quality) from which no old vertex is moved for a triangle, as that costs time. A right
+// triangle with equal legs has 0.87, one with a leg half as long 0.69. Fine cuts ask for more, since larger angles take
+// more room.
 constexpr double kWellShaped = 0.6;
 constexpr double kWellShapedFine = 0.8;
 
-// Refinement steps a cut may take, beyond which the quality is given up, not the cut: per point of the path, and a rest
-// for the tips, corners and loops of small cuts. About ten times what was seen.
+// Refinement steps that a cut may take: some for each point of the path, and a fixed number for the tips, corners and
+// loops of small cuts. They are about ten times those seen. Beyond them the quality is given up, not the cut.
 constexpr std::int64_t kInsertionsPerPathPoint = 60;
 constexpr std::int64_t kInsertionsBeside = 2'000;
 
 constexpr double kLengthFloor = 0.25;  // -; as a fraction of the snap distance, see RefinementConfig
-// Around tips: insertions for a gradient of 1 and edges as long as wanted, and the radius of the search for graded
+// Insertions around a tip for a gradient of 1 and edges as long as wanted; and the radius of the search for graded
 // triangles, in edge lengths of the sheet.
 constexpr double kInsertionsPerTip = 400.0;
 constexpr double kGradedReach = 3.0;
@@ -107,7 +108,7 @@ class Cutter {
 
   [[nodiscard]] bool has_width() const { return plan_.options.width_m.has_value(); }
 
-  // A strip whose outline is everywhere as far out as the tolerance lets it be.
+  // Returns the area (m^2) of a strip whose outline is everywhere as far out as the tolerance allows.
   [[nodiscard]] double max_strip_area() const {
     double length = 0.0;
     for (const Stroke& stroke : plan_.outline) {
@@ -243,7 +244,7 @@ class Cutter {
     return grading;
   }
 
-  // About ten times what the area around the tips takes in triangles of the lengths there.
+  // Allows about ten times the triangles that fill the area around the tips at the lengths there.
   [[nodiscard]] std::int64_t insertions_around(const mesh::TipGrading& grading) const {
     const double growth = std::log(std::max(plan_.edge_length_m / spacing_ / grading.length, 1.0));
     const double per_tip = kInsertionsPerTip * (1.0 + growth) / (grading.gradient * grading.gradient);
@@ -320,9 +321,9 @@ class Cutter {
   std::vector<PointId> path_, corridor_, moved_;  // sorted, unique
 };
 
-// Returns true if the cut should be tried again with less snapping. Among dense older lips a path can be laid on one
-// and from there on the next, ever farther from its place. Or it runs into a corner without any lattice point to round
-// to.
+// Returns true if the cut should be tried again with less snapping. Among dense older lips a path can be snapped to one
+// lip and from there to the next, ever farther from its place. It can also run into a corner without any lattice point
+// to round to.
 bool needs_less_snapping(const Result<CutOutcome>& outcome) {
   return !outcome.ok() && outcome.error().code == ErrorCode::kFailedPrecondition &&
          outcome.error().reason != "STRIP_COVERS_SHEET";

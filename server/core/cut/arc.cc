@@ -12,10 +12,10 @@ using Eigen::Vector2d;
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 constexpr double kQuarterTurn = 1.57079632679489661923;  // rad
 
-// m, to which a semi-axis may be lengthened.
+// Limits the length (m) to which a semi-axis may be stretched.
 constexpr double kMaxSemiAxisM = 1.0e9;
 
-// Turned by `quarters` times 90 degrees, counter-clockwise: exact.
+// Turns a vector counter-clockwise by `quarters` times 90 degrees, exactly.
 Vector2d turned(const Vector2d& v, int quarters) {
   switch (quarters & 3) {
     case 0:
@@ -29,7 +29,8 @@ Vector2d turned(const Vector2d& v, int quarters) {
   }
 }
 
-// (cos, sin) for |angle| <= an eighth of a turn or little more: the 13th term of either series is below 1e-17.
+// Returns (cos, sin) for |angle| up to little more than an eighth of a turn. The 13th term of either series is below
+// 1e-17.
 Vector2d series(double angle) {
   const double square = angle * angle;
   double cosine = 0.0;
@@ -41,7 +42,7 @@ Vector2d series(double angle) {
   return {cosine, angle * sine};
 }
 
-// The map from the frame in which the ellipse is the unit circle.
+// Maps from the frame in which the ellipse is the unit circle.
 struct EllipseFrame {
   Vector2d centre;
   Vector2d semi_axes;
@@ -54,7 +55,7 @@ struct EllipseFrame {
   }
 };
 
-// The arc from u to v, unit vectors less than 90 degrees apart, give or take rounding.
+// Makes the arc from u to v, unit vectors less than 90 degrees apart up to rounding.
 QuadraticTo unit_arc(const EllipseFrame& frame, const Vector2d& u, const Vector2d& v, const Vector2d& end) {
   const double cosine = u.dot(v);
   return {frame((u + v) / (1.0 + cosine)), end, {1.0, std::sqrt(0.5 * (1.0 + cosine)), 1.0}};
@@ -119,8 +120,8 @@ ArcPieces arc_pieces(const Vector2d& start, const ArcTo& arc) {
     p /= length;
     length = 1.0;
   }
-  // The centre is across the chord. Where chord and diameter are nearly equal its place is ill-conditioned: the root
-  // of a rounded difference.
+  // Finds the centre across the chord. It is ill-conditioned where chord and diameter are nearly equal, as the root of
+  // a rounded difference.
   const double across = std::sqrt(std::max(0.0, (1.0 - length) * (1.0 + length)));
   const double side = arc.large != arc.counter_clockwise ? across : -across;
   const Vector2d c = length > 0.0 ? Vector2d(Vector2d(p.y(), -p.x()) * (side / length)) : Vector2d(0.0, -side);

@@ -81,7 +81,7 @@ class Bisection {
       longest = k;
     }
     const TriangleId across = mesh_.welded_neighbour(t, longest);
-    // An element that the path does not cross stays one by itself: its edges are locked before it is bisected too.
+    // Locks the edges of an element that the path does not cross before it is bisected, so that it stays one by itself.
     if (is_untouched(across)) lock_element(editor_, across);
     const LatticePoint& a = mesh_.at(mesh_.points(t)[next_corner(longest)]);
     const LatticePoint& b = mesh_.at(mesh_.points(t)[previous_corner(longest)]);
@@ -93,7 +93,7 @@ class Bisection {
     for (const TriangleId u : fan_) consider(u);
   }
 
-  // Returns true if t is an element as it was, with an edge that is not fixed.
+  // Returns true if t is an element as it was before the cut and has an edge that is not fixed.
   [[nodiscard]] bool is_untouched(TriangleId t) const {
     if (t == kNone || !mesh_.is_solid(t)) return false;
     const std::array<PointId, 3>& p = mesh_.points(t);

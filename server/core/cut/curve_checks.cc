@@ -6,7 +6,7 @@
 
 #include "server/core/cut/curve.h"
 
-// validate(): what can be said of a curve without a sheet.
+// Implements validate(): the checks of a curve that need no sheet.
 namespace kerf::cut {
 namespace {
 
@@ -165,7 +165,7 @@ Status check(const Subpath& subpath, const std::string& path, bool& moving) {
     const auto check_as = [&segment](const std::string& name) {
       return std::visit([&name](const auto& each) { return check(each, name); }, segment);
     };
-    // Its name is put together only where it is needed: a path has thousands of segments.
+    // Builds the name of a segment only for an error, since a path has thousands of segments.
     if (!check_as({}).ok()) return check_as(indexed(path + ".segments", i));
     moving = moving || moves(from, segment);
     from = std::visit([](const auto& each) { return each.end; }, segment);

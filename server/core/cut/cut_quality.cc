@@ -20,7 +20,7 @@ namespace {
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
-// Angles are compared with this much room: points are rounded to the lattice.  degrees
+// Tolerance of comparisons of angles, as points are rounded to the lattice.  degrees
 constexpr double kAngleRounding = 1.0e-6;
 
 double angle_of(double cosine) {
@@ -32,7 +32,7 @@ std::array<PointId, 3> sorted(std::array<PointId, 3> points) {
   return points;
 }
 
-// Triangles with a corner at p, and those that share a vertex of the opened mesh with one of them.
+// Collects the triangles with a corner at p, and those that share a vertex of the opened mesh with one of them.
 std::vector<TriangleId> two_rings(const mesh::TriangleMesh& mesh, PointId p) {
   std::vector<TriangleId> fan;
   mesh.fan_around(p, fan);
@@ -108,7 +108,8 @@ double count_below(mesh::Strands::Place place, double angle, double min_angle_de
 
 std::vector<TriangleId> new_triangles(const mesh::TriangleMesh& mesh, const mesh::UndoLog& undo,
                                       std::span<const TriangleId> rewritten, std::span<const PointId> moved) {
-  // Most have a corner that is new or was moved. What the others are looked up in leaves out what stayed in its slot.
+  // Most new triangles have a corner that is new or was moved. Others are old if they kept their slots, or are among
+  // the old triangles that left theirs.
   const auto is_made = [&](PointId p) {
     return p >= undo.num_points || std::binary_search(moved.begin(), moved.end(), p);
   };

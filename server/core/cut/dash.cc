@@ -17,7 +17,7 @@ double length_of(const Stroke& stroke) {
   return length;
 }
 
-// Walks along strokes and keeps what falls on dashes.
+// Walks along strokes and keeps the parts that fall on dashes.
 class Dasher {
  public:
   Dasher(const std::vector<double>& cycle, double period, double offset) : cycle_(cycle), slack_(1.0e-12 * period) {
@@ -46,7 +46,7 @@ class Dasher {
     const double length = (b - a).norm();
     double done = 0.0;
     Vector2d at = a;
-    // Counted: each turn uses up an entry, and dashed() has counted how many of them there are.
+    // Ends: each turn uses up an entry of the pattern, and dashed() has limited their number.
     while (length - done > left_ + slack_) {
       done += left_;
       const Vector2d next = a + done / length * (b - a);

@@ -21,7 +21,7 @@ namespace {
 
 constexpr int kMaxSegmentTriangles = 1'000'000;  // triangles one segment may run through
 
-// Cuts one stroke up at the edges of the mesh.
+// Divides one stroke at the edges of the mesh.
 class Crossings {
  public:
   Crossings(const mesh::TriangleMesh& mesh, const Stroke& stroke) : mesh_(mesh) {
@@ -47,7 +47,7 @@ class Crossings {
   }
 
  private:
-  // Takes the path straight on to `to`, over the edges in between.
+  // Continues the path straight to `to`, over the edges in between.
   void follow(const Vector2d& to) {
     const LatticePoint target = mesh_.lattice().nearest(to);
     TriangleId previous = kNone;

@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-// Scaling about one point that then moves to another.
+// Scales about one point, which then moves to another.
 class Placing {
  public:
   Placing(const Vector2d& from, const Vector2d& to, double scale) : from_(from), to_(to), scale_(scale) {}
@@ -149,7 +149,7 @@ Status fit_into(const Box& box, Curve& curve) {
   }
   double scale = std::numeric_limits<double>::infinity();
   for (int axis = 0; axis < 2; ++axis) {
-    // A straight line along one axis fits in the other whatever the scale; so does a curve that is flat up to rounding.
+    // Ignores an axis along which the curve has no extent up to rounding: it fits there at any scale.
     if (size[axis] > 1.0e-12 * size.maxCoeff()) {
       scale = std::min(scale, (box.high[axis] - box.low[axis]) / size[axis]);
     }

@@ -13,7 +13,7 @@ using Eigen::Vector2d;
 
 constexpr int kMaxChords = 4096;  // chords a Bezier piece or an eighth of a circle may become
 
-// Bound on the rounding of a point computed in a few operations from coordinates of this size.
+// Bounds the rounding of a point computed in a few operations from coordinates of this size.
 double rounding_bound(double coordinate) {
   return 16.0 * std::numeric_limits<double>::epsilon() * coordinate;
 }
@@ -40,7 +40,7 @@ Vector2d evaluate(const Piece& p, double t) {
   return s * abc + t * bcd;
 }
 
-// Real roots in (0, 1) of a t^2 + b t + c, by the form without cancellation; at most 2.
+// Appends the real roots in (0, 1) of a t^2 + b t + c, at most 2, by the form without cancellation.
 void append_roots(double a, double b, double c, std::vector<double>& roots) {
   const double discriminant = std::max(b * b - 4.0 * a * c, 0.0);
   const double q = -0.5 * (b + std::copysign(std::sqrt(discriminant), b));
@@ -48,7 +48,8 @@ void append_roots(double a, double b, double c, std::vector<double>& roots) {
   if (q != 0.0) roots.push_back(c / q);
 }
 
-// Parameters in (0, 1) where the hodograph B'(t) vanishes: cusps, and turning points of a curve folded onto a line.
+// Returns the parameters in (0, 1) where the hodograph B'(t) vanishes: cusps, and turning points of a curve folded onto
+// a line.
 std::vector<double> cusps(const Piece& p) {
   const Vector2d d0 = p[1] - p[0];
   const Vector2d d1 = p[2] - p[1];
@@ -78,7 +79,7 @@ double flatten_piece(const Piece& p, double tolerance, Stroke& stroke) {
   append(stroke, p[0]);
   for (int i = 1; i <= chords; ++i) {
     const double t = static_cast<double>(i) / chords;
-    // An extra point only shortens a chord in parameter, which keeps the bound.
+    // Adds extra points, which only shorten chords in parameter and so keep the bound.
     for (; cusp != cusp_parameters.end() && *cusp < t; ++cusp) append(stroke, evaluate(p, *cusp));
     append(stroke, i == chords ? p[3] : evaluate(p, t));
   }
@@ -105,9 +106,9 @@ FlatCurve flat(const Polyline& polyline, double /*tolerance*/) {
   return result;
 }
 
-// Points of the unit circle from angle 0 to 45 degrees by the rational parametrisation
-//   ((1 - u^2) / (1 + u^2), 2 u / (1 + u^2)), u = tan(angle / 2) in [0, tan(pi / 8)],
-// which takes correctly rounded operations only: the same bits on every machine, unlike sine and cosine.
+// Returns points of the unit circle from 0 to 45 degrees by the rational parametrisation ((1 - u^2) / (1 + u^2), 2 u /
+// (1 + u^2)), u = tan(angle / 2) in [0, tan(pi / 8)]. It takes correctly rounded operations only, so that every machine
+// gets the same bits, unlike with sine and cosine.
 std::vector<Vector2d> unit_octant(int chords) {
   const double u_end = std::sqrt(2.0) - 1.0;
   std::vector<Vector2d> points;

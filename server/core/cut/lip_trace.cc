@@ -62,7 +62,7 @@ bool LipTrace::find_border(PointId from, const Leg& leg) {
   return true;
 }
 
-// Visits every point that chains along the leg lead to, those over fewer edges first.
+// Visits every point that chains of lips along the leg lead to, breadth first.
 void LipTrace::visit_all(PointId from, const Leg& leg) {
   visits_.assign(1, {from, 0, false});
   for (std::size_t i = 0; i < visits_.size() && visits_.size() < kMaxVisits; ++i) visit_neighbours(i, leg);
@@ -73,7 +73,7 @@ void LipTrace::visit_neighbours(std::size_t of, const Leg& leg) {
   mesh_.fan_around(centre, fan_);
   for (const TriangleId t : fan_) {
     const int k = mesh_.corner_of(t, centre);
-    // The edge from the centre to the next corner: the fan is closed, so each edge is met once.
+    // Looks at the edge from the centre to the next corner. The fan is closed, so each edge comes up once.
     const mesh::LockBits locks = mesh_.locks(t, previous_corner(k));
     if ((locks & mesh::kLocksThatOpen) == 0) continue;
     if ((locks & mesh::kLockBorder) != 0) visits_[of].on_border = true;

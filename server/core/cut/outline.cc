@@ -18,22 +18,22 @@ namespace {
 using Eigen::Vector2d;
 using std::numbers::pi;
 
-// Arcs at corners and ends may use this share of what the outline adds to the deviation, leaving out points the rest.
+// Share of the outline's deviation that arcs at corners and ends may use; leaving out points may use the rest.
 constexpr double kArcShare = 0.4;
 
-// Clipper rounds the number of chords of an arc to nearest: one may stand for one and a half, and be this much farther
-// from the arc.  -
+// Factor on the distance of a chord from its arc: Clipper rounds the number of chords to nearest, so one may replace
+// one and a half. -
 constexpr double kChordRounding = 2.25;
 
 // Clipper rounds offset points and crossings to its grid; chords are straightened by as much before.  grid units
 constexpr double kGridRounding = 2.0;
-// Coordinates up to here Clipper multiplies in 64 bits.  grid units
+// Largest coordinates that Clipper multiplies in 64 bits.  grid units
 constexpr double kGridExtent = 1 << 29;
 
 // Limits the number of pairs of chords, with strips that overlap in y, that are examined in total.
 constexpr std::int64_t kMaxPairsLookedAt = 50'000'000;
 
-// The grid that Clipper works on: over all that the strip may reach.
+// The grid that Clipper works on. It covers all that the strip may reach.
 class Grid {
  public:
   Grid(const FlatCurve& curve, double radius) {
@@ -63,8 +63,8 @@ struct Chain {
   bool is_closed = false;  // its first point follows the last
 };
 
-// Lays chords on the grid, each once. Clipper loses parts of strips whose sides nearly coincide: those of retraced
-// chords, and of points that rounding moves off a straight line.
+// Puts chords on the grid, each once. Clipper would lose parts of strips whose sides nearly coincide, as with retraced
+// chords and with points that rounding moves off a straight line.
 class ChordsOnGrid {
  public:
   explicit ChordsOnGrid(const Grid& grid) : grid_(grid) {}
@@ -96,7 +96,7 @@ class ChordsOnGrid {
     const auto [low, high] = std::minmax({Point(a.X, a.Y), Point(b.X, b.Y)});
     return outline_edges_.insert({low, high}).second;
   }
-  // A point alone stays where it is the whole stroke, as a chord: Clipper leaves a gap in the circle around a point.
+  // Keeps a stroke that is a single point as a chord: Clipper leaves a gap in the circle around a point.
   void end(ClipperLib::Path& chain, bool is_whole) {
     if (is_whole && chain.size() == 1) chain.emplace_back(chain.front().X + 1, chain.front().Y);
     const bool is_closed = is_whole && chain.size() > 3 && chain.front() == chain.back();
@@ -128,7 +128,7 @@ struct Chord {
 std::vector<Chord> strips_of_chords(const std::vector<Chain>& chains, const Grid& grid, double radius,
                                     double arc_tolerance) {
   const Vector2d margin = Vector2d::Constant(radius);
-  // As Clipper has it.
+  // Uses Clipper's own formula.
   const double points_a_turn = pi / std::acos(1.0 - std::min(0.25, arc_tolerance / kChordRounding / radius));
   std::vector<Chord> chords;
   for (const Chain& chain : chains) {

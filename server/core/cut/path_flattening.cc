@@ -51,7 +51,8 @@ class ChordLists {
       flat.deviation_m = std::max(flat.deviation_m, chord.deviation);
       deepest = std::max(deepest, chord.depth);
     }
-    // A level of de Casteljau rounds numerator and weight by at most 3 epsilon of the largest; projecting by 3 more.
+    // Bounds rounding: a level of de Casteljau rounds numerator and weight by at most 3 epsilon of the largest,
+    // projecting by 3 more.
     const double levels = 8.0 * (deepest + 2);
     flat.deviation_m += levels * std::numeric_limits<double>::epsilon() * largest_ + rounding_;
     for (const int head : heads_) {
@@ -100,7 +101,7 @@ class ChordLists {
     chord.piece = piece;
     chord.depth = depth;
     chord.deviation = deviation_bound(piece);
-    // A loop within the tolerance is more than the point that its chord is, unless it is rounding.
+    // Refines a loop even within the tolerance, as its chord is a point, unless it is mere rounding.
     const bool loop = piece.start == piece.end && chord.deviation > kNoise * largest_;
     if (chord.deviation > tolerance_ || loop) worst_.emplace(chord.deviation, at);
   }
@@ -113,7 +114,7 @@ class ChordLists {
   double rounding_ = 0.0;  // m, of arcs
 };
 
-// A subpath under way.
+// A subpath that is being flattened.
 class Pieces {
  public:
   explicit Pieces(const Vector2d& start) : at_(start) {}

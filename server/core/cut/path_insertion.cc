@@ -24,8 +24,8 @@ namespace {
 constexpr std::int64_t kMaxLegs = 2'000'000;        // straight legs of one cut
 constexpr std::size_t kMaxSnapNeighbourhood = 512;  // triangles searched for something to snap to, or for a lip
 
-// The lattice point wanted and its neighbours, nearest first: rounding can put a point on the wrong side of an edge of
-// a very flat triangle, and one of the others is then inside.
+// Offsets of the lattice point wanted and of its neighbours, nearest first. Rounding can put a point on the wrong side
+// of an edge of a very flat triangle; a neighbour may then be inside.
 constexpr std::array<std::array<std::int64_t, 2>, 9> kRoundings{
     {{0, 0}, {1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, 1}, {1, -1}, {-1, -1}}};
 
@@ -113,7 +113,7 @@ bool PathInsertion::is_tip(PointId point) const {
          }) == 1;
 }
 
-// Takes the path from the start of the present segment to its end.
+// Continues the path from the start of the current segment to its end.
 Status PathInsertion::insert_segment(PathPosition& position) {
   const Eigen::Vector2d along = difference(segment_start_, segment_end_);
   const mesh::Lattice& lattice = mesh_.lattice();
@@ -159,7 +159,8 @@ void PathInsertion::count_merged_segment() {
   ++counts_.merged_segments;
 }
 
-// `width`: between the path and the lip or border that it was laid on, lattice units; 0 where it met that exactly.
+// Counts a gap closed by snapping to a lip or border. `width`: their distance from the path, lattice units; 0 where the
+// path met it exactly.
 void PathInsertion::record_gap(double width) {
   if (width <= 0.0) return;
   ++counts_.closed_gaps;

@@ -1,4 +1,4 @@
-// The part of PathInsertion that lays the path along lips that are there already, instead of cutting beside them.
+// Implements the part of PathInsertion that leads the path along existing lips instead of cutting beside them.
 #include <algorithm>
 
 #include "server/core/cut/path_insertion.h"
@@ -31,8 +31,8 @@ bool PathInsertion::retrace(PathPosition& position, const LatticePoint& at) {
   return true;
 }
 
-// Lays a leg, or the part of it inside the sheet, along existing lips. A leg from the void is traced backwards from its
-// end; the point where it enters the sheet becomes the next target, and false is returned.
+// Leads a leg, or the part of it inside the sheet, along existing lips. Traces a leg from the void backwards from its
+// end: the point where it enters the sheet becomes the next target, and the result is false.
 bool PathInsertion::follow_lips(PathPosition& from, std::vector<PathPosition>& targets) {
   const PathPosition target = targets.back();
   if (from.point == kNone) {

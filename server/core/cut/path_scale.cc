@@ -6,7 +6,8 @@
 namespace kerf::cut {
 namespace {
 
-// Two clearances of the lattice keep a point that did not snap to a lip insertable beside it.  lattice units
+// Least snap distance: two clearances of the lattice, so that a point that did not snap to a lip can be inserted beside
+// it. lattice units
 constexpr double kLeastSnapUnits = 2.0 * static_cast<double>(mesh::MeshEditor::kLockClearance);
 
 constexpr double kSnapShare = 0.1;  // -; most of the tolerance that snapping may use
@@ -33,7 +34,7 @@ double PathScale::representable_tolerance() const {
 
 double PathScale::flattening_for(double edge_length) const {
   const double tolerance = tolerance_for(edge_length);
-  // With one tolerance for all lengths, longer edges snap from farther: then the most that snapping may use.
+  // Assumes the most that snapping may use where one tolerance holds for all lengths: longer edges snap from farther.
   const double snap = options_.tolerance_m && !is_uniform() ? kSnapShare * tolerance : snap_for(edge_length);
   return std::max(tolerance - snap, kSnapShare * tolerance);
 }

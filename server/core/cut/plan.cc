@@ -17,14 +17,14 @@ namespace {
 
 constexpr double kMaxPathPoints = 1.0e6;  // points of a spaced path; more cannot fit in any element budget
 
-// Most of the room around the sheet that clipping leaves to a curve, the snap distance aside: that is at most a tenth
-// of the edge length, and the edge length at most sqrt(2) times the room.  -
+// Largest share of the room around the sheet that clipping leaves to a curve, without the snap distance. That distance
+// is at most a tenth of the edge length, and the edge length at most sqrt(2) times the room. -
 constexpr double kClipRoom = 0.25;
 
-// With a width, half is for the curve and half for the outline.  -
+// Share of the tolerance for the curve of a cut with a width; the outline has the rest. -
 constexpr double kWidthFlattening = 0.5;
 
-// With Method::kElement chords are chosen from this much finer ones.  -
+// Factor by which the curve is flattened finer for Method::kElement, which chooses its chords among these. -
 constexpr double kElementFlattening = 0.25;
 
 Status check_range(double value, double low, double high, const std::string& field) {
@@ -73,7 +73,7 @@ std::string metres(double value) {
   return text.data();
 }
 
-// Below a few hundred lattice units rounding alone would exceed the tolerance.
+// Refuses a tolerance below a few hundred lattice units, which rounding alone would exceed.
 Status check_tolerance(const PathScale& scale) {
   const double least = scale.representable_tolerance();
   if (scale.least_tolerance() >= least) return Nothing{};
@@ -113,7 +113,7 @@ FlatCurve leave_out_points(FlatCurve path, const PathScale& scale, std::optional
   return path;
 }
 
-// The outline of what of the strip may reach into `room`.
+// Makes the outline of the part of the strip that may reach into `room`.
 Result<Outline> outline_near(const FlatCurve& curve, double width, const PathScale& scale, const Box& room) {
   const double of_width = kToleranceOfWidth * width;
   if (of_width < scale.representable_tolerance()) {
@@ -179,8 +179,8 @@ Result<CutPlan> plan(const mesh::TriangleMesh& mesh, const CutRequest& request) 
   }
   KERF_TRY_ASSIGN(const FlatCurve flat, dashed(whole, plan.options.dash));
   const Eigen::AlignedBox2d& bounds = mesh.bounding_box();
-  // An edge length keeps ends outside clear of the border, but on a sheet of few triangles that leads out of the
-  // domain.
+  // Leaves ends outside at most this far: an edge length keeps them clear of the border, but can lead out of the domain
+  // on a sheet of few triangles.
   const double clearance = std::min(plan.edge_length_m, kClipRoom * mesh.lattice().room());
   const Eigen::Vector2d margin = Eigen::Vector2d::Constant(clearance + plan.snap_m);
   const Box room{bounds.min() - margin, bounds.max() + margin};

@@ -25,7 +25,7 @@ struct Polynomial {
   std::array<double, kMaxCoefficients> coefficients{};
 };
 
-// The binomial coefficients n over k, n <= 5.
+// Binomial coefficients n over k, n <= 5.
 constexpr std::array<std::array<double, 6>, 6> kBinomial{{
     {1, 0, 0, 0, 0, 0},
     {1, 1, 0, 0, 0, 0},
@@ -52,7 +52,7 @@ Polynomial derivative_numerator(const RationalPiece& piece, int axis) {
   for (int i = 0; i <= n; ++i) {
     const Vector3d& point = piece.points[static_cast<std::size_t>(i)];
     w[static_cast<std::size_t>(i)] = point.z();
-    // From the start on, which cancels what a far origin adds.
+    // Measures from the start of the piece, so that a far origin cancels.
     x[static_cast<std::size_t>(i)] = point[axis] - point.z() * piece.start[axis];
   }
   x[0] = 0.0;
@@ -144,7 +144,7 @@ std::vector<double> sign_change_parameters(const Polynomial& polynomial, const P
     }
     const auto [left, right] = halves(interval.on);
     const auto [other_left, other_right] = halves(interval.other);
-    // A root in the very middle shows in neither half.
+    // Adds a root in the very middle, which shows in neither half.
     if (right.coefficients[0] == 0.0) found.push_back(middle);
     open.push_back({middle, interval.to, right, other_right});
     open.push_back({interval.from, middle, left, other_left});

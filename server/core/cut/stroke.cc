@@ -11,13 +11,13 @@ namespace {
 
 using Eigen::Vector2d;
 
-// Bound on the distance from a point a + t (b - a), as computed, to the segment ab.
+// Bounds the distance from a point a + t (b - a), as computed, to the segment ab.
 double interpolation_error(const Vector2d& a, const Vector2d& b) {
   const double largest = std::max(a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff());
   return 8.0 * std::numeric_limits<double>::epsilon() * largest;
 }
 
-// The range of t in [0, 1] for which a + t (b - a) is inside the box (Liang and Barsky 1984).
+// Returns the range of t in [0, 1] for which a + t (b - a) is inside the box (Liang and Barsky 1984).
 std::optional<std::pair<double, double>> inside_range(const Vector2d& a, const Vector2d& b, const Box& box) {
   double enter = 0.0;
   double leave = 1.0;
@@ -37,7 +37,7 @@ std::optional<std::pair<double, double>> inside_range(const Vector2d& a, const V
   return std::make_pair(enter, leave);
 }
 
-// Collects what of a curve lies in a box, segment by segment.
+// Collects the part of a curve that lies in a box, segment by segment.
 class Clipper {
  public:
   explicit Clipper(const Box& box) : box_(box) {}
@@ -60,7 +60,7 @@ class Clipper {
     current_ = Stroke{};
   }
 
-  // m, by which clipped ends may lie off their segments.
+  // Bounds the distance (m) of clipped ends from their segments.
   [[nodiscard]] double rounding() const { return rounding_; }
   [[nodiscard]] std::vector<Stroke> take_strokes() { return std::move(strokes_); }
 

@@ -21,10 +21,10 @@ constexpr double kFirstFlatnessPx = 0.25;    // px
 constexpr double kLeastFlatnessPx = 1.0e-3;  // px
 constexpr double kFlatnessShare = 0.4;       // of the tolerance; the rest is for leaving points out in rest space
 constexpr int kMaxFlattenings = 3;
-// Rounding of the picture to its lattice and what keeps triangles from being lines.  px
+// Rounding of the picture to its lattice, and the least extent of triangles that are not lines. px
 constexpr double kScreenErrorPx = 2.0 * (Screen::kJitter + 1) / Screen::kUnitsPerPx;
 
-// m; how far the sheet's image of a curve can lie from that of a polyline within `px` of it.
+// Bounds the distance (m) of a curve's image on the sheet from that of a polyline within `px` of the curve.
 double bound_on_sheet(const std::vector<ViewStretch>& stretches, double px) {
   double bound = 0.0;
   for (const ViewStretch& stretch : stretches) {

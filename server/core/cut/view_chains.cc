@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kNobody = static_cast<std::size_t>(-1);
 
-// End 2 i of the ends is where interval i begins, end 2 i + 1 where it ends.
+// Numbers of ends: interval i begins at end 2 i and ends at end 2 i + 1.
 const ViewNode& node_of(const std::vector<ViewInterval>& intervals, std::size_t end) {
   const ViewInterval& interval = intervals[end / 2];
   return end % 2 == 0 ? interval.begin : interval.end;
@@ -22,14 +22,15 @@ std::size_t opposite(std::size_t end) {
   return end ^ 1U;
 }
 
-// For each end the one it meets, or kNobody.
+// Finds for each end the one that it meets, or kNobody.
 std::vector<std::size_t> find_partners(const std::vector<ViewInterval>& intervals) {
   using Key = std::tuple<int, std::int32_t, std::int32_t, std::int32_t, std::size_t>;
   std::vector<Key> keys;
   for (std::size_t end = 0; end < 2 * intervals.size(); ++end) {
     const ViewNode& node = node_of(intervals, end);
     if (node.kind == ViewNode::Kind::kFree) continue;
-    // A segment crosses an edge once; a joint is where one segment ends and the next begins.
+    // Two ends meet on an edge, which a segment crosses once, or at a joint, where one segment ends and the next
+    // begins.
     const bool on_edge = node.kind == ViewNode::Kind::kEdge;
     keys.emplace_back(on_edge ? 0 : 1, node.low, node.high, on_edge ? intervals[end / 2].segment : 0, end);
   }
@@ -59,7 +60,7 @@ class Linker {
   }
 
  private:
-  // The end that a chain through interval i starts with; of a closed chain, where i begins.
+  // Returns the end at which the chain through interval i starts; in a closed chain, the one where i begins.
   [[nodiscard]] std::size_t find_start(std::size_t i) const {
     std::size_t end = 2 * i;
     for (std::size_t step = 0; step < intervals_.size(); ++step) {

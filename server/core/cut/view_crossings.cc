@@ -31,7 +31,8 @@ int sign_of(std::int64_t value) {
   return value > 0 ? 1 : (value < 0 ? -1 : 0);
 }
 
-// The curve is shifted by (e, e^2), e > 0 infinitesimal, so none of the next two is 0 unless its two points coincide.
+// Sides with respect to the curve shifted by (e, e^2), e > 0 infinitesimal. Neither is 0 unless its two points
+// coincide.
 
 // Returns the side of the segment pq, shifted, that the point a is on.
 int side_of_segment(const LatticePoint& p, const LatticePoint& q, const LatticePoint& a) {

@@ -17,7 +17,7 @@ constexpr double kSameDepth = 1.0e-9;      // -; relative difference below which
 constexpr int kMaxHalvings = 24;           // of a stretch in which layers pass through each other
 constexpr double kShortestStretch = 1e-9;  // -, of a segment
 
-// The point of the interval at parameter `at` of its segment, begin.at <= at <= end.at.
+// Returns the point of the interval at parameter `at` of its segment, begin.at <= at <= end.at.
 ViewNode node_at(const ViewInterval& interval, double at) {
   const ViewNode& a = interval.begin;
   const ViewNode& b = interval.end;
@@ -31,7 +31,7 @@ ViewNode node_at(const ViewInterval& interval, double at) {
   return node;
 }
 
-// The interval from `from` to `to`, at its own ends with its own nodes.
+// Returns the part of the interval from `from` to `to`; at the interval's ends it has the interval's nodes.
 ViewInterval part_of(const ViewInterval& interval, double from, double to) {
   ViewInterval part = interval;
   if (from > interval.begin.at) part.begin = node_at(interval, from);
@@ -114,8 +114,8 @@ class NearestLayer {
   std::vector<const ViewInterval*> active_;
 };
 
-// Beside a vertex the curve may run through triangles in stretches too short for a double: they hide nothing, but join
-// the intervals on either side. Adds those that continue an interval that is seen.
+// Adds intervals that continue one that is seen, however short. Beside a vertex the curve may run through triangles in
+// stretches too short for a double: they hide nothing, but join the intervals on either side.
 void add_points(const std::vector<ViewInterval>& intervals, std::vector<ViewInterval>& seen) {
   using Key = std::tuple<std::int32_t, std::int32_t, std::int32_t>;
   std::multimap<Key, const ViewInterval*> points;

@@ -24,7 +24,7 @@ Cell cell_of(const EdgeLengths& lengths, const Eigen::Vector2d& position) {
   return {index(share.x(), lengths.columns), index(share.y(), lengths.rows)};
 }
 
-// The leg of the isosceles right triangle of the same area, m.
+// Returns the leg (m) of the isosceles right triangle of the same area.
 double length_of(const TriangleRecord& triangle, std::span<const PointRecord> points, const Lattice& lattice) {
   const auto at = [&](int k) -> const LatticePoint& {
     return points[static_cast<std::size_t>(triangle.points[static_cast<std::size_t>(k)])].at;

@@ -24,12 +24,13 @@ double cos_between(const Vector2d& u, const Vector2d& v) {
 double LipCorners::sharpest(PointId p) {
   mesh_.fan_around(p, fan_);
   double cos_sharpest = kCosSharp;
-  // Per solid sector between two consecutive fixed edges: sum up to the first edge that makes it 60 degrees or more.
+  // Adds up each solid sector between two consecutive fixed edges, as far as the first edge that makes it 60 degrees or
+  // more.
   const std::size_t size = fan_.size();
   for (std::size_t first = 0; first < size; ++first) {
     const int k = mesh_.corner_of(fan_[first], p);
     if (!mesh_.is_solid(fan_[first]) || !mesh_.is_fixed(fan_[first], previous_corner(k))) continue;
-    // Edges between facets are fixed: the sector lies in the facet of its first triangle.
+    // Measures in the facet of the first triangle, which holds the whole sector: edges between facets are fixed.
     const Vector2d start =
         mesh_.at_rest(fan_[first], difference(mesh_.at(p), mesh_.at(mesh_.points(fan_[first])[next_corner(k)])));
     for (std::size_t step = 0; step < size; ++step) {

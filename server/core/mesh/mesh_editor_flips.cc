@@ -1,4 +1,4 @@
-// Flips that serve a purpose: Delaunay around a new point, and recovery of an edge.
+// Flips with a purpose: to make triangles Delaunay around a new point, and to recover an edge.
 
 #include <deque>
 
@@ -58,8 +58,7 @@ Recovery MeshEditor::recover_edge(PointId p, PointId q, LockBits locks) {
   KERF_CHECK(t != kNone, "a segment that nothing crosses any more is an edge");
   if (locks != 0) lock_edge(t, result.corner, locks);
   if (!made.empty()) {
-    // The recovered edge must not be flipped away again, lock or no lock: it is not in `made`, and only edges in it
-    // flip.
+    // Flips only edges in `made`. The recovered edge is not among them, so it is not flipped away again, locked or not.
     legalise_edges(made);
     t = mesh_.find_edge(p, q, result.corner);
   }

@@ -11,7 +11,7 @@
 
 namespace kerf::mesh {
 
-// The edge before the edit that holds edge k of t, if that was locked then.
+// Returns the edge before the edit that holds edge k of t, if that was locked then.
 MeshEditor::Lip MeshEditor::lip_of_edge(TriangleId t, int k) const {
   const LockBits bits = mesh_.locks(t, k);
   if ((bits & kLocksThatOpen) == 0 || (bits & kLockFresh) != 0) return {};
@@ -70,7 +70,7 @@ std::vector<MeshEditor::Sector> MeshEditor::sectors_around(PointId p, std::vecto
   return sectors;
 }
 
-// The same edge from its other side.
+// Returns the same edge from its other side.
 MeshEditor::Lip MeshEditor::across(const Lip& lip) const {
   const TriangleRecord& record = old_record(lip.triangle);
   const TriangleId mirror = record.neighbours[lip.corner];
@@ -93,7 +93,7 @@ std::vector<bool> MeshEditor::left_of_lip(PointId p, const Lip& lip, const std::
     const LockBits bits = mesh_.locks(fan[i], next_corner(c));
     if ((bits & kLocksThatOpen) == 0 || (bits & kLockFresh) != 0) continue;
     const LatticePoint& end = mesh_.at(mesh_.points(fan[i])[previous_corner(c)]);
-    // Counter-clockwise from the half towards b to the half towards a.
+    // Runs counter-clockwise from the half towards b to the half towards a.
     std::optional<std::size_t>& bound = dot(a, b, mesh_.at(p), end) > 0 ? first : last;
     KERF_CHECK(!bound, "a split lock leaves one half on each side");
     bound = &bound == &first ? (i + 1) % n : i;
@@ -108,7 +108,7 @@ std::vector<bool> MeshEditor::left_of_lip(PointId p, const Lip& lip, const std::
     }
     return is_left;
   }
-  // With one bound alone, the run extends to the void.
+  // Extends the run to the void if it has only one bound.
   for (std::size_t step = 0; step < n; ++step) {
     const std::size_t i = first ? (*first + step) % n : (*last + n - step) % n;
     if (!(first && last) && !mesh_.is_solid(fan[i])) break;
@@ -154,7 +154,7 @@ void MeshEditor::open_point(PointId p) {
   }
 }
 
-// Vertices of slots that were removed and that no solid slot has a corner at any more.
+// Removes the vertices of removed slots at which no solid slot has a corner any more.
 void MeshEditor::drop_orphaned_vertices() {
   sort_unique(orphaned_vertices_);
   for (const VertexId v : orphaned_vertices_) {
@@ -190,7 +190,7 @@ void MeshEditor::label_split_pieces(const std::vector<TriangleId>& seeds) {
   }
 }
 
-// A piece that lost some of its material has a seed where the rest of it met that: those without any are gone.
+// Removes pieces that lost all their material. A piece that kept some has a seed where its rest met the removed part.
 void MeshEditor::drop_orphaned_pieces(const std::vector<TriangleId>& seeds) {
   if (orphaned_pieces_.empty()) return;
   std::vector<bool> remains(static_cast<std::size_t>(mesh_.num_pieces()));

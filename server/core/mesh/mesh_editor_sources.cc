@@ -12,7 +12,8 @@
 
 namespace kerf::mesh {
 
-// The solid slot of the mesh before the edit that holds p; where p was rounded out of the sheet, the solid slot beside.
+// Returns the solid slot of the mesh before the edit that holds p, or the solid slot beside it if p was rounded out of
+// the sheet.
 TriangleId MeshEditor::locate_in_old(const LatticePoint& p, TriangleId start) const {
   struct OldMesh {
     const MeshEditor& editor;
@@ -42,8 +43,7 @@ TriangleId MeshEditor::locate_in_old(const LatticePoint& p, TriangleId start) co
 }
 
 // Interpolates at points that are not on an old lock, so have material all around. The walk starts from the point's
-// slot, not from the vertex's: all vertices at a point get the same sources, and lips are equal bit for bit when they
-// are born.
+// slot, not the vertex's. So all vertices at a point get the same sources, and new lips are equal bit for bit.
 VertexSource MeshEditor::interpolate(VertexId v) const {
   const PointRecord& point = mesh_.data().points[mesh_.point(v)];
   const LatticePoint& p = point.at;

@@ -27,7 +27,7 @@ VertexSource source_at(const TriangleMesh& mesh, VertexId vertex, const LatticeP
   return {vertex, mesh.vertices(found), barycentric(mesh.at(points[0]), mesh.at(points[1]), mesh.at(points[2]), p)};
 }
 
-// Finds what revived vertices are placed by. Made of the mesh with the edit in it.
+// Finds the sources of restored vertices. Must be made while the mesh still has the edit.
 class Restoration {
  public:
   Restoration(const TriangleMesh& mesh, const CommittedEdit& edit) : restored_(edit.edit.removed_vertices) {
@@ -39,8 +39,8 @@ class Restoration {
     }
   }
 
-  // `mesh`: with the edit undone. Proceeds outwards from the vertices that always had material, so that each revived
-  // vertex follows material on its own side of every lip.
+  // Proceeds outwards from the vertices that always had material, so that each restored vertex follows material on its
+  // own side of every lip. `mesh`: with the edit undone.
   [[nodiscard]] std::vector<VertexSource> place(const TriangleMesh& mesh) const {
     std::unordered_map<VertexId, const Patch*> patch_of;  // looked up, never iterated
     std::vector<VertexId> placed;
@@ -91,7 +91,7 @@ class Restoration {
     return {mesh.vertices(largest), {mesh.at(p[0]), mesh.at(p[1]), mesh.at(p[2])}};
   }
 
-  // Barycentric coordinates, of points outside too.
+  // Returns barycentric coordinates, also of points outside.
   static Eigen::Vector3d affine(const std::array<LatticePoint, 3>& at, const LatticePoint& p) {
     const auto whole = static_cast<double>(doubled_area(at[0], at[1], at[2]));
     const double second = static_cast<double>(doubled_area(at[0], p, at[2])) / whole;

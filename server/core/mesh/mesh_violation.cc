@@ -1,4 +1,4 @@
-// TriangleMesh::find_violation: each check may rely on those before it, and on nothing else.
+// Implements TriangleMesh::find_violation. Each check may rely on those before it, and on nothing else.
 
 #include <algorithm>
 #include <cstdlib>

@@ -66,7 +66,7 @@ class ComponentGrowth {
     return index;
   }
 
-  // Looks at the neighbours of one slot of the group; returns the group it belongs to afterwards.
+  // Visits the neighbours of one slot of the group. Returns the group that the slot belongs to afterwards.
   std::int32_t grow(std::int32_t index) {
     Group& growing = groups_[index];
     const TriangleId t = growing.frontier[growing.next++];  // breadth first: parts that meet round a tip meet soon

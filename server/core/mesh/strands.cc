@@ -11,8 +11,8 @@ using Eigen::Vector2d;
 
 namespace {
 
-// Two lips face each other if their nearest places lie at least 150 degrees apart as seen from in between. Those of a
-// corner do from 30 degrees down; wider corners are left to what holds at sharp ones (LipCorners).
+// Two lips face each other if their nearest places lie at least 150 degrees apart as seen from in between. The lips of
+// a corner do so up to 30 degrees; LipCorners treats wider corners.
 constexpr double kCosFacing = -0.866;   // -
 constexpr int kCutsOfCrossing = 3;      // lip edges at a point where one cut meets another
 constexpr std::size_t kMaxFound = 256;  // triangles searched for strands

@@ -120,7 +120,7 @@ void GrabSet::set(const fem::Integrator& integrator, const fem::Model& model, do
     to.target = from.target;
     to.velocity = (from.target - from.previous_target) / dt;
     to.stiffness = from.stiffness;
-    // Critical damping of the held point's own mass.
+    // Damps the held point's own mass critically.
     const double mobility = integrator.mobility(model, to);
     to.damping = mobility > 0.0 ? 2.0 * std::sqrt(from.stiffness / mobility) : 0.0;
   }

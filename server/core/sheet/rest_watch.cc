@@ -24,7 +24,7 @@ void MotionWindow::begin(const Eigen::Matrix3Xd& x) {
 
 bool MotionWindow::add(const Eigen::Matrix3Xd& x, double dt) {
   time_ += dt;
-  // Long ticks leave no third out.
+  // Fills every third, even with long ticks.
   const auto begun = static_cast<std::size_t>(std::ranges::find(num_ticks_, 0) - num_ticks_.begin());
   const auto third =
       std::min(static_cast<std::size_t>(std::clamp(3.0 * (time_ - 0.5 * dt) / length_, 0.0, 2.0)), begun);
@@ -77,7 +77,7 @@ void RestWatch::after_tick(const fem::Model& model, const Tick& tick, fem::State
   energy_ = calm_time_ == 0.0 ? kinetic : energy_ + std::min(tick.dt / kMeanOver, 1.0) * (kinetic - energy_);
   calm_time_ += tick.dt;
   const double calm_energy = kCalmHeight * size_ * model.total_mass() * tick.gravity;
-  // Without weight there is no scale for speeds: every sheet counts as slow.
+  // Counts every sheet as slow if it has no weight, which gives the scale for speeds.
   const bool is_slow = tick.gravity == 0.0 || energy_ < calm_energy;
   if (!is_slow) {
     is_calm_ = is_measuring_ = is_at_rest_ = false;
@@ -97,7 +97,7 @@ void RestWatch::after_tick(const fem::Model& model, const Tick& tick, fem::State
   for (std::size_t k = 0; k < windows_.size(); ++k) {
     MotionWindow& window = windows_[k];
     if (!window.add(state.x, tick.dt)) continue;
-    // Noise may look like slowing down in one window.
+    // Requires two windows, as noise may look like slowing down in one.
     const bool settled =
         std::exchange(settles_[k], is_calm_ && window.length() * std::sqrt(tick.gravity / size_) >= kSwing &&
                                        window.expected_motion(kHorizon, true) <= kTolerance);

@@ -42,7 +42,7 @@ bool SheetConditions::hold_slopes(const mesh::TriangleMesh& mesh, fem::Model& mo
   std::vector<mesh::VertexId> vertices;
   for (const fem::Clamp& clamp : clamps) vertices.push_back(clamp.vertex);
   model.set_clamps(mesh, std::move(clamps));
-  // Other vertices make for another matrix; other slopes for other forces only.
+  // The integrator's matrix depends on the clamped vertices; their slopes change only forces.
   if (vertices == clamped_) return false;
   clamped_ = std::move(vertices);
   return true;

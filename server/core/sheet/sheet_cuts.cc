@@ -1,4 +1,4 @@
-// Cuts, batches of cuts, undo and redo: what changes the mesh, and what follows from it.
+// Cuts, batches of cuts, undo and redo: changes of the mesh, and of everything that follows it.
 
 #include <algorithm>
 #include <utility>

@@ -20,7 +20,7 @@ TickReport Sheet::Impl::run(std::span<const Command> commands, StageObserver* ob
   return report;
 }
 
-// A static analysis counts loads as it would ticks.
+// Counts a load of a static analysis as a tick.
 TickReport Sheet::Impl::begin_load_step() {
   TickReport report;
   const std::int32_t version_before = topology_version;

@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::array<mesh::VertexId, 3> kVoid{mesh::kNone, mesh::kNone, mesh::kNone};
 
-// Everything but the versions of slots and vertices.
+// Copies everything except the versions of slots and vertices.
 void copy_mesh(const mesh::TriangleMesh& mesh, Topology& topology) {
   const auto num_slots = static_cast<std::size_t>(mesh.num_triangle_slots());
   topology.num_triangles = mesh.num_solid_triangles();

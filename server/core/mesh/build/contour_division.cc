@@ -10,13 +10,13 @@ namespace {
 constexpr double kSnap = 0.1;  // -; how near a point of the contour is very near, as a fraction of the parts' length
 constexpr int kSteps = 8;      // of the integral of 1 / size along an edge of that size
 
-// Number of edges up to a station.
+// Returns the number of edges up to a station.
 struct Count {
   double station = 0.0;
   double edges = 0.0;
 };
 
-// Empty where there are more than `most`.
+// Returns an empty list if there are more than `most`.
 std::vector<Count> count_edges(const Contour& contour, const Stretch& stretch, const SizeField& sizes, double most) {
   std::vector<Count> counts{{stretch.from, 0.0}};
   while (counts.back().station < stretch.to) {

@@ -17,8 +17,8 @@ Status too_many(std::size_t limit, const std::string& what) {
   return invalid_argument("TOO_LARGE", "more than " + std::to_string(limit) + " " + what);
 }
 
-// The sum of the triangles' area vectors, those against the sum so far turned over: components need not be oriented
-// alike.
+// Adds up the triangles' area vectors. Turns over those against the sum so far, as components need not have one
+// orientation.
 Eigen::Vector3d total_area(const ImportedSheet& imported) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (Eigen::Index t = 0; t < imported.sheet.triangles.cols(); ++t) {
@@ -69,7 +69,7 @@ Status FaceList::add_face(std::span<const Corner> corners) {
   return Nothing{};
 }
 
-// Vertices are the different corners, by position and then by texture coordinate.
+// Numbers the different corners as vertices, by position and then by texture coordinate.
 Result<ImportedSheet> FaceList::assemble(RestShape rest_shape) const {
   if (triangles_.empty()) return invalid_argument("EMPTY", "no face");
   std::vector<Corner> vertices;
@@ -105,7 +105,7 @@ Result<ImportedSheet> FaceList::assemble(RestShape rest_shape) const {
   return imported;
 }
 
-// Rest shape of a planar sheet.
+// Makes the rest shape of a planar sheet.
 Status FaceList::flatten(ImportedSheet& imported) const {
   const Eigen::Vector3d origin = imported.world.col(0);
   const Eigen::Vector3d area = total_area(imported);
@@ -132,7 +132,7 @@ Status FaceList::flatten(ImportedSheet& imported) const {
     imported.sheet.rest = imported.world.topRows<2>();
     return Nothing{};
   }
-  // The axis that is least along the normal, projected into the plane, is the rest x axis.
+  // Takes as rest x axis the axis that is least along the normal, projected into the plane.
   Eigen::Index axis = 0;
   normal.cwiseAbs().minCoeff(&axis);
   const Eigen::Vector3d u = (Eigen::Vector3d::Unit(axis) - normal[axis] * normal).normalized();

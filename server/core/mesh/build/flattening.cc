@@ -22,9 +22,9 @@ namespace {
 using Complex = std::complex<double>;
 using Triplet = Eigen::Triplet<double>;
 
-// Weights of Tutte's embedding are at least this, so that it is one: cotangents may be negative.
+// Least weight of Tutte's embedding, which needs positive ones; cotangents may be negative.
 constexpr double kLeastWeight = 0.05;
-// Below this ratio of the vector sum of the areas to their sum a surface has no side that it faces.
+// Ratio of the vector sum of the areas to their sum below which a surface faces no side.
 constexpr double kFacesNowhere = 0.05;
 constexpr double kGap = 0.1;  // between components, of the larger side of the next
 
@@ -73,7 +73,7 @@ std::vector<Component> split_components(const Eigen::Matrix3Xd& surface, const E
   return components;
 }
 
-// Fills the loops; refuses what is no orientable surface with border and without handles.
+// Fills the loops. Refuses anything but an orientable surface with a border and without handles.
 Status find_borders(Component& part) {
   std::map<std::pair<int, int>, int> sides;  // directed edge -> triangle
   const auto name = [&](int v) { return std::to_string(part.vertices[v]); };
@@ -128,7 +128,7 @@ double total_area(const Component& part) {
   return area;
 }
 
-// Half the cotangent of the angle at each corner.
+// Returns half the cotangent of the angle at each corner.
 std::array<double, 3> half_cotangents(const Component& part, const std::array<int, 3>& triangle) {
   std::array<double, 3> half{};
   for (std::size_t k = 0; k < 3; ++k) {
@@ -139,8 +139,8 @@ std::array<double, 3> half_cotangents(const Component& part, const std::array<in
   return half;
 }
 
-// Solves A x = 0 for the unknowns that are not given, A symmetric and positive definite in them. An empty result: the
-// factorisation broke down.
+// Solves A x = 0 for the unknowns that are not given; A is symmetric and positive definite in them. Returns an empty
+// result if the factorisation breaks down.
 Eigen::VectorXd solve_for_free(Eigen::Index size, const std::vector<Triplet>& entries,
                                const std::map<Eigen::Index, double>& given) {
   std::vector<Eigen::Index> place(static_cast<std::size_t>(size), -1);
@@ -177,7 +177,7 @@ void add_edge(std::vector<Triplet>& entries, int i, int j, double weight) {
   entries.emplace_back(j, i, -weight);
 }
 
-// Two vertices of the borders that lie far from each other.
+// Returns two vertices of the borders that lie far from each other.
 std::pair<int, int> far_pair(const Component& part) {
   const auto farthest = [&](int from) {
     int found = from;
@@ -192,7 +192,8 @@ std::pair<int, int> far_pair(const Component& part) {
   return {first, farthest(first)};
 }
 
-// Least of the conformal energy: Dirichlet energy of both coordinates less the area, which is a sum over the borders.
+// Minimises the conformal energy: the Dirichlet energy of both coordinates less the area, which is a sum over the
+// borders.
 std::vector<Complex> map_conformally(const Component& part) {
   const auto size = static_cast<int>(part.vertices.size());
   std::vector<Triplet> entries;
@@ -222,7 +223,7 @@ std::vector<Complex> map_conformally(const Component& part) {
   return mapped;
 }
 
-// Inner borders are spanned by a vertex of their own.
+// Spans each inner border by a vertex of its own.
 std::vector<Complex> map_into_circle(const Component& part) {
   const auto length = [&](const std::vector<int>& loop) {
     double sum = 0.0;
@@ -265,7 +266,7 @@ std::vector<Complex> map_into_circle(const Component& part) {
   return mapped;
 }
 
-// Projection along the mean normal; of a surface that faces nowhere, along its shortest extent.
+// Projects the surface along its mean normal, or along its shortest extent if it faces no side.
 std::vector<Complex> project(const Component& part) {
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
   for (const auto& [a, b, c] : part.triangles) {

@@ -17,9 +17,9 @@ namespace {
 
 using Eigen::Vector2d;
 
-// Circumradius over that of the equilateral triangle of the size wanted: small enough up to here.  -
+// Largest ratio of the circumradius to that of the equilateral triangle of the size wanted. -
 constexpr double kSmallEnough = 1.3;
-// A new point keeps this far from others and from fixed edges, as a fraction of the size wanted.  -
+// Least distance of a new point from others and from fixed edges, as a fraction of the size wanted. -
 constexpr double kLeastDistance = 0.6;
 constexpr double kLeastHeight = 0.45;
 constexpr std::size_t kMaxFrontCavity = 256;
@@ -59,7 +59,7 @@ class FrontFill {
 
   [[nodiscard]] Vector2d position(PointId p) const { return mesh_.point_position(p); }
 
-  // Circumradius over that of the triangle wanted.
+  // Returns the ratio of the circumradius to that of the triangle wanted.
   double excess(TriangleId t) {
     if (static_cast<std::size_t>(t) >= known_.size())
       known_.resize(static_cast<std::size_t>(mesh_.num_triangle_slots()));
@@ -86,7 +86,7 @@ class FrontFill {
     if (is_front(t, 0) || is_front(t, 1) || is_front(t, 2)) front_.push({excess(t), order_++, t, mesh_.points(t)});
   }
 
-  // Inserts a point above one of t's edges at the front, the shortest that lets it be.
+  // Inserts a point above one of t's edges at the front: the shortest edge that allows one.
   bool advance(TriangleId t) {
     std::array<int, 3> edges{0, 1, 2};
     std::array<double, 3> squared{};

@@ -42,8 +42,8 @@ Eigen::Matrix2Xd grid_positions(const GridConfig& config) {
   return rest;
 }
 
-// The Delaunay triangles between the given positions, border edges kept; each begins with its lowest vertex, and they
-// are in lexicographic order.
+// Makes the Delaunay triangles between the given positions and keeps border edges. Each triangle begins with its lowest
+// vertex; their order is lexicographic.
 std::vector<std::array<VertexId, 3>> triangulate_rectangle(const GridConfig& config, const Eigen::Matrix2Xd& rest) {
   const Lattice lattice =
       Lattice::for_bounds(Eigen::AlignedBox2d(Eigen::Vector2d::Zero(), Eigen::Vector2d(config.width, config.height)));

@@ -31,7 +31,8 @@ std::string id(std::int64_t number) {
   return std::to_string(number);
 }
 
-// Height over longest edge, -; 0 for a triangle without area. Within a few roundings: the area is exact.
+// Returns the ratio (-) of the height to the longest edge, to a few roundings; 0 for a triangle without area. The area
+// is exact.
 double flatness(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c) {
   const double longest = static_cast<double>(std::max({dot(a, b, a, b), dot(b, c, b, c), dot(c, a, c, a)}));
   return longest == 0.0 ? 0.0 : std::abs(static_cast<double>(doubled_area(a, b, c))) / longest;
@@ -141,7 +142,7 @@ class SheetImport {
     return Nothing{};
   }
 
-  // Positions to lattice points; vertices at the same one share a point.
+  // Rounds positions to lattice points; vertices at the same one share a point.
   Status quantise() {
     const Eigen::AlignedBox2d box(input_.rest.rowwise().minCoeff(), input_.rest.rowwise().maxCoeff());
     if (box.sizes().maxCoeff() < 1e-9) {
@@ -170,7 +171,7 @@ class SheetImport {
     return Nothing{};
   }
 
-  // All sides, those between the same two ends together; within these by triangle.
+  // Lists all sides, grouped by their two ends, and by triangle within a group.
   [[nodiscard]] std::vector<Side> sorted_sides(bool by_point) const {
     std::vector<Side> sides;
     sides.reserve(3 * data_.triangles.size());
@@ -187,7 +188,7 @@ class SheetImport {
     return sides;
   }
 
-  // Triangles as given; counter-clockwise after turning over the components that are clockwise throughout.
+  // Takes the triangles as given, and turns over the components that are clockwise throughout.
   Status orient() {
     std::vector<int> sign(static_cast<std::size_t>(num_triangles()));
     for (TriangleId t = 0; t < num_triangles(); ++t) {
@@ -238,7 +239,8 @@ class SheetImport {
     return Nothing{};
   }
 
-  // Adjacency in the welded mesh. Where the vertices of two sides differ though their points agree, the sheet is cut.
+  // Finds the adjacency in the welded mesh. The sheet is cut where the vertices of two sides differ though their points
+  // agree.
   Status join_triangles() {
     const std::vector<Side> sides = sorted_sides(true);
     for (std::size_t i = 0, j = 0; i < sides.size(); i = j) {
@@ -268,7 +270,7 @@ class SheetImport {
     return Nothing{};
   }
 
-  // Each vertex has one fan.
+  // Checks that each vertex has one fan.
   Status check_vertices() {
     std::vector<std::int32_t> num_corners(data_.vertices.size(), 0);
     for (TriangleId t = num_triangles() - 1; t >= 0; --t) {
@@ -332,7 +334,7 @@ class SheetImport {
   std::vector<BorderSide> border_;
 };
 
-// A surface without material coordinates: the first of the ways to make them that gives a sheet.
+// Makes material coordinates for a surface without any, by the first of the ways that gives a sheet.
 Result<TriangleMesh> import_surface(const IndexedMesh& input) {
   IndexedMesh with_rest = input;
   with_rest.rest = Eigen::Matrix2Xd::Zero(2, input.surface.cols());  // for the checks of what does not depend on it

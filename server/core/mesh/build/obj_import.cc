@@ -78,7 +78,7 @@ class ObjReader {
     return added(faces_.add_texture(uv));
   }
 
-  // "3", or "-1" for the latest one so far, to an index from 0.
+  // Parses "3", or "-1" for the latest one so far, as an index from 0.
   static bool resolve(std::string_view word, std::size_t count, std::int32_t& index) {
     if (!parse_number(word, index)) return false;
     const auto size = static_cast<std::int32_t>(count);

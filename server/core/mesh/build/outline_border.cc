@@ -32,7 +32,7 @@ std::string place_of(const Lattice& lattice, const LatticePoint& at) {
 bool meet(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c, const LatticePoint& d) {
   const int ac = orient2d(a, b, c), ad = orient2d(a, b, d), ca = orient2d(c, d, a), cb = orient2d(c, d, b);
   if (ac != 0 || ad != 0 || ca != 0 || cb != 0) return ac * ad <= 0 && ca * cb <= 0;
-  // All on one line.
+  // Handles four points on one line.
   return std::max(std::min(a, b), std::min(c, d)) <= std::min(std::max(a, b), std::max(c, d));
 }
 
@@ -58,7 +58,7 @@ bool surrounds(const std::vector<LatticePoint>& polygon, const LatticePoint& at)
   return inside;
 }
 
-// The contour on the lattice, or a contour of fewer than three points.
+// Returns the contour on the lattice, or a contour of fewer than three points.
 struct Quantised {
   std::vector<Vector2d> points;
   std::vector<std::size_t> corners;
@@ -206,7 +206,7 @@ bool OutlineBorder::can_be_one_edge(const Span& span) const {
   double turn = 0.0;
   for (std::size_t i = first + 1; i <= last; ++i) {
     turn += contour.turn(i);
-    // Those that are divided evenly turn by a little more now and then.
+    // Allows for contours divided evenly, whose edges sometimes turn by a little more.
     if (turn > 1.5 * kMaxTurnOfEdge) return false;
     region.push_back(lattice_.nearest(contour.point(i)));
   }
@@ -295,7 +295,7 @@ void OutlineBorder::follow(const Lattice& mesh_lattice) {
   for (std::size_t v = 0; v < vertices_.size(); ++v) vertex_of_[v] = static_cast<std::int32_t>(v);
 }
 
-// The station of `to`, which follows `from`, as one after that of `from`.
+// Returns the station of `to`, which follows `from`. Adds the length of the contour if its end lies in between.
 double OutlineBorder::station_after(const Vertex& from, const Vertex& to) const {
   return to.station > from.station ? to.station : to.station + contours_[from.contour].length();
 }

@@ -28,8 +28,8 @@ constexpr double kAsAsked = 0.8;
 constexpr double kWellShaped = 0.96;                  // quality, see relaxation.h  -
 constexpr double kEstimateMargin = 1.15;              // of vertices, on what is refused before it is made  -
 constexpr double kAreaOfVertex = 0.8660254037844386;  // of squared edges: two equilateral triangles  -
-// Times that the inside is filled: again where the border turns out to need vertices that the triangles beside it leave
-// no place for.
+// Number of times that the inside is filled. It is filled again if the border needs vertices for which the triangles
+// beside it leave no place.
 constexpr int kMaxRounds = 5;
 constexpr double kShortest = 4096.0;  // lattice units; edges this short are not refined around
 

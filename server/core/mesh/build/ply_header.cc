@@ -79,7 +79,7 @@ class HeaderReader {
     const std::string line = std::to_string(std::max<std::int64_t>(line_, 1));
     return invalid_argument("PLY_" + reason, "line " + line + ": " + what, "ply:" + line);
   }
-  // Returns true if this was the last line of the header.
+  // Returns true if this line was the last of the header.
   Result<bool> read_line(std::string_view line) {
     const std::string_view keyword = next_token(line);
     if (keyword == "comment" || keyword == "obj_info") return false;

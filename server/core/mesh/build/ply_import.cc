@@ -15,7 +15,7 @@
 namespace kerf::mesh {
 namespace {
 
-// A number as its bytes, most significant first where the file is big-endian.
+// Reads a number from its bytes, most significant first if the file is big-endian.
 double decode(PlyType type, std::string_view bytes, bool is_big_endian) {
   std::uint64_t bits = 0;
   for (std::size_t i = 0; i < bytes.size(); ++i) {
@@ -103,7 +103,7 @@ class PlyReader {
   }
   [[nodiscard]] Status added(const Status& status) const { return status.ok() ? status : Status(here(status.error())); }
 
-  // One vertex, face or other element.
+  // Reads one vertex, face or other element.
   Status read_row() {
     if (is_text()) {
       KERF_TRY(find_line());
@@ -124,7 +124,7 @@ class PlyReader {
     return added(faces_.add_position(position));
   }
 
-  // The next line that is not blank.
+  // Returns the next line that is not blank.
   Status find_line() {
     row_text_ = {};
     while (!file_.empty()) {

@@ -35,7 +35,7 @@ class VoidFill {
 
   static Ends key(const BorderSide& side) { return {side.from, side.to}; }
 
-  // The border side from -> to (ids of the sheet), or null.
+  // Returns the border side from -> to (ids of the sheet), or null.
   [[nodiscard]] const BorderSide* find_side(PointId from, PointId to) const {
     const auto at = std::lower_bound(by_ends_.begin(), by_ends_.end(), std::pair<Ends, std::int32_t>{{from, to}, 0});
     return at != by_ends_.end() && at->first == Ends{from, to} ? &border_[at->second] : nullptr;
@@ -78,7 +78,7 @@ class VoidFill {
     return Nothing{};
   }
 
-  // The border side on edge k of domain triangle t, in either direction.
+  // Returns the border side on edge k of domain triangle t, in either direction.
   [[nodiscard]] const BorderSide* side_of_edge(TriangleId t, int k) const {
     const PointId a = sheet_point_[domain_.points(t)[next_corner(k)]];
     const PointId b = sheet_point_[domain_.points(t)[previous_corner(k)]];

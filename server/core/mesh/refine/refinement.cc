@@ -26,18 +26,18 @@ constexpr std::size_t kMaxCavity = 256;  // triangles searched for fixed edges t
 // Pulls Ungor's off-centre in by 5 % (the factor of Shewchuk's Triangle 1.6). So rounding does not leave the new
 // triangle just below the angle.
 constexpr double kOffCentreFactor = 0.475;
-// Least distance of a new point from a lip that it encroaches on and that must not be split. -, as a fraction of the
-// shortest edge of the triangle that the point is to remove
+// Least distance of a new point from a lip that it encroaches on and that must not be split, as a fraction of the
+// shortest edge of the triangle that the point is to remove. -
 constexpr double kLeastRoom = 0.3;
 
-// An ill-shaped triangle waiting. It is looked at again only if the slot still holds the same corners.
+// An ill-shaped triangle in the queue. It is stale if the slot holds other corners now.
 struct Pending {
   double cos_smallest = 0.0;
   std::int64_t order = 0;
   TriangleId triangle = kNone;
   std::array<PointId, 3> points{};
 
-  // The worst first, the oldest of equals: the order does not depend on the heap.
+  // Orders the worst first, and the oldest among equals, so that the order does not depend on the heap.
   friend bool operator<(const Pending& a, const Pending& b) {
     if (a.cos_smallest != b.cos_smallest) return a.cos_smallest < b.cos_smallest;
     return a.order > b.order;
@@ -85,14 +85,14 @@ class Refinement {
   // sharp corners, beyond the first ring.
   enum class Stage { kPlain, kWedges };
 
-  // A triangle left for a later stage. Stale where the slot holds other corners now.
+  // A triangle left for a later stage. It is stale if the slot holds other corners now.
   struct Deferred {
     TriangleId triangle = kNone;
     std::array<PointId, 3> points{};
   };
 
-  // Between the lips of a sharp corner triangles of the gap's own width are needed, the more the sharper it is. They
-  // stay bounded because lips are not split at the corner any more.
+  // Refines between the lips of sharp corners, where triangles must be as narrow as the gap. The sharper the corner,
+  // the more it takes. Their number stays bounded, as lips are not split at the corner any more.
   void refine_wedges() {
     stage_ = Stage::kWedges;
     for (const Deferred& deferred : wedges_) {
@@ -110,7 +110,7 @@ class Refinement {
         counts_.stopped = true;
         break;
       }
-      // A triangle that outlived the insertion is still to be removed.
+      // Queues the triangle again if the insertion left it.
       if (improve(next.triangle)) consider(next.triangle);
     }
   }
@@ -129,7 +129,7 @@ class Refinement {
     return shape.longest > std::max(config_.grading.length_at(middle), 4.0 * config_.length_floor);
   }
 
-  // Inserts one point that removes t or brings its removal nearer. False where t has to stay as it is.
+  // Inserts one point that removes t or brings its removal nearer. Returns false if t must stay as it is.
   bool improve(TriangleId t) {
     const TriangleShape shape = rest_shape_of(mesh_, t);
     const int c = shape.sharpest_corner;
@@ -150,7 +150,7 @@ class Refinement {
     return (shape.cos_smallest > cos_limit || is_too_large(t, shape)) && insert_against(t, c, shape, cos_limit);
   }
 
-  // Inserts the off-centre of t for the angle wanted, or splits the fixed edge that is in the way of it.
+  // Inserts the off-centre of t for the angle wanted, or splits the fixed edge in its way.
   bool insert_against(TriangleId t, int c, const TriangleShape& shape, double cos_angle) {
     const LatticePoint target = off_centre(t, c, cos_angle);
     Location location;
@@ -182,7 +182,8 @@ class Refinement {
     return false;
   }
 
-  // Opposite the shortest edge pq on its bisector: the circumcentre, or nearer where that is enough for the angle.
+  // Returns a point on the bisector of the shortest edge pq: the circumcentre, or a nearer one that is enough for the
+  // angle.
   [[nodiscard]] LatticePoint off_centre(TriangleId t, int c, double cos_angle) const {
     const LatticePoint& p = mesh_.at(mesh_.points(t)[next_corner(c)]);
     const LatticePoint& q = mesh_.at(mesh_.points(t)[previous_corner(c)]);

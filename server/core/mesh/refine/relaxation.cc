@@ -26,8 +26,8 @@ struct Star {
   std::vector<Vector2d> spokes;  // the ring, and again its first point, from where the point is tried
   std::size_t critical = 0;      // the triangle that ended the last comparison, and is likely to end the next one
 
-  // Quality of the worst triangle with the point at p; at most 0 where one is not positive. Of places that are no
-  // better than `enough`, any value up to it.
+  // Returns the quality of the worst triangle with the point at p; at most 0 if one is not positive. For places no
+  // better than `enough` it may be any value up to that.
   [[nodiscard]] double worst_quality(const Vector2d& p, double enough) {
     const std::size_t size = ring.size();
     spokes.resize(size + 1);
@@ -54,7 +54,7 @@ Vector2d rounded(const Vector2d& p) {
   return {std::nearbyint(p.x()), std::nearbyint(p.y())};
 }
 
-// Places worth trying: the centre of the ring, and eight directions around where the point is.
+// Returns places to try: the centre of the ring, and eight directions around the point.
 std::array<Vector2d, 9> trial_places(const Star& star, double reach) {
   Vector2d centre(0.0, 0.0);
   double radius = 0.0;
@@ -99,7 +99,7 @@ class Relaxation {
   }
 
  private:
-  // Fills star_; false where p must stay.
+  // Fills star_. Returns false if p must stay.
   bool gather(PointId p) {
     const LatticePoint& at = mesh_.at(p);
     star_.ring.clear();
