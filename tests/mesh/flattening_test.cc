@@ -11,6 +11,7 @@
 #include <Eigen/SVD>
 
 #include "server/core/mesh/build/mesh_import.h"
+#include "tests/mesh/mesh_measures.h"
 #include "tests/support/shells.h"
 
 namespace kerf::mesh {
@@ -47,14 +48,6 @@ double worst_distortion(const TriangleMesh& mesh) {
     worst = std::max(worst, svd.singularValues()[0] / svd.singularValues()[1]);
   }
   return worst;
-}
-
-double mesh_area(const TriangleMesh& mesh) {
-  double area = 0.0;
-  for (TriangleId t = 0; t < mesh.num_triangle_slots(); ++t) {
-    if (mesh.is_solid(t)) area += mesh.area(t);
-  }
-  return area;
 }
 
 // A tube about the z axis: num cells around, num cells high, radius 1 m, height 2 m; closed at the top or open.
@@ -129,8 +122,8 @@ TEST(Flattening, KeepsAnglesOfADome) {
   EXPECT_EQ(made.find_violation(), std::nullopt);
   EXPECT_GT(worst_distortion(given), 1.7);
   EXPECT_LT(worst_distortion(made), 1.15);
-  EXPECT_NEAR(mesh_area(made), surface_area(sheet), 1e-12);
-  EXPECT_NEAR(mesh_area(given), surface_area(sheet), 1e-12);
+  EXPECT_NEAR(total_area(made), surface_area(sheet), 1e-12);
+  EXPECT_NEAR(total_area(given), surface_area(sheet), 1e-12);
 }
 
 // A tube has no conformal map that does not overlap with a free border: it goes into a ring.
@@ -141,7 +134,7 @@ TEST(Flattening, PutsATubeIntoARing) {
     EXPECT_EQ(mesh.num_boundary_loops(), is_closed ? 1 : 2);
     EXPECT_EQ(mesh.num_pieces(), 1);
     EXPECT_EQ(mesh.find_violation(), std::nullopt);
-    EXPECT_NEAR(mesh_area(mesh), surface_area(sheet), 1e-12 * surface_area(sheet));
+    EXPECT_NEAR(total_area(mesh), surface_area(sheet), 1e-12 * surface_area(sheet));
   }
 }
 
@@ -155,7 +148,7 @@ TEST(Flattening, ComponentsLieSideBySide) {
   two.triangles << one.triangles, (one.triangles.array() + static_cast<int>(n)).matrix();
   const TriangleMesh mesh = test::must(import_mesh(two));
   EXPECT_EQ(mesh.num_pieces(), 2);
-  EXPECT_NEAR(mesh_area(mesh), 2.0 * surface_area(one), 1e-12);
+  EXPECT_NEAR(total_area(mesh), 2.0 * surface_area(one), 1e-12);
 }
 
 TEST(Facets, FlatPartsAreOneFacetWhereverTheyLie) {

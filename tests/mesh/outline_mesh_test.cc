@@ -11,6 +11,7 @@
 
 #include "server/base/random.h"
 #include "server/core/mesh/refine/size_field.h"
+#include "tests/mesh/mesh_measures.h"
 
 namespace kerf::mesh {
 namespace {
@@ -38,7 +39,7 @@ OutlineContour ellipse(const Vector2d& centre, double a, double b, const std::st
   return contour;
 }
 
-double area_of(const std::vector<Vector2d>& points) {
+double total_area(const std::vector<Vector2d>& points) {
   double doubled = 0.0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Vector2d& a = points[i];
@@ -46,14 +47,6 @@ double area_of(const std::vector<Vector2d>& points) {
     doubled += a.x() * b.y() - a.y() * b.x();
   }
   return 0.5 * std::abs(doubled);
-}
-
-double area_of(const TriangleMesh& mesh) {
-  double area = 0.0;
-  for (TriangleId t = 0; t < mesh.num_triangle_slots(); ++t) {
-    if (mesh.is_solid(t)) area += mesh.area(t);
-  }
-  return area;
 }
 
 std::array<Vector2d, 3> corners_of(const TriangleMesh& mesh, TriangleId t) {
@@ -165,12 +158,12 @@ TEST(OutlineMesh, RandomOutlinesAreMeshedWellOrRefused) {
     EXPECT_GE(quality_of(mesh).least_angle, 25.0 - 1e-6);
     double area = 0.0, perimeter_share = 0.0;
     for (const OutlineContour& contour : config.contours) {
-      area += (&contour == config.contours.data() ? 1.0 : -1.0) * area_of(contour.points);
-      if (contour.corners.empty()) perimeter_share += area_of(contour.points);
+      area += (&contour == config.contours.data() ? 1.0 : -1.0) * total_area(contour.points);
+      if (contour.corners.empty()) perimeter_share += total_area(contour.points);
       for (const std::size_t corner : contour.corners) EXPECT_TRUE(has_vertex_at(mesh, contour.points[corner], 1e-12));
     }
     // Exactly where all is straight; else what chords that turn by up to pi / 8 and a half leave out.
-    EXPECT_NEAR(area_of(mesh), area, 1e-12 + 0.08 * perimeter_share);
+    EXPECT_NEAR(total_area(mesh), area, 1e-12 + 0.08 * perimeter_share);
   }
   EXPECT_GE(num_meshed, 80);
 }
@@ -256,7 +249,7 @@ TEST(OutlineMesh, SharpCornersOfTheOutlineStayAndEnd) {
     config.contours = {polygon({{0, 0}, {1, 0}, {1, height}})};
     config.edge_length = 0.1;
     const TriangleMesh mesh = mesh_outline(config).value();
-    EXPECT_NEAR(area_of(mesh), 0.5 * height, 1e-15);
+    EXPECT_NEAR(total_area(mesh), 0.5 * height, 1e-15);
     EXPECT_NEAR(quality_of(mesh).least_angle_forced, std::atan(height) * 180.0 / pi, 1e-6);
     EXPECT_GE(quality_of(mesh).least_angle, 25.0 - 1e-6);
   }

@@ -91,26 +91,21 @@ TEST(Lineage, OfABatchHasEveryGeneration) {
 
 TEST(Lineage, UndoEndsIdsAndRedoGivesThemBack) {
   Sheet sheet = make(scenes::hanging(11));
-  const auto ids = [&] {
-    std::vector<std::int64_t> all;
-    for (const Piece& piece : sheet.pieces()) all.push_back(piece.birth.id);
-    return all;
-  };
   ASSERT_TRUE(apply(sheet, scenes::line_cut({-0.1, 0.25}, {1.1, 0.25})).ok());
-  const std::vector<std::int64_t> halves = ids();
+  const std::vector<std::int64_t> halves = piece_ids(sheet);
   ASSERT_TRUE(apply(sheet, UndoCut{}).ok());
-  EXPECT_EQ(ids(), std::vector<std::int64_t>{1});
+  EXPECT_EQ(piece_ids(sheet), std::vector<std::int64_t>{1});
   ASSERT_TRUE(apply(sheet, RedoCut{}).ok());
-  EXPECT_EQ(ids(), halves);
+  EXPECT_EQ(piece_ids(sheet), halves);
   ASSERT_TRUE(apply(sheet, UndoCut{}).ok());
   const Result<CommandReply> other = apply(sheet, scenes::line_cut({0.5, -0.1}, {0.5, 1.1}));
   ASSERT_TRUE(other.ok());
   EXPECT_EQ(other->cut->number, 2) << "a number is not given twice";
-  for (const std::int64_t id : ids()) EXPECT_GT(id, 3) << "nor is an id";
+  for (const std::int64_t id : piece_ids(sheet)) EXPECT_GT(id, 3) << "nor is an id";
   ASSERT_TRUE(apply(sheet, Reset{}).ok());
-  EXPECT_EQ(ids(), std::vector<std::int64_t>{1});
+  EXPECT_EQ(piece_ids(sheet), std::vector<std::int64_t>{1});
   ASSERT_TRUE(apply(sheet, scenes::line_cut({0.5, -0.1}, {0.5, 1.1})).ok());
-  for (const std::int64_t id : ids()) EXPECT_GT(id, 5);
+  for (const std::int64_t id : piece_ids(sheet)) EXPECT_GT(id, 5);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <limits>
 #include <string>
 #include <utility>
@@ -8,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "server/core/mesh/build/mesh_import.h"
+#include "server/core/sheet/recording.h"
 #include "server/core/sheet/sheet.h"
 #include "tests/support/scenes.h"
 
@@ -41,6 +43,33 @@ inline std::string reason(const Result<CommandReply>& reply) {
 inline std::string refused(const SheetConfig& config) {
   const Result<Sheet> sheet = Sheet::create(config);
   return sheet.ok() ? "made" : sheet.error().reason + " " + sheet.error().field;
+}
+
+// Ids of the pieces, in the order of Sheet::pieces().
+inline std::vector<std::int64_t> piece_ids(const Sheet& sheet) {
+  std::vector<std::int64_t> ids;
+  for (const Piece& piece : sheet.pieces()) ids.push_back(piece.birth.id);
+  return ids;
+}
+
+// Steps a sheet through ticks with these commands, none of which may fail, and replays the recording of it. A copy made
+// before each tick must get the same state as the sheet.
+inline void expect_equal_replay(const SheetConfig& config, const std::vector<std::vector<Command>>& ticks) {
+  Sheet sheet = make(config);
+  Recorder recorder;
+  recorder.start(sheet.config());
+  for (const std::vector<Command>& commands : ticks) {
+    Sheet copy = sheet;
+    copy.step(commands);
+    const TickReport report = sheet.step(commands);
+    for (const Result<CommandReply>& reply : report.replies) EXPECT_TRUE(reply.ok());
+    EXPECT_EQ(copy.state_hash(), sheet.state_hash());
+    recorder.append({report.tick, commands, sheet.state_hash()});
+  }
+  const Result<ReplayReport> report = replay(recorder.recording());
+  ASSERT_TRUE(report.ok()) << report.error().message;
+  EXPECT_EQ(report->ticks, static_cast<std::int64_t>(ticks.size()));
+  EXPECT_FALSE(report->divergence);
 }
 
 inline Constraint hold(Region region) {

@@ -3,7 +3,6 @@
 #include "server/core/fem/model/condition.h"
 #include "server/core/fem/model/model.h"
 #include "server/core/scene/sheet_materials.h"
-#include "server/core/sheet/recording.h"
 #include "server/core/sheet/undo_history.h"
 #include "tests/sheet/sheet_calls.h"
 
@@ -139,24 +138,13 @@ TEST(SetMaterial, CutsUnderAnotherMaterialAreUndoneAndMadeAgain) {
 }
 
 TEST(SetMaterial, ARecordingWithItReplaysBitForBit) {
-  Sheet sheet = make(three_materials());
-  Recorder recorder;
-  recorder.start(sheet.config());
   std::vector<std::vector<Command>> ticks(20);
   ticks[2] = {scenes::three_cuts()[0]};
   ticks[5] = {everywhere(preset("foil")), in_part(preset("rubber"), 1)};
   ticks[9] = {UndoCut{}};
   ticks[12] = {RedoCut{}, in_part(preset("silk"), SetMaterial::kOwn)};
   ticks[16] = {Reset{}};
-  for (const std::vector<Command>& commands : ticks) {
-    const TickReport report = sheet.step(commands);
-    for (const Result<CommandReply>& reply : report.replies) EXPECT_TRUE(reply.ok());
-    recorder.append({report.tick, commands, sheet.state_hash()});
-  }
-  const Result<ReplayReport> report = replay(recorder.recording());
-  ASSERT_TRUE(report.ok()) << report.error().message;
-  EXPECT_EQ(report->ticks, 20);
-  EXPECT_FALSE(report->divergence);
+  expect_equal_replay(three_materials(), ticks);
 }
 
 TEST(SetMaterial, ACopyGoesOnEqually) {

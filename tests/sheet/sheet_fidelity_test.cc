@@ -1,7 +1,6 @@
 // Sheets whose membrane is softened to fit their tick.
 #include "server/core/fem/step/softening.h"
 #include "server/core/scene/sheet_materials.h"
-#include "server/core/sheet/recording.h"
 #include "tests/sheet/sheet_calls.h"
 
 namespace kerf::sheet {
@@ -114,25 +113,12 @@ TEST(Fidelity, CutsUndoAndRedoKeepTheFactorAndAResetGivesItBack) {
 }
 
 TEST(Fidelity, CopiesAndRecordingsGoTheSameWay) {
-  Sheet sheet = make(softened_wool());
-  Recorder recorder;
-  recorder.start(sheet.config());
   std::vector<std::vector<Command>> ticks(8);
   ticks[2] = {scenes::three_cuts()[0]};
   ticks[3] = {UndoCut{}};
   ticks[4] = {SetMaterial{known_material("paper"), std::nullopt}};
   ticks[6] = {Reset{}};
-  for (const std::vector<Command>& commands : ticks) {
-    Sheet copy = sheet;
-    copy.step(commands);
-    const TickReport report = sheet.step(commands);
-    for (const Result<CommandReply>& reply : report.replies) EXPECT_TRUE(reply.ok());
-    EXPECT_EQ(copy.state_hash(), sheet.state_hash());
-    recorder.append({report.tick, commands, sheet.state_hash()});
-  }
-  const Result<ReplayReport> report = replay(recorder.recording());
-  ASSERT_TRUE(report.ok()) << report.error().message;
-  EXPECT_FALSE(report->divergence);
+  expect_equal_replay(softened_wool(), ticks);
 }
 
 TEST(Fidelity, StaticScenesAreExact) {

@@ -4,7 +4,6 @@
 
 #include "server/core/fem/model/model.h"
 #include "server/core/scene/sheet_materials.h"
-#include "server/core/sheet/recording.h"
 #include "tests/sheet/sheet_calls.h"
 #include "tests/support/shells.h"
 
@@ -140,23 +139,12 @@ TEST(SheetMaterials, AStripTakesTheMassOfWhatItCrosses) {
 }
 
 TEST(SheetMaterials, ARecordingReplaysBitForBit) {
-  Sheet sheet = make(divided(15));
-  Recorder recorder;
-  recorder.start(sheet.config());
   std::vector<std::vector<Command>> ticks(25);
   ticks[3] = {scenes::three_cuts()[0]};
   ticks[7] = {scenes::three_cuts()[1], scenes::three_cuts()[2]};
   ticks[11] = {UndoCut{}};
   ticks[15] = {RedoCut{}};
-  for (const std::vector<Command>& commands : ticks) {
-    const TickReport report = sheet.step(commands);
-    for (const Result<CommandReply>& reply : report.replies) EXPECT_TRUE(reply.ok());
-    recorder.append({report.tick, commands, sheet.state_hash()});
-  }
-  const Result<ReplayReport> report = replay(recorder.recording());
-  ASSERT_TRUE(report.ok()) << report.error().message;
-  EXPECT_EQ(report->ticks, 25);
-  EXPECT_FALSE(report->divergence);
+  expect_equal_replay(divided(15), ticks);
 }
 
 TEST(SheetMaterials, OfACurvedSheetPartTheFacetsToo) {

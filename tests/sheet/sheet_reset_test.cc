@@ -134,17 +134,12 @@ TEST(Reset, IsAStepOfTheHistoryAmongCuts) {
 TEST(Reset, ThatIsUndoneLeavesPiecesTheirIdsAndGivesNoneTwice) {
   Sheet sheet = make(scenes::hanging(8));
   ASSERT_TRUE(apply(sheet, across(0.3)).ok());
-  const auto ids = [&sheet] {
-    std::vector<std::int64_t> all;
-    for (const Piece& piece : sheet.pieces()) all.push_back(piece.birth.id);
-    return all;
-  };
-  const std::vector<std::int64_t> before = ids();
+  const std::vector<std::int64_t> before = piece_ids(sheet);
   ASSERT_TRUE(apply(sheet, Reset{}).ok());
   ASSERT_TRUE(apply(sheet, across(0.6)).ok());
-  const std::vector<std::int64_t> between = ids();
+  const std::vector<std::int64_t> between = piece_ids(sheet);
   for (int i = 0; i < 2; ++i) ASSERT_TRUE(apply(sheet, UndoCut{}).ok());
-  EXPECT_EQ(ids(), before);
+  EXPECT_EQ(piece_ids(sheet), before);
   for (const std::int64_t id : between) EXPECT_EQ(std::count(before.begin(), before.end(), id), 0) << id;
 }
 

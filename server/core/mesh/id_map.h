@@ -7,8 +7,8 @@
 namespace kerf::mesh {
 
 // Maps some of the ids of a mesh to numbers, at a cost that depends on its entries and not on the mesh. Ids are only
-// added. Open addressing: a power of two of places, at most half of them taken. The sets of core/linear/index_set.h have
-// room for every id instead: they are faster, and worth it where they are kept from one edit to the next.
+// added. Open addressing: a power of two of places, at most half of them taken. The sets of core/linear/index_set.h
+// have room for every id instead: they are faster, and worth it where they are kept from one edit to the next.
 class IdMap {
  public:
   IdMap() : places_(kFirstSize) {}
