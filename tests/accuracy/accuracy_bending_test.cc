@@ -243,7 +243,7 @@ TEST(Kirigami, PulledFollowsTheReferenceThroughItsTransition) {
     mesh::VertexField rest = Eigen::Matrix3Xd::Zero(3, mesh.num_vertices());
     rest.row(2) = x.row(2);
     mesh::VertexField bend = Eigen::Matrix3Xd::Zero(3, mesh.num_vertices());
-    fem::add_bending_forces(model.bending_rows(), rest, bend);
+    fem::add_bending_forces(model.bending().rows(), rest, bend);
     loads.external_forces = -bend;
     std::vector<std::vector<double>> rows = reference.rows("force-displacement");
     std::reverse(rows.begin(), rows.end());
@@ -379,7 +379,8 @@ TEST(CantileverUnderEndMoment, RollsUpToAFullCircle) {
       EXPECT_NEAR(-tip.x(), row[1], reference.tolerance(fineness) * length) << fineness;
       EXPECT_NEAR(tip.z(), row[2], reference.tolerance(fineness) * length) << fineness;
     }
-    const double energy = strip.model.bending_energy(strip.x) + fem::edge_moment_energy(strip.loads);
+    const double energy =
+        strip.model.bending().energy(strip.model.element_blocks(), strip.x) + fem::edge_moment_energy(strip.loads);
     const double expected = reference.value("bending energy at full circle");
     std::printf("end moment, %d segments: tip within %.2f %% of the length, energy %+.2f %%, %d iterations\n", segments,
                 100.0 * worst, 100.0 * (energy / expected - 1.0), iterations);

@@ -50,7 +50,7 @@ Eigen::VectorXd deflection(const fem::Model& model, const std::vector<bool>& is_
       entries.emplace_back(v, v, 1.0);
       continue;
     }
-    for (const fem::BendingEntry& entry : model.bending_rows().row(v)) {
+    for (const fem::BendingEntry& entry : model.bending().rows().row(v)) {
       if (!is_held[static_cast<std::size_t>(entry.column)]) entries.emplace_back(v, entry.column, entry.value);
     }
     load[v] = model.mass()[static_cast<std::size_t>(v)] / (kMaterial.density * kMaterial.thickness);

@@ -183,7 +183,7 @@ TEST(Probes, ReactionsBalanceTheLoads) {
   ASSERT_TRUE(sheet.settle(1.0, {}, {}).converged);
   auto found = measure(sheet, {over("r", Quantity::kReaction, sheet::RegionEdge::kBottom, Reduce::kSum)});
   EXPECT_NEAR(found.at("r.x"), -0.4, 1e-8);
-  EXPECT_NEAR(found.at("r.y"), -0.5 + 2.0 * sheet.model().total_mass(), 1e-8);
+  EXPECT_NEAR(found.at("r.y"), -0.5 + 2.0 * sheet.model().masses().total(), 1e-8);
   EXPECT_NEAR(found.at("r.z"), 0.0, 1e-8);
 }
 
@@ -203,7 +203,7 @@ TEST(Probes, ReactionsInTimeIncludeWhatTheMotionOfWhatIsHeldTakes) {
     probes->measure(sheet, before, sheet.dt(), row);
     impulse += row[2] * sheet.dt();
   }
-  EXPECT_NEAR(impulse, 2.0 * sheet.model().total_mass(), 1e-6);
+  EXPECT_NEAR(impulse, 2.0 * sheet.model().masses().total(), 1e-6);
 }
 
 // A stiff sheet that is let go sideways from a hinge: of a large step, Newton's method must leave little.
@@ -228,7 +228,7 @@ TEST(Probes, ReactionsOfAnImplicitStepBalanceTheMomentumWhenTheSolverToleranceIs
     const Eigen::Vector3d change = sheet.model().momentum(sheet.state()).linear - momentum_before;
     std::vector<double> row;
     probes->measure(sheet, before, sheet.dt(), row);
-    const Eigen::Vector3d weight = sheet.model().total_mass() * config.gravity;
+    const Eigen::Vector3d weight = sheet.model().masses().total() * config.gravity;
     const Eigen::Vector3d held = change / sheet.dt() - weight;
     EXPECT_LT((Eigen::Vector3d(row[0], row[1], row[2]) - held).norm(), 1e-4 * weight.norm()) << i;
   }
@@ -240,7 +240,7 @@ TEST(Probes, MeasureTheWholeSheet) {
   config.gravity = {0.0, 0.0, -10.0};
   config.initial_velocity = sheet::InitialVelocity{{0.5, 0.0, 0.0}, {0.0, 3.0, 0.0}, {}};
   const sheet::Sheet sheet = sheet::make(config);
-  const double m = sheet.model().total_mass();
+  const double m = sheet.model().masses().total();
   auto found = measure(sheet, {at_points("e", Quantity::kEnergy, {}), at_points("p", Quantity::kMomentum, {}),
                                at_points("l", Quantity::kAngularMomentum, {}),
                                at_points("c", Quantity::kCentreOfMass, {}), at_points("size", Quantity::kExtent, {})});

@@ -30,7 +30,7 @@ class OneSolve : public fem::Integrator {
     tangent_.add_bending(model, scale);
     force_.setZero();
     fem::add_membrane_forces(model.element_blocks(), model.materials(), {}, state.x, state.v, force_);
-    model.add_bending_forces(state.x, state.v, {}, scratch_, force_);
+    model.bending().add_forces(model.element_blocks(), state.x, state.v, {}, scratch_, force_);
     ballistic_ = dt * state.v;
     tangent_.blocks().multiply(ballistic_, rhs_);
     for (Eigen::Index v = 0; v < rhs_.cols(); ++v) {

@@ -88,7 +88,7 @@ double plain_substeps(const fem::Model& model) {
 
 // With a damping ratio of 0.1 in the fastest mode, which plain leapfrog can carry.
 fem::Model damped_model(const sheet::Sheet& sheet, fem::Material material) {
-  material.stiffness_damping = 0.2 / std::sqrt(sheet.model().stiffness_bound());
+  material.stiffness_damping = 0.2 / std::sqrt(sheet.model().stiffness_bound().value());
   return {sheet.mesh(), material};
 }
 

@@ -95,7 +95,7 @@ struct Hung {
   // After the last cut.
   void make_ready() {
     integrator->prepare();
-    duration = kSubsteps * 1.8 / std::sqrt(model.stiffness_bound());
+    duration = kSubsteps * 1.8 / std::sqrt(model.stiffness_bound().value());
     for (int v = 0; v < mesh.num_vertices(); ++v) {
       const Eigen::Vector2d at = mesh.rest_position(v);
       if (at.y() > 1.0 - 1e-9) loads.pins.push_back({v, {at.x(), at.y(), 0.0}, Eigen::Vector3d::Zero()});

@@ -19,7 +19,7 @@ System system_at(const fem::Model& model, const fem::Loads& loads, const fem::St
   mesh::VertexField force = Eigen::Matrix3Xd::Zero(3, num_vertices);
   mesh::VertexField scratch(num_vertices);
   fem::add_membrane_forces(model.element_blocks(), model.materials(), {}, state.x, state.v, force);
-  model.add_bending_forces(state.x, state.v, {}, scratch, force);
+  model.bending().add_forces(model.element_blocks(), state.x, state.v, {}, scratch, force);
   system.b.resize(num_vertices);
   for (int v = 0; v < num_vertices; ++v) {
     const double m = model.mass()[static_cast<std::size_t>(v)];

@@ -132,7 +132,7 @@ void for_blocks(const Fold& e, const Fold& f, const Add& add) {
 }  // namespace
 
 Reference angle_reference(const Model& model, const mesh::VertexField& x, double moved) {
-  const AngleBending& angles = *model.angle_bending();
+  const AngleBending& angles = *model.bending().angles();
   Reference sum(x.cols());
   std::vector<Fold> folds;
   folds.reserve(angles.folds.size());

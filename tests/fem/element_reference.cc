@@ -215,7 +215,7 @@ Reference membrane_reference(const Model& model, const mesh::VertexField& x, dou
 
 Reference bending_reference(const Model& model, const mesh::VertexField& x, double moved) {
   Reference sum(x.cols());
-  const BendingTerms terms = model.bending_terms();
+  const BendingTerms terms = model.bending().terms(model.element_blocks());
   for (std::size_t slot = 0; slot < terms.patches.size(); ++slot) {
     const BendingPatch& patch = terms.patches[slot];
     if (patch.vertex[0] == mesh::kNone) continue;

@@ -78,17 +78,17 @@ class BendingElement : public Element {
       : Element(mesh, material, MembraneLaw::kCorotational) {}
 
   [[nodiscard]] double energy(const mesh::VertexField& x) const override {
-    return bending_energy(model.bending_rows(), x);
+    return bending_energy(model.bending().rows(), x);
   }
   [[nodiscard]] mesh::VertexField forces(const mesh::VertexField& x) const override {
     mesh::VertexField f = Eigen::Matrix3Xd::Zero(3, x.cols());
-    add_bending_forces(model.bending_rows(), x, f);
+    add_bending_forces(model.bending().rows(), x, f);
     return f;
   }
   [[nodiscard]] Eigen::MatrixXd stiffness(const mesh::VertexField& x, bool /*project*/) const override {
     Eigen::MatrixXd K = Eigen::MatrixXd::Zero(3 * x.cols(), 3 * x.cols());
-    for (int i = 0; i < model.bending_rows().num_rows(); ++i) {
-      for (const BendingEntry& entry : model.bending_rows().row(i)) {
+    for (int i = 0; i < model.bending().rows().num_rows(); ++i) {
+      for (const BendingEntry& entry : model.bending().rows().row(i)) {
         K.block<3, 3>(3 * i, 3 * entry.column) = entry.value * Eigen::Matrix3d::Identity();
       }
     }
@@ -123,7 +123,7 @@ class AngleBendingElement : public Element {
     }
     return K;
   }
-  [[nodiscard]] const AngleBending& angles() const { return *model.angle_bending(); }
+  [[nodiscard]] const AngleBending& angles() const { return *model.bending().angles(); }
 };
 
 }  // namespace kerf::fem

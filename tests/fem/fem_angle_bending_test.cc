@@ -142,10 +142,10 @@ TEST(AngleBending, IsTheQuadraticFormOfSmallDeflections) {
     for (Eigen::Index v = 0; v < x.cols(); ++v) x(2, v) = kSlope * height * random.uniform(-1.0, 1.0);
     mesh::VertexField deflection = x;  // in the plane rows of slivers sum to zero only as far as rounding goes
     deflection.topRows<2>().setZero();
-    const double expected = bending_energy(model.bending_rows(), deflection);
+    const double expected = bending_energy(model.bending().rows(), deflection);
     EXPECT_NEAR(angles.energy(x), expected, 1e-5 * expected);
     mesh::VertexField f = Eigen::Matrix3Xd::Zero(3, x.cols());
-    add_bending_forces(model.bending_rows(), deflection, f);
+    add_bending_forces(model.bending().rows(), deflection, f);
     EXPECT_LT((angles.forces(x) - f).row(2).norm(), 1e-5 * f.row(2).norm());
     // The stiffness of the flat sheet is that of deflections, and nothing else.
     const Eigen::MatrixXd K = angles.stiffness(flat, false);
@@ -173,7 +173,7 @@ TEST(AngleBending, HasNothingAgainstStrainInThePlane) {
       x.col(v).head<2>() += size / (1.0 + d.squaredNorm()) * d.squaredNorm() * Eigen::Vector2d(d.y(), 1.0 + d.x());
     }
     if (!angles.angles().folds.empty()) {
-      EXPECT_GT(bending_energy(angles.model.bending_rows(), x), 0.0);
+      EXPECT_GT(bending_energy(angles.model.bending().rows(), x), 0.0);
     }
     EXPECT_EQ(angles.energy(x), 0.0);
     EXPECT_TRUE(angles.forces(x).isZero(0.0));
@@ -207,7 +207,7 @@ TEST(AngleBending, OfARollIsThatOfTheQuadraticForm) {
     x(0, v) = kRadius * std::sin(angle);
     x(2, v) = kRadius * (1.0 - std::cos(angle));
   }
-  const double quadratic = bending_energy(angles.model.bending_rows(), x);
+  const double quadratic = bending_energy(angles.model.bending().rows(), x);
   EXPECT_NEAR(angles.energy(x), quadratic, 0.005 * quadratic);
 }
 
@@ -222,25 +222,26 @@ TEST(AngleBending, TakesTheSlopesThatClampsHold) {
   model.set_clamps(mesh, clamps);
   Model quadratic = model;
   model.bend_by_angles(mesh);
-  EXPECT_EQ(model.bending_energy(rest), 0.0);
+  EXPECT_EQ(model.bending().energy(model.element_blocks(), rest), 0.0);
   // Tilted about the edge that is held, and moved along.
   mesh::VertexField x = rest;
   constexpr double kTilt = 1e-4;
   x.row(2) = kTilt * rest.row(0);
   x.colwise() += Eigen::Vector3d(0.3, 0.2, 0.1);
-  const double expected = quadratic.bending_energy(x);
+  const double expected = quadratic.bending().energy(quadratic.element_blocks(), x);
   EXPECT_GT(expected, 0.0);
-  EXPECT_NEAR(model.bending_energy(x), expected, 1e-4 * expected);
+  EXPECT_NEAR(model.bending().energy(model.element_blocks(), x), expected, 1e-4 * expected);
   SeededRandom random(5);
   const mesh::VertexField direction = random_field(random, x.cols(), 1.0);
   x += 0.02 * random_field(random, x.cols(), 1.0);
   mesh::VertexField f = Eigen::Matrix3Xd::Zero(3, x.cols());
   mesh::VertexField scratch = f;
   const mesh::VertexField at_rest = f;
-  model.add_bending_forces(x, at_rest, {}, scratch, f);
+  model.bending().add_forces(model.element_blocks(), x, at_rest, {}, scratch, f);
   constexpr double kStep = 1e-6;
-  const double slope =
-      (model.bending_energy(x + kStep * direction) - model.bending_energy(x - kStep * direction)) / (2.0 * kStep);
+  const double slope = (model.bending().energy(model.element_blocks(), x + kStep * direction) -
+                        model.bending().energy(model.element_blocks(), x - kStep * direction)) /
+                       (2.0 * kStep);
   EXPECT_NEAR(-f.cwiseProduct(direction).sum(), slope, 1e-6 * std::abs(slope));
 }
 
@@ -263,8 +264,8 @@ TEST(AngleBending, HasTheDerivativesOfItsEnergyOnEveryMesh) {
       for (int v = 0; v < mesh.num_vertices(); v += 2) clamps.push_back({v, Eigen::Matrix<double, 3, 2>::Identity()});
       model.set_clamps(mesh, clamps);
       model.bend_by_angles(mesh);
-      ASSERT_NE(model.angle_bending(), nullptr);
-      const AngleBending& angles = *model.angle_bending();
+      ASSERT_NE(model.bending().angles(), nullptr);
+      const AngleBending& angles = *model.bending().angles();
       const double size = 0.05 * least_height(mesh);
       const Eigen::Index n = mesh.num_vertices();
       const mesh::VertexField x = rest_state(mesh).x + random_field(random, n, size);
@@ -295,14 +296,14 @@ TEST(AngleBending, EndsWithTheNextCut) {
   Model model(mesh, orthotropic_cloth());
   const std::uint64_t hash = model.hash();
   model.bend_by_angles(mesh);
-  ASSERT_NE(model.angle_bending(), nullptr);
+  ASSERT_NE(model.bending().angles(), nullptr);
   EXPECT_EQ(model.hash(), hash);
   const auto plan = cut::plan(mesh, {cut::Polyline{{{0.31, 0.28}, {0.72, 0.61}}}, {}, {}});
   ASSERT_TRUE(plan.ok());
   const auto outcome = cut::apply(mesh, *plan);
   ASSERT_TRUE(outcome.ok());
   model.apply(mesh, outcome->edit);
-  EXPECT_EQ(model.angle_bending(), nullptr);
+  EXPECT_EQ(model.bending().angles(), nullptr);
   EXPECT_EQ(model.hash(), Model(mesh, orthotropic_cloth()).hash());
 }
 
@@ -310,7 +311,7 @@ TEST(AngleBending, IsNotOfCurvedRestShapes) {
   const mesh::TriangleMesh shell = test::must(mesh::import_mesh(test::rolled_square(6, 1.0)));
   Model model(shell, orthotropic_cloth());
   model.bend_by_angles(shell);
-  EXPECT_EQ(model.angle_bending(), nullptr);
+  EXPECT_EQ(model.bending().angles(), nullptr);
 }
 
 }  // namespace

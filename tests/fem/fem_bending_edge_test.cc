@@ -58,7 +58,7 @@ std::vector<int> rings_from_border(const mesh::TriangleMesh& mesh) {
 TEST(BendingEdges, ConstantMomentsAreInBalanceInside) {
   for (const Sheet& sheet : irregular_sheets()) {
     const Model model(sheet.mesh, orthotropic_cloth());
-    EXPECT_GT(model.bending_edges().num_entries(), 0U) << sheet.name;
+    EXPECT_GT(model.bending().edges().num_entries(), 0U) << sheet.name;
     const std::vector<int> ring = rings_from_border(sheet.mesh);
     for (int form = 0; form < 3; ++form) {
       mesh::VertexField x = rest_state(sheet.mesh).x;
@@ -67,7 +67,7 @@ TEST(BendingEdges, ConstantMomentsAreInBalanceInside) {
         x(2, v) = terms[form];
       }
       mesh::VertexField f = Eigen::Matrix3Xd::Zero(3, x.cols());
-      add_bending_forces(model.bending_rows(), x, f);
+      add_bending_forces(model.bending().rows(), x, f);
       int num_inside = 0;
       double largest = 0.0;
       for (Eigen::Index v = 0; v < x.cols(); ++v) {
@@ -94,7 +94,7 @@ TEST(BendingEdges, NeverMakeTheEnergyNegativeNorAnyShapeFree) {
     const int n = model.num_vertices();
     Eigen::MatrixXd Q = Eigen::MatrixXd::Zero(n, n);
     for (int i = 0; i < n; ++i) {
-      for (const BendingEntry& entry : model.bending_rows().row(i)) Q(i, entry.column) = entry.value;
+      for (const BendingEntry& entry : model.bending().rows().row(i)) Q(i, entry.column) = entry.value;
     }
     EXPECT_EQ(Q, Q.transpose()) << sheet.name;
     const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(Q).eigenvalues();
@@ -111,8 +111,8 @@ TEST(BendingEdges, AreNotThereInsideWhereDiagonalsAreParallel) {
   const mesh::TriangleMesh mesh = square_grid(20);
   const Model model(mesh, orthotropic_cloth());
   const std::vector<int> ring = rings_from_border(mesh);
-  for (int slot = 0; slot < model.bending_edges().num_rows(); ++slot) {
-    for (const BendingEdge& edge : model.bending_edges().row(slot)) {
+  for (int slot = 0; slot < model.bending().edges().num_rows(); ++slot) {
+    for (const BendingEdge& edge : model.bending().edges().row(slot)) {
       bool near_border = false;
       for (const mesh::VertexId v : edge.vertex)
         near_border |= v != mesh::kNone && ring[static_cast<std::size_t>(v)] == 0;
@@ -121,7 +121,7 @@ TEST(BendingEdges, AreNotThereInsideWhereDiagonalsAreParallel) {
   }
   for (int v = 0; v < model.num_vertices(); ++v) {
     if (ring[static_cast<std::size_t>(v)] >= 4) {
-      EXPECT_EQ(model.bending_rows().row(v).size(), 19U) << v;
+      EXPECT_EQ(model.bending().rows().row(v).size(), 19U) << v;
     }
   }
 }
@@ -138,12 +138,12 @@ TEST(BendingEdges, TakeTheSlopesThatClampsHold) {
   }
   model.set_clamps(mesh, clamps);
   const auto energy = [&](const mesh::VertexField& at) {
-    return bending_energy(model.bending_rows(), at) + clamp_energy(model.clamp_forces(), at);
+    return bending_energy(model.bending().rows(), at) + clamp_energy(model.bending().clamp_forces(), at);
   };
   const auto forces = [&](const mesh::VertexField& at) {
     mesh::VertexField f = Eigen::Matrix3Xd::Zero(3, at.cols());
-    add_bending_forces(model.bending_rows(), at, f);
-    add_clamp_forces(model.clamp_forces(), f);
+    add_bending_forces(model.bending().rows(), at, f);
+    add_clamp_forces(model.bending().clamp_forces(), f);
     return f;
   };
   SeededRandom random(5);
@@ -162,13 +162,13 @@ TEST(BendingEdges, AroundAVertexOfThreeTrianglesAreSymmetric) {
   const mesh::IndexedMesh sheet =
       test::indexed({{0, 0}, {1, 0}, {0.4, 1}, {0.45, 0.35}}, {{0, 1, 3}, {1, 2, 3}, {2, 0, 3}});
   const Model model(mesh::import_mesh(sheet).value(), orthotropic_cloth());
-  EXPECT_EQ(model.bending_edges().num_entries(), 3U);
+  EXPECT_EQ(model.bending().edges().num_entries(), 3U);
   mesh::VertexField x(4);
   x << 0, 1, 0.4, 0.45, 0, 0, 1, 0.35, 0, 0, 0, 0.1;
   mesh::VertexField f = Eigen::Matrix3Xd::Zero(3, 4);
-  add_bending_forces(model.bending_rows(), x, f);
+  add_bending_forces(model.bending().rows(), x, f);
   EXPECT_LT(f.rowwise().sum().norm(), 1e-14 * f.norm());
-  EXPECT_GT(bending_energy(model.bending_rows(), x), 0.0);
+  EXPECT_GT(bending_energy(model.bending().rows(), x), 0.0);
 }
 
 }  // namespace

@@ -55,10 +55,10 @@ Entries entries_of(const BendingLayout<double>& layout, int num_vertices) {
 
 BendingLayout<double> layout_of(const Model& model) {
   BendingLayout<double> layout;
-  const int n = model.bending_rows().num_rows();
+  const int n = model.bending().rows().num_rows();
   layout.resize(n);
   for (std::size_t block = 0; block * kBlockLanes < static_cast<std::size_t>(n); ++block) {
-    layout.set_block(model.bending_rows(), block);
+    layout.set_block(model.bending().rows(), block);
   }
   return layout;
 }
@@ -70,7 +70,7 @@ TEST(BendingLayout, HasEachEntryOnce) {
   for (const std::size_t count : {0U, 3U, 30U}) {
     cuts.make(count);
     const BendingLayout<double> layout = layout_of(model);
-    EXPECT_EQ(entries_of(layout, mesh.num_vertices()), entries_of(model.bending_rows())) << count;
+    EXPECT_EQ(entries_of(layout, mesh.num_vertices()), entries_of(model.bending().rows())) << count;
   }
 }
 
@@ -93,21 +93,21 @@ TEST(BendingLayout, KeepsOfAGridWhatMostRowsHaveAsDiagonals) {
 TEST(BendingLayout, FollowsTheMatrixAlone) {
   mesh::TriangleMesh mesh = square_grid(20);
   Model model(mesh, *find_preset("demo"));
-  const Entries uncut = entries_of(model.bending_rows());
+  const Entries uncut = entries_of(model.bending().rows());
   test::RandomCuts cuts(6, mesh, model);
   BendingLayout<double> layout = layout_of(model);
   const auto follow = [&] {
-    const int n = model.bending_rows().num_rows();
+    const int n = model.bending().rows().num_rows();
     layout.resize(n);
-    layout.set_block(model.bending_rows(), static_cast<std::size_t>(n - 1) / kBlockLanes);
+    layout.set_block(model.bending().rows(), static_cast<std::size_t>(n - 1) / kBlockLanes);
     for (const mesh::VertexId v : model.changed_rows()) {
-      layout.set_block(model.bending_rows(), static_cast<std::size_t>(v) / kBlockLanes);
+      layout.set_block(model.bending().rows(), static_cast<std::size_t>(v) / kBlockLanes);
     }
     const BendingLayout<double> fresh = layout_of(model);
     for (std::size_t block = 0; block * kBlockLanes < static_cast<std::size_t>(n); ++block) {
       EXPECT_TRUE(std::ranges::equal(layout.offsets(block), fresh.offsets(block))) << block;
     }
-    EXPECT_EQ(entries_of(layout, n), entries_of(model.bending_rows()));
+    EXPECT_EQ(entries_of(layout, n), entries_of(model.bending().rows()));
   };
   for (int i = 0; i < 4; ++i) {
     cuts.make_one();

@@ -130,7 +130,7 @@ class ElementContractOnMeshes : public testing::TestWithParam<std::tuple<TestedE
   static const TestedElement& tested() { return std::get<0>(GetParam()); }
   static const mesh::TriangleMesh& mesh() { return std::get<1>(GetParam()).mesh; }
 
-  static bool bends_by_angles(const Element& element) { return element.model.angle_bending() != nullptr; }
+  static bool bends_by_angles(const Element& element) { return element.model.bending().angles() != nullptr; }
 
   // Returns the rest positions, displaced by up to `share` of the least height at each vertex.
   mesh::VertexField jittered(double share) {

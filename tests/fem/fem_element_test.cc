@@ -284,7 +284,7 @@ TEST(BendingElement, CylinderHasThePlateEnergyInEveryDirection) {
         const double along = -X.x() * std::sin(angle) + X.y() * std::cos(angle);
         x.col(i) << kRadius * std::sin(across / kRadius), along, kRadius * (1.0 - std::cos(across / kRadius));
       }
-      const double energy = bending_energy(model.bending_rows(), x);
+      const double energy = bending_energy(model.bending().rows(), x);
       // The strip along the free edges has no neighbours to bend against: 3 % at this size, known and one-sided.
       EXPECT_NEAR(energy * 2.0 * kRadius * kRadius / D, 0.97, 0.015) << jittered << " " << angle;
     }

@@ -106,7 +106,7 @@ TEST(GreenStretch, BoundsTheStiffnessOfAnyShape) {
         const Eigen::Matrix3d F = Eigen::Matrix3d::Identity() + 0.5 * random_field(random, 3, 1.0);
         const mesh::VertexField x = F * rest_state(mesh).x + random_field(random, mesh.num_vertices(), 0.01);
         const double bound =
-            model.stiffness_bound() * green_stretch(model.element_blocks(), model.materials(), x).stiffening;
+            model.stiffness_bound().value() * green_stretch(model.element_blocks(), model.materials(), x).stiffening;
         const double largest = largest_eigenvalue(model, x, 100);
         EXPECT_LE(largest, bound);
         // If the sheet is folded so hard that it is unstable, the largest of all is negative.

@@ -63,7 +63,7 @@ TEST_P(IntegratorContract, ConservesMomentumOfAStrainedTumblingSheet) {
     int substeps = 0;
     for (int i = 0; i < 60; ++i) substeps += integrator->step(model, loads, 1e-3, nullptr, state).substeps + 1;
     const Momentum after = model.momentum(state);
-    const double lost = rounding(substeps, state.v.colwise().norm().maxCoeff()) * model.total_mass();
+    const double lost = rounding(substeps, state.v.colwise().norm().maxCoeff()) * model.masses().total();
     EXPECT_LT((after.linear - before.linear).norm(), 1e-12 * before.linear.norm() + lost);
     // Verlet keeps angular momentum exactly; implicit Euler loses some, a second-order scheme little.
     const double allowed = is(IntegratorKind::kExplicit) ? 1e-12 : is(IntegratorKind::kTrBdf2) ? 2e-3 : 5e-2;
@@ -173,7 +173,7 @@ TEST_P(IntegratorContract, ExternalForcesAccelerateTheWholeSheet) {
   loads.external_forces.col(3) = Eigen::Vector3d(0.0, 0.01, 0.02);
   int substeps = 0;
   for (int i = 0; i < 10; ++i) substeps += integrator->step(model, loads, 1e-3, nullptr, state).substeps + 1;
-  const double lost = rounding(substeps, state.v.colwise().norm().maxCoeff()) * model.total_mass();
+  const double lost = rounding(substeps, state.v.colwise().norm().maxCoeff()) * model.masses().total();
   EXPECT_LT((model.momentum(state).linear - 0.01 * Eigen::Vector3d(0.0, 0.01, 0.02)).norm(), 1e-12 + lost);
 }
 
@@ -191,7 +191,7 @@ TEST_P(IntegratorContract, PressureAcceleratesAFreeSheetAsAWhole) {
   for (int i = 0; i < 10; ++i) substeps += integrator->step(model, loads, 1e-2, nullptr, state).substeps + 1;
   // 3 Pa on 0.2 kg/m^2 for 0.1 s.
   const Eigen::Vector3d expected = turn * Eigen::Vector3d(0.0, 0.0, 1.5);
-  EXPECT_LT((model.momentum(state).linear / model.total_mass() - expected).norm(), 1e-6);
+  EXPECT_LT((model.momentum(state).linear / model.masses().total() - expected).norm(), 1e-6);
   const double tolerance = is(IntegratorKind::kExplicit) ? 1e-9 : 5e-4;  // of Newton's method
   EXPECT_LT((state.v.colwise() - expected).cwiseAbs().maxCoeff(), tolerance + rounding(substeps, 1.5));
 }
@@ -212,7 +212,7 @@ TEST_P(IntegratorContract, MomentsTurnAFreeSheetWithoutPushingIt) {
   int substeps = 0;
   for (int i = 0; i < 20; ++i) substeps += integrator->step(model, loads, 1e-3, nullptr, state).substeps + 1;
   const Momentum momentum = model.momentum(state);
-  const double lost = rounding(substeps, state.v.colwise().norm().maxCoeff()) * model.total_mass();
+  const double lost = rounding(substeps, state.v.colwise().norm().maxCoeff()) * model.masses().total();
   EXPECT_LT(momentum.linear.norm(), 1e-12 + lost);
   // The edge of 1 m runs along y; its outside rises, against the turn about y. Linear momentum is 0: any origin will
   // do.

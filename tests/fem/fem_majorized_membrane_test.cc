@@ -117,7 +117,7 @@ void for_triangles(const Visit& visit) {
   SeededRandom random(7);
   for (int i = 0; i < kTriangles; ++i) {
     const Triangle triangle(random, random_material(random, i % kMaterialKinds));
-    const double stiffness = triangle.model.materials().largest_membrane_trace() * triangle.model.rest_area();
+    const double stiffness = triangle.model.materials().largest_membrane_trace() * triangle.model.elements().area();
     for (const Deformation& each : deformations(random)) {
       SCOPED_TRACE(std::string(each.name) + ", material of kind " + std::to_string(i % kMaterialKinds));
       visit(random, triangle, each, stiffness);
@@ -155,7 +155,7 @@ TEST(MajorizedTriangle, TouchesWithTheSameForces) {
     mesh::VertexField expected = forces;
     add_majorized_forces(triangle.model.element_blocks(), triangle.model.materials(), x, forces);
     add_membrane_forces(triangle.model.element_blocks(), triangle.model.materials(), {}, x, x, expected);
-    const double force = stiffness * triangle.model.largest_gradient() * std::sqrt(size);
+    const double force = stiffness * triangle.model.elements().largest_gradient() * std::sqrt(size);
     EXPECT_LE((forces - expected).norm(), 1e-11 * force);
   });
 }
@@ -186,7 +186,7 @@ TEST(MajorizedTriangle, IsTheKnownOneOfIsotropicMaterial) {
   const Eigen::Matrix3d& C = triangle.model.materials()[0].membrane;
   const double mu = C(2, 2);
   const double lambda = C(0, 1);
-  const double area = triangle.model.rest_area();
+  const double area = triangle.model.elements().area();
   const Eigen::Matrix2d V = Eigen::Vector2d(1.7, 0.4).asDiagonal();
   const Eigen::Matrix<double, 3, 2> R = random_rotation(random).leftCols<2>();
   const MajorizedTriangle q = triangle.majorized(triangle.positions(R * V));

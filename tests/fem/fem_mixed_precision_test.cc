@@ -34,7 +34,7 @@ void expect_mixed_follows_double(MembraneLaw law) {
     const double way_error = velocity_error * kTicks * kTick;     // m
     EXPECT_LT(results[0].v.cwiseAbs().maxCoeff(), 1.1);
     EXPECT_LT((results[0].x - results[1].x).cwiseAbs().maxCoeff(), way_error);
-    const double mass = model.total_mass();
+    const double mass = model.masses().total();
     EXPECT_NEAR(model.energies(results[1], loads.gravity).total(), model.energies(results[0], loads.gravity).total(),
                 mass * velocity_error + mass * 9.81 * way_error);
   }
@@ -140,8 +140,8 @@ TEST(MixedPrecision, KeepsTheWayAndTheSpinOfAFreeSheetToRoundOff) {
     const auto apart = [&](auto what) { return (what(results[1]) - what(results[0])).norm(); };
     EXPECT_GT((results[1].x - results[0].x).norm(), 1e-6);
     EXPECT_LT(apart([&](const State& s) { return model.centre_of_mass(s.x); }), 1e-12);
-    EXPECT_LT(apart([&](const State& s) { return model.momentum(s).linear; }), 1e-12 * model.total_mass());
-    EXPECT_LT(apart([&](const State& s) { return model.momentum(s).angular; }), 1e-12 * model.total_mass());
+    EXPECT_LT(apart([&](const State& s) { return model.momentum(s).linear; }), 1e-12 * model.masses().total());
+    EXPECT_LT(apart([&](const State& s) { return model.momentum(s).angular; }), 1e-12 * model.masses().total());
   }
 }
 

@@ -31,9 +31,9 @@ TEST(Model, BendingIsSymmetricAroundAVertexOfThreeTriangles) {
   const mesh::TriangleMesh mesh = kerf::test::must(mesh::import_mesh(
       kerf::test::indexed({{0.0, 0.0}, {1.0, 0.0}, {0.4, 0.9}, {0.45, 0.3}}, {{0, 1, 3}, {1, 2, 3}, {2, 0, 3}})));
   const Model model(mesh, find_preset("demo").value());
-  ASSERT_TRUE(model.has_bending());
+  ASSERT_TRUE(model.materials().has_bending());
   const auto value = [&](int i, int j) {
-    for (const BendingEntry& entry : model.bending_rows().row(i)) {
+    for (const BendingEntry& entry : model.bending().rows().row(i)) {
       if (entry.column == j) return entry.value;
     }
     return 0.0;
@@ -176,7 +176,7 @@ TEST(Model, MassIsAThirdOfEachTriangleAndAddsUp) {
   const mesh::TriangleMesh mesh = square_grid(3, 2.0);
   Material material = isotropic(1e6, 0.3, 1e-3, 500.0);
   const Model model(mesh, material);
-  EXPECT_NEAR(model.total_mass(), 500.0 * 1e-3 * 4.0, 1e-14);
+  EXPECT_NEAR(model.masses().total(), 500.0 * 1e-3 * 4.0, 1e-14);
   EXPECT_NEAR(model.mass()[4], 500.0 * 1e-3 * 6.0 * 0.5 / 3.0, 1e-15);  // six triangles of 0.5 m^2
   EXPECT_NEAR(model.mass()[4] * model.inverse_mass()[4], 1.0, 1e-15);
 }
@@ -187,10 +187,10 @@ TEST(Model, BendingRowsSumToZeroAndAreSymmetric) {
   for (int i = 0; i < model.num_vertices(); ++i) {
     double sum = 0.0;
     double size = 0.0;
-    for (const BendingEntry& entry : model.bending_rows().row(i)) {
+    for (const BendingEntry& entry : model.bending().rows().row(i)) {
       sum += entry.value;
       size += std::abs(entry.value);
-      const std::span<const BendingEntry> other = model.bending_rows().row(entry.column);
+      const std::span<const BendingEntry> other = model.bending().rows().row(entry.column);
       EXPECT_NE(std::find(other.begin(), other.end(), BendingEntry{entry.value, i}), other.end());
     }
     EXPECT_LT(std::abs(sum), 1e-12 * size);
@@ -202,8 +202,8 @@ TEST(Model, WithoutBendingScaleHasNoBending) {
   material.bending_scale = 0.0;
   const mesh::TriangleMesh mesh = square_grid(4);
   const Model model(mesh, material);
-  EXPECT_FALSE(model.has_bending());
-  EXPECT_EQ(model.bending_rows().num_entries(), 0U);
+  EXPECT_FALSE(model.materials().has_bending());
+  EXPECT_EQ(model.bending().rows().num_entries(), 0U);
   State state = rest_state(mesh);
   state.x.row(2) = state.x.row(0).cwiseAbs2();
   EXPECT_EQ(model.energies(state, Eigen::Vector3d::Zero()).bending, 0.0);
@@ -300,7 +300,7 @@ TEST(Transfer, ConservesLinearMomentumAndCopiesDuplicatesBitForBit) {
     const MassChange change = model.apply(mesh, edit);
     transfer_state(edit, model, change, state);
     ASSERT_EQ(state.x.cols(), mesh.num_vertices());
-    EXPECT_LT((model.momentum(state).linear - before.linear).norm(), 1e-13 * 2.0 * model.total_mass());
+    EXPECT_LT((model.momentum(state).linear - before.linear).norm(), 1e-13 * 2.0 * model.masses().total());
     for (const mesh::VertexSource& source : edit.added_vertices) {
       if (source.weights[0] != 1.0) continue;
       ++num_duplicates;

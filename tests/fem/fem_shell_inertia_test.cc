@@ -114,7 +114,7 @@ TEST(ShellInertia, KeepsTheSubstepsOfACutShellNearThoseOfTheUncutOne) {
 TEST(ShellInertia, MovesAsPlainLeapfrogDoes) {
   const CutShell cut = cut_roll(5);
   Material material = *find_preset("demo");
-  material.stiffness_damping = 0.2 / std::sqrt(cut.model.stiffness_bound());  // so that both have the same
+  material.stiffness_damping = 0.2 / std::sqrt(cut.model.stiffness_bound().value());  // so that both have the same
   const Model model(cut.mesh, material);
   std::vector<State> results;
   for (const bool has_local_inertia : {false, true}) {

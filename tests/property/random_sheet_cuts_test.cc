@@ -61,7 +61,7 @@ void cut_once(SeededRandom& random, const cut::Curve& curve, double scale, Sheet
   ASSERT_EQ(report.replies.size(), 1U);
   ASSERT_TRUE(report.replies[0].ok());
   const double removed = report.replies[0]->cut->removed_mass.value_or(0.0);
-  ASSERT_NEAR(fresh.total_mass() + removed, model_before.total_mass(), 1e-13 * model_before.total_mass());
+  ASSERT_NEAR(fresh.masses().total() + removed, model_before.masses().total(), 1e-13 * model_before.masses().total());
   for (mesh::VertexId v = 0; v < sheet.mesh().num_vertices(); ++v) {
     ASSERT_EQ(fresh.mass()[static_cast<std::size_t>(v)] > 0.0, sheet.mesh().has_material(v));
   }
@@ -72,7 +72,7 @@ void cut_once(SeededRandom& random, const cut::Curve& curve, double scale, Sheet
   if (!sheet.pinned_vertices().empty()) return;  // pins take up momentum
   const double speed = state_before.v.colwise().norm().maxCoeff();
   const Eigen::Vector3d gained = fresh.momentum(state).linear - momentum.linear;
-  ASSERT_LE(gained.norm(), 1e-13 * fresh.total_mass() * speed) << "of " << momentum.linear.norm();
+  ASSERT_LE(gained.norm(), 1e-13 * fresh.masses().total() * speed) << "of " << momentum.linear.norm();
 }
 
 // A trial: a sequence of cuts on one sheet, which moves in between. Its seed is all that it depends on.

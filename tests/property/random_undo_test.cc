@@ -83,7 +83,7 @@ class Trial {
 
   // `removed`: kg, by the step that led here.
   void note_level(double removed, bool took_material) {
-    const double mass = levels_.empty() ? sheet_.model().total_mass() : levels_.back().mass - removed;
+    const double mass = levels_.empty() ? sheet_.model().masses().total() : levels_.back().mass - removed;
     levels_.push_back({sheet_.mesh().state_hash(), ids_of(sheet_),
                        mass / (sheet_.config().material.density * sheet_.config().material.thickness), mass,
                        took_material});
@@ -191,7 +191,7 @@ class Trial {
     ASSERT_EQ(state.x.cols(), sheet_.mesh().num_vertices());
     ASSERT_TRUE(state.x.allFinite() && state.v.allFinite());
     const auto& [hash, ids, level_area, level_mass, took_material] = levels_[at_];
-    ASSERT_NEAR(fresh.total_mass(), level_mass, 1e-12 * levels_[0].mass);
+    ASSERT_NEAR(fresh.masses().total(), level_mass, 1e-12 * levels_[0].mass);
     ASSERT_NEAR(area_of(sheet_.mesh()), level_area, 1e-12 * levels_[0].area);
     double mass = 0.0;
     for (const Piece& piece : sheet_.pieces()) mass += piece.mass;

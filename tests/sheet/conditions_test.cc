@@ -186,7 +186,7 @@ TEST(PlanarSheets, StayInTheirPlaneAndDoNotBend) {
   config.planar = true;
   config.gravity = {0.0, -1.0, -9.81};
   Sheet sheet = make(config);
-  EXPECT_FALSE(sheet.model().has_bending());
+  EXPECT_FALSE(sheet.model().materials().has_bending());
   ASSERT_TRUE(apply(sheet, scenes::line_cut({-0.2, 0.4}, {0.6, 0.55})).ok());
   run(sheet, 30);
   EXPECT_EQ(sheet.state().x.row(2).cwiseAbs().maxCoeff(), 0.0);
@@ -331,7 +331,7 @@ TEST(InitialVelocities, TurnAboutTheCentreOfMassUnlessToldOtherwise) {
   config.initial_velocity = InitialVelocity{{1.0, 0.0, 0.0}, {0.0, 0.0, 2.0}, {}};
   Sheet sheet = make(config);
   EXPECT_LT(
-      (sheet.model().momentum(sheet.state()).linear - sheet.model().total_mass() * Vector3d(1.0, 0.0, 0.0)).norm(),
+      (sheet.model().momentum(sheet.state()).linear - sheet.model().masses().total() * Vector3d(1.0, 0.0, 0.0)).norm(),
       1e-12);
   EXPECT_LT((Vector3d(sheet.state().v.col(24)) - Vector3d(1.0 - 1.0, 1.0, 0.0)).norm(), 1e-12);
   config.initial_velocity->centre = Vector3d(1.0, 1.0, 0.0);

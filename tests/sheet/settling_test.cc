@@ -36,13 +36,13 @@ TEST(Settling, BendsByAnglesUntilTheNextStep) {
   Sheet sheet = make(config);
   Sheet other = sheet;
   EXPECT_TRUE(sheet.settle(1.0, {}, {}).converged);
-  EXPECT_NE(sheet.model().angle_bending(), nullptr);
-  EXPECT_EQ(other.model().angle_bending(), nullptr);
+  EXPECT_NE(sheet.model().bending().angles(), nullptr);
+  EXPECT_EQ(other.model().bending().angles(), nullptr);
   other = sheet;
   other.bend_by_angles();
   for (Sheet* each : {&sheet, &other}) {
     each->step({});
-    EXPECT_EQ(each->model().angle_bending(), nullptr);
+    EXPECT_EQ(each->model().bending().angles(), nullptr);
   }
   EXPECT_EQ(sheet.state_hash(), other.state_hash());
 }

@@ -71,15 +71,16 @@ TEST(SetMaterial, KeepsStatePinsGrabsCutsAndHistory) {
   ASSERT_TRUE(apply(anew, Grab{"default", 5, std::nullopt, 0.0}).ok());
   EXPECT_EQ(sheet.grabs()[1].stiffness, anew.grabs()[1].stiffness) << "as stiff as the new material bears";
   EXPECT_NE(sheet.grabs()[1].stiffness, before.grabs()[1].stiffness);
-  EXPECT_NEAR(sheet.pieces()[0].mass, sheet.model().total_mass(), 1e-12);
+  EXPECT_NEAR(sheet.pieces()[0].mass, sheet.model().masses().total(), 1e-12);
 }
 
 TEST(SetMaterial, OnePartAtATime) {
   Sheet sheet = make(three_materials());
-  const double mass = sheet.model().total_mass();
+  const double mass = sheet.model().masses().total();
   const auto density = [](const fem::Material& m) { return m.density * m.thickness; };
   ASSERT_TRUE(apply(sheet, in_part(preset("rubber"), 1)).ok());
-  EXPECT_NEAR(sheet.model().total_mass() - mass, 0.16 * (density(preset("rubber")) - density(preset("silk"))), 1e-9);
+  EXPECT_NEAR(sheet.model().masses().total() - mass, 0.16 * (density(preset("rubber")) - density(preset("silk"))),
+              1e-9);
   ASSERT_TRUE(apply(sheet, in_part(preset("cotton"), SetMaterial::kOwn)).ok());
   const std::vector<fem::Material> expected{preset("cotton"), preset("denim"), preset("rubber")};
   EXPECT_EQ(sheet.materials().entries, expected);
@@ -90,7 +91,7 @@ TEST(SetMaterial, OnePartAtATime) {
   EXPECT_EQ(reason(apply(sheet, in_part(preset("silk"), 2))), "UNKNOWN_PART");
   ASSERT_TRUE(apply(sheet, everywhere(preset("foil"))).ok());
   EXPECT_EQ(sheet.materials().entries, std::vector<fem::Material>(3, preset("foil")));
-  EXPECT_NEAR(sheet.model().total_mass(), density(preset("foil")), 1e-12);
+  EXPECT_NEAR(sheet.model().masses().total(), density(preset("foil")), 1e-12);
 }
 
 TEST(SetMaterial, PartsThatWereEqualAreOneAndCoveredOnesAreNowhere) {
@@ -218,7 +219,7 @@ TEST(SetMaterial, APlanarSheetStillBendsNowhere) {
   config.planar = true;
   Sheet sheet = make(config);
   ASSERT_TRUE(apply(sheet, everywhere(preset("denim"))).ok());
-  EXPECT_FALSE(sheet.model().has_bending());
+  EXPECT_FALSE(sheet.model().materials().has_bending());
   EXPECT_EQ(sheet.materials().entries[0], fem::without_bending(preset("denim")));
 }
 

@@ -61,9 +61,9 @@ TEST(Fidelity, StiffSheetsTakeFewerSubstepsAndBendAsBefore) {
   EXPECT_TRUE(sheet.softening()->fits());
   EXPECT_NE(sheet.integrator_description().find("membrane 4 times softer"), std::string::npos)
       << sheet.integrator_description();
-  EXPECT_EQ(sheet.model().law(0).membrane * 4.0, exact.model().law(0).membrane);
-  EXPECT_EQ(sheet.model().law(0).bending, exact.model().law(0).bending);
-  EXPECT_EQ(sheet.model().total_mass(), exact.model().total_mass());
+  EXPECT_EQ(sheet.model().elements().law(0).membrane * 4.0, exact.model().elements().law(0).membrane);
+  EXPECT_EQ(sheet.model().elements().law(0).bending, exact.model().elements().law(0).bending);
+  EXPECT_EQ(sheet.model().masses().total(), exact.model().masses().total());
   EXPECT_EQ(sheet.materials().entries.front(), known_material("wool")) << "as given";
   EXPECT_LT(substeps_of_a_tick(sheet), 0.6 * substeps_of_a_tick(exact));
 }
@@ -89,7 +89,7 @@ TEST(Fidelity, CutsUndoAndRedoKeepTheFactorAndAResetGivesItBack) {
   const std::uint64_t model = sheet.model().hash();
   const auto expect_softened = [&](const char* after) {
     EXPECT_EQ(sheet.softening()->factor, 4) << after;
-    EXPECT_EQ(sheet.model().law(sheet.mesh().triangle_at(0)).material, expected) << after;
+    EXPECT_EQ(sheet.model().elements().law(sheet.mesh().triangle_at(0)).material, expected) << after;
     EXPECT_NE(sheet.integrator_description().find("4 times softer"), std::string::npos) << after;
   };
   for (Cut& cut : scenes::three_cuts()) ASSERT_TRUE(apply(sheet, std::move(cut)).ok());
@@ -102,7 +102,7 @@ TEST(Fidelity, CutsUndoAndRedoKeepTheFactorAndAResetGivesItBack) {
   EXPECT_EQ(sheet.model().hash(), cut_model);
   ASSERT_TRUE(apply(sheet, SetMaterial{known_material("demo"), std::nullopt}).ok());
   EXPECT_EQ(sheet.softening()->factor, 1);
-  EXPECT_EQ(sheet.model().law(sheet.mesh().triangle_at(0)).material, known_material("demo"));
+  EXPECT_EQ(sheet.model().elements().law(sheet.mesh().triangle_at(0)).material, known_material("demo"));
   ASSERT_TRUE(apply(sheet, SetMaterial{known_material("wool"), std::nullopt}).ok());
   EXPECT_EQ(sheet.model().hash(), cut_model) << "chosen on the uncut mesh";
   expect_softened("another material and back");

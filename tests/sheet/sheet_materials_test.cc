@@ -60,11 +60,11 @@ TEST(SheetMaterials, LaterEntriesWinAndTheRestHasTheSheetsOwn) {
     for (const mesh::VertexId v : sheet.mesh().vertices(t)) at += sheet.mesh().rest_position(v) / 3.0;
     const bool in_spot = (at - Vector2d(0.5, 0.5)).cwiseAbs().maxCoeff() <= 0.2;
     const fem::Material expected = in_spot ? third() : at.x() >= 0.5 ? heavy() : scenes::demo_material();
-    EXPECT_EQ(sheet.model().law(t).material, expected) << at.transpose();
+    EXPECT_EQ(sheet.model().elements().law(t).material, expected) << at.transpose();
   }
-  EXPECT_NEAR(sheet.model().total_mass(), 0.16 * 1.4 + 0.42 * 1.5 + 0.42 * 0.2, 1e-12);
+  EXPECT_NEAR(sheet.model().masses().total(), 0.16 * 1.4 + 0.42 * 1.5 + 0.42 * 0.2, 1e-12);
   ASSERT_EQ(sheet.pieces().size(), 1U);
-  EXPECT_NEAR(sheet.pieces()[0].mass, sheet.model().total_mass(), 1e-12);
+  EXPECT_NEAR(sheet.pieces()[0].mass, sheet.model().masses().total(), 1e-12);
 }
 
 TEST(SheetMaterials, OneThatIsAllOfTheSheetIsAsGoodAsItsOwn) {
@@ -91,7 +91,7 @@ void expect_kept_through_cuts(fem::MembraneLaw membrane_law) {
   for (std::size_t i = 0; i < before.size(); ++i) EXPECT_NEAR(after[i], before[i], 1e-13);
   double mass = 0.0;
   for (const Piece& piece : sheet.pieces()) mass += piece.mass;
-  EXPECT_NEAR(mass, sheet.model().total_mass(), 1e-12);
+  EXPECT_NEAR(mass, sheet.model().masses().total(), 1e-12);
   const std::uint64_t cut_mesh = sheet.mesh().state_hash(), cut_model = sheet.model().hash();
   std::vector<fem::Material> materials;
   for (const fem::MaterialLaw& law : sheet.model().materials()) materials.push_back(law.material);
@@ -128,12 +128,12 @@ TEST(SheetMaterials, AStripTakesTheMassOfWhatItCrosses) {
   SheetConfig config = scenes::hanging(21);
   config.materials = {{box(0.5, 0.0, 1.0, 1.0), heavy()}};
   Sheet sheet = make(config);
-  const double before = sheet.model().total_mass();
+  const double before = sheet.model().masses().total();
   Cut cut = scenes::line_cut({0.2, 0.5}, {0.8, 0.5});
   cut.options.width_m = 0.02;
   const Result<CommandReply> done = apply(sheet, cut);
   ASSERT_TRUE(done.ok()) << done.error().message;
-  EXPECT_NEAR(*done->cut->removed_mass, before - sheet.model().total_mass(), 1e-12);
+  EXPECT_NEAR(*done->cut->removed_mass, before - sheet.model().masses().total(), 1e-12);
   const double expected = 0.02 * 0.3 * (0.2 + 1.5) + 0.5 * 3.14159 * 1e-4 * (0.2 + 1.5);
   EXPECT_NEAR(*done->cut->removed_mass, expected, 0.02 * expected);
 }
@@ -154,13 +154,13 @@ TEST(SheetMaterials, OfACurvedSheetPartTheFacetsToo) {
   ASSERT_TRUE(sheet.mesh().is_curved());
   ASSERT_EQ(sheet.model().materials().size(), 2U);
   const std::vector<double> before = areas(sheet);
-  const double mass = sheet.model().total_mass();
+  const double mass = sheet.model().masses().total();
   EXPECT_NEAR(mass, before[0] * 0.2 + before[1] * 1.5, 1e-9);
   ASSERT_TRUE(apply(sheet, scenes::line_cut({0.1, 0.43}, {0.9, 0.57})).ok());
   EXPECT_EQ(sheet.mesh().find_violation(), std::nullopt);
   const std::vector<double> after = areas(sheet);
   for (std::size_t i = 0; i < 2; ++i) EXPECT_NEAR(after[i], before[i], 1e-12);
-  EXPECT_NEAR(sheet.model().total_mass(), mass, 1e-12);
+  EXPECT_NEAR(sheet.model().masses().total(), mass, 1e-12);
 }
 
 TEST(SheetMaterials, LinesAndListedVerticesNameTriangles) {
@@ -172,8 +172,8 @@ TEST(SheetMaterials, LinesAndListedVerticesNameTriangles) {
   double line = 0.0, corner = 0.0;
   for (mesh::TriangleId t = 0; t < sheet.mesh().num_triangle_slots(); ++t) {
     if (!sheet.mesh().is_solid(t)) continue;
-    if (sheet.model().law(t).material == heavy()) line += sheet.mesh().area(t);
-    if (sheet.model().law(t).material == third()) corner += sheet.mesh().area(t);
+    if (sheet.model().elements().law(t).material == heavy()) line += sheet.mesh().area(t);
+    if (sheet.model().elements().law(t).material == third()) corner += sheet.mesh().area(t);
   }
   EXPECT_NEAR(line, 0.1, 1e-12);
   EXPECT_NEAR(corner, 0.01, 1e-12);
@@ -212,7 +212,7 @@ TEST(SheetMaterials, AreAtMostSixteenInAtMostSixtyFourRegions) {
 TEST(SheetMaterials, APlanarSheetBendsNowhere) {
   SheetConfig config = divided(9);
   config.planar = true;
-  EXPECT_FALSE(make(config).model().has_bending());
+  EXPECT_FALSE(make(config).model().materials().has_bending());
 }
 
 TEST(SheetMaterials, AGrabIsNoStifferThanTheMembraneThatItHolds) {

@@ -51,7 +51,7 @@ TEST(UndoCut, RightAfterTheCutGivesTheSheetBackAsItWas) {
   for (Eigen::Index v = 0; v < before.x.cols(); ++v) same += before.x.col(v) == sheet.state().x.col(v) ? 1 : 0;
   EXPECT_GT(same, before.x.cols() * 3 / 4) << "only vertices that the cut relaxed may have been interpolated";
   EXPECT_LT((sheet.state().x - before.x).colwise().norm().maxCoeff(), 2e-3);
-  const double scale = sheet.model().total_mass() * before.v.colwise().norm().maxCoeff();
+  const double scale = sheet.model().masses().total() * before.v.colwise().norm().maxCoeff();
   EXPECT_LT((sheet.model().momentum(sheet.state()).linear - momentum.linear).norm(), 1e-12 * scale);
   EXPECT_LT((sheet.model().centre_of_mass(sheet.state().x) - sheet.model().centre_of_mass(before.x)).norm(), 1e-4);
   EXPECT_EQ(undone->topology_version, 3) << "versions count on";
@@ -73,7 +73,7 @@ TEST(UndoCut, ClosesLipsAtTheirMeanWeightedByMass) {
   EXPECT_EQ(sheet.mesh().num_pieces(), 1);
   const double speed = before.v.colwise().norm().maxCoeff();
   EXPECT_LT((sheet.model().momentum(sheet.state()).linear - model.momentum(before).linear).norm(),
-            1e-12 * model.total_mass() * speed);
+            1e-12 * model.masses().total() * speed);
   EXPECT_LE(sheet.state().v.colwise().norm().maxCoeff(), 1.2 * speed);
   run(sheet, 60);
   EXPECT_FALSE(sheet.frozen());
@@ -304,7 +304,7 @@ TEST(CutBatch, MakesTheMeshThatTheCutsOneByOneMake) {
 TEST(CutBatch, ConservesMomentumAndPinsWhatItShould) {
   Sheet sheet = flying(12);
   const fem::Momentum before = sheet.model().momentum(sheet.state());
-  const double scale = sheet.model().total_mass() * sheet.state().v.colwise().norm().maxCoeff();
+  const double scale = sheet.model().masses().total() * sheet.state().v.colwise().norm().maxCoeff();
   ASSERT_TRUE(apply(sheet, CutBatch{scenes::three_cuts()}).ok());
   EXPECT_LT((sheet.model().momentum(sheet.state()).linear - before.linear).norm(), 1e-12 * scale);
 

@@ -33,11 +33,11 @@ TEST(CutWidth, MassGoesAndTheRestMovesOnUnderEveryIntegrator) {
     config.integrator.kind = kind;
     Sheet sheet = make(config);
     run(sheet, 4);
-    const double mass = sheet.model().total_mass();
+    const double mass = sheet.model().masses().total();
     const Result<CommandReply> reply = apply(sheet, strip({0.2, 0.5}, {0.8, 0.45}, 0.15));
     ASSERT_TRUE(reply.ok()) << reply.error().message;
     ASSERT_TRUE(reply->cut->removed_mass.has_value());
-    EXPECT_NEAR(sheet.model().total_mass() + *reply->cut->removed_mass, mass, 1e-12 * mass);
+    EXPECT_NEAR(sheet.model().masses().total() + *reply->cut->removed_mass, mass, 1e-12 * mass);
     const std::vector<mesh::VertexId> gone = without_material(sheet.mesh());
     ASSERT_GT(gone.size(), 10U);
     const Eigen::Matrix3Xd at = sheet.state().x;
@@ -95,7 +95,7 @@ TEST(CutWidth, UndoPutsMaterialBackBesideItsPiece) {
   ASSERT_TRUE(apply(sheet, strip({0.3, 0.5}, {0.7, 0.5}, 0.25)).ok());
   run(sheet, 60);  // falls by more than a metre
   const fem::Momentum momentum = sheet.model().momentum(sheet.state());
-  const Vector3d velocity = momentum.linear / sheet.model().total_mass();
+  const Vector3d velocity = momentum.linear / sheet.model().masses().total();
   ASSERT_TRUE(apply(sheet, UndoCut{}).ok());
   for (Eigen::Index v = 0; v < sheet.state().x.cols(); ++v) {
     const Vector2d rest = sheet.mesh().rest_position(static_cast<mesh::VertexId>(v)) - sheet.mesh().rest_position(0);

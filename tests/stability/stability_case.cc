@@ -291,15 +291,15 @@ Outcome run(const Case& tested, int num_steps, const Budget& budget) {
   integrator->rebuild(model);
 
   Outcome outcome;
-  outcome.condition = 1.0 + tested.dt * tested.dt * model.stiffness_bound();
+  outcome.condition = 1.0 + tested.dt * tested.dt * model.stiffness_bound().value();
   outcome.is_explicit = integrator->kind() == fem::IntegratorKind::kExplicit;
   outcome.integrator = std::string(integrator->explanation());
   const fem::Loads& loads = start.loads;
   fem::State& state = start.state;
   const double before = model.energies(state, loads.gravity).total();
-  const double scale = std::max(std::abs(before), 9.81 * model.total_mass());
+  const double scale = std::max(std::abs(before), 9.81 * model.masses().total());
   const Eigen::Vector3d centre = model.centre_of_mass(state.x);
-  const Eigen::Vector3d drift_velocity = model.momentum(state).linear / model.total_mass();
+  const Eigen::Vector3d drift_velocity = model.momentum(state).linear / model.masses().total();
   const double size = (state.x.colwise() - centre).norm();
   const long most_steps = std::min<long>(num_steps, budget.vertex_steps / model.num_vertices());
   while (outcome.num_steps < most_steps && outcome.num_substeps < budget.substeps && outcome.finite) {

@@ -112,7 +112,7 @@ int main(int argc, char** argv) {
   const bool is_valid = !run.sheet.mesh().find_violation();
   const bool is_fresh =
       run.sheet.model().hash() == kerf::fem::Model(run.sheet.mesh(), run.sheet.config().material).hash();
-  const double moved = 9.81 * run.sheet.model().total_mass();  // J, a fall by 1 m
+  const double moved = 9.81 * run.sheet.model().masses().total();  // J, a fall by 1 m
   std::printf("\ncuts made: %ld of %d; vertices: %d; ticks: %ld; not finite: %ld; failed: %ld; flags: %#x\n",
               run.num_applied, num_cuts, run.sheet.mesh().num_vertices(), run.num_ticks, run.num_not_finite,
               run.num_failed, run.flags);

@@ -42,7 +42,7 @@ std::vector<std::string> components_of(Quantity quantity) {
 
 // The solid slot with these corners.
 mesh::TriangleId slot_of(const fem::Model& model, const mesh::TriangleMesh& mesh, const sheet::MaterialPoint& point) {
-  for (const mesh::TriangleId slot : model.incident_slots().row(point.vertices[0])) {
+  for (const mesh::TriangleId slot : model.elements().incident_slots().row(point.vertices[0])) {
     const auto& corner = mesh.vertices(slot);
     const auto is_corner = [&](mesh::VertexId v) { return std::find(corner.begin(), corner.end(), v) != corner.end(); };
     if (is_corner(point.vertices[1]) && is_corner(point.vertices[2])) return slot;

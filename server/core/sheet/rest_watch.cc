@@ -76,7 +76,7 @@ void RestWatch::after_tick(const fem::Model& model, const Tick& tick, fem::State
   }
   energy_ = calm_time_ == 0.0 ? kinetic : energy_ + std::min(tick.dt / kMeanOver, 1.0) * (kinetic - energy_);
   calm_time_ += tick.dt;
-  const double calm_energy = kCalmHeight * size_ * model.total_mass() * tick.gravity;
+  const double calm_energy = kCalmHeight * size_ * model.masses().total() * tick.gravity;
   // Counts every sheet as slow if it has no weight, which gives the scale for speeds.
   const bool is_slow = tick.gravity == 0.0 || energy_ < calm_energy;
   if (!is_slow) {

@@ -58,7 +58,7 @@ void set_edges(const Model& model, TriangleId slot, double unit, EdgeLanes<T>& t
     const double length = 2.0 * turned.area * height_inverse / unit;
     to.length_squared[k].lane[l] = static_cast<T>(length * length);
   }
-  const Eigen::Matrix3d C = slot == mesh::kNone ? Eigen::Matrix3d::Zero() : model.law(slot).membrane;
+  const Eigen::Matrix3d C = slot == mesh::kNone ? Eigen::Matrix3d::Zero() : model.elements().law(slot).membrane;
   const Eigen::Matrix3d H = 0.5 * turned.area * N.transpose() * C * N;
   const std::array<double, 6> entries{H(0, 0), H(1, 1), H(2, 2), H(0, 1), H(0, 2), H(1, 2)};
   const double cube = unit * unit * unit;
@@ -134,7 +134,7 @@ template <typename T>
 void LeapfrogSweep<T>::resize(const Model& model, const MembraneLayout& layout) {
   layout_ = &layout;
   for_arrays(model, layout, [](auto& array, std::size_t size) { array.resize(size); });
-  if (model.has_bending()) bending_.resize(layout.num_vertices());
+  if (model.materials().has_bending()) bending_.resize(layout.num_vertices());
   if (std::is_same_v<T, float>) {
     start_.resize(static_cast<Eigen::Index>(kBlockLanes * layout.num_blocks()));
     bending_start_.resize(layout.num_vertices());
@@ -174,9 +174,9 @@ void LeapfrogSweep<T>::rebuild(const Model& model, const MembraneLayout& layout,
   for (std::size_t lane = 0; lane < layout.lanes().size(); ++lane) set_lane(model, layout, lane);
   set_fine_constants(model, layout);
   bending_.clear();
-  if (!model.has_bending()) return;
+  if (!model.materials().has_bending()) return;
   bending_.resize(layout.num_vertices());
-  for (std::size_t block = 0; block < layout.num_blocks(); ++block) bending_.set_block(model.bending_rows(), block);
+  for (std::size_t block = 0; block < layout.num_blocks(); ++block) bending_.set_block(model.bending().rows(), block);
 }
 
 template <typename T>
@@ -189,7 +189,7 @@ void LeapfrogSweep<T>::follow(const Model& model, const MembraneLayout& layout, 
   }
   for (const std::int32_t lane : layout.changed_lanes()) set_lane(model, layout, static_cast<std::size_t>(lane));
   set_fine_constants(model, layout);
-  if (model.has_bending()) follow_bending(model);
+  if (model.materials().has_bending()) follow_bending(model);
 }
 
 template <typename T>
@@ -202,7 +202,7 @@ void LeapfrogSweep<T>::follow_bending(const Model& model) {
     bending_blocks_.insert(static_cast<std::int32_t>(static_cast<std::size_t>(v) / kBlockLanes));
   }
   for (const std::int32_t block : bending_blocks_.members()) {
-    bending_.set_block(model.bending_rows(), static_cast<std::size_t>(block));
+    bending_.set_block(model.bending().rows(), static_cast<std::size_t>(block));
   }
 }
 
@@ -225,7 +225,7 @@ void LeapfrogSweep<T>::set_lane(const Model& model, const MembraneLayout& layout
   IrregularBlock<T>& block = irregular_[lane / kBlockLanes];
   const std::size_t l = lane % kBlockLanes;
   const TriangleId slot = layout.lanes()[lane];
-  const bool is_fine = slot != mesh::kNone && model.gradient(slot) > fine_.gradient;
+  const bool is_fine = slot != mesh::kNone && model.elements().gradient(slot) > fine_.gradient;
   if constexpr (std::is_same_v<T, float>) {
     fine_.place_of_lane.resize(layout.lanes().size(), mesh::kNone);
     fine_.set_lane(static_cast<std::int32_t>(lane), is_fine);
@@ -300,7 +300,8 @@ void LeapfrogSweep<T>::set_unit_of_constants() {
 template <typename T>
 void LeapfrogSweep<T>::set_laws(const Model& model, const LeapfrogTerms& terms) {
   for (std::size_t v = 0; !mass_damping_.empty() && v < model.mass().size(); ++v) {
-    mass_damping_[v / kBlockLanes].lane[v % kBlockLanes] = static_cast<T>(model.mass_damping(static_cast<VertexId>(v)));
+    mass_damping_[v / kBlockLanes].lane[v % kBlockLanes] =
+        static_cast<T>(model.masses().damping(static_cast<VertexId>(v)));
   }
   const auto set = [&]<typename U>(TriangleId slot, LawLanes<U>& to, std::size_t l) {
     if (slot == mesh::kNone) return;

@@ -58,15 +58,15 @@ bool LeapfrogSweep<T>::set_start(const Model& model, const State& state) {
         irregular_lane<T>(lane % kBlockLanes));
   }
   if (!(largest <= kMostStrained)) return false;
-  if (!model.has_bending()) return true;
+  if (!model.materials().has_bending()) return true;
   bending_start_.setZero();
-  add_bending_forces(model.bending_rows(), start_, bending_start_);
+  add_bending_forces(model.bending().rows(), start_, bending_start_);
   return true;
 }
 
 template <typename T>
 bool LeapfrogSweep<T>::set_extra_forces(const Model& model, const LeapfrogKick& kick) {
-  const bool adds_bending = is_by_displacements() && kick.bending > 0.0 && model.has_bending();
+  const bool adds_bending = is_by_displacements() && kick.bending > 0.0 && model.materials().has_bending();
   if (kick.forces == nullptr && !adds_bending) return false;
   const double times = kick.bending / kick.duration;
   T* const extra = extra_.front().lane.data();

@@ -22,7 +22,7 @@ constexpr double kRoomToTravel = 2.0;
 
 // Returns the mean edge length, m.
 double edge_length(const Model& model, std::int64_t num_triangles) {
-  return std::sqrt(2.0 * model.rest_area() / static_cast<double>(num_triangles));
+  return std::sqrt(2.0 * model.elements().area() / static_cast<double>(num_triangles));
 }
 
 // Returns the unit, m, for positions up to `reach` (m) from the origin.
@@ -136,13 +136,13 @@ void LeapfrogSweep<T>::find_pieces() {
 template <typename T>
 bool LeapfrogSweep<T>::may_hold(const Model& model) {
   const double edge = edge_length(model, model.num_slots());  // accurate enough for an estimate
-  return unit_of_positions(1.5 * std::sqrt(model.rest_area()), edge) <= kCoarsest * edge;
+  return unit_of_positions(1.5 * std::sqrt(model.elements().area()), edge) <= kCoarsest * edge;
 }
 
 template <typename T>
 double LeapfrogSweep<T>::flattest(const Model& model) {
   if (!std::is_same_v<T, float>) return std::numeric_limits<double>::infinity();
-  const double unit = unit_of_positions(1.5 * model.built_extent(), model.typical_edge_length());
+  const double unit = unit_of_positions(1.5 * model.masses().built_extent(), model.masses().typical_edge_length());
   return kCoarsestAcross / (kRoomToTravel * unit);
 }
 
@@ -151,7 +151,7 @@ double LeapfrogSweep<T>::coarsest_gradient(const Model& model) {
   if (coarsest_gradient_) return *coarsest_gradient_;
   double coarsest = 0.0;
   const auto look_at = [&](mesh::TriangleId slot) {
-    if (slot != mesh::kNone) coarsest = std::max(coarsest, model.gradient(slot));
+    if (slot != mesh::kNone) coarsest = std::max(coarsest, model.elements().gradient(slot));
   };
   for (std::size_t lane = 0; lane < layout_->lanes().size(); ++lane) {
     if (fine_.place_of_lane[lane] == mesh::kNone) look_at(layout_->lanes()[lane]);

@@ -138,14 +138,14 @@ void LeapfrogSweep<T>::substep(const Model& model, const LeapfrogTerms& terms, c
   speed_ = {};
   LeapfrogStep<T> step = step_of(model, terms);
   const bool same_damping = model.materials().has_one_mass_damping();
-  const KickFactors factors = kick_factors(same_damping ? model.mass_damping(0) : 0.0, kick.duration);
+  const KickFactors factors = kick_factors(same_damping ? model.masses().damping(0) : 0.0, kick.duration);
   step.lost = static_cast<T>(factors.lost);
   step.scale = static_cast<T>(factors.scale);
   for (std::size_t c = 0; c < 3; ++c) step.gravity[c] = static_cast<T>(terms.gravity[static_cast<int>(c)]);
   step.drift = static_cast<T>(kick.drift / unit_);
   step.bending_scale = static_cast<T>(kick.bending / kick.duration * unit_);
   LeapfrogArrays<T> with = arrays();
-  if (kick.bending > 0.0 && model.has_bending()) with.bending = &bending_;
+  if (kick.bending > 0.0 && model.materials().has_bending()) with.bending = &bending_;
   if (set_extra_forces(model, kick)) with.extra_force = entries(extra_);
   if (!fine_.empty()) {
     set_fine_positions();

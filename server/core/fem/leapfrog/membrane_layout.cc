@@ -71,7 +71,7 @@ bool MembraneLayout::follow(const Model& model) {
   touched_.clear();
   touched_.resize(static_cast<std::size_t>(std::max(num_vertices_, model.num_vertices())));
   if (model.num_vertices() < num_vertices_) touched_.insert(group_of(model.num_vertices()));  // one group shrinks
-  const std::span<const TriangleId> changed = model.changed_slots();
+  const std::span<const TriangleId> changed = model.elements().changed_slots();
   for (const TriangleId slot : changed) remove(slot);
   resize(model);
   for (const TriangleId slot : changed) {
@@ -188,7 +188,7 @@ void MembraneLayout::set_corners(const Model& model, int group) {
   for (int i = 0; i < kGroup && kGroup * group + i < num_vertices_; ++i) {
     const VertexId vertex = kGroup * group + i;
     std::size_t count = 0;
-    for (const TriangleId slot : model.incident_slots().row(vertex)) {
+    for (const TriangleId slot : model.elements().incident_slots().row(vertex)) {
       const Place& place = places_[static_cast<std::size_t>(slot)];
       if (place.lane == mesh::kNone) continue;
       if (count == row_.size()) row_.push_back({kNoCorner, kNoCorner, kNoCorner, kNoCorner});

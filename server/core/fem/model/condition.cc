@@ -8,7 +8,7 @@
 namespace kerf::fem {
 
 double condition_number(const Model& model, double dt) {
-  return 1.0 + dt * dt * model.stiffness_bound();
+  return 1.0 + dt * dt * model.stiffness_bound().value();
 }
 
 ConditionClass rate_condition(double condition) {

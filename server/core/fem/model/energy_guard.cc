@@ -38,7 +38,7 @@ double work_of_loads(const Model& model, const Loads& loads, const State& start,
 // over the edge length.
 double rounding_energy(const Model& model, const State& state, double elastic) {
   constexpr double kRoundings = 16.0;  // of each strain
-  const double area = model.rest_area();
+  const double area = model.elements().area();
   if (!(area > 0.0)) return 0.0;
   const double edge = std::sqrt(2.0 * area / std::max(1, model.num_slots()));
   const double strain =
@@ -62,7 +62,7 @@ struct RigidMotion {
   RigidMotion(const Model& model, const State& state) {
     centre = model.centre_of_mass(state.x);
     const Momentum momentum = model.momentum(state);
-    velocity = momentum.linear / model.total_mass();
+    velocity = momentum.linear / model.masses().total();
     const Vector3d angular = momentum.angular - centre.cross(momentum.linear);
     Matrix3d inertia = Matrix3d::Zero();
     for (Eigen::Index i = 0; i < state.x.cols(); ++i) {

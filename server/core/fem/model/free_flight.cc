@@ -20,7 +20,7 @@ Motion motion_of(const Model& model, const LocalInertia& inertia, const State& s
   const Eigen::Vector3d x = model.centre_of_mass(state.x);
   const Momentum momentum = model.momentum(state);
   const Eigen::Vector3d spin = momentum.angular + inertia.added_spin(state) - x.cross(momentum.linear);
-  return {x, momentum.linear / model.total_mass(), spin};
+  return {x, momentum.linear / model.masses().total(), spin};
 }
 
 // Returns the inertia tensor about the centre, kg m^2.
@@ -55,9 +55,9 @@ KickFactors kick_factors(double mass_damping, double duration) {
 }
 
 bool FreeFlight::holds(const Model& model, const Loads& loads) {
-  const bool is_held = !loads.pins.empty() || !loads.grabs.empty() || !model.clamp_forces().forces.empty();
+  const bool is_held = !loads.pins.empty() || !loads.grabs.empty() || !model.bending().clamp_forces().forces.empty();
   const bool is_pushed = loads.has_external_forces() || has_wind_drag(loads.wind) || has_follower_loads(loads);
-  return !is_held && !is_pushed && model.materials().has_one_mass_damping() && model.total_mass() > 0.0;
+  return !is_held && !is_pushed && model.materials().has_one_mass_damping() && model.masses().total() > 0.0;
 }
 
 FreeFlight::FreeFlight(const Model& model, const LocalInertia& inertia, const State& state) {
@@ -76,8 +76,8 @@ void FreeFlight::substep(const KickFactors& factors, const Eigen::Vector3d& grav
 void FreeFlight::put_right(const Model& model, const LocalInertia& inertia, State& state) const {
   const Motion motion = motion_of(model, inertia, state);
   const std::span<const double> damping = model.materials().stiffness_damping();
-  const bool keeps_spin =
-      !model.has_bending() || std::all_of(damping.begin(), damping.end(), [](double own) { return own == 0.0; });
+  const bool keeps_spin = !model.materials().has_bending() ||
+                          std::all_of(damping.begin(), damping.end(), [](double own) { return own == 0.0; });
   Eigen::Vector3d rotation = Eigen::Vector3d::Zero();
   if (keeps_spin) rotation = rotation_of(inertia_of(model, state.x, motion.x), spin_ - motion.spin);
   for (int v = 0; v < model.num_vertices(); ++v) {

@@ -140,13 +140,13 @@ void InertiaCluster::set_pattern() {
 bool InertiaCluster::has_whole_elements(const Model& model, std::span<const VertexId> members) const {
   const auto is_member = [members](VertexId v) { return std::binary_search(members.begin(), members.end(), v); };
   return std::all_of(members.begin(), members.end(), [&](VertexId v) {
-    const std::span<const mesh::TriangleId> slots = model.incident_slots().row(v);
+    const std::span<const mesh::TriangleId> slots = model.elements().incident_slots().row(v);
     const bool has_triangles = std::all_of(slots.begin(), slots.end(), [&](mesh::TriangleId slot) {
       const auto corners = StiffPart::triangle(slot).vertices(model);
       return std::all_of(corners.begin(), corners.end(), [&](VertexId w) { return w == mesh::kNone || is_member(w); });
     });
-    if (!has_triangles || !model.has_bending()) return has_triangles;
-    const std::span<const BendingEntry> row = model.bending_rows().row(v);
+    if (!has_triangles || !model.materials().has_bending()) return has_triangles;
+    const std::span<const BendingEntry> row = model.bending().rows().row(v);
     return std::all_of(row.begin(), row.end(), [&](const BendingEntry& entry) { return is_member(entry.column); });
   });
 }

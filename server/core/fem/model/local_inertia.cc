@@ -63,7 +63,7 @@ void LocalInertia::follow(const Model& model, const InertiaTerms& terms) {
     }
   };
   update(model.changed_rows());
-  update(model.changed_masses());
+  update(model.masses().changed());
   end_update(model);
 }
 

@@ -11,30 +11,12 @@
 #include "server/core/fem/element/bending.h"
 #include "server/core/fem/element/element_block.h"
 #include "server/core/fem/element/material_table.h"
+#include "server/core/fem/model/running_maximum.h"
 #include "server/core/linear/index_set.h"
 #include "server/core/linear/row_store.h"
 #include "server/core/mesh/ids.h"
 
 namespace kerf::fem {
-
-// The largest of many values, kept while some of them change: a tree of group maxima.
-class RunningMaximum {
- public:
-  [[nodiscard]] double value() const {
-    return levels_.empty() || levels_.back().empty() ? 0.0 : levels_.back().front();
-  }
-  [[nodiscard]] double value(std::size_t i) const { return levels_.front()[i]; }
-  // New values are 0; values beyond are dropped.
-  void resize(std::size_t size);
-  void set(std::size_t i, double value) { levels_.front()[i] = value; }
-  // Updates the maxima after set() of each of `changed`.
-  void update(std::span<const std::int32_t> changed);
-
- private:
-  static constexpr std::size_t kGroup = 16;
-  std::vector<std::vector<double>>
-      levels_;  // the values, maxima of groups of kGroup values, maxima of groups of those, ..., the largest
-};
 
 // Data that the bound depends on.
 struct StiffnessProblem {

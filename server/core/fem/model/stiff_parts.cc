@@ -44,7 +44,7 @@ double row_sum(const Triangle& triangle, VertexId vertex) {
 
 // Returns the norm (N/m) of the stiffness that a curved rest shape adds to a patch.
 double excess_at(const Model& model, TriangleId slot, std::size_t a, std::size_t b) {
-  const std::span<const RestBending> rest = model.rest_bending().rest;
+  const std::span<const RestBending> rest = model.bending().rest(model.element_blocks()).rest;
   return rest.empty() ? 0.0 : rest[static_cast<std::size_t>(slot)].excess_at(static_cast<int>(a), static_cast<int>(b));
 }
 
@@ -54,7 +54,8 @@ double excess_at(const Model& model, TriangleId slot, std::size_t a, std::size_t
 class CurvatureBound {
  public:
   CurvatureBound(const Model& model, TriangleId slot) {
-    const std::array<VertexId, 6>& vertex = model.bending_terms().patches[static_cast<std::size_t>(slot)].vertex;
+    const std::array<VertexId, 6>& vertex =
+        model.bending().terms(model.element_blocks()).patches[static_cast<std::size_t>(slot)].vertex;
     for (std::size_t a = 0; a < 6; ++a) {
       if (vertex[a] == mesh::kNone) continue;
       ++num_;
@@ -97,10 +98,10 @@ std::array<VertexId, StiffPart::kMaxVertices> StiffPart::vertices(const Model& m
     const std::array<VertexId, 3> corners = triangle_at(model, at).vertex;
     std::copy(corners.begin(), corners.end(), made.begin());
   } else if (kind() == 1) {
-    const BendingPatch& patch = model.bending_terms().patches[static_cast<std::size_t>(at)];
+    const BendingPatch& patch = model.bending().terms(model.element_blocks()).patches[static_cast<std::size_t>(at)];
     std::copy(patch.vertex.begin(), patch.vertex.end(), made.begin());
   } else {
-    for (const BendingEdge& edge : model.bending_edges().row(at)) {
+    for (const BendingEdge& edge : model.bending().edges().row(at)) {
       if (edge.first_edge == kind() - 2) made = edge.vertex;
     }
   }
@@ -122,13 +123,13 @@ StiffPart::Matrix StiffPart::matrix(const Model& model) const {
     const Triangle triangle = triangle_at(model, at);
     fill(3, [&](std::size_t a, std::size_t b) { return entry(triangle, a, b); });
   } else if (kind() == 1) {
-    const BendingPatch& patch = model.bending_terms().patches[static_cast<std::size_t>(at)];
+    const BendingPatch& patch = model.bending().terms(model.element_blocks()).patches[static_cast<std::size_t>(at)];
     const CurvatureBound bound(model, at);
     fill(6, [&](std::size_t a, std::size_t b) {
       return patch.at(static_cast<int>(a), static_cast<int>(b)) + bound.at(a, b);
     });
   } else {
-    for (const BendingEdge& edge : model.bending_edges().row(at)) {
+    for (const BendingEdge& edge : model.bending().edges().row(at)) {
       if (edge.first_edge == kind() - 2) fill(8, [&](std::size_t a, std::size_t b) { return edge.at(a, b); });
     }
   }
@@ -137,20 +138,21 @@ StiffPart::Matrix StiffPart::matrix(const Model& model) const {
 
 double membrane_row_sum(const Model& model, VertexId vertex) {
   double sum = 0.0;
-  for (const TriangleId slot : model.incident_slots().row(vertex)) sum += row_sum(triangle_at(model, slot), vertex);
+  for (const TriangleId slot : model.elements().incident_slots().row(vertex))
+    sum += row_sum(triangle_at(model, slot), vertex);
   return sum;
 }
 
 double bending_row_sum(const Model& model, VertexId vertex) {
-  if (!model.has_bending()) return 0.0;
+  if (!model.materials().has_bending()) return 0.0;
   double sum = 0.0;
-  for (const BendingEntry& entry : model.bending_bound_rows().row(vertex)) sum += std::abs(entry.value);
+  for (const BendingEntry& entry : model.bending().bound_rows().row(vertex)) sum += std::abs(entry.value);
   return sum;
 }
 
 void find_triangles_at(const Model& model, VertexId vertex, std::vector<PartAtVertex>& parts) {
   parts.clear();
-  for (const TriangleId slot : model.incident_slots().row(vertex)) {
+  for (const TriangleId slot : model.elements().incident_slots().row(vertex)) {
     parts.push_back({StiffPart::triangle(slot), row_sum(triangle_at(model, slot), vertex)});
   }
 }
@@ -158,24 +160,24 @@ void find_triangles_at(const Model& model, VertexId vertex, std::vector<PartAtVe
 void find_bending_at(const Model& model, VertexId vertex, std::vector<TriangleId>& slots,
                      std::vector<PartAtVertex>& parts) {
   parts.clear();
-  if (!model.has_bending()) return;
+  if (!model.materials().has_bending()) return;
   // A patch containing the vertex belongs to a triangle at a neighbour, and an edge to the triangle of such a patch.
   slots.clear();
-  for (const TriangleId slot : model.incident_slots().row(vertex)) {
+  for (const TriangleId slot : model.elements().incident_slots().row(vertex)) {
     for (const VertexId w : triangle_at(model, slot).vertex) {
-      const std::span<const TriangleId> around = model.incident_slots().row(w);
+      const std::span<const TriangleId> around = model.elements().incident_slots().row(w);
       slots.insert(slots.end(), around.begin(), around.end());
     }
   }
   std::sort(slots.begin(), slots.end());
   slots.erase(std::unique(slots.begin(), slots.end()), slots.end());
   for (const TriangleId slot : slots) {
-    const BendingPatch& patch = model.bending_terms().patches[static_cast<std::size_t>(slot)];
+    const BendingPatch& patch = model.bending().terms(model.element_blocks()).patches[static_cast<std::size_t>(slot)];
     const double of_patch = row_sum_of(patch.vertex, vertex, [&](std::size_t a, std::size_t b) {
       return std::abs(patch.at(static_cast<int>(a), static_cast<int>(b))) + excess_at(model, slot, a, b);
     });
     if (of_patch >= 0.0) parts.push_back({StiffPart::patch(slot), of_patch});
-    for (const BendingEdge& edge : model.bending_edges().row(slot)) {
+    for (const BendingEdge& edge : model.bending().edges().row(slot)) {
       const double of_edge =
           row_sum_of(edge.vertex, vertex, [&](std::size_t a, std::size_t b) { return edge.at(a, b); });
       if (of_edge >= 0.0) parts.push_back({StiffPart::edge(slot, edge.first_edge), of_edge});

@@ -33,12 +33,12 @@ void TangentMatrix::follow(const Model& model) {
 void TangentMatrix::find_columns(const Model& model, mesh::VertexId v) {
   columns_.clear();
   // Patches reach beyond their triangles: rows of the bending matrix contain every column, in order.
-  if (model.has_bending()) {
-    for (const BendingEntry& entry : model.bending_rows().row(v)) columns_.push_back(entry.column);
+  if (model.materials().has_bending()) {
+    for (const BendingEntry& entry : model.bending().rows().row(v)) columns_.push_back(entry.column);
     if (!columns_.empty()) return;
   }
   columns_.push_back(v);
-  for (const mesh::TriangleId slot : model.incident_slots().row(v)) {
+  for (const mesh::TriangleId slot : model.elements().incident_slots().row(v)) {
     const ElementBlock& block = model.element_blocks()[static_cast<std::size_t>(slot / kLanes)];
     for (std::size_t k = 0; k < 3; ++k) columns_.push_back(block.vertex[k][static_cast<std::size_t>(slot % kLanes)]);
   }
@@ -52,7 +52,7 @@ void TangentMatrix::set_rows(const Model& model, std::span<const mesh::VertexId>
   for (const mesh::VertexId v : vertices) {
     find_columns(model, v);
     matrix_.set_row(v, columns_);
-    for (const mesh::TriangleId slot : model.incident_slots().row(v)) {
+    for (const mesh::TriangleId slot : model.elements().incident_slots().row(v)) {
       const auto lane = static_cast<std::size_t>(slot % kLanes);
       const ElementBlock& block = blocks[static_cast<std::size_t>(slot / kLanes)];
       const std::size_t i = (block.vertex[1][lane] == v ? 1U : 0U) + (block.vertex[2][lane] == v ? 2U : 0U);
@@ -70,7 +70,7 @@ void TangentMatrix::set_mass(const Model& model, double inertia, double d) {
     const double m = model.mass()[static_cast<std::size_t>(i)];
     matrix_.block(matrix_.diagonal(i))
         .diagonal()
-        .setConstant(m > 0.0 ? (inertia + d * model.mass_damping(i)) * m : 1.0);
+        .setConstant(m > 0.0 ? (inertia + d * model.masses().damping(i)) * m : 1.0);
   }
 }
 
@@ -119,7 +119,7 @@ void TangentMatrix::add_majorized_membrane(const Model& model, const mesh::Verte
 }
 
 void TangentMatrix::add_bending(const Model& model, const MaterialScale& material_scale) {
-  const RowStore<BendingEntry>& rows = model.bending_rows();
+  const RowStore<BendingEntry>& rows = model.bending().rows();
   const bool is_same = is_uniform(material_scale.beta);
   const double scale = is_same ? material_scale.of(0) : material_scale.elastic;
   for (int i = 0; i < rows.num_rows(); ++i) {
@@ -134,12 +134,12 @@ void TangentMatrix::add_bending(const Model& model, const MaterialScale& materia
 
 void TangentMatrix::add_bending_at(const Model& model, const mesh::VertexField& x, std::span<const double> moments,
                                    bool project) {
-  if (model.angle_bending() == nullptr) return add_bending(model, {});
-  model.angle_bending()->add_stiffness(x, moments, project, matrix_);
+  if (model.bending().angles() == nullptr) return add_bending(model, {});
+  model.bending().angles()->add_stiffness(x, moments, project, matrix_);
 }
 
 void TangentMatrix::add_bending_damping(const Model& model, const MaterialScale& scale) {
-  const BendingTerms terms = model.bending_terms();
+  const BendingTerms terms = model.bending().terms(model.element_blocks());
   const auto add = [&](std::span<const mesh::VertexId> vertex, double factor, const auto& entry) {
     for (std::size_t a = 0; factor > 0.0 && a < vertex.size(); ++a) {
       for (std::size_t b = 0; b < vertex.size(); ++b) {

@@ -57,7 +57,7 @@ EquilibriumStats EquilibriumSolver::solve(const Model& model, const Loads& loads
   int since_best = 0;
   step_.setZero();
   predict(model, x);
-  const double first_shift = kFirstShift * model.stiffness_bound();
+  const double first_shift = kFirstShift * model.stiffness_bound().value();
   used_shift_ = 0.0;
   projects_ = false;
   // A load hidden by rounding of the forces may still move the sheet; one step is enough.
@@ -96,7 +96,7 @@ EquilibriumStats EquilibriumSolver::solve(const Model& model, const Loads& loads
 
 void EquilibriumSolver::predict(const Model& model, const mesh::VertexField& x) {
   predict_stress(model.element_blocks(), model.materials(), x, step_, stress_);
-  if (model.angle_bending() != nullptr) moments_ = model.angle_bending()->predicted_moments(x, step_);
+  if (model.bending().angles() != nullptr) moments_ = model.bending().angles()->predicted_moments(x, step_);
 }
 
 double EquilibriumSolver::evaluate(const Model& model, const Loads& loads, const mesh::VertexField& x) {
@@ -140,7 +140,8 @@ double EquilibriumSolver::evaluate(const Model& model, const Loads& loads, const
 
 double EquilibriumSolver::energy(const Model& model, const Loads& loads, const mesh::VertexField& x,
                                  const mesh::VertexField& origin) const {
-  double sum = membrane_energy(model.element_blocks(), model.materials(), x) + model.bending_energy(x);
+  double sum =
+      membrane_energy(model.element_blocks(), model.materials(), x) + model.bending().energy(model.element_blocks(), x);
   const bool has_external = loads.external_forces.cols() > 0;
   for (Eigen::Index i = 0; i < x.cols(); ++i) {
     const double m = model.mass()[static_cast<std::size_t>(i)];
@@ -158,7 +159,7 @@ double EquilibriumSolver::rounding(const Model& model, const mesh::VertexField& 
   // Strains are differences of numbers near 1.
   const double membrane = membrane_energy(model.element_blocks(), model.materials(), x);
   return std::numeric_limits<double>::epsilon() *
-         (8.0 * std::sqrt(2.0 * membrane * model.materials().largest_membrane_trace() * model.rest_area()) +
+         (8.0 * std::sqrt(2.0 * membrane * model.materials().largest_membrane_trace() * model.elements().area()) +
           std::abs(energy));
 }
 
@@ -182,7 +183,7 @@ void EquilibriumSolver::assemble(const Model& model, const Loads& loads, const m
 
 bool EquilibriumSolver::find_step(const Model& model, const Loads& loads, const mesh::VertexField& x, bool predicted,
                                   EquilibriumStats& stats) {
-  const double largest = std::max(model.stiffness_bound(), std::numeric_limits<double>::min());
+  const double largest = std::max(model.stiffness_bound().value(), std::numeric_limits<double>::min());
   const double start = stats.shift;
   const auto solve = [&] {
     return solver_.solve(matrix_.blocks(), rhs_, kLinearTolerance, step_).converged && step_.allFinite();
@@ -211,7 +212,7 @@ bool EquilibriumSolver::find_step(const Model& model, const Loads& loads, const 
 }
 
 bool EquilibriumSolver::is_stable(const Model& model, const Loads& loads, const mesh::VertexField& x) {
-  assemble(model, loads, x, false, false, kRounding * model.stiffness_bound());
+  assemble(model, loads, x, false, false, kRounding * model.stiffness_bound().value());
   return solver_.solve(matrix_.blocks(), rhs_, kLinearTolerance, step_).iterations > 0;
 }
 
@@ -261,7 +262,7 @@ EquilibriumSolver::Progress EquilibriumSolver::venture(const Model& model, const
       if (i == 0 && rise <= -kLinearDecrease * slope) lengthen_step(model, loads, before + rise, x, stats);
       x = venture_;
       stats.shift *= kShiftDecay;
-      if (stats.shift < kLeastShift * model.stiffness_bound()) stats.shift = 0.0;
+      if (stats.shift < kLeastShift * model.stiffness_bound().value()) stats.shift = 0.0;
       return Progress::kDescended;
     }
     // In a successful sequence each step removes nearly all false stretch of the previous one.
@@ -292,7 +293,7 @@ EquilibriumSolver::Progress EquilibriumSolver::search_line(const Model& model, c
                                                            EquilibriumStats& stats, mesh::VertexField& x) {
   double slope = 0.0;
   for (Eigen::Index i = 0; i < step_.cols(); ++i) slope += residual_.col(i).dot(step_.col(i));
-  const double largest = model.stiffness_bound();
+  const double largest = model.stiffness_bound().value();
   const double before = energy(model, loads, x, x);
   const double noise = rounding(model, x, before);
   // If rounding hides differences of energies, Newton's step is as good as any.

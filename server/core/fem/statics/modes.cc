@@ -263,7 +263,7 @@ Modes find_modes(const Model& model, const Loads& loads, const mesh::VertexField
   Modes modes;
   Pairs found;
   try {
-    found = lowest(stiffness, mass, model.stiffness_bound(), std::min(count + 1, num_free - 1), goes_on);
+    found = lowest(stiffness, mass, model.stiffness_bound().value(), std::min(count + 1, num_free - 1), goes_on);
   } catch (const Stopped&) {
     modes.stopped = true;
     return modes;

@@ -45,7 +45,7 @@ void find_reactions(const Model& model, const Loads& loads, const State& state, 
   f = Eigen::Matrix3Xd::Zero(3, model.num_vertices());
   add_membrane_forces(model.element_blocks(), model.materials(), beta, state.x, state.v, f);
   mesh::VertexField damped = Eigen::Matrix3Xd::Zero(3, model.num_vertices());
-  model.add_bending_forces(state.x, state.v, beta, damped, f);
+  model.bending().add_forces(model.element_blocks(), state.x, state.v, beta, damped, f);
   add_loads(model, loads, state.x, f);
   add_wind_drag(model.element_blocks(), model.materials(), loads.wind, 0.0, state, f);
   for (const Grab& grab : loads.grabs) {
@@ -57,7 +57,7 @@ void find_reactions(const Model& model, const Loads& loads, const State& state, 
   }
   for (Eigen::Index i = 0; i < f.cols(); ++i) {
     const double m = model.mass()[static_cast<std::size_t>(i)];
-    f.col(i) -= m * (acceleration.col(i) + model.mass_damping(static_cast<int>(i)) * state.v.col(i));
+    f.col(i) -= m * (acceleration.col(i) + model.masses().damping(static_cast<int>(i)) * state.v.col(i));
   }
   turn_into_reactions(loads, f);
 }

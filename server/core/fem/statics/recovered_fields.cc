@@ -69,7 +69,7 @@ std::array<Vector2d, 3> corners_from(const Model& model, const ElementBlock& blo
 // Calls visit(slot, block, lane) for the triangles around a vertex.
 template <typename Visit>
 void for_around(const Model& model, mesh::VertexId vertex, const Visit& visit) {
-  for (const mesh::TriangleId slot : model.incident_slots().row(vertex)) {
+  for (const mesh::TriangleId slot : model.elements().incident_slots().row(vertex)) {
     visit(static_cast<std::size_t>(slot), model.element_blocks()[static_cast<std::size_t>(slot / kLanes)],
           static_cast<std::size_t>(slot % kLanes));
   }
@@ -79,9 +79,10 @@ void for_around(const Model& model, mesh::VertexId vertex, const Visit& visit) {
 bool is_inside(const Model& model, mesh::VertexId vertex) {
   std::vector<mesh::VertexId> others;
   bool has_one_material = true;
-  const std::span<const mesh::TriangleId> around = model.incident_slots().row(vertex);
+  const std::span<const mesh::TriangleId> around = model.elements().incident_slots().row(vertex);
   for_around(model, vertex, [&](std::size_t slot, const ElementBlock& block, std::size_t lane) {
-    has_one_material = has_one_material && &model.law(static_cast<mesh::TriangleId>(slot)) == &model.law(around[0]);
+    has_one_material = has_one_material &&
+                       &model.elements().law(static_cast<mesh::TriangleId>(slot)) == &model.elements().law(around[0]);
     for (std::size_t k = 0; k < 3; ++k) {
       if (block.vertex[k][lane] != vertex) others.push_back(block.vertex[k][lane]);
     }

@@ -81,7 +81,7 @@ void AutomaticIntegrator::follow(const Model& model) {
 bool AutomaticIntegrator::choose(const Model& model, bool follows) {
   explicit_.plan(model, follows);
   const TickEstimate estimate = estimate_planned(model, explicit_, options_);
-  const double condition = 1.0 + options_.tick * options_.tick * model.stiffness_bound();
+  const double condition = 1.0 + options_.tick * options_.tick * model.stiffness_bound().value();
   const IntegratorKind before = kind();
   std::string_view scheme = "explicit";
   std::string_view solver;

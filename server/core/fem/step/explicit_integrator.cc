@@ -37,8 +37,9 @@ bool has_loads_on_vertices(const Loads& loads) {
 
 // Returns true if there are forces that act with bending and are not in the bending matrix.
 bool has_bending_on_vertices(const Model& model, std::span<const double> bending_beta) {
-  return model.has_bending() &&
-         (!model.clamp_forces().forces.empty() || !model.rest_bending().rest.empty() || !is_uniform(bending_beta));
+  return model.materials().has_bending() &&
+         (!model.bending().clamp_forces().forces.empty() ||
+          !model.bending().rest(model.element_blocks()).rest.empty() || !is_uniform(bending_beta));
 }
 
 // Moves vertices without mass that are not held at constant velocity.
@@ -109,8 +110,9 @@ double ExplicitIntegrator::quiet_speed(const Model& model, const Loads& loads, d
     speed_squared = std::max(speed_squared, state.v.col(v).squaredNorm());
   }
   const double extent = (high - low).maxCoeff();
-  const double noise = std::max(
-      kNoise, kCoarseness * extent * std::min(model.largest_gradient(), LeapfrogSweep<float>::flattest(model)));
+  const double noise =
+      std::max(kNoise, kCoarseness * extent *
+                           std::min(model.elements().largest_gradient(), LeapfrogSweep<float>::flattest(model)));
   const double quiet = kAboveNoise * noise * fastest_wave_;
   if (std::sqrt(speed_squared) >= quiet) return 0.0;
   return speed_squared > 0.0 || dt * mean_acceleration(model, loads, dt, state) < quiet ? quiet : 0.0;
@@ -130,7 +132,7 @@ double ExplicitIntegrator::mean_acceleration(const Model& model, const Loads& lo
   set_forces(model, loads, kick, state);
   for (Eigen::Index v = 0; v < f.cols(); ++v) f.col(v) += model.mass()[static_cast<std::size_t>(v)] * loads.gravity;
   add_to_sum();
-  return sum.norm() / model.total_mass();
+  return sum.norm() / model.masses().total();
 }
 
 StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, double dt, ContactConstraint* contact,
@@ -303,7 +305,7 @@ bool ExplicitIntegrator::advance(const Model& model, const Loads& loads, Plan& p
       kick.forces = &scratch_.force;
     }
     sweep.substep(model, terms, kick);
-    if (flight) flight->substep(kick_factors(model.mass_damping(0), kick.duration), loads.gravity, kick.drift);
+    if (flight) flight->substep(kick_factors(model.masses().damping(0), kick.duration), loads.gravity, kick.drift);
     if (!kick_grabs(loads, kick, h, std::max(time_left - h, 0.0), sweep)) return false;
     if (contact == nullptr) continue;
     if (i + 1 == plan.substeps) {
@@ -327,10 +329,11 @@ void ExplicitIntegrator::set_forces(const Model& model, const Loads& loads, cons
                                     const State& state) {
   mesh::VertexField& f = scratch_.force;
   f.setZero();
-  if (kick.bending > 0.0 && model.has_bending()) {
-    add_clamp_forces(model.clamp_forces(), f);
-    add_rest_bending_forces(model.rest_bending(), state.x, state.v, bending_beta_, f);
-    if (!is_uniform(bending_beta_)) add_bending_damping(model.bending_terms(), bending_beta_, state.v, f);
+  if (kick.bending > 0.0 && model.materials().has_bending()) {
+    add_clamp_forces(model.bending().clamp_forces(), f);
+    add_rest_bending_forces(model.bending().rest(model.element_blocks()), state.x, state.v, bending_beta_, f);
+    if (!is_uniform(bending_beta_))
+      add_bending_damping(model.bending().terms(model.element_blocks()), bending_beta_, state.v, f);
     f *= kick.bending / kick.duration;
   }
   add_wind_drag(model.element_blocks(), model.materials(), loads.wind, kick.duration, state, f);

@@ -62,7 +62,7 @@ class ExplicitIntegrator final : public Integrator {
   // Returns the least number of substeps of a step of dt.
   [[nodiscard]] double planned_substeps(double dt) const;
   // Returns the number n <= kMaxBendingInterval of substeps of h from one kick of the bending forces to the next.
-  // `strain`, -, is the largest strain in tension. Let omega_b^2 be Model::bending_stiffness_bound(), or the bending
+  // `strain`, -, is the largest strain in tension. Let omega_b^2 be StiffnessBound::bending(), or the bending
   // limit of clusters. Kicks are stable by themselves if n h omega_b < 2. A mode that oscillates with Omega between
   // kicks is in resonance if n h Omega is a multiple of pi. It then grows by up to (n h omega_b)^2 / (2 n h Omega) a
   // kick. Growth is largest at half a swing, Omega = pi / (n h). Modes of the membrane lose n h xi Omega^2 / omega to

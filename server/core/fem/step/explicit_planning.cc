@@ -54,7 +54,7 @@ ExplicitIntegrator::Reference ExplicitIntegrator::reference(const Model& model) 
   // Absolute row sums at an inner vertex of a grid of squares with parallel diagonals.
   constexpr double kMembraneRow = 8.0;  // of L
   constexpr double kBendingRow = 64.0;  // of Q, over D / length^2
-  const double edge = model.typical_edge_length();
+  const double edge = model.masses().typical_edge_length();
   Reference fastest;
   if (!(edge > 0.0)) return fastest;
   for_each_material(model, [&](const MaterialLaw& law) {
@@ -68,8 +68,8 @@ ExplicitIntegrator::Reference ExplicitIntegrator::reference(const Model& model) 
 
 void ExplicitIntegrator::plan(const Model& model, bool follows) {
   fastest_wave_ = fastest_wave(model);
-  omega_ = std::sqrt(model.stiffness_bound());
-  bending_omega_ = std::sqrt(model.bending_stiffness_bound());
+  omega_ = std::sqrt(model.stiffness_bound().value());
+  bending_omega_ = std::sqrt(model.stiffness_bound().bending());
   set_damping(model, options_.highest_mode_damping);
   critical_step_ = critical_step(1.0);
   plain_step_ = cfl() * critical_step_;
@@ -97,7 +97,7 @@ std::optional<InertiaTerms> ExplicitIntegrator::inertia_terms(const Model& model
   constexpr double kTwice = 0.5;  // alpha without damping, twice the smallest stable one
   const Reference built = reference(model);
   if (!options_.has_local_inertia || !(built.omega > 0.0)) return std::nullopt;
-  const double nominal = model.rest_bending().rest.empty() ? kNominal : kCurved;
+  const double nominal = model.bending().rest(model.element_blocks()).rest.empty() ? kNominal : kCurved;
   if (omega_ <= nominal * built.omega) return inertia_terms_of_bending(model, built);
 
   omega_ = nominal * built.omega;
@@ -118,7 +118,8 @@ std::optional<InertiaTerms> ExplicitIntegrator::inertia_terms_of_bending(const M
   constexpr double kApart = 1.2;
   // -, ratio of the frequencies of bending outside the stiff parts to those of the sheet as built.
   constexpr double kHeadroom = 2.3;
-  if (!model.has_bending() || !(omega_ > 0.0) || bending_interval(plain_step_, 0.0) > 1) return std::nullopt;
+  if (!model.materials().has_bending() || !(omega_ > 0.0) || bending_interval(plain_step_, 0.0) > 1)
+    return std::nullopt;
   double pace = 1.0;  // ratio of the fastest modes in that step to those of the sheet as built
   while (pace * built.omega > omega_) pace /= kApart;
   while (pace * kApart * built.omega <= omega_) pace *= kApart;
@@ -204,7 +205,7 @@ TickCost ExplicitIntegrator::expected_cost(const Model& model, double dt, const 
   return cost_of(ExplicitCounts{.substeps = substeps,
                                 .bending_interval = static_cast<double>(bending_interval(dt / substeps, 0.0)),
                                 .slots = static_cast<double>(model.num_slots()),
-                                .bending_entries = static_cast<double>(model.bending_rows().num_entries()),
+                                .bending_entries = static_cast<double>(model.bending().rows().num_entries()),
                                 .vertices = static_cast<double>(model.num_vertices()),
                                 .clusters = static_cast<double>(inertia_.clusters().size()),
                                 .cluster_entries = static_cast<double>(inertia_.num_entries()),
@@ -249,7 +250,7 @@ int ExplicitIntegrator::even_interval(int substeps, int longest) const {
 
 int ExplicitIntegrator::set_substeps(const Model& model, int least, double tension, Plan& plan) const {
   plan.substeps = least;
-  if (plan.is_calm || !model.has_bending()) return 1;
+  if (plan.is_calm || !model.materials().has_bending()) return 1;
   const int interval = even_interval(least, bending_interval(plan.h(), tension));
   plan.substeps = (least + interval - 1) / interval * interval;
   return interval;

@@ -204,7 +204,7 @@ void ImplicitIntegrator::begin_trapezoidal(const Model& model, const Loads& load
   stage.momentum = model.momentum(start).linear;
   stage.momentum += stage.d * follower_resultant(model.element_blocks(), loads, start.x);
   for (Eigen::Index i = 0; i < start.v.cols(); ++i) {
-    const Eigen::Vector3d a = loads.gravity - model.mass_damping(static_cast<int>(i)) * start.v.col(i);
+    const Eigen::Vector3d a = loads.gravity - model.masses().damping(static_cast<int>(i)) * start.v.col(i);
     stage.momentum += stage.d * (model.mass()[static_cast<std::size_t>(i)] * a + scratch_.constant.col(i));
   }
   set_ballistic(start, 2.0 * stage.d, 2.0 * stage.d * stage.d, loads.gravity);
@@ -313,7 +313,7 @@ void ImplicitIntegrator::evaluate_acceleration(const Model& model, const Loads& 
   mesh::VertexField& f = scratch_.force;
   f = scratch_.constant;
   add_membrane_forces(model.element_blocks(), model.materials(), beta, state.x, state.v, f);
-  model.add_bending_forces(state.x, state.v, beta, scratch_.damped, f);
+  model.bending().add_forces(model.element_blocks(), state.x, state.v, beta, scratch_.damped, f);
   add_follower_forces(model.element_blocks(), loads, state.x, f);
   for (const Grab& grab : loads.grabs) {
     const Eigen::Vector3d target = grab.target - time_left * grab.velocity;
@@ -326,7 +326,8 @@ void ImplicitIntegrator::evaluate_acceleration(const Model& model, const Loads& 
   }
   for (Eigen::Index i = 0; i < f.cols(); ++i) {
     const double w = model.inverse_mass()[static_cast<std::size_t>(i)];
-    const Eigen::Vector3d a = w * f.col(i) + loads.gravity - model.mass_damping(static_cast<int>(i)) * state.v.col(i);
+    const Eigen::Vector3d a =
+        w * f.col(i) + loads.gravity - model.masses().damping(static_cast<int>(i)) * state.v.col(i);
     f.col(i).setZero();
     if (w > 0.0) f.col(i) = a;
   }

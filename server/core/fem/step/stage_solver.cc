@@ -126,8 +126,9 @@ bool StageSolver::is_free(const Problem& problem) const {
 }
 
 bool StageSolver::can_majorize(const Model& model, const Loads& loads) {
-  return model.materials().membrane_law() == MembraneLaw::kCorotational && model.rest_bending().rest.empty() &&
-         model.angle_bending() == nullptr && !has_follower_loads(loads);
+  return model.materials().membrane_law() == MembraneLaw::kCorotational &&
+         model.bending().rest(model.element_blocks()).rest.empty() && model.bending().angles() == nullptr &&
+         !has_follower_loads(loads);
 }
 
 bool StageSolver::solve_majorized(const Model& model, const Loads& loads, const mesh::VertexField& constant_force,
@@ -316,12 +317,12 @@ double StageSolver::evaluate_residual(const Problem& problem, const mesh::Vertex
   } else {
     add_membrane_forces(model.element_blocks(), model.materials(), problem.beta, x, velocity_, force_);
   }
-  model.add_bending_forces(x, velocity_, problem.beta, damped_, force_);
+  model.bending().add_forces(model.element_blocks(), x, velocity_, problem.beta, damped_, force_);
   add_follower_forces(model.element_blocks(), problem.loads, x, force_);
   add_grab_forces(problem, x);
   for (Eigen::Index i = 0; i < x.cols(); ++i) {
     const double m = model.mass()[static_cast<std::size_t>(i)];
-    const double inertia = 1.0 + stage.d * model.mass_damping(static_cast<int>(i));
+    const double inertia = 1.0 + stage.d * model.masses().damping(static_cast<int>(i));
     const Eigen::Vector3d impulse =
         stage.base.v.col(i) - (inertia / stage.d) * (x.col(i) - stage.base.x.col(i)) + stage.d * problem.loads.gravity;
     residual_.col(i) = m * stage.d * impulse + stage.d * stage.d * force_.col(i);
@@ -344,14 +345,14 @@ void StageSolver::restore_momentum(const Problem& problem, mesh::VertexField& x)
   double inert_mass = 0.0;  // kg, masses times the inertia factor of each
   for (Eigen::Index i = 0; i < x.cols(); ++i) {
     const double m = model.mass()[static_cast<std::size_t>(i)];
-    const double inertia = 1.0 + stage.d * model.mass_damping(static_cast<int>(i));
+    const double inertia = 1.0 + stage.d * model.masses().damping(static_cast<int>(i));
     mass += m;
     inert_mass += m * inertia;
     missing -= m * inertia * (x.col(i) - stage.base.x.col(i));
     missing += stage.d * stage.d * (m * problem.loads.gravity + problem.constant_force.col(i));
   }
   if (!(mass > 0.0)) return;
-  if (model.materials().has_one_mass_damping()) inert_mass = mass * (1.0 + stage.d * model.mass_damping(0));
+  if (model.materials().has_one_mass_damping()) inert_mass = mass * (1.0 + stage.d * model.masses().damping(0));
   const Eigen::Vector3d shift = missing / inert_mass;
   for (Eigen::Index i = 0; i < x.cols(); ++i) {
     if (model.mass()[static_cast<std::size_t>(i)] > 0.0) x.col(i) += shift;
@@ -375,11 +376,11 @@ double StageSolver::merit(const Problem& problem, const mesh::VertexField& x, co
   const Model& model = problem.model;
   const double d = stage.d;
   double potential = membrane_energy(model.element_blocks(), model.materials(), x);
-  if (model.has_bending()) potential += model.bending_energy(x);
+  if (model.materials().has_bending()) potential += model.bending().energy(model.element_blocks(), x);
   double kinetic = 0.0;
   for (Eigen::Index i = 0; i < x.cols(); ++i) {
     const double m = model.mass()[static_cast<std::size_t>(i)];
-    const double inertia = 1.0 + d * model.mass_damping(static_cast<int>(i));
+    const double inertia = 1.0 + d * model.masses().damping(static_cast<int>(i));
     const Eigen::Vector3d dx = x.col(i) - stage.base.x.col(i);
     kinetic += m * (0.5 * inertia * dx.squaredNorm() - d * stage.base.v.col(i).dot(dx));
     potential -= (m * problem.loads.gravity + problem.constant_force.col(i)).dot(dx);

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <array>
+#include <span>
+
+#include "server/core/fem/element/angle_bending.h"
+#include "server/core/fem/element/bending.h"
+#include "server/core/fem/element/bending_edge.h"
+#include "server/core/fem/model/border_clamps.h"
+#include "server/core/fem/model/rest_elements.h"
+#include "server/core/linear/row_store.h"
+
+namespace kerf::fem {
+
+// Assembles bending by angles of a flat sheet from its patches, its edge terms and the three sides of each patch, all
+// by slot. O(V).
+AngleBending make_angle_bending(const RestSheet& sheet, const BorderClamps& clamps,
+                                std::span<const BendingPatch> patches, const RowStore<BendingEdge>& edges,
+                                std::span<const std::array<BendingSide, 3>> sides);
+
+}  // namespace kerf::fem
