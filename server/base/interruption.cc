@@ -9,21 +9,21 @@ thread_local constinit InterruptionScope* innermost = nullptr;
 
 }  // namespace
 
-thread_local constinit int points_to_asking = kPointsToAnAsking;
+thread_local constinit int points_to_poll = kPointsToAPoll;
 
-InterruptionScope::InterruptionScope(std::function<bool()> goes_on) : goes_on_(std::move(goes_on)), outer_(innermost) {
+InterruptionScope::InterruptionScope(StopCondition stop) : stop_(std::move(stop)), outer_(innermost) {
   innermost = this;
-  points_to_asking = 0;
+  points_to_poll = 0;
 }
 
 InterruptionScope::~InterruptionScope() {
   innermost = outer_;
 }
 
-void ask_whether_to_go_on() {
-  points_to_asking = kPointsToAnAsking;
-  if (innermost != nullptr && !innermost->goes_on_()) {
-    points_to_asking = 0;  // what catches it by mistake is asked at once
+void poll_stop_condition() {
+  points_to_poll = kPointsToAPoll;
+  if (innermost != nullptr && innermost->stop_()) {
+    points_to_poll = 0;  // what catches it by mistake is asked at once
     throw Interrupted();
   }
 }

@@ -1,7 +1,8 @@
 #pragma once
 
 #include <exception>
-#include <functional>
+
+#include "server/base/stop_condition.h"
 
 namespace kerf {
 
@@ -15,28 +16,28 @@ class Interrupted : public std::exception {
 // decides. Construct and destroy it on the working thread.
 class InterruptionScope {
  public:
-  // `goes_on`: called on this thread, by some of the points; once false it must stay so.
-  explicit InterruptionScope(std::function<bool()> goes_on);
+  // `stop`: called on this thread, by some of the points.
+  explicit InterruptionScope(StopCondition stop);
   ~InterruptionScope();
   InterruptionScope(const InterruptionScope&) = delete;
   InterruptionScope& operator=(const InterruptionScope&) = delete;
 
  private:
-  friend void ask_whether_to_go_on();
-  const std::function<bool()> goes_on_;
+  friend void poll_stop_condition();
+  const StopCondition stop_;
   InterruptionScope* const outer_;
 };
 
-// Throws Interrupted if the scope's function returns false.
-void ask_whether_to_go_on();
+// Throws Interrupted if the scope's condition is true.
+void poll_stop_condition();
 
-// Number of points from one call of the scope's function to the next. Each point stands for some microseconds of work.
-inline constexpr int kPointsToAnAsking = 256;
-extern thread_local constinit int points_to_asking;
+// Number of points from one poll of the scope's condition to the next. Each point stands for some microseconds of work.
+inline constexpr int kPointsToAPoll = 256;
+extern thread_local constinit int points_to_poll;
 
-// Call it in loops that may be long. It costs a count, and now and then a call of the scope's function.
+// Call it in loops that may be long. It costs a count, and now and then a poll of the scope's condition.
 inline void interruption_point() {
-  if (--points_to_asking <= 0) ask_whether_to_go_on();
+  if (--points_to_poll <= 0) poll_stop_condition();
 }
 
 }  // namespace kerf

@@ -274,19 +274,19 @@ int count_to(int end) {
 }
 
 TEST(Interruption, EndsWorkThatIsNotWantedAnyMore) {
-  constexpr int kMany = 100 * kPointsToAnAsking;
+  constexpr int kMany = 100 * kPointsToAPoll;
   EXPECT_EQ(count_to(kMany), kMany) << "without a scope nothing asks";
   int asked = 0;
   {
-    const InterruptionScope scope([&] { return ++asked < 5; });
+    const InterruptionScope scope([&] { return ++asked >= 5; });
     EXPECT_THROW(count_to(kMany), Interrupted);
     EXPECT_EQ(asked, 5);
     EXPECT_THROW(count_to(1), Interrupted) << "at once, where it was caught by mistake";
-    const InterruptionScope inner([] { return true; });
+    const InterruptionScope inner([] { return false; });
     EXPECT_EQ(count_to(kMany), kMany) << "the innermost is asked";
   }
   EXPECT_EQ(count_to(kMany), kMany);
-  const InterruptionScope never([] { return false; });
+  const InterruptionScope always([] { return true; });
   EXPECT_EQ(caught([]() -> Result<int> { return count_to(1); }).error().reason, "INTERRUPTED");
 }
 

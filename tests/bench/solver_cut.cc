@@ -109,7 +109,7 @@ std::unique_ptr<fem::FactorPreconditioner> factor_of(const System& before, doubl
   factor->analyse(before.tangent.blocks());
   *factor->frames() = before.frames;
   KERF_CHECK(factor->prepare(before.tangent.blocks()), "the matrix is positive definite");
-  factor->forget();
+  factor->reset();
   const double begin = thread_cpu_s();
   KERF_CHECK(factor->prepare(before.tangent.blocks()), "the matrix is positive definite");
   seconds = thread_cpu_s() - begin;

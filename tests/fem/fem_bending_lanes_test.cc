@@ -8,7 +8,7 @@
 #include <Eigen/LU>
 
 #include "server/core/fem/element/bending_lanes.h"
-#include "server/core/linear/place_in_order.h"
+#include "server/core/linear/rank_ascending.h"
 #include "tests/fem/fem_fixture.h"
 #include "tests/fem/instruction_sets.h"
 
@@ -111,7 +111,7 @@ TEST(PlaceInOrder, IsThatOfASortForAnyNumberOfKeysOnEveryInstructionSet) {
         keys[i] = static_cast<std::int32_t>(1000 * random.below(1000) + i);
       }
       std::vector<std::int32_t> places;
-      place_in_order(keys, places);
+      rank_ascending(keys, places);
       std::vector<std::int32_t> sorted(size, -1);
       for (std::size_t i = 0; i < size; ++i) sorted.at(static_cast<std::size_t>(places[i])) = keys[i];
       std::sort(keys.begin(), keys.end());

@@ -9,7 +9,7 @@ namespace {
 // Ends what asks it for the nth time.
 struct EndAt {
   explicit EndAt(int call) : last(call) {}
-  bool operator()() { return ++calls < last; }
+  bool operator()() { return ++calls >= last; }
   int calls = 0;
   int last;
 };
@@ -35,12 +35,12 @@ TEST_P(InterruptedSteps, AskOftenAndAreAsIfNobodyWereAsked) {
   State a = state_;
   State b = state_;
   int calls = 0;
-  const auto goes_on = std::make_unique<GoesOn>([&] {
+  const auto stop = std::make_unique<StopCondition>([&] {
     ++calls;
-    return true;
+    return false;
   });
   const std::unique_ptr<Integrator> asking = make(model_);
-  asking->heed(goes_on.get());
+  asking->set_stop_condition(stop.get());
   for (int i = 0; i < 3; ++i) {
     calls = 0;
     const StepStats stats = asking->step(model_, loads_, kTick, nullptr, a);
@@ -57,8 +57,8 @@ TEST_P(InterruptedSteps, LeaveNothingBehindWhereverTheyEnd) {
   {
     State state = state_;
     EndAt never(std::numeric_limits<int>::max());
-    const GoesOn goes_on = std::ref(never);
-    integrator->heed(&goes_on);
+    const StopCondition stop = std::ref(never);
+    integrator->set_stop_condition(&stop);
     integrator->step(model_, loads_, kTick, nullptr, state);
     most = never.calls;
   }
@@ -69,17 +69,17 @@ TEST_P(InterruptedSteps, LeaveNothingBehindWhereverTheyEnd) {
     State state = state_;
     bool is_over = false;
     EndAt end(call);
-    const GoesOn goes_on = [&] {
-      is_over = is_over || !end();
-      return !is_over;
+    const StopCondition stop = [&] {
+      is_over = is_over || end();
+      return is_over;
     };
-    integrator->heed(&goes_on);
+    integrator->set_stop_condition(&stop);
     const StepStats stats = integrator->step(model_, loads_, kTick, nullptr, state);
     ASSERT_TRUE(is_over);
     EXPECT_TRUE(stats.interrupted) << call << " of " << most;
     EXPECT_EQ(stats.simulated, 0.0);
     EXPECT_TRUE(equal_bits(state, state_)) << call;
-    integrator->heed(nullptr);
+    integrator->set_stop_condition(nullptr);
     EXPECT_FALSE(integrator->step(model_, loads_, kTick, nullptr, state).interrupted);
     EXPECT_TRUE(equal_bits(state, expected)) << call;
   }
@@ -97,8 +97,8 @@ TEST(InterruptedAutomatic, HandsOnWhomToAsk) {
     const std::unique_ptr<Integrator> integrator = make_integrator({});
     integrator->rebuild(model);
     EXPECT_EQ(integrator->kind() == IntegratorKind::kExplicit, E < 1.0e6) << integrator->explanation();
-    const GoesOn goes_on = [] { return false; };
-    integrator->heed(&goes_on);
+    const StopCondition stop = [] { return true; };
+    integrator->set_stop_condition(&stop);
     State state = rest_state(mesh);
     const State before = state;
     EXPECT_TRUE(integrator->step(model, Loads{}, kTick, nullptr, state).interrupted);

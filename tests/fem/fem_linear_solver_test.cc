@@ -145,7 +145,7 @@ TEST(FactorCg, WhatWasForgottenHasNoInfluence) {
     solver->analyse(first.A);
     mesh::VertexField x = Eigen::Matrix3Xd::Zero(3, b.cols());
     if (begins_with_first) solver->solve(first.A, b, 1e-6, x);
-    if (forgets) solver->forget();
+    if (forgets) solver->reset();
     x.setZero();
     solver->solve(second.A, b, 1e-6, x);
     return x;

@@ -202,11 +202,11 @@ TEST(MixedPrecision, MakesEachStepOfASheetThatComesToRestOnce) {
   const std::unique_ptr<Integrator> integrator = make_integrator(options_of(Precision::kMixed));
   integrator->rebuild(sheet.model);
   int times_asked = 0;
-  const GoesOn goes_on = [&] {
+  const StopCondition stop = [&] {
     ++times_asked;
-    return true;
+    return false;
   };
-  integrator->heed(&goes_on);
+  integrator->set_stop_condition(&stop);
   State state = sheet.start;
   constexpr int kPerStep = 2;  // of the closing half kick, and after it
   for (int i = 0; i < 60; ++i) {

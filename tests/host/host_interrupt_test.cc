@@ -31,7 +31,7 @@ class Endless : public scenes::FailingIntegrator {
                       fem::State& state) override {
     if (model.num_vertices() == kVertices) return FailingIntegrator::step(model, loads, dt, contact, state);
     ++watched_->begun;
-    while (!heed_.ends()) {
+    while (!stop_.is_met()) {
       ++watched_->asked;
       std::this_thread::yield();
     }

@@ -1,11 +1,11 @@
 // Ticks whose integration is ended early: all is as after Sheet::apply.
-#include "server/core/linear/goes_on.h"
+#include "server/base/stop_condition.h"
 #include "tests/sheet/sheet_calls.h"
 
 namespace kerf::sheet {
 namespace {
 
-const fem::GoesOn kEnds = [] { return false; };
+const StopCondition kEnds = [] { return true; };
 
 // Gravity that grows, an edge that rises, a force that fades, a point that is held: all that a tick sets before it.
 SheetConfig under_changing_loads() {

@@ -27,7 +27,7 @@ class FailingIntegrator : public fem::Integrator {
       stats.flags = fem::kFrozen;
       return stats;
     }
-    inner_->heed(heed_.get());
+    inner_->set_stop_condition(stop_.get());
     if (loads.gravity.z() == kRunsShort) {
       state.x.setZero();
       throw std::bad_alloc();

@@ -142,15 +142,15 @@ Result<Outcome> run_dynamic(sheet::Sheet& sheet, const sheet::DynamicAnalysis& a
   if (measures) measure({}, 0.0);
   mesh::VertexField v_before;
   Progress progress{0.0, "tick 0 of " + std::to_string(analysis.ticks)};
-  const fem::GoesOn goes_on = [&] {
+  const StopCondition stop = [&] {
     outcome.stopped = outcome.stopped || (watch && !watch(progress));
-    return !outcome.stopped;
+    return outcome.stopped;
   };
   for (std::int64_t i = 1; i <= analysis.ticks && !sheet.frozen() && !outcome.stopped; ++i) {
     const bool measures_now = measures && (i % analysis.measure_every == 0 || i == analysis.ticks);
     const std::int32_t version = sheet.topology_version();
     if (measures_now) v_before = sheet.state().v;
-    sheet::TickReport report = sheet.step({}, observer, &goes_on);
+    sheet::TickReport report = sheet.step({}, observer, &stop);
     if (report.stats.interrupted) break;
     if (after) after(report);
     KERF_TRY(keep(std::move(report.scheduled), outcome.scheduled));
@@ -162,7 +162,7 @@ Result<Outcome> run_dynamic(sheet::Sheet& sheet, const sheet::DynamicAnalysis& a
     if (measures_now) measure(v_before, is_same ? report.stats.simulated : 0.0);
     progress = {static_cast<double>(i) / static_cast<double>(analysis.ticks),
                 "tick " + std::to_string(i) + " of " + std::to_string(analysis.ticks)};
-    static_cast<void>(goes_on());
+    static_cast<void>(stop());
   }
   outcome.dynamics = stats;
   if (measures) outcome.tables.push_back(std::move(table));
@@ -221,7 +221,7 @@ Result<Outcome> run_modes(sheet::Sheet& sheet, const sheet::ModalAnalysis& analy
   // A live sheet is in balance with the forces of its steps.
   if (!is_live) sheet.bend_by_angles();
   const fem::Modes modes = fem::find_modes(sheet.model(), sheet.loads(), sheet.state().x, analysis.count, [&watch] {
-    return !watch || watch({0.75, "searching"});
+    return watch && !watch({0.75, "searching"});
   });
   if (modes.stopped) {
     outcome.stopped = true;

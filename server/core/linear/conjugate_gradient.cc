@@ -25,7 +25,7 @@ LinearStats ConjugateGradient::solve(const BlockMatrix& A, const mesh::VertexFie
   const auto multiply = [&A](const mesh::VertexField& p, mesh::VertexField& Ap) { A.multiply(p, Ap); };
   if (!preconditioner_->prepare(A)) return {0, true_residual(multiply, b, x), false};
   return iterate(
-      multiply, [&] { return preconditioner_->renew(A); }, b, tolerance, x);
+      multiply, [&] { return preconditioner_->refactor(A); }, b, tolerance, x);
 }
 
 LinearStats ConjugateGradient::solve(const Eigen::MatrixXd& A, const mesh::VertexField& b, double tolerance,
@@ -38,8 +38,8 @@ LinearStats ConjugateGradient::solve(const Eigen::MatrixXd& A, const mesh::Verte
       multiply, [] { return false; }, b, tolerance, x);
 }
 
-template <typename Multiply, typename Renew>
-LinearStats ConjugateGradient::iterate(const Multiply& multiply, const Renew& renew, const mesh::VertexField& b,
+template <typename Multiply, typename Refactor>
+LinearStats ConjugateGradient::iterate(const Multiply& multiply, const Refactor& refactor, const mesh::VertexField& b,
                                        double tolerance, mesh::VertexField& x) {
   LinearStats stats;
   const double b_norm = std::sqrt(dot(b, b));
@@ -54,10 +54,10 @@ LinearStats ConjugateGradient::iterate(const Multiply& multiply, const Renew& re
   while (true) {
     const double r_norm = std::sqrt(dot(r_, r_));
     stats.converged = r_norm <= tolerance * b_norm;
-    if (stats.converged || stats.iterations == max_iterations_ || !std::isfinite(r_norm) || heed_.ends()) break;
+    if (stats.converged || stats.iterations == max_iterations_ || !std::isfinite(r_norm) || stop_.is_met()) break;
     if (since_restart == 0) first_norm = r_norm;
     if (is_too_slow(since_restart, r_norm / first_norm, tolerance * b_norm / first_norm)) {
-      if (!renew()) break;
+      if (!refactor()) break;
       rz = restart(multiply, b, x);
       since_restart = 0;
     }
@@ -99,9 +99,9 @@ double ConjugateGradient::restart(const Multiply& multiply, const mesh::VertexFi
 
 bool ConjugateGradient::is_too_slow(int iterations, double reached, double wanted) const {
   constexpr int kFirstJudged = 2;
-  const int patience = preconditioner_->patience();
-  if (patience == 0 || iterations < kFirstJudged) return false;
-  return reached >= 1.0 || iterations * std::log(wanted) / std::log(reached) > patience;
+  const int max_reuse_iterations = preconditioner_->max_reuse_iterations();
+  if (max_reuse_iterations == 0 || iterations < kFirstJudged) return false;
+  return reached >= 1.0 || iterations * std::log(wanted) / std::log(reached) > max_reuse_iterations;
 }
 
 }  // namespace kerf::fem

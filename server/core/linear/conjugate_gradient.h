@@ -22,18 +22,18 @@ class ConjugateGradient final : public LinearSolver {
   // Solves with a dense A, 3N x 3N, with the N of analyse(). The preconditioner must not depend on A.
   LinearStats solve(const Eigen::MatrixXd& A, const mesh::VertexField& b, double tolerance, mesh::VertexField& x);
 
-  void forget() override { preconditioner_->forget(); }
-  void heed(const GoesOn* goes_on) override {
-    heed_.set(goes_on);
-    preconditioner_->heed(goes_on);
+  void reset() override { preconditioner_->reset(); }
+  void set_stop_condition(const StopCondition* stop) override {
+    stop_.set(stop);
+    preconditioner_->set_stop_condition(stop);
   }
   std::vector<Eigen::Matrix3d>* frames() override { return preconditioner_->frames(); }
   mesh::VertexField* positions() override { return preconditioner_->positions(); }
 
  private:
-  // Runs the iteration. multiply(x, y) sets y = A x; for renew() see Preconditioner.
-  template <typename Multiply, typename Renew>
-  LinearStats iterate(const Multiply& multiply, const Renew& renew, const mesh::VertexField& b, double tolerance,
+  // Runs the iteration. multiply(x, y) sets y = A x; for refactor() see Preconditioner.
+  template <typename Multiply, typename Refactor>
+  LinearStats iterate(const Multiply& multiply, const Refactor& refactor, const mesh::VertexField& b, double tolerance,
                       mesh::VertexField& x);
   // Returns |b - A x| / |b|, or 0 if b = 0.
   template <typename Multiply>
@@ -47,7 +47,7 @@ class ConjugateGradient final : public LinearSolver {
 
   std::unique_ptr<Preconditioner> preconditioner_;
   int max_iterations_;
-  Heed heed_;
+  StopPoll stop_;
   mesh::VertexField r_, z_, p_, Ap_;  // 3 x N
 };
 

@@ -18,7 +18,7 @@ class CovarianceRootSolver final : public LinearSolver {
   // A has at most kMaxCovarianceVertices rows.
   void analyse(const BlockMatrix& A) override;
   LinearStats solve(const BlockMatrix& A, const mesh::VertexField& b, double tolerance, mesh::VertexField& x) override;
-  void heed(const GoesOn* goes_on) override { solver_.heed(goes_on); }
+  void set_stop_condition(const StopCondition* stop) override { solver_.set_stop_condition(stop); }
 
  private:
   LinearSolverKind kind_;

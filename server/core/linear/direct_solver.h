@@ -15,7 +15,7 @@ class DirectSolver final : public LinearSolver {
   // Takes the symbolic factorisation of another factor of the same pattern.
   void analyse(const BlockMatrix& A, std::shared_ptr<const Supernodes> supernodes);
   LinearStats solve(const BlockMatrix& A, const mesh::VertexField& b, double tolerance, mesh::VertexField& x) override;
-  void heed(const GoesOn* goes_on) override { factor_.heed(goes_on); }
+  void set_stop_condition(const StopCondition* stop) override { factor_.set_stop_condition(stop); }
   // Solves with the matrix of the last solve(), which must have found it positive definite.
   void solve_again(const mesh::VertexField& b, mesh::VertexField& x) { factor_.solve(b, x); }
 

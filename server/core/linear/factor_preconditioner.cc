@@ -8,7 +8,7 @@ namespace {
 // Ratio of the flop rates of a factorisation and a solve. A solve waits for memory, and an iteration has a product
 // beside its solve. Measured with 50 x 50 and 100 x 100 vertices.
 constexpr double kFlopsPerFlop = 12.0;
-constexpr double kLeastPatience = 4.0;
+constexpr double kMinReuseIterations = 4.0;
 
 }  // namespace
 
@@ -17,13 +17,14 @@ void FactorPreconditioner::analyse(const BlockMatrix& A) {
   frames_.assign(static_cast<std::size_t>(A.num_rows()), Eigen::Matrix3d::Identity());
   turned_.resize(A.num_rows());
   const double worth_a_factor = factor_.factor_flops() / (kFlopsPerFlop * factor_.solve_flops());
-  patience_ = static_cast<int>(std::clamp<double>(worth_a_factor, kLeastPatience, kMostPatience));
-  forget();
+  max_reuse_iterations_ =
+      static_cast<int>(std::clamp<double>(worth_a_factor, kMinReuseIterations, kMaxReuseIterations));
+  reset();
 }
 
 bool FactorPreconditioner::prepare(const BlockMatrix& A) {
-  if (was_renewed_) has_factor_ = false;
-  was_renewed_ = false;
+  if (was_refactored_) has_factor_ = false;
+  was_refactored_ = false;
   is_old_ = has_factor_;
   return has_factor_ || factorise(A);
 }
@@ -46,8 +47,8 @@ void FactorPreconditioner::apply(const mesh::VertexField& r, mesh::VertexField& 
   }
 }
 
-bool FactorPreconditioner::renew(const BlockMatrix& A) {
-  was_renewed_ = true;
+bool FactorPreconditioner::refactor(const BlockMatrix& A) {
+  was_refactored_ = true;
   return factorise(A);
 }
 

@@ -16,15 +16,15 @@ namespace kerf::fem {
 // stiff sheet beside its stretching, in any orientation.
 class FactorPreconditioner final : public Preconditioner {
  public:
-  static constexpr int kMostPatience = 30;  // iterations
+  static constexpr int kMaxReuseIterations = 30;  // iterations
 
   void analyse(const BlockMatrix& A) override;
   bool prepare(const BlockMatrix& A) override;
   void apply(const mesh::VertexField& r, mesh::VertexField& z) override;
-  [[nodiscard]] int patience() const override { return is_old_ ? patience_ : 0; }
-  bool renew(const BlockMatrix& A) override;
-  void forget() override { has_factor_ = false; }
-  void heed(const GoesOn* goes_on) override { factor_.heed(goes_on); }
+  [[nodiscard]] int max_reuse_iterations() const override { return is_old_ ? max_reuse_iterations_ : 0; }
+  bool refactor(const BlockMatrix& A) override;
+  void reset() override { has_factor_ = false; }
+  void set_stop_condition(const StopCondition* stop) override { factor_.set_stop_condition(stop); }
   std::vector<Eigen::Matrix3d>* frames() override { return &frames_; }
   [[nodiscard]] const std::shared_ptr<const Supernodes>& supernodes() const { return factor_.supernodes(); }
 
@@ -34,9 +34,9 @@ class FactorPreconditioner final : public Preconditioner {
   SupernodalCholesky<float> factor_;
   std::vector<Eigen::Matrix3d> frames_;
   mesh::VertexField turned_;  // 3 x N
-  int patience_ = 0;
+  int max_reuse_iterations_ = 0;
   bool has_factor_ = false;
-  bool was_renewed_ = false;
+  bool was_refactored_ = false;
   bool is_old_ = false;  // the factor is of an earlier matrix than that of prepare()
 };
 

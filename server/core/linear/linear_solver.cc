@@ -14,7 +14,7 @@ namespace kerf::fem {
 namespace {
 
 // Iterations with an old factor and then a new one. A solve that needs more has lost the matrix to rounding.
-constexpr int kMostFactorIterations = 2 * FactorPreconditioner::kMostPatience;
+constexpr int kMostFactorIterations = 2 * FactorPreconditioner::kMaxReuseIterations;
 
 // Conjugate gradients with the float factor, and a double-precision factor if they do not converge.
 class FactorCgSolver final : public LinearSolver {
@@ -33,10 +33,10 @@ class FactorCgSolver final : public LinearSolver {
     by_factor.iterations += by_gradients.iterations;
     return by_factor;
   }
-  void forget() override { gradients_.forget(); }
-  void heed(const GoesOn* goes_on) override {
-    gradients_.heed(goes_on);
-    direct_.heed(goes_on);
+  void reset() override { gradients_.reset(); }
+  void set_stop_condition(const StopCondition* stop) override {
+    gradients_.set_stop_condition(stop);
+    direct_.set_stop_condition(stop);
   }
   std::vector<Eigen::Matrix3d>* frames() override { return gradients_.frames(); }
 

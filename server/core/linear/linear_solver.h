@@ -5,8 +5,8 @@
 
 #include <Eigen/Core>
 
+#include "server/base/stop_condition.h"
 #include "server/core/linear/block_matrix.h"
-#include "server/core/linear/goes_on.h"
 #include "server/core/linear/linear_solver_kind.h"
 #include "server/core/linear/vertex_field.h"
 
@@ -34,10 +34,10 @@ class LinearSolver {
                             mesh::VertexField& x) = 0;
 
   // Discards all data of earlier matrices, so that they have no influence on later solves.
-  virtual void forget() {}
+  virtual void reset() {}
   // Sets the stop condition, polled once an iteration and at the start of a factorisation. A stopped solve has not
   // converged.
-  virtual void heed(const GoesOn* goes_on) = 0;
+  virtual void set_stop_condition(const StopCondition* stop) = 0;
   // Rotation of each vertex (see find_vertex_frames), to be set before a solve. Null if the solver does not use it.
   virtual std::vector<Eigen::Matrix3d>* frames() { return nullptr; }
   // Positions of the vertices, 3 x N, m, up to a translation, to be set before a solve. Null if the solver does not use

@@ -22,7 +22,7 @@ class MultigridPreconditioner final : public Preconditioner {
   void analyse(const BlockMatrix& A) override;
   bool prepare(const BlockMatrix& A) override;
   void apply(const mesh::VertexField& r, mesh::VertexField& z) override;
-  void heed(const GoesOn* goes_on) override { factor_.heed(goes_on); }
+  void set_stop_condition(const StopCondition* stop) override { factor_.set_stop_condition(stop); }
   std::vector<Eigen::Matrix3d>* frames() override { return &frames_; }
   mesh::VertexField* positions() override { return &positions_; }
 

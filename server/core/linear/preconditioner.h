@@ -5,8 +5,8 @@
 
 #include <Eigen/Core>
 
+#include "server/base/stop_condition.h"
 #include "server/core/linear/block_matrix.h"
-#include "server/core/linear/goes_on.h"
 #include "server/core/linear/vertex_field.h"
 
 namespace kerf::fem {
@@ -24,14 +24,14 @@ class Preconditioner {
   // Sets z = P^-1 r; both are 3 x N.
   virtual void apply(const mesh::VertexField& r, mesh::VertexField& z) = 0;
 
-  // Number of iterations up to which the factor of an earlier matrix is good enough. If a solve takes more, renew()
+  // Number of iterations up to which the factor of an earlier matrix is good enough. If a solve takes more, refactor()
   // computes one of A. 0 means the factor is already current or cannot be improved.
-  [[nodiscard]] virtual int patience() const { return 0; }
-  virtual bool renew(const BlockMatrix& /*A*/) { return false; }
+  [[nodiscard]] virtual int max_reuse_iterations() const { return 0; }
+  virtual bool refactor(const BlockMatrix& /*A*/) { return false; }
   // Discards data of earlier matrices; later ones are unrelated to them.
-  virtual void forget() {}
+  virtual void reset() {}
   // Sets the stop condition, see LinearSolver. A factorisation that it ends leaves no P.
-  virtual void heed(const GoesOn* /*goes_on*/) {}
+  virtual void set_stop_condition(const StopCondition* /*stop*/) {}
   virtual std::vector<Eigen::Matrix3d>* frames() { return nullptr; }
   virtual mesh::VertexField* positions() { return nullptr; }
 };

@@ -134,7 +134,7 @@ bool SupernodalCholesky<T>::factorise(const BlockMatrix& A, std::span<const Eige
   updates_.resize(num_updates_);
   for (int s = 0; s < supernodes_->size(); ++s) {
     interruption_point();
-    if (heed_.ends()) return false;
+    if (stop_.is_met()) return false;
     assemble(A, frames, s);
     const PanelView<T> own = panel(s);
     const std::size_t below = own.rows - own.width;

@@ -7,9 +7,9 @@
 
 #include <Eigen/Core>
 
+#include "server/base/stop_condition.h"
 #include "server/core/linear/block_matrix.h"
 #include "server/core/linear/dense_kernels.h"
-#include "server/core/linear/goes_on.h"
 #include "server/core/linear/lanes16.h"
 #include "server/core/linear/supernodes.h"
 #include "server/core/linear/vertex_field.h"
@@ -28,7 +28,7 @@ class SupernodalCholesky {
   void analyse(const BlockMatrix& A, std::shared_ptr<const Supernodes> supernodes);
   [[nodiscard]] const std::shared_ptr<const Supernodes>& supernodes() const { return supernodes_; }
   // Sets the stop condition, polled once a supernode. A factorisation that it ends has failed.
-  void heed(const GoesOn* goes_on) { heed_.set(goes_on); }
+  void set_stop_condition(const StopCondition* stop) { stop_.set(stop); }
   // Factors Q^T A Q, where Q has the 3x3 blocks of `frames` on its diagonal, or A itself if `frames` is empty. A has
   // the analysed pattern. Returns false, with no factor left, if A was found not positive definite or the stop
   // condition ended it. If `rule` replaces small pivots, it fails only for values that are not finite, or when ended.
@@ -52,7 +52,7 @@ class SupernodalCholesky {
   // Adds the update matrix of child c to the front of s.
   void extend_add(int c, int s);
 
-  Heed heed_;
+  StopPoll stop_;
   std::shared_ptr<const Supernodes> supernodes_;
   std::vector<std::size_t> panel_begin_;          // of each supernode in panels_, in units of Lanes16
   std::vector<std::size_t> update_begin_;         // of its update matrix in updates_, a stack

@@ -33,9 +33,9 @@ Result<Sheet> Sheet::create(SheetConfig config, IntegratorFactory make_integrato
   return sheet;
 }
 
-TickReport Sheet::step(std::span<const Command> commands, StageObserver* observer, const fem::GoesOn* goes_on,
-                       const fem::GoesOn* may_go_on) {
-  return impl_->run(commands, observer, true, {goes_on, may_go_on});
+TickReport Sheet::step(std::span<const Command> commands, StageObserver* observer, const StopCondition* stop,
+                       const StopCondition* give_up) {
+  return impl_->run(commands, observer, true, {stop, give_up});
 }
 
 fem::EquilibriumStats Sheet::settle(double load, const fem::EquilibriumOptions& options,

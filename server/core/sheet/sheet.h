@@ -55,7 +55,7 @@ struct TickReport {
   std::size_t num_scheduled_first = 0;        // of them, done before the given commands
   fem::StepStats stats;      // of the integrator; default where time did not advance, except `interrupted`
   bool advanced = false;     // ++tick happened
-  bool gave_up = false;      // out of memory, or stopped by may_go_on: frozen and not advanced
+  bool gave_up = false;      // out of memory, or stopped by give_up: frozen and not advanced
   bool step_failed = false;  // the integrator gave up: positions and velocities are those before the tick
   bool frozen = false;       // see Sheet::frozen()
   bool at_rest = false;      // see Sheet::at_rest()
@@ -113,12 +113,12 @@ class Sheet {
   // cut and model update; then loads, integration with contact, ++tick. A command that fails has its error in the
   // report and changes nothing. Allocates nothing where there is no command. A frozen sheet does its commands and does
   // not advance.
-  // `goes_on`, if given, can end the integration early (see fem::Integrator::heed), except in a tick with scheduled
-  // commands. The report then has stats.interrupted, and the state is that after apply(commands). `may_go_on` can end
-  // it at any point, as can a lack of memory. Both also freeze the sheet, with the state before the integration; see
-  // gave_up.
+  // `stop`, if given, can end the integration early (see fem::Integrator::set_stop_condition), except in a tick with
+  // scheduled commands. The report then has stats.interrupted, and the state is that after apply(commands). `give_up`
+  // can end it at any point, as can a lack of memory. Both also freeze the sheet, with the state before the
+  // integration; see gave_up.
   TickReport step(std::span<const Command> commands, StageObserver* observer = nullptr,
-                  const std::function<bool()>* goes_on = nullptr, const std::function<bool()>* may_go_on = nullptr);
+                  const std::function<bool()>* stop = nullptr, const std::function<bool()>* give_up = nullptr);
 
   // Puts the sheet into equilibrium, at rest, under `load` (-, 0..1). Loads and constraints without a history scale
   // with it; histories are read at it. Gravity without a history acts in full. Starts from the current state, which

@@ -67,8 +67,8 @@ void Sheet::Impl::advance(StageObserver* observer, const StopConditions& stop, T
   {
     const StageScope scope(Stage::kIntegrate, {observer, -1});
     // A recording has no place for scheduled commands whose tick does not follow.
-    const fem::GoesOn* goes_on = report.scheduled.empty() ? stop.goes_on : nullptr;
-    const StepOutcome outcome = moving.step({goes_on, stop.may_go_on}, before);
+    const StopCondition* end_early = report.scheduled.empty() ? stop.end_early : nullptr;
+    const StepOutcome outcome = moving.step({end_early, stop.give_up}, before);
     report.stats = outcome.stats;
     report.gave_up = outcome.gave_up;
     report.step_failed = outcome.failed;

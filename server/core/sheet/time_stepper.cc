@@ -49,12 +49,12 @@ StepOutcome TimeStepper::step(fem::Model& model, const fem::Loads& loads, const 
   fem::StepStats& stats = outcome.stats;
   last_good_ = state;
   model.bend_by_matrix();
-  integrator_->heed(stop.goes_on);
+  integrator_->set_stop_condition(stop.end_early);
   const bool touches = last_counts_ && last_counts_->contact_blocks > 0.0;
   contact_.set_calm(touches && rest_.is_calm());
   const std::int64_t blocks_before = contact_.blocks();
-  outcome.gave_up = !integrate(model, loads, stop.may_go_on, state, stats);
-  integrator_->heed(nullptr);
+  outcome.gave_up = !integrate(model, loads, stop.give_up, state, stats);
+  integrator_->set_stop_condition(nullptr);
   if (outcome.gave_up) {
     state = last_good_;
     is_frozen_ = true;
@@ -75,11 +75,11 @@ StepOutcome TimeStepper::step(fem::Model& model, const fem::Loads& loads, const 
   return outcome;
 }
 
-bool TimeStepper::integrate(const fem::Model& model, const fem::Loads& loads, const fem::GoesOn* may_go_on,
+bool TimeStepper::integrate(const fem::Model& model, const fem::Loads& loads, const StopCondition* give_up,
                             fem::State& state, fem::StepStats& stats) {
   try {
     std::optional<InterruptionScope> scope;
-    if (may_go_on != nullptr) scope.emplace(*may_go_on);
+    if (give_up != nullptr) scope.emplace(*give_up);
     stats = integrator_->step(model, loads, dt_, contact_.empty() ? nullptr : &contact_, state);
     return true;
   } catch (const std::bad_alloc&) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "server/base/stop_condition.h"
 #include "server/core/fem/element/loads.h"
 #include "server/core/fem/element/state.h"
 #include "server/core/fem/model/model.h"
@@ -21,8 +22,8 @@ namespace kerf::sheet {
 
 // Conditions under which a step ends early; either may be null. See Sheet::step().
 struct StopConditions {
-  const fem::GoesOn* goes_on = nullptr;    // ends the integration early
-  const fem::GoesOn* may_go_on = nullptr;  // gives the step up, at any point
+  const StopCondition* end_early = nullptr;  // ends the integration early
+  const StopCondition* give_up = nullptr;  // gives the step up, at any point
 };
 
 // Result of one step; see the fields of the same names in TickReport.
@@ -76,7 +77,7 @@ class TimeStepper {
   // Allocates all that a step needs, once the integrator follows the model.
   void make_room(const fem::Model& model, const std::optional<fem::Softening>& softening, Eigen::Index num_vertices);
   // Returns false if the integrator ran out of memory or was interrupted; `state` is invalid then.
-  bool integrate(const fem::Model& model, const fem::Loads& loads, const fem::GoesOn* may_go_on, fem::State& state,
+  bool integrate(const fem::Model& model, const fem::Loads& loads, const StopCondition* give_up, fem::State& state,
                  fem::StepStats& stats);
   // Keeps the counts of a step that did not fail. contact_blocks: in all its substeps.
   void count_tick(const fem::Model& model, const fem::StepStats& stats, std::int64_t contact_blocks);

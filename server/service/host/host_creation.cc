@@ -184,7 +184,7 @@ Result<sheet::Sheet> Host::build(sheet::SheetConfig config, const Creation& crea
     wanted = check_wanted(creation);
     const bool looks = askings++ % kAskingsToALook == 0;
     if (wanted.ok() && looks && !has_memory_for(0)) wanted = out_of_memory();
-    return wanted.ok();
+    return !wanted.ok();
   });
   Result<sheet::Sheet> built =
       caught([&] { return sheet::Sheet::create(std::move(config), options_.make_integrator); });

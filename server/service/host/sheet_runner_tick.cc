@@ -44,10 +44,10 @@ bool SheetRunner::run_commands(bool advance, std::vector<PendingCommand> pending
   changing_ = true;
   const double tick_before_us = pending.empty() ? 0.0 : tick_estimate().total_us();
   progress_.begin();
-  const fem::GoesOn goes_on = [this] { return this->goes_on(); };
-  const fem::GoesOn may_go_on = [this, asked = 0]() mutable { return this->may_go_on(++asked); };
+  const StopCondition stop = [this] { return !goes_on(); };
+  const StopCondition give_up = [this, asked = 0]() mutable { return !may_go_on(++asked); };
   const sheet::TickReport report =
-      advance ? sheet_.step(commands, &timer, &goes_on, &may_go_on) : sheet_.apply(commands, &timer);
+      advance ? sheet_.step(commands, &timer, &stop, &give_up) : sheet_.apply(commands, &timer);
   progress_.end();
 
   const bool interrupted = report.stats.interrupted;

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "server/core/fem/element/bending.h"
-#include "server/core/linear/place_in_order.h"
+#include "server/core/linear/rank_ascending.h"
 #include "server/core/linear/row_store.h"
 #include "server/core/mesh/ids.h"
 
@@ -49,7 +49,7 @@ class RowSum {
   // Moves the sum to a row of `rows`, by ascending column, and empties this.
   void move_to(RowStore<BendingEntry>& rows, int row) {
     const std::span<const mesh::VertexId> columns(columns_.data() + 1, size_ - 1);
-    place_in_order(columns, order_);
+    rank_ascending(columns, order_);
     const std::span<BendingEntry> made = rows.resize_row(row, columns.size());
     for (std::size_t i = 0; i < columns.size(); ++i) {
       made[static_cast<std::size_t>(order_[i])] = {values_[1 + i], columns[i]};

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "server/core/fem/model/patch_geometry.h"
-#include "server/core/linear/place_in_order.h"
+#include "server/core/linear/rank_ascending.h"
 #include "server/core/mesh/triangle_mesh.h"
 
 namespace kerf::fem {
@@ -49,7 +49,7 @@ void BendingRowAssembly::find_patches(const RestSheet& sheet, VertexId vertex) {
     if (across == mesh::kNone) continue;
     found_.push_back(8 * across + 3 + static_cast<std::int32_t>(corner_across(mesh, across, slot)));
   }
-  place_in_order(found_, order_);
+  rank_ascending(found_, order_);
   patches_.resize(found_.size());
   for (std::size_t i = 0; i < found_.size(); ++i) {
     patches_[static_cast<std::size_t>(order_[i])] = found_[i];
@@ -91,7 +91,7 @@ void BendingRowAssembly::add_edges(const Terms& terms, VertexId vertex) {
       }
     }
   }
-  place_in_order(edge_keys_, order_);
+  rank_ascending(edge_keys_, order_);
   edges_sorted_.resize(edges_.size());
   for (std::size_t i = 0; i < edges_.size(); ++i) {
     edges_sorted_[static_cast<std::size_t>(order_[i])] = edges_[i];

@@ -81,7 +81,7 @@ class Fold {
  public:
   Fold(const MassesBefore& mass_before, State& state) : mass_before_(mass_before), state_(state) {}
 
-  void take_back(const mesh::RevertedEdit& reverted) {
+  void revert(const mesh::RevertedEdit& reverted) {
     revive(reverted.restored_vertices);
     const std::vector<Eigen::Vector3d> x = interpolate(reverted.moved_vertices, state_.x);
     const std::vector<Eigen::Vector3d> v = interpolate(reverted.moved_vertices, state_.v);
@@ -213,7 +213,7 @@ void revert_state(std::span<const mesh::RevertedEdit> reverted, const Model& mod
   for (auto v = num_after; v < mass_before.num_vertices(); ++v) add(v);
 
   Fold fold(mass_before, state);
-  for (const mesh::RevertedEdit& edit : reverted) fold.take_back(edit);
+  for (const mesh::RevertedEdit& edit : reverted) fold.revert(edit);
   state.x.resize(num_after);
   state.v.resize(num_after);
 

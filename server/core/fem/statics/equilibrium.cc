@@ -23,15 +23,15 @@ constexpr double kLeastShift = 1e-13;
 constexpr double kRounding = 1e-12;  // relative rounding of eigenvalues of M^-1 K, that of free motions
 constexpr double kLargestShift = 1e3;
 constexpr double kLinearTolerance = 1e-6;
-constexpr int kMaxVenture = 6;         // steps
-constexpr double kVentureDecay = 0.5;  // largest ratio of the rises of the energy in consecutive steps
+constexpr int kMaxWatchdogSteps = 6;    // steps
+constexpr double kWatchdogDecay = 0.5;  // largest ratio of the rises of the energy in consecutive steps
 constexpr double kLinearDecrease =
     0.9;  // of the energy, over that of the slope; a full step has 0.5 if the energy is convex
 constexpr int kMaxLengthenings = 20;
 constexpr int kMaxLineHalvings = 40;
 constexpr double kSufficientDecrease = 1e-4;
-constexpr double kDiscernible = 100.0;  // decrease of the energy, over its rounding error
-constexpr int kMaxBlindSteps = 10;      // without a better residual
+constexpr double kDiscernible = 100.0;    // decrease of the energy, over its rounding error
+constexpr int kMaxNonMonotoneSteps = 10;  // without a better residual
 
 }  // namespace
 
@@ -43,7 +43,7 @@ void EquilibriumSolver::rebuild(const Model& model) {
   solver_.analyse(matrix_.blocks());
   moments_.clear();
   stress_.resize(model.element_blocks().size() * kLanes);
-  for (mesh::VertexField* field : {&force_, &residual_, &rhs_, &step_, &trial_, &venture_, &best_})
+  for (mesh::VertexField* field : {&force_, &residual_, &rhs_, &step_, &trial_, &watchdog_x_, &best_})
     field->resize(model.num_vertices());
 }
 
@@ -64,7 +64,7 @@ EquilibriumStats EquilibriumSolver::solve(const Model& model, const Loads& loads
   bool is_hidden = stats.residual <= options_.tolerance && unbalanced_ > options_.tolerance;
   while ((is_hidden || !(stats.residual <= options_.tolerance)) && stats.iterations < options_.max_iterations) {
     if (!std::isfinite(stats.residual)) break;
-    Progress progress = venture(model, loads, stats, x);
+    Progress progress = try_watchdog_steps(model, loads, stats, x);
     if (progress == Progress::kNone) {
       if (stats.iterations == options_.max_iterations || !find_step(model, loads, x, false, stats)) break;
       ++stats.iterations;
@@ -77,7 +77,7 @@ EquilibriumStats EquilibriumSolver::solve(const Model& model, const Loads& loads
       best = stats.residual;
       best_ = x;
       since_best = 0;
-    } else if (progress == Progress::kBlind && ++since_best == kMaxBlindSteps) {
+    } else if (progress == Progress::kNonMonotone && ++since_best == kMaxNonMonotoneSteps) {
       break;
     }
     is_hidden = false;
@@ -225,23 +225,23 @@ void EquilibriumSolver::correct_step(const Model& model, const Loads& loads, con
   correction_.solve(solver_, matrix_.blocks(), skew_.blocks(), rhs_, kLinearTolerance, step_);
 }
 
-void EquilibriumSolver::hold_back(const Model& model, const mesh::VertexField& x) {
+void EquilibriumSolver::add_proximal_term(const Model& model, const mesh::VertexField& x) {
   for (Eigen::Index v = 0; v < x.cols(); ++v) {
-    residual_.col(v) -= used_shift_ * model.mass()[static_cast<std::size_t>(v)] * (venture_.col(v) - x.col(v));
+    residual_.col(v) -= used_shift_ * model.mass()[static_cast<std::size_t>(v)] * (watchdog_x_.col(v) - x.col(v));
   }
 }
 
-EquilibriumSolver::Progress EquilibriumSolver::venture(const Model& model, const Loads& loads, EquilibriumStats& stats,
-                                                       mesh::VertexField& x) {
+EquilibriumSolver::Progress EquilibriumSolver::try_watchdog_steps(const Model& model, const Loads& loads,
+                                                                  EquilibriumStats& stats, mesh::VertexField& x) {
   const double shift = stats.shift;
   const double residual = stats.residual;
   const double before = energy(model, loads, x, x);
-  venture_ = x;
+  watchdog_x_ = x;
   double slope = 0.0;
   double last_rise = 0.0;
-  for (int i = 0; i < kMaxVenture && stats.iterations < options_.max_iterations; ++i) {
-    if (i > 0) hold_back(model, x);
-    if (!find_step(model, loads, venture_, true, stats)) break;
+  for (int i = 0; i < kMaxWatchdogSteps && stats.iterations < options_.max_iterations; ++i) {
+    if (i > 0) add_proximal_term(model, x);
+    if (!find_step(model, loads, watchdog_x_, true, stats)) break;
     ++stats.iterations;
     if (i == 0) {
       slope = residual_.cwiseProduct(step_).sum();
@@ -250,23 +250,23 @@ EquilibriumSolver::Progress EquilibriumSolver::venture(const Model& model, const
         x += step_;
         stats.residual = evaluate(model, loads, x);
         stats.shift = 0.0;
-        return Progress::kBlind;
+        return Progress::kNonMonotone;
       }
     }
-    predict(model, venture_);
-    venture_ += step_;
-    stats.residual = evaluate(model, loads, venture_);
+    predict(model, watchdog_x_);
+    watchdog_x_ += step_;
+    stats.residual = evaluate(model, loads, watchdog_x_);
     if (!std::isfinite(stats.residual)) break;
-    const double rise = energy(model, loads, venture_, x) - before;
+    const double rise = energy(model, loads, watchdog_x_, x) - before;
     if (rise <= -kSufficientDecrease * slope) {
       if (i == 0 && rise <= -kLinearDecrease * slope) lengthen_step(model, loads, before + rise, x, stats);
-      x = venture_;
+      x = watchdog_x_;
       stats.shift *= kShiftDecay;
       if (stats.shift < kLeastShift * model.stiffness_bound().value()) stats.shift = 0.0;
       return Progress::kDescended;
     }
     // In a successful sequence each step removes nearly all false stretch of the previous one.
-    if (i > 0 && !(rise <= kVentureDecay * last_rise)) break;
+    if (i > 0 && !(rise <= kWatchdogDecay * last_rise)) break;
     last_rise = rise;
   }
   stats.shift = shift;
@@ -283,10 +283,10 @@ void EquilibriumSolver::lengthen_step(const Model& model, const Loads& loads, do
     if (!(after < reached)) break;
     reached = after;
     step_ *= 2.0;
-    venture_ = trial_;
+    watchdog_x_ = trial_;
   }
   predict(model, x);
-  stats.residual = evaluate(model, loads, venture_);
+  stats.residual = evaluate(model, loads, watchdog_x_);
 }
 
 EquilibriumSolver::Progress EquilibriumSolver::search_line(const Model& model, const Loads& loads,
@@ -301,7 +301,7 @@ EquilibriumSolver::Progress EquilibriumSolver::search_line(const Model& model, c
     x += step_;
     stats.residual = evaluate(model, loads, x);
     stats.shift = 0.0;
-    return Progress::kBlind;
+    return Progress::kNonMonotone;
   }
   double scale = 1.0;
   for (int i = 0; i < kMaxLineHalvings; ++i, scale *= 0.5) {

@@ -76,13 +76,13 @@ class EquilibriumSolver {
   [[nodiscard]] bool is_stable(const Model& model, const Loads& loads, const mesh::VertexField& x);
   // Corrects step_ for the skew part of the tangent.
   void correct_step(const Model& model, const Loads& loads, const mesh::VertexField& x);
-  enum class Progress { kNone, kBlind, kDescended };
+  enum class Progress { kNone, kNonMonotone, kDescended };
   // Tries full steps with predicted stress from x on (watchdog), until the energy is below that at x. Returns kNone if
   // it never is.
-  Progress venture(const Model& model, const Loads& loads, EquilibriumStats& stats, mesh::VertexField& x);
+  Progress try_watchdog_steps(const Model& model, const Loads& loads, EquilibriumStats& stats, mesh::VertexField& x);
   // Adds the proximal term at x to residual_. The tried steps seek the minimum of the energy plus used_shift_ / 2
-  // |venture_ - x|^2, in the norm of the masses.
-  void hold_back(const Model& model, const mesh::VertexField& x);
+  // |watchdog_x_ - x|^2, in the norm of the masses.
+  void add_proximal_term(const Model& model, const mesh::VertexField& x);
   // Doubles step_ from x on as long as the energy, which was `reached`, falls. It does so where the energy is not
   // convex along the step.
   void lengthen_step(const Model& model, const Loads& loads, double reached, const mesh::VertexField& x,
@@ -100,7 +100,7 @@ class EquilibriumSolver {
   TangentMatrix skew_;                   // used with follower loads
   std::vector<Eigen::Vector3d> stress_;  // one a lane, N/m, for the tangent
   std::vector<double> moments_;          // J, one a fold of bending by angles, for the tangent
-  mesh::VertexField force_, residual_, rhs_, step_, trial_, venture_, best_;  // 3 x V
+  mesh::VertexField force_, residual_, rhs_, step_, trial_, watchdog_x_, best_;  // 3 x V
 };
 
 }  // namespace kerf::fem

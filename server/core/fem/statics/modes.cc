@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
-#include <functional>
 #include <utility>
 
 #include <Spectra/MatOp/SparseSymMatProd.h>
@@ -128,15 +127,14 @@ struct Stopped {};
 class DeflatedInverse {
  public:
   using Scalar = double;
-  // Throws Stopped if `goes_on` returns false: Spectra can only be left by an exception.
-  DeflatedInverse(const Matrix& stiffness, const Matrix& mass, const Eigen::MatrixXd& found,
-                  const std::function<bool()>& goes_on)
-      : inverse_(stiffness, mass), found_(found), weighted_(mass * found), goes_on_(goes_on) {}
+  // Throws Stopped if `stop` returns true: Spectra can only be left by an exception.
+  DeflatedInverse(const Matrix& stiffness, const Matrix& mass, const Eigen::MatrixXd& found, const StopCondition& stop)
+      : inverse_(stiffness, mass), found_(found), weighted_(mass * found), stop_(stop) {}
   [[nodiscard]] Eigen::Index rows() const { return inverse_.rows(); }
   [[nodiscard]] Eigen::Index cols() const { return inverse_.cols(); }
   void set_shift(double shift) { inverse_.set_shift(shift); }
   void perform_op(const double* in, double* out) const {
-    if (goes_on_ && !goes_on_()) throw Stopped();
+    if (stop_ && stop_()) throw Stopped();
     inverse_.perform_op(in, out);
     Eigen::Map<Eigen::VectorXd> y(out, rows());
     y -= found_ * (weighted_.transpose() * y);
@@ -146,7 +144,7 @@ class DeflatedInverse {
   Spectra::SymShiftInvert<double> inverse_;
   const Eigen::MatrixXd& found_;
   Eigen::MatrixXd weighted_;
-  const std::function<bool()>& goes_on_;
+  const StopCondition& stop_;
 };
 
 struct Pairs {
@@ -157,9 +155,9 @@ struct Pairs {
 
 // Returns the `count` eigenvalues next to the shift, excluding those whose vectors are among `found`.
 Pairs lanczos(const Matrix& stiffness, const Matrix& mass, const Eigen::MatrixXd& found, int count, double shift,
-              int search, const std::function<bool()>& goes_on) {
+              int search, const StopCondition& stop) {
   using Product = Spectra::SparseSymMatProd<double>;
-  DeflatedInverse inverse(stiffness, mass, found, goes_on);
+  DeflatedInverse inverse(stiffness, mass, found, stop);
   Product product(mass);
   const auto size = static_cast<int>(stiffness.rows());
   const int num_vectors = std::min(size, std::max(2 * count + 1, 20));
@@ -221,15 +219,14 @@ int num_missed(const Matrix& stiffness, const Matrix& mass, const Eigen::VectorX
 
 // Finds the lowest `count` eigenvalues and vectors. Throws Stopped, and the exceptions of Spectra if a factorisation
 // fails.
-Pairs lowest(const Matrix& stiffness, const Matrix& mass, double unit, int count,
-             const std::function<bool()>& goes_on) {
+Pairs lowest(const Matrix& stiffness, const Matrix& mass, double unit, int count, const StopCondition& stop) {
   const Eigen::MatrixXd none(stiffness.rows(), 0);
   double shift = shift_below(stiffness, mass, unit);
-  Pairs found = lanczos(stiffness, mass, none, count, shift, 0, goes_on);
+  Pairs found = lanczos(stiffness, mass, none, count, shift, 0, stop);
   const double farther = found.converged ? kShiftOfHighest * std::abs(found.values[count - 1]) : shift;
   if (farther < shift) {
     shift = farther;
-    found = lanczos(stiffness, mass, none, count, shift, 0, goes_on);
+    found = lanczos(stiffness, mass, none, count, shift, 0, stop);
   }
   const auto count_missed = [&] {
     return found.converged ? num_missed(stiffness, mass, found.values, count - 1, unit) : 0;
@@ -238,7 +235,7 @@ Pairs lowest(const Matrix& stiffness, const Matrix& mass, double unit, int count
   for (int search = 1; search < kMaxSearches && missing > 0; ++search) {
     // A sheet in many pieces may miss hundreds; only the lowest `count` are needed.
     const int sought = std::min(missing, count);
-    found = merged(found, lanczos(stiffness, mass, found.vectors, sought, shift, search, goes_on), count);
+    found = merged(found, lanczos(stiffness, mass, found.vectors, sought, shift, search, stop), count);
     missing = count_missed();
   }
   found.converged = found.converged && missing == 0;
@@ -254,7 +251,7 @@ int num_free_components(const Model& model, const Loads& loads) {
 }
 
 Modes find_modes(const Model& model, const Loads& loads, const mesh::VertexField& x, int count,
-                 const std::function<bool()>& goes_on) {
+                 const StopCondition& stop) {
   int num_free = 0;
   const std::vector<int> numbers = number_free(model, loads, num_free);
   KERF_CHECK(count >= 1 && count <= kMaxModes && count < num_free, "as many modes as find_modes() can find");
@@ -263,7 +260,7 @@ Modes find_modes(const Model& model, const Loads& loads, const mesh::VertexField
   Modes modes;
   Pairs found;
   try {
-    found = lowest(stiffness, mass, model.stiffness_bound().value(), std::min(count + 1, num_free - 1), goes_on);
+    found = lowest(stiffness, mass, model.stiffness_bound().value(), std::min(count + 1, num_free - 1), stop);
   } catch (const Stopped&) {
     modes.stopped = true;
     return modes;

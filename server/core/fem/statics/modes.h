@@ -1,10 +1,10 @@
 #pragma once
 
-#include <functional>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "server/base/stop_condition.h"
 #include "server/core/fem/element/loads.h"
 #include "server/core/fem/model/model.h"
 #include "server/core/fem/model/tangent_matrix.h"
@@ -30,9 +30,8 @@ int num_free_components(const Model& model, const Loads& loads);
 // at most the free components less one. The stiffness is the exact tangent there, with held components fixed and only
 // the symmetric part of pressure and moments. The masses are lumped within the sheet and half consistent across it.
 // They are of second order like those of time steps, but more accurate. Uses the Lanczos method on the shifted inverse
-// (Spectra). `goes_on` is polled once for each Lanczos vector, some milliseconds apart on a large sheet; false stops
-// the search.
+// (Spectra). `stop` is polled once for each Lanczos vector, some milliseconds apart on a large sheet.
 Modes find_modes(const Model& model, const Loads& loads, const mesh::VertexField& x, int count,
-                 const std::function<bool()>& goes_on = {});
+                 const StopCondition& stop = {});
 
 }  // namespace kerf::fem

@@ -63,7 +63,7 @@ IntegratorKind AutomaticIntegrator::kind() const {
 
 StepStats AutomaticIntegrator::step(const Model& model, const Loads& loads, double dt, ContactConstraint* contact,
                                     State& state) {
-  chosen().heed(heed_.get());
+  chosen().set_stop_condition(stop_.get());
   return chosen().step(model, loads, dt, contact, state);
 }
 

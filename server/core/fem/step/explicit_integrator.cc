@@ -178,7 +178,7 @@ StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, doubl
         plan.substeps = least;
         is_mixed = advance(model, loads, plan, contact, mixed_sweep_, state) || !is_finite(state);
       }
-      if (heed_.ends()) return interrupt(is_calmed, state);
+      if (stop_.is_met()) return interrupt(is_calmed, state);
       if (!is_mixed) {
         if (quiet == 0.0) stats.flags |= kWidened;
         go_back(state);
@@ -189,7 +189,7 @@ StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, doubl
       if (!is_double_current_) double_sweep_.rebuild(model, layout_, inertia_);
       is_double_current_ = true;
       advance(model, loads, plan, contact, double_sweep_, state);
-      if (heed_.ends()) return interrupt(is_calmed, state);
+      if (stop_.is_met()) return interrupt(is_calmed, state);
     }
     was_in_double_ = !is_mixed;
     if (is_finite(state)) {
@@ -289,7 +289,7 @@ bool ExplicitIntegrator::advance(const Model& model, const Loads& loads, Plan& p
   }
   const double h = plan.h();
   for (int i = 0; i <= plan.substeps; ++i) {
-    if (heed_.ends()) return false;
+    if (stop_.is_met()) return false;
     const bool last = i == plan.substeps;
     const double time_left = last ? 0.0 : duration - h * i;
     LeapfrogKick kick;

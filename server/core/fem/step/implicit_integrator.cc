@@ -99,7 +99,7 @@ StepStats ImplicitIntegrator::step(const Model& model, const Loads& loads, doubl
   scratch_.start.x = state.x;
   scratch_.start.v = state.v;
   scratch_.stage.contact = contact;
-  solver_.heed(heed_.get());
+  solver_.set_stop_condition(stop_.get());
   bool done = false;
   const int last = num_attempts() + (contact == nullptr && StageSolver::can_majorize(model, loads) ? 1 : -1);
   for (int i = 0; i <= last && !done; ++i) {
@@ -109,7 +109,7 @@ StepStats ImplicitIntegrator::step(const Model& model, const Loads& loads, doubl
     if (attempt.kind != options_.kind) stats.flags |= kDamped;
     if (attempt.substeps > num_substeps()) stats.flags |= kSubstepped;
     done = try_step(model, loads, attempt, dt, contact, state, stats);
-    if (heed_.ends()) {
+    if (stop_.is_met()) {
       state.x = scratch_.start.x;
       state.v = scratch_.start.v;
       stats = {};
@@ -147,7 +147,7 @@ ImplicitIntegrator::Attempt ImplicitIntegrator::attempt_after(int failures) cons
 
 bool ImplicitIntegrator::try_step(const Model& model, const Loads& loads, const Attempt& attempt, double dt,
                                   ContactConstraint* contact, State& state, StepStats& stats) {
-  solver_.forget();
+  solver_.reset();
   const double h = dt / attempt.substeps;
   stats.residual = 0.0;
   stats.linear_residual = 0.0;

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string_view>
 
+#include "server/base/stop_condition.h"
 #include "server/core/fem/element/contact_constraint.h"
 #include "server/core/fem/element/loads.h"
 #include "server/core/fem/element/state.h"
@@ -11,7 +12,6 @@
 #include "server/core/fem/model/tick_cost.h"
 #include "server/core/fem/step/integrator_options.h"
 #include "server/core/fem/step/step_stats.h"
-#include "server/core/linear/goes_on.h"
 
 namespace kerf::fem {
 
@@ -30,7 +30,7 @@ class Integrator {
   virtual void prepare() {}
   // Sets the stop condition of later steps, polled once a substep, iteration and front of a factorisation. A stopped
   // step ends early with StepStats::interrupted. Null, the default, means none.
-  void heed(const GoesOn* goes_on) { heed_.set(goes_on); }
+  void set_stop_condition(const StopCondition* stop) { stop_.set(stop); }
 
   // Advances `state` by dt (s, > 0). Never allocates, throws or logs; on failure (kFrozen) `state` is unchanged. The
   // result depends on the arguments alone, not on earlier calls. `contact` may be null.
@@ -54,7 +54,7 @@ class Integrator {
   }
 
  protected:
-  Heed heed_;
+  StopPoll stop_;
 };
 
 std::unique_ptr<Integrator> make_integrator(const IntegratorOptions& options);

@@ -6,9 +6,6 @@
 
 #include "server/base/check.h"
 #include "server/core/fem/element/follower_loads.h"
-#include "server/core/fem/element/grab_point.h"
-#include "server/core/fem/element/majorized_membrane.h"
-#include "server/core/fem/element/membrane.h"
 #include "server/core/fem/element/membrane_tangent.h"
 #include "server/core/fem/element/vertex_frames.h"
 
@@ -46,27 +43,27 @@ void StageSolver::follow(const Model& model) {
 void StageSolver::resize(const Model& model) {
   contact_.resize(model.num_vertices());
   stress_.resize(model.element_blocks().size() * kLanes, Eigen::Vector3d::Zero());
-  for (mesh::VertexField* field :
-       {&force_, &residual_, &rhs_, &step_, &increment_, &velocity_, &damped_, &trial_, &start_, &best_}) {
+  for (mesh::VertexField* field : {&residual_, &rhs_, &step_, &increment_, &trial_, &start_, &best_}) {
     field->resize(model.num_vertices());
   }
-  is_analysed_ = false;
+  equation_.resize(model.num_vertices());
+  phase_ = Phase::kPatternChanged;
 }
 
 void StageSolver::prepare() {
-  if (is_analysed_) return;
+  if (phase_ != Phase::kPatternChanged) return;
   solver_->analyse(matrix_.blocks());
   if (repair_solver_) repair_solver_->analyse(matrix_.blocks());
-  is_analysed_ = true;
+  phase_ = Phase::kReady;
 }
 
-void StageSolver::heed(const GoesOn* goes_on) {
-  heed_.set(goes_on);
-  solver_->heed(goes_on);
-  if (repair_solver_) repair_solver_->heed(goes_on);
+void StageSolver::set_stop_condition(const StopCondition* stop) {
+  stop_.set(stop);
+  solver_->set_stop_condition(stop);
+  if (repair_solver_) repair_solver_->set_stop_condition(stop);
 }
 
-void StageSolver::assemble(const Problem& problem, const mesh::VertexField& x, bool predicted) {
+void StageSolver::assemble(const StageProblem& problem, const mesh::VertexField& x, bool predicted) {
   const double d = problem.stage.d;
   const MaterialScale material_scale{d * d, d, problem.beta};
   const std::span<const Eigen::Vector3d> stress(stress_);
@@ -82,31 +79,37 @@ void StageSolver::assemble(const Problem& problem, const mesh::VertexField& x, b
   }
   matrix_.add_bending(problem.model, material_scale);
   matrix_.add_grabs(problem.loads.grabs, d);
-  if (follows_loads_) matrix_.add_follower_loads(problem.model, problem.loads, x, d * d, MatrixPart::kSymmetric);
+  if (problem.has_follower_tangent)
+    matrix_.add_follower_loads(problem.model, problem.loads, x, d * d, MatrixPart::kSymmetric);
 }
 
-void StageSolver::constrain(const Problem& problem, const mesh::VertexField& x) {
+void StageSolver::constrain(const StageProblem& problem, const mesh::VertexField& x) {
   matrix_.constrain(problem.model, problem.loads.pins, problem.stage.time_left, x, rhs_, step_);
 }
 
+// Outline:
+//   1. Contacts and pins begin where the substep does; the first tangent gets a predicted stress.
+//   2. iterate() makes full Newton steps: solve_first(), then solve_next(). accept() judges one that did not converge.
+//   3. repair() starts again with backtracking, if that failed and the stage may be repaired.
+//   4. finish() restores momentum and sets velocities.
 bool StageSolver::solve(const Model& model, const Loads& loads, const mesh::VertexField& constant_force,
                         const Stage& stage, State& state, StepStats& stats) {
-  KERF_CHECK(is_analysed_, "prepare() was called after follow()");
-  const Problem problem{model, loads, constant_force, stage, model.materials().stiffness_damping()};
+  KERF_CHECK(phase_ != Phase::kPatternChanged, "prepare() was called after follow()");
+  StageProblem problem{model, loads, constant_force, stage, model.materials().stiffness_damping()};
   contact_.begin(stage.contact, model, stage.d, stage.start != nullptr ? *stage.start : state.x);
-  follows_loads_ = has_follower_loads(loads);
+  problem.has_follower_tangent = has_follower_loads(loads);
   start_ = state.x;
   for (const Pin& pin : loads.pins) {
     start_.col(pin.vertex) = pin.held(pin.target - stage.time_left * pin.velocity, start_.col(pin.vertex));
   }
-  if (!stage.continues || !is_predicted_) {
+  if (!stage.continues || phase_ != Phase::kPredicted) {
     step_.setZero();
     predict_stress(problem.model.element_blocks(), problem.model.materials(), state.x, step_, stress_);
   }
   bool found = iterate(problem, state.x, stats);
-  is_predicted_ = found;
+  phase_ = found ? Phase::kPredicted : Phase::kReady;
   if (!found && stage.may_repair) {
-    Problem undamped = problem;
+    StageProblem undamped = problem;
     undamped.beta = {};
     found = repair(undamped, start_, state.x, stats);
   }
@@ -115,13 +118,13 @@ bool StageSolver::solve(const Model& model, const Loads& loads, const mesh::Vert
   return true;
 }
 
-void StageSolver::finish(const Problem& problem, State& state) const {
+void StageSolver::finish(const StageProblem& problem, State& state) const {
   if (is_free(problem)) restore_momentum(problem, state.x);
   state.v = (state.x - problem.stage.base.x) / problem.stage.d;
   for (const Pin& pin : problem.loads.pins) state.v.col(pin.vertex) = pin.held(pin.velocity, state.v.col(pin.vertex));
 }
 
-bool StageSolver::is_free(const Problem& problem) const {
+bool StageSolver::is_free(const StageProblem& problem) const {
   return problem.loads.pins.empty() && problem.loads.grabs.empty() && !contact_.touches();
 }
 
@@ -133,24 +136,24 @@ bool StageSolver::can_majorize(const Model& model, const Loads& loads) {
 
 bool StageSolver::solve_majorized(const Model& model, const Loads& loads, const mesh::VertexField& constant_force,
                                   const Stage& stage, State& state, StepStats& stats) {
-  KERF_CHECK(is_analysed_ && can_majorize(model, loads) && stage.contact == nullptr, "see can_majorize()");
-  const Problem exact{model, loads, constant_force, stage, {}};
-  Problem problem = exact;
+  KERF_CHECK(phase_ != Phase::kPatternChanged && can_majorize(model, loads) && stage.contact == nullptr,
+             "see can_majorize()");
+  const StageProblem exact{model, loads, constant_force, stage, {}};
+  StageProblem problem = exact;
   problem.is_majorized = true;
   contact_.begin(nullptr, model, stage.d, stage.base.x);
-  follows_loads_ = false;
-  is_predicted_ = false;
+  phase_ = Phase::kReady;
   state.x = stage.base.x;
   // A free sheet starts at the position given by its momentum. Moving it there afterwards could gain energy if the
   // solve stopped early. The bound and bending do not change with the translation.
   if (is_free(exact)) restore_momentum(exact, state.x);
-  const double reference = evaluate_residual(problem, state.x);
+  const double reference = equation_.evaluate(problem, state.x, residual_);
   if (!std::isfinite(reference)) return false;  // solvers that stop at once would report an unsolved state as solved
   solve_next(problem, state.x, false, stats);
   ++stats.newton_iterations;
   state.x += step_;
   if (!state.x.allFinite()) return false;
-  const double residual = evaluate_residual(exact, state.x);
+  const double residual = equation_.evaluate(exact, state.x, residual_);
   if (!std::isfinite(residual)) return false;
   stats.residual = reference > 0.0 ? residual / reference : 0.0;
   if (stats.residual > options_.newton_tolerance) stats.flags |= kNotConverged;
@@ -159,15 +162,15 @@ bool StageSolver::solve_majorized(const Model& model, const Loads& loads, const 
 }
 
 // Returns true if it converged, or ended below the potential it began at.
-bool StageSolver::iterate(const Problem& problem, mesh::VertexField& x, StepStats& stats) {
+bool StageSolver::iterate(StageProblem& problem, mesh::VertexField& x, StepStats& stats) {
   double scale = 0.0;
   double relative = 0.0;
   double best = std::numeric_limits<double>::infinity();
   int last = options_.newton_iterations;
   for (int i = 0; i <= last; ++i) {
-    if (heed_.ends()) return false;
+    if (stop_.is_met()) return false;
     if (i == 0) {
-      evaluate_residual(problem, x);
+      equation_.evaluate(problem, x, residual_);
     } else {
       relative = evaluate_relative(problem, x, scale);
       if (relative <= options_.newton_tolerance) {
@@ -181,10 +184,7 @@ bool StageSolver::iterate(const Problem& problem, mesh::VertexField& x, StepStat
       if (i == last || !std::isfinite(relative)) break;
     }
     if (i == 0) {
-      do {
-        assemble(problem, x, true);
-        scale = solve_first(problem, x, stats);
-      } while (leave_out_loads());
+      scale = solve_first(problem, x, stats);
       if (contact_.touches()) last = std::max(last, kContactIterations);
     } else {
       solve_next(problem, x, true, stats);
@@ -198,8 +198,9 @@ bool StageSolver::iterate(const Problem& problem, mesh::VertexField& x, StepStat
   return accept(problem, x, best, stats);
 }
 
-bool StageSolver::accept(const Problem& problem, const mesh::VertexField& x, double residual, StepStats& stats) const {
-  Problem undamped = problem;
+bool StageSolver::accept(const StageProblem& problem, const mesh::VertexField& x, double residual,
+                         StepStats& stats) const {
+  StageProblem undamped = problem;
   undamped.beta = {};
   const double reached = merit(undamped, x, start_);
   if (!std::isfinite(reached) || !(reached <= merit(undamped, start_, start_))) return false;
@@ -208,42 +209,40 @@ bool StageSolver::accept(const Problem& problem, const mesh::VertexField& x, dou
   return true;
 }
 
-void StageSolver::solve_next(const Problem& problem, const mesh::VertexField& x, bool predicted, StepStats& stats) {
+void StageSolver::solve_next(StageProblem& problem, const mesh::VertexField& x, bool predicted, StepStats& stats) {
+  LinearSolver& solver = predicted || !repair_solver_ ? *solver_ : *repair_solver_;
   do {
     assemble(problem, x, predicted);
     rhs_ = residual_;
     step_.setZero();
     constrain(problem, x);
     contact_.add_stiffness(problem.stage.d * problem.stage.d, matrix_.blocks());
-    solve_linear(predicted || !repair_solver_ ? *solver_ : *repair_solver_, stats, step_);
-  } while (leave_out_loads());
-}
-
-bool StageSolver::leave_out_loads() {
-  if (is_solved_ || !follows_loads_) return false;
-  follows_loads_ = false;
-  return true;
+  } while (!solve_linear(solver, problem, stats, step_));
 }
 
 // The unknown is the departure from ballistic motion that ends at the surfaces it meets. Tolerances are thus relative
 // to the effect of forces, not to the momentum of a moving sheet, and free fall is exact.
-double StageSolver::solve_first(const Problem& problem, const mesh::VertexField& x, StepStats& stats) {
+double StageSolver::solve_first(StageProblem& problem, const mesh::VertexField& x, StepStats& stats) {
   const double d = problem.stage.d;
-  rhs_ = residual_;
-  step_ = problem.stage.ballistic - x;
-  for (Eigen::Index i = 0; i < step_.cols(); ++i) {
-    if (problem.model.mass()[static_cast<std::size_t>(i)] == 0.0) step_.col(i).setZero();  // nothing moves it
-  }
-  contact_.predict(x, residual_, step_);
-  constrain(problem, x);
-  const double whole = rhs_.norm();
-  matrix_.blocks().multiply(step_, increment_);
-  rhs_ -= increment_;
-  contact_.add_forces(d * d, rhs_);
-  const double departure = rhs_.norm();
-  contact_.add_stiffness(d * d, matrix_.blocks());
-  increment_.setZero();
-  solve_linear(*solver_, stats, increment_);
+  double whole = 0.0;
+  double departure = 0.0;
+  do {
+    assemble(problem, x, true);
+    rhs_ = residual_;
+    step_ = problem.stage.ballistic - x;
+    for (Eigen::Index i = 0; i < step_.cols(); ++i) {
+      if (problem.model.mass()[static_cast<std::size_t>(i)] == 0.0) step_.col(i).setZero();  // nothing moves it
+    }
+    contact_.predict(x, residual_, step_);
+    constrain(problem, x);
+    whole = rhs_.norm();
+    matrix_.blocks().multiply(step_, increment_);
+    rhs_ -= increment_;
+    contact_.add_forces(d * d, rhs_);
+    departure = rhs_.norm();
+    contact_.add_stiffness(d * d, matrix_.blocks());
+    increment_.setZero();
+  } while (!solve_linear(*solver_, problem, stats, increment_));
   step_ += increment_;
   // Rounding of internal and of inertial forces.
   const std::span<const double> mass = problem.model.mass();
@@ -256,14 +255,14 @@ double StageSolver::solve_first(const Problem& problem, const mesh::VertexField&
       {departure, kMomentumShare * whole, rounding / options_.newton_tolerance, std::numeric_limits<double>::min()});
 }
 
-bool StageSolver::repair(const Problem& problem, const mesh::VertexField& start, mesh::VertexField& x,
+bool StageSolver::repair(StageProblem& problem, const mesh::VertexField& start, mesh::VertexField& x,
                          StepStats& stats) {
   stats.flags |= kRepaired;
   x = start;
   double reference = 0.0;
   double relative = 0.0;
   for (int i = 0; i < kRepairIterations; ++i) {
-    if (heed_.ends()) return false;
+    if (stop_.is_met()) return false;
     const double residual = evaluate_residual(problem, x, Update::kAll);
     const double value = merit(problem, x, x);
     if (!std::isfinite(value)) return false;
@@ -280,7 +279,7 @@ bool StageSolver::repair(const Problem& problem, const mesh::VertexField& start,
 }
 
 // Armijo backtracking along step_. Returns false if no step lowers the potential any more.
-bool StageSolver::search_line(const Problem& problem, double value, mesh::VertexField& x) {
+bool StageSolver::search_line(const StageProblem& problem, double value, mesh::VertexField& x) {
   constexpr double kSufficientDecrease = 1e-4;
   double slope = 0.0;
   for (Eigen::Index i = 0; i < step_.cols(); ++i) slope += residual_.col(i).dot(step_.col(i));
@@ -294,118 +293,35 @@ bool StageSolver::search_line(const Problem& problem, double value, mesh::Vertex
   return false;
 }
 
-double StageSolver::evaluate_relative(const Problem& problem, const mesh::VertexField& x, double scale) {
+double StageSolver::evaluate_relative(const StageProblem& problem, const mesh::VertexField& x, double scale) {
   const double relative = evaluate_residual(problem, x, Update::kAdd) / scale;
   if (!(relative <= kSettled) || !contact_.touches()) return relative;
   return evaluate_residual(problem, x, Update::kAll) / scale;
 }
 
-double StageSolver::evaluate_residual(const Problem& problem, const mesh::VertexField& x, Update update) {
-  evaluate_residual(problem, x);
+double StageSolver::evaluate_residual(const StageProblem& problem, const mesh::VertexField& x, Update update) {
+  equation_.evaluate(problem, x, residual_);
   contact_.detect(x, update);
   contact_.add_forces(problem.stage.d * problem.stage.d, residual_);
   return residual_.norm();
 }
 
-double StageSolver::evaluate_residual(const Problem& problem, const mesh::VertexField& x) {
-  const Stage& stage = problem.stage;
-  const Model& model = problem.model;
-  velocity_ = (x - stage.base.x) / stage.d;
-  force_ = problem.constant_force;
-  if (problem.is_majorized) {
-    add_majorized_forces(model.element_blocks(), model.materials(), x, force_);
-  } else {
-    add_membrane_forces(model.element_blocks(), model.materials(), problem.beta, x, velocity_, force_);
-  }
-  model.bending().add_forces(model.element_blocks(), x, velocity_, problem.beta, damped_, force_);
-  add_follower_forces(model.element_blocks(), problem.loads, x, force_);
-  add_grab_forces(problem, x);
-  for (Eigen::Index i = 0; i < x.cols(); ++i) {
-    const double m = model.mass()[static_cast<std::size_t>(i)];
-    const double inertia = 1.0 + stage.d * model.masses().damping(static_cast<int>(i));
-    const Eigen::Vector3d impulse =
-        stage.base.v.col(i) - (inertia / stage.d) * (x.col(i) - stage.base.x.col(i)) + stage.d * problem.loads.gravity;
-    residual_.col(i) = m * stage.d * impulse + stage.d * stage.d * force_.col(i);
-    if (m == 0.0) residual_.col(i).setZero();
-  }
-  double sum = 0.0;
-  for (const Pin& pin : problem.loads.pins) {
-    residual_.col(pin.vertex) = pin.held(Eigen::Vector3d::Zero(), residual_.col(pin.vertex));
-  }
-  for (Eigen::Index i = 0; i < x.cols(); ++i) sum += residual_.col(i).squaredNorm();
-  return std::sqrt(sum);
+double StageSolver::merit(const StageProblem& problem, const mesh::VertexField& x,
+                          const mesh::VertexField& origin) const {
+  return incremental_potential(problem, contact_.potential(x), x, origin);
 }
 
-void StageSolver::restore_momentum(const Problem& problem, mesh::VertexField& x) const {
-  const Stage& stage = problem.stage;
-  const Model& model = problem.model;
-  Eigen::Vector3d missing = stage.d * stage.momentum;
-  missing += stage.d * stage.d * follower_resultant(model.element_blocks(), problem.loads, x);
-  double mass = 0.0;
-  double inert_mass = 0.0;  // kg, masses times the inertia factor of each
-  for (Eigen::Index i = 0; i < x.cols(); ++i) {
-    const double m = model.mass()[static_cast<std::size_t>(i)];
-    const double inertia = 1.0 + stage.d * model.masses().damping(static_cast<int>(i));
-    mass += m;
-    inert_mass += m * inertia;
-    missing -= m * inertia * (x.col(i) - stage.base.x.col(i));
-    missing += stage.d * stage.d * (m * problem.loads.gravity + problem.constant_force.col(i));
-  }
-  if (!(mass > 0.0)) return;
-  if (model.materials().has_one_mass_damping()) inert_mass = mass * (1.0 + stage.d * model.masses().damping(0));
-  const Eigen::Vector3d shift = missing / inert_mass;
-  for (Eigen::Index i = 0; i < x.cols(); ++i) {
-    if (model.mass()[static_cast<std::size_t>(i)] > 0.0) x.col(i) += shift;
-  }
-}
-
-void StageSolver::add_grab_forces(const Problem& problem, const mesh::VertexField& x) {
-  for (const Grab& grab : problem.loads.grabs) {
-    const Eigen::Vector3d target = grab.target - problem.stage.time_left * grab.velocity;
-    const Eigen::Vector3d f =
-        grab.stiffness * (target - grab_point(grab, x)) + grab.damping * (grab.velocity - grab_point(grab, velocity_));
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (grab.vertices[k] == mesh::kNone) continue;
-      force_.col(grab.vertices[k]) += grab.weights[static_cast<Eigen::Index>(k)] * f;
-    }
-  }
-}
-
-double StageSolver::merit(const Problem& problem, const mesh::VertexField& x, const mesh::VertexField& origin) const {
-  const Stage& stage = problem.stage;
-  const Model& model = problem.model;
-  const double d = stage.d;
-  double potential = membrane_energy(model.element_blocks(), model.materials(), x);
-  if (model.materials().has_bending()) potential += model.bending().energy(model.element_blocks(), x);
-  double kinetic = 0.0;
-  for (Eigen::Index i = 0; i < x.cols(); ++i) {
-    const double m = model.mass()[static_cast<std::size_t>(i)];
-    const double inertia = 1.0 + d * model.masses().damping(static_cast<int>(i));
-    const Eigen::Vector3d dx = x.col(i) - stage.base.x.col(i);
-    kinetic += m * (0.5 * inertia * dx.squaredNorm() - d * stage.base.v.col(i).dot(dx));
-    potential -= (m * problem.loads.gravity + problem.constant_force.col(i)).dot(dx);
-  }
-  for (const Grab& grab : problem.loads.grabs) {
-    const Eigen::Vector3d target = grab.target - stage.time_left * grab.velocity;
-    const Eigen::Vector3d p = grab_point(grab, x);
-    const Eigen::Vector3d slip = (p - grab_point(grab, stage.base.x)) / d - grab.velocity;
-    potential += 0.5 * grab.stiffness * (p - target).squaredNorm() + 0.5 * grab.damping * d * slip.squaredNorm();
-  }
-  potential += contact_.potential(x);
-  if (has_follower_loads(problem.loads)) {
-    potential -= follower_work(model.element_blocks(), problem.loads, origin, x);
-  }
-  return kinetic + d * d * potential;
-}
-
-void StageSolver::solve_linear(LinearSolver& solver, StepStats& stats, mesh::VertexField& x) {
+bool StageSolver::solve_linear(LinearSolver& solver, StageProblem& problem, StepStats& stats, mesh::VertexField& x) {
   const LinearStats linear = solver.solve(matrix_.blocks(), rhs_, options_.linear_tolerance, x);
   stats.linear_iterations += linear.iterations;
-  is_solved_ = linear.converged;
-  if (!is_solved_ && follows_loads_) return;  // see leave_out_loads()
-  if (!is_solved_) stats.flags |= kNotConverged;
+  if (!linear.converged && problem.has_follower_tangent) {
+    problem.has_follower_tangent = false;
+    return false;
+  }
+  if (!linear.converged) stats.flags |= kNotConverged;
   const bool is_bounded = linear.residual < kWorstLinearResidual;
   stats.linear_residual = std::max(stats.linear_residual, is_bounded ? linear.residual : kWorstLinearResidual);
+  return true;
 }
 
 }  // namespace kerf::fem

@@ -56,7 +56,8 @@ struct StepStats {
   int cluster_pushes = 0;    // number of times that bodies pushed a cluster of local inertia
   int bending_interval = 0;  // explicit: substeps from one kick of bending to the next
   bool is_double = false;    // explicit: made in double precision
-  bool interrupted = false;  // stopped early, see Integrator::heed: the state is unchanged, all else is invalid
+  bool interrupted =
+      false;  // stopped early, see Integrator::set_stop_condition: the state is unchanged, all else is invalid
 };
 
 // Clusters of vertices that cuts made stiff: see LocalInertia.

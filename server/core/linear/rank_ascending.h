@@ -8,6 +8,6 @@ namespace kerf::fem {
 
 // Sets `places` to the rank of each key in ascending order; keys are distinct. The rank of few keys is counted as the
 // number of smaller keys, in vector code without unpredictable branches.
-void place_in_order(std::span<const std::int32_t> keys, std::vector<std::int32_t>& places);
+void rank_ascending(std::span<const std::int32_t> keys, std::vector<std::int32_t>& places);
 
 }  // namespace kerf::fem

@@ -1,4 +1,4 @@
-#include "server/core/linear/place_in_order.h"
+#include "server/core/linear/rank_ascending.h"
 
 #include <algorithm>
 #include <array>
@@ -7,7 +7,7 @@
 #include "server/core/linear/lanes16.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "server/core/linear/place_in_order.cc"
+#define HWY_TARGET_INCLUDE "server/core/linear/rank_ascending.cc"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -40,7 +40,7 @@ namespace {
 HWY_EXPORT(count_below);
 }  // namespace
 
-void place_in_order(std::span<const std::int32_t> keys, std::vector<std::int32_t>& places) {
+void rank_ascending(std::span<const std::int32_t> keys, std::vector<std::int32_t>& places) {
   constexpr std::size_t kFew = 64;
   static_assert(kFew % kBlockLanes == 0);
   places.resize(keys.size());
