@@ -6,6 +6,7 @@
 
 #include "server/core/cut/cut.h"
 #include "tests/fem/integrator_cases.h"
+#include "tests/support/matrix_near.h"
 #include "tests/support/trials.h"
 
 namespace kerf::fem {
@@ -28,7 +29,7 @@ TEST(ExplicitIntegrator, AgreesWithAFinelyResolvedImplicitOne) {
   second->rebuild(model);
   for (int i = 0; i < 100; ++i) first->step(model, loads, 1e-3, nullptr, verlet);
   for (int i = 0; i < 100; ++i) second->step(model, loads, 1e-3, nullptr, implicit);
-  EXPECT_LT((verlet.x - implicit.x).cwiseAbs().maxCoeff(), 2e-4);
+  EXPECT_THAT(verlet.x, test::MatrixNear(implicit.x, 2e-4));
   EXPECT_LT(verlet.x.row(2).minCoeff(), -0.04);
 }
 

@@ -6,6 +6,7 @@
 
 #include "tests/fem/leapfrog_cases.h"
 #include "tests/support/allocation_counter.h"
+#include "tests/support/matrix_near.h"
 #include "tests/support/random_cuts.h"
 
 namespace kerf::fem {
@@ -33,7 +34,7 @@ void expect_mixed_follows_double(MembraneLaw law) {
     const double velocity_error = 7.0 * kMostSubsteps * 0x1p-24;  // m/s
     const double way_error = velocity_error * kTicks * kTick;     // m
     EXPECT_LT(results[0].v.cwiseAbs().maxCoeff(), 1.1);
-    EXPECT_LT((results[0].x - results[1].x).cwiseAbs().maxCoeff(), way_error);
+    EXPECT_THAT(results[0].x, test::MatrixNear(results[1].x, way_error));
     const double mass = model.masses().total();
     EXPECT_NEAR(model.energies(results[1], loads.gravity).total(), model.energies(results[0], loads.gravity).total(),
                 mass * velocity_error + mass * 9.81 * way_error);
@@ -86,7 +87,7 @@ TEST(MixedPrecision, KeepsMotionSlowerThanItsUnitOfLength) {
   const mesh::VertexField moved = state.x - start;
   EXPECT_LT((model.centre_of_mass(moved) - way).norm(), 1e-2 * way.norm());
   // Rounded constants make the rest shape, 1 m wide, another one by some 2^-24 of it.
-  EXPECT_LT((moved.colwise() - way).cwiseAbs().maxCoeff(), 1e-2 * way.norm() + 2.0 * 0x1p-24);
+  EXPECT_THAT(moved, test::MatrixNear(way.replicate(1, moved.cols()), 1e-2 * way.norm() + 2.0 * 0x1p-24));
 }
 
 // Some 100,000 substeps: what rounding takes off each change of velocity must not add up.
@@ -122,7 +123,7 @@ TEST(MixedPrecision, IsTheSameFarFromTheOrigin) {
   const State far_moved = stepped(model, *integrator, far, 30, hang_by_corners(9, far));
   EXPECT_LT(moved.x.row(2).minCoeff(), -0.2);
   // Positions there are rounded to 1e-12 m, edges as well.
-  EXPECT_LT(((far_moved.x.colwise() - there) - moved.x).cwiseAbs().maxCoeff(), 1e-5);
+  EXPECT_THAT(far_moved.x.colwise() - there, test::MatrixNear(moved.x, 1e-5));
 }
 
 // Forces a thousand times its weight, whose rounding does not add up to 0.
@@ -236,7 +237,7 @@ TEST(MixedPrecision, StepsASheetAtRestWhateverWasSteppedBefore) {
         const State found = stepped(sheet.model, *mixed, start, 1, loads);
         EXPECT_TRUE(equal_bits(found, stepped(sheet.model, *fresh, start, 1, loads)));
         const State expected = stepped(sheet.model, *exact, start, 1, loads);
-        EXPECT_LT((found.x - expected.x).cwiseAbs().maxCoeff(), 1e-7);
+        EXPECT_THAT(found.x, test::MatrixNear(expected.x, 1e-7));
       }
     }
   }
@@ -267,8 +268,8 @@ TEST(MixedPrecision, StepsACutSheetNearlyAtRestAlmostAsInDouble) {
     results.push_back(state);
   }
   EXPECT_GT((results[0].x - start.x).cwiseAbs().maxCoeff(), 1e-7);
-  EXPECT_LT((results[0].x - results[1].x).cwiseAbs().maxCoeff(), 1e-10);
-  EXPECT_LT((results[0].v - results[1].v).cwiseAbs().maxCoeff(), 1e-6);
+  EXPECT_THAT(results[0].x, test::MatrixNear(results[1].x, 1e-10));
+  EXPECT_THAT(results[0].v, test::MatrixNear(results[1].v, 1e-6));
 }
 
 // Two strips, of which the lower one has fallen by `way`, m.
@@ -305,8 +306,8 @@ TEST(MixedPrecision, HoldsPiecesThatAreFarApart) {
         integrator->rebuild(model);
         results.push_back(stepped(model, *integrator, fallen(mesh, way), 3));
       }
-      EXPECT_LT((results[0].x - results[1].x).cwiseAbs().maxCoeff(), 1e-7) << way;
-      EXPECT_LT((results[0].v - results[1].v).cwiseAbs().maxCoeff(), 1e-4) << way;
+      EXPECT_THAT(results[0].x, test::MatrixNear(results[1].x, 1e-7)) << way;
+      EXPECT_THAT(results[0].v, test::MatrixNear(results[1].v, 1e-4)) << way;
     }
     // A step does not depend on the one before.
     const std::unique_ptr<Integrator> kept = make_integrator(options_of(Precision::kMixed));
@@ -335,7 +336,7 @@ TEST(MixedPrecision, HoldsWhatIsStretchedFar) {
     results.push_back(state);
   }
   EXPECT_GT((results[0].x - start.x).cwiseAbs().maxCoeff(), 1e-3);
-  EXPECT_LT((results[0].x - results[1].x).cwiseAbs().maxCoeff(), 1e-6);
+  EXPECT_THAT(results[0].x, test::MatrixNear(results[1].x, 1e-6));
 }
 
 TEST(MixedPrecision, MakesAStepInDoubleWhereATriangleIsTooFlat) {
