@@ -3,6 +3,9 @@
 
 #include <Eigen/Geometry>
 
+#include "server/core/fem/element/loads.h"
+#include "server/core/fem/element/state.h"
+#include "server/core/fem/model/model.h"
 #include "server/core/fem/step/integrator.h"
 #include "server/core/mesh/build/grid_mesh.h"
 #include "tests/accuracy/reference.h"

@@ -2,6 +2,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "server/core/fem/element/loads.h"
+#include "server/core/fem/model/model.h"
 #include "server/core/fem/statics/equilibrium.h"
 #include "server/core/fem/statics/modes.h"
 #include "server/core/mesh/build/grid_mesh.h"

@@ -7,6 +7,8 @@
 #include <utility>
 
 #include "server/core/cut/cut.h"
+#include "server/core/fem/element/loads.h"
+#include "server/core/fem/model/model.h"
 #include "server/core/fem/statics/equilibrium.h"
 #include "server/core/mesh/build/grid_mesh.h"
 #include "server/core/mesh/build/mesh_import.h"

@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <vector>
 
+#include "server/core/fem/element/loads.h"
+#include "server/core/fem/model/model.h"
 #include "server/core/fem/statics/equilibrium.h"
 #include "server/core/mesh/build/mesh_import.h"
 #include "tests/accuracy/reference.h"

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "server/core/fem/element/state.h"
 #include "server/core/fem/step/integrator.h"
 #include "server/core/mesh/build/grid_mesh.h"
 #include "tests/bench/cpu_time.h"

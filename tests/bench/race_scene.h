@@ -7,6 +7,9 @@
 
 #include <Eigen/Core>
 
+#include "server/core/fem/element/loads.h"
+#include "server/core/fem/element/state.h"
+#include "server/core/fem/model/model.h"
 #include "server/core/fem/step/integrator.h"
 #include "server/core/mesh/triangle_mesh.h"
 

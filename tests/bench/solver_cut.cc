@@ -12,6 +12,9 @@
 
 #include "server/base/check.h"
 #include "server/core/cut/cut.h"
+#include "server/core/fem/element/loads.h"
+#include "server/core/fem/element/state.h"
+#include "server/core/fem/model/model.h"
 #include "server/core/fem/model/transfer.h"
 #include "server/core/linear/conjugate_gradient.h"
 #include "server/core/linear/factor_preconditioner.h"

@@ -12,6 +12,9 @@
 
 #include "server/base/check.h"
 #include "server/core/cut/cut.h"
+#include "server/core/fem/element/loads.h"
+#include "server/core/fem/element/state.h"
+#include "server/core/fem/model/model.h"
 #include "server/core/fem/step/integrator.h"
 #include "server/core/linear/linear_solver.h"
 #include "server/core/mesh/build/grid_mesh.h"

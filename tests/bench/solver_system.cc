@@ -2,8 +2,11 @@
 
 #include <memory>
 
+#include "server/core/fem/element/loads.h"
 #include "server/core/fem/element/membrane.h"
+#include "server/core/fem/element/state.h"
 #include "server/core/fem/element/vertex_frames.h"
+#include "server/core/fem/model/model.h"
 #include "server/core/fem/step/integrator.h"
 
 namespace kerf::bench {

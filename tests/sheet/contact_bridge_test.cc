@@ -1,4 +1,5 @@
 #include "server/core/sheet/contact_bridge.h"
+#include "server/core/fem/element/contact_constraint.h"
 
 #include <array>
 #include <limits>

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "server/core/fem/element/loads.h"
+#include "server/core/fem/element/state.h"
 #include "server/core/fem/model/condition.h"
 #include "server/core/fem/step/integrator.h"
 #include "server/core/mesh/triangle_mesh.h"

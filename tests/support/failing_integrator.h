@@ -5,6 +5,10 @@
 #include <new>
 #include <utility>
 
+#include "server/core/fem/element/contact_constraint.h"
+#include "server/core/fem/element/loads.h"
+#include "server/core/fem/element/state.h"
+#include "server/core/fem/model/model.h"
 #include "server/core/fem/step/integrator.h"
 
 namespace kerf::scenes {

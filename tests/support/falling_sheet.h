@@ -5,6 +5,9 @@
 #include <memory>
 #include <vector>
 
+#include "server/core/fem/element/loads.h"
+#include "server/core/fem/element/state.h"
+#include "server/core/fem/model/model.h"
 #include "server/core/fem/step/integrator.h"
 #include "server/core/mesh/build/grid_mesh.h"
 

@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "server/core/analysis/probe.h"
-#include "server/core/fem/statics/equilibrium.h"
 #include "server/core/fem/statics/modes.h"
 #include "server/core/sheet/unheld.h"
 

@@ -9,7 +9,7 @@
 #include <Eigen/Core>
 
 #include "server/core/contact/contact_solver.h"
-#include "server/core/fem/step/integrator.h"
+#include "server/core/fem/element/contact_constraint.h"
 #include "server/core/linear/vertex_field.h"
 #include "server/core/mesh/ids.h"
 

@@ -58,7 +58,7 @@ void MovingSheet::watch_rest(bool more_to_come) {
 }
 
 fem::EquilibriumStats MovingSheet::settle(double load, const fem::EquilibriumOptions& options,
-                                          const fem::EquilibriumSolver::Watch& watch) {
+                                          const fem::EquilibriumWatch& watch) {
   set_conditions({load, load}, 0.0);
   conditions_.grabs().clear();
   bend_by_angles();

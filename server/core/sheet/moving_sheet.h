@@ -44,7 +44,7 @@ class MovingSheet {
 
   // See Sheet::settle(), Sheet::bend_by_angles().
   fem::EquilibriumStats settle(double load, const fem::EquilibriumOptions& options,
-                               const fem::EquilibriumSolver::Watch& watch);
+                               const fem::EquilibriumWatch& watch);
   void bend_by_angles() { model_.bend_by_angles(mesh_); }
 
   // Commands. Each changes everything it should, or nothing.

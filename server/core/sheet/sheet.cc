@@ -39,7 +39,7 @@ TickReport Sheet::step(std::span<const Command> commands, StageObserver* observe
 }
 
 fem::EquilibriumStats Sheet::settle(double load, const fem::EquilibriumOptions& options,
-                                    const fem::EquilibriumSolver::Watch& watch) {
+                                    const fem::EquilibriumWatch& watch) {
   return impl_->moving.settle(load, options, watch);
 }
 

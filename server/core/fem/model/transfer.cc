@@ -8,6 +8,8 @@
 
 #include "server/base/check.h"
 #include "server/base/sort_unique.h"
+#include "server/core/fem/element/state.h"
+#include "server/core/fem/model/model.h"
 
 namespace kerf::fem {
 namespace {

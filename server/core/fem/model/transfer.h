@@ -2,13 +2,15 @@
 
 #include <span>
 
-#include "server/core/fem/element/state.h"
-#include "server/core/fem/model/model.h"
 #include "server/core/linear/vertex_field.h"
 #include "server/core/mesh/mesh_edit.h"
 #include "server/core/mesh/mesh_revert.h"
 
 namespace kerf::fem {
+
+class Model;
+struct MassChange;
+struct State;
 
 // Carries x and v over edits made one after another, after Model::follow returned `change` for all of them. Every added
 // and moved vertex gets the weighted sum of its sources' fields as they were before its edit. A source of weight 1 is

@@ -7,8 +7,10 @@
 #include "server/core/fem/element/angle_bending.h"
 #include "server/core/fem/element/follower_loads.h"
 #include "server/core/fem/element/grab_point.h"
+#include "server/core/fem/element/loads.h"
 #include "server/core/fem/element/membrane.h"
 #include "server/core/fem/element/membrane_tangent.h"
+#include "server/core/fem/model/model.h"
 
 namespace kerf::fem {
 namespace {
@@ -47,7 +49,7 @@ void EquilibriumSolver::rebuild(const Model& model) {
     field->resize(model.num_vertices());
 }
 
-EquilibriumStats EquilibriumSolver::solve(const Model& model, const Loads& loads, const Watch& watch,
+EquilibriumStats EquilibriumSolver::solve(const Model& model, const Loads& loads, const EquilibriumWatch& watch,
                                           mesh::VertexField& x) {
   EquilibriumStats stats;
   for (const Pin& pin : loads.pins) x.col(pin.vertex) = pin.held(pin.target, x.col(pin.vertex));

@@ -1,34 +1,19 @@
 #pragma once
 
-#include <functional>
 #include <vector>
 
 #include <Eigen/Core>
 
-#include "server/core/fem/element/loads.h"
-#include "server/core/fem/model/model.h"
 #include "server/core/fem/model/tangent_matrix.h"
+#include "server/core/fem/statics/equilibrium_options.h"
 #include "server/core/linear/direct_solver.h"
 #include "server/core/linear/skew_correction.h"
 #include "server/core/linear/vertex_field.h"
 
 namespace kerf::fem {
 
-struct EquilibriumOptions {
-  double tolerance = 1e-9;   // -, see EquilibriumStats::residual
-  int max_iterations = 300;  // Newton steps, >= 1
-};
-
-struct EquilibriumStats {
-  bool converged = false;  // residual <= tolerance
-  // -, Euclidean norm of the unbalanced forces over that of the loads and the reactions. If there are neither, it is
-  // relative to the rounding error.
-  double residual = 0.0;
-  int iterations = 0;  // Newton steps
-  double shift = 0.0;  // 1/s^2, times the masses, added to the stiffness in the last step. 0: the stiffness is positive
-                       // definite there, so the equilibrium is stable. Eigenvalues down to -1e-12 of the largest are
-                       // tolerated, so that free motions, of the whole sheet or a part, count as neutral
-};
+class Model;
+struct Loads;
 
 // Finds the rest state of a sheet under constant loads: a local minimum of elastic energy minus the work of the loads.
 // It uses Newton's method with the exact tangent, including the skew part of follower loads. If the tangent is not
@@ -53,9 +38,8 @@ class EquilibriumSolver {
   void rebuild(const Model& model);
 
   // Solves for x (3 x V, m), from its initial value with pins moved to their targets. x becomes the equilibrium, or the
-  // best state found. `watch`, if given, is called whenever x has moved; returning false ends the search.
-  using Watch = std::function<bool(const EquilibriumStats&)>;
-  EquilibriumStats solve(const Model& model, const Loads& loads, const Watch& watch, mesh::VertexField& x);
+  // best state found. `watch` may be empty.
+  EquilibriumStats solve(const Model& model, const Loads& loads, const EquilibriumWatch& watch, mesh::VertexField& x);
 
  private:
   // Sets residual_, which is 0 in held components. Returns its norm over the scale.

@@ -13,6 +13,8 @@
 #include <Eigen/SparseCore>
 
 #include "server/base/check.h"
+#include "server/core/fem/element/loads.h"
+#include "server/core/fem/model/model.h"
 
 namespace kerf::fem {
 namespace {

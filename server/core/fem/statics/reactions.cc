@@ -2,8 +2,11 @@
 
 #include "server/core/fem/element/follower_loads.h"
 #include "server/core/fem/element/grab_point.h"
+#include "server/core/fem/element/loads.h"
 #include "server/core/fem/element/membrane.h"
+#include "server/core/fem/element/state.h"
 #include "server/core/fem/element/wind_drag.h"
+#include "server/core/fem/model/model.h"
 
 namespace kerf::fem {
 namespace {

@@ -1,11 +1,12 @@
 #pragma once
 
-#include "server/core/fem/element/loads.h"
-#include "server/core/fem/element/state.h"
-#include "server/core/fem/model/model.h"
 #include "server/core/linear/vertex_field.h"
 
 namespace kerf::fem {
+
+class Model;
+struct Loads;
+struct State;
 
 // Forces of the pins on the sheet. `reactions` (3 x V, N) is overwritten, and 0 in all components that no pin holds.
 // Forces that a clamp exerts besides them form the couple of the slope it holds, which has no resultant. The force of a

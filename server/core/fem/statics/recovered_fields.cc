@@ -8,6 +8,7 @@
 
 #include "server/base/check.h"
 #include "server/core/fem/element/element_lanes.h"
+#include "server/core/fem/model/model.h"
 
 namespace kerf::fem {
 namespace {

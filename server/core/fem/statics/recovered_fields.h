@@ -5,11 +5,12 @@
 
 #include <Eigen/Core>
 
-#include "server/core/fem/model/model.h"
 #include "server/core/linear/vertex_field.h"
 #include "server/core/mesh/ids.h"
 
 namespace kerf::fem {
+
+class Model;
 
 // Strain and stress of the membrane, constant in each triangle, and recovered at vertices. All are plane, symmetric and
 // relative to the sheet: rotations do not show.

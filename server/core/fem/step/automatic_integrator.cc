@@ -6,6 +6,10 @@
 #include <cstdio>
 #include <string_view>
 
+#include "server/core/fem/element/contact_constraint.h"
+#include "server/core/fem/element/loads.h"
+#include "server/core/fem/element/state.h"
+#include "server/core/fem/model/model.h"
 #include "server/core/fem/step/implicit_integrator.h"
 
 namespace kerf::fem {

@@ -4,6 +4,11 @@
 #include <optional>
 #include <string>
 
+#include "server/core/fem/element/contact_constraint.h"
+#include "server/core/fem/element/loads.h"
+#include "server/core/fem/element/state.h"
+#include "server/core/fem/model/model.h"
+#include "server/core/fem/model/tick_cost.h"
 #include "server/core/fem/step/explicit_integrator.h"
 #include "server/core/fem/step/integrator.h"
 

@@ -8,11 +8,15 @@
 
 #include "server/base/check.h"
 #include "server/core/fem/element/bending_forces.h"
+#include "server/core/fem/element/contact_constraint.h"
 #include "server/core/fem/element/follower_loads.h"
+#include "server/core/fem/element/loads.h"
 #include "server/core/fem/element/membrane.h"
+#include "server/core/fem/element/state.h"
 #include "server/core/fem/element/wind_drag.h"
 #include "server/core/fem/model/energy_guard.h"
 #include "server/core/fem/model/free_flight.h"
+#include "server/core/fem/model/model.h"
 
 namespace kerf::fem {
 namespace {

@@ -5,9 +5,14 @@
 #include <string_view>
 #include <vector>
 
+#include "server/core/fem/element/contact_constraint.h"
+#include "server/core/fem/element/loads.h"
+#include "server/core/fem/element/state.h"
 #include "server/core/fem/leapfrog/leapfrog_sweep.h"
 #include "server/core/fem/leapfrog/membrane_layout.h"
 #include "server/core/fem/model/local_inertia.h"
+#include "server/core/fem/model/model.h"
+#include "server/core/fem/model/tick_cost.h"
 #include "server/core/fem/step/integrator.h"
 #include "server/core/linear/vertex_field.h"
 

@@ -1,3 +1,6 @@
+#include "server/core/fem/element/loads.h"
+#include "server/core/fem/model/model.h"
+#include "server/core/fem/model/tick_cost.h"
 #include "server/core/fem/step/explicit_integrator.h"
 
 #include <algorithm>

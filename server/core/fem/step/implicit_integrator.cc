@@ -3,11 +3,16 @@
 #include <algorithm>
 
 #include "server/base/check.h"
+#include "server/core/fem/element/contact_constraint.h"
 #include "server/core/fem/element/follower_loads.h"
 #include "server/core/fem/element/grab_point.h"
+#include "server/core/fem/element/loads.h"
 #include "server/core/fem/element/membrane.h"
+#include "server/core/fem/element/state.h"
 #include "server/core/fem/element/wind_drag.h"
 #include "server/core/fem/model/energy_guard.h"
+#include "server/core/fem/model/model.h"
+#include "server/core/fem/model/tick_cost.h"
 
 namespace kerf::fem {
 namespace {

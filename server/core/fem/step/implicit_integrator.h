@@ -2,6 +2,11 @@
 
 #include <string>
 
+#include "server/core/fem/element/contact_constraint.h"
+#include "server/core/fem/element/loads.h"
+#include "server/core/fem/element/state.h"
+#include "server/core/fem/model/model.h"
+#include "server/core/fem/model/tick_cost.h"
 #include "server/core/fem/step/integrator.h"
 #include "server/core/fem/step/stage_solver.h"
 #include "server/core/linear/vertex_field.h"

@@ -1,6 +1,10 @@
 #include "server/core/fem/step/integrator.h"
 
+#include "server/core/fem/element/loads.h"
+#include "server/core/fem/model/model.h"
+#include "server/core/fem/model/tick_cost.h"
 #include "server/core/fem/step/automatic_integrator.h"
+#include "server/core/fem/step/explicit_integrator.h"
 #include "server/core/fem/step/implicit_integrator.h"
 
 namespace kerf::fem {
@@ -13,6 +17,10 @@ double Integrator::mobility(const Model& model, const Grab& grab) const {
     sum += w * w * model.inverse_mass()[static_cast<std::size_t>(grab.vertices[k])];
   }
   return sum;
+}
+
+TickCost Integrator::expected_cost(const Model& /*model*/, double /*dt*/, const TickCounts& /*last*/) const {
+  return {};
 }
 
 std::unique_ptr<Integrator> make_integrator(const IntegratorOptions& options) {

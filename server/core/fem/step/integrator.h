@@ -5,15 +5,18 @@
 #include <string_view>
 
 #include "server/base/stop_condition.h"
-#include "server/core/fem/element/contact_constraint.h"
-#include "server/core/fem/element/loads.h"
-#include "server/core/fem/element/state.h"
-#include "server/core/fem/model/model.h"
-#include "server/core/fem/model/tick_cost.h"
 #include "server/core/fem/step/integrator_options.h"
 #include "server/core/fem/step/step_stats.h"
 
 namespace kerf::fem {
+
+class ContactConstraint;
+class Model;
+struct Grab;
+struct Loads;
+struct State;
+struct TickCost;
+struct TickCounts;
 
 // Advances a state. Not thread-safe; one for each sheet.
 class Integrator {
@@ -48,10 +51,7 @@ class Integrator {
   // Clusters and substeps of steps of dt, s. Empty without clusters, as for implicit integrators.
   [[nodiscard]] virtual std::optional<LocalInertiaStats> local_inertia(double /*dt*/) const { return std::nullopt; }
   // Estimates the cost of a step of dt, s, of the model of the last rebuild, after one like `last`; 0 if unknown.
-  [[nodiscard]] virtual TickCost expected_cost(const Model& /*model*/, double /*dt*/,
-                                               const TickCounts& /*last*/) const {
-    return {};
-  }
+  [[nodiscard]] virtual TickCost expected_cost(const Model& model, double dt, const TickCounts& last) const;
 
  protected:
   StopPoll stop_;

@@ -7,7 +7,9 @@
 
 #include <Eigen/Geometry>
 
+#include "server/core/fem/model/model.h"
 #include "server/core/fem/step/automatic_integrator.h"
+#include "server/core/mesh/triangle_mesh.h"
 
 namespace kerf::fem {
 namespace {

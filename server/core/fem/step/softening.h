@@ -5,8 +5,11 @@
 #include <vector>
 
 #include "server/core/fem/element/material.h"
-#include "server/core/fem/step/integrator.h"
-#include "server/core/mesh/triangle_mesh.h"
+#include "server/core/fem/step/integrator_options.h"
+
+namespace kerf::mesh {
+class TriangleMesh;
+}
 
 namespace kerf::fem {
 

@@ -4,6 +4,9 @@
 #include <limits>
 #include <utility>
 
+#include "server/core/fem/element/contact_constraint.h"
+#include "server/core/fem/model/model.h"
+
 namespace kerf::fem {
 namespace {
 

@@ -4,8 +4,10 @@
 
 #include "server/core/fem/element/follower_loads.h"
 #include "server/core/fem/element/grab_point.h"
+#include "server/core/fem/element/loads.h"
 #include "server/core/fem/element/majorized_membrane.h"
 #include "server/core/fem/element/membrane.h"
+#include "server/core/fem/model/model.h"
 
 namespace kerf::fem {
 

@@ -6,8 +6,11 @@
 
 #include "server/base/check.h"
 #include "server/core/fem/element/follower_loads.h"
+#include "server/core/fem/element/loads.h"
 #include "server/core/fem/element/membrane_tangent.h"
+#include "server/core/fem/element/state.h"
 #include "server/core/fem/element/vertex_frames.h"
+#include "server/core/fem/model/model.h"
 
 namespace kerf::fem {
 namespace {

@@ -4,7 +4,10 @@
 #include <span>
 #include <vector>
 
+#include "server/core/fem/element/loads.h"
 #include "server/core/fem/element/membrane_tangent.h"
+#include "server/core/fem/element/state.h"
+#include "server/core/fem/model/model.h"
 #include "server/core/fem/model/tangent_matrix.h"
 #include "server/core/fem/step/integrator.h"
 #include "server/core/fem/step/stage_contact.h"
