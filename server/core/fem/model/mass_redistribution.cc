@@ -205,10 +205,10 @@ std::span<const VertexId> MassPass::update(const MassProblem& problem, std::span
     set->resize(mass.size());
   }
   // Domains that lose a vertex.
-  std::vector<std::int32_t> bereft;
-  for (std::size_t v = mass.size(); v < domain_of_.size(); ++v) bereft.push_back(domain_of_[v]);
+  std::vector<std::int32_t> dropped;
+  for (std::size_t v = mass.size(); v < domain_of_.size(); ++v) dropped.push_back(domain_of_[v]);
   domain_of_.resize(mass.size(), kNone);
-  for (const std::int32_t domain : bereft) dissolve(domain);
+  for (const std::int32_t domain : dropped) dissolve(domain);
   for (const VertexId v : touched) region_.insert(v);
   for (const VertexId v : touched) dissolve(domain_of_[as_index(v)]);
   while (!gather_reach(problem)) {
