@@ -8,6 +8,9 @@
 
 #include <Eigen/Geometry>
 
+#include "server/core/fem/element/loads.h"
+#include "server/core/fem/element/state.h"
+#include "server/core/fem/model/model.h"
 #include "server/core/fem/statics/reactions.h"
 #include "server/core/fem/statics/recovered_fields.h"
 #include "server/core/scene/region.h"
