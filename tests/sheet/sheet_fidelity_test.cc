@@ -1,4 +1,6 @@
 // Sheets whose membrane is softened to fit their tick.
+#include "server/core/fem/element/state.h"
+#include "server/core/fem/model/model.h"
 #include "server/core/fem/step/softening.h"
 #include "server/core/scene/sheet_materials.h"
 #include "tests/sheet/sheet_calls.h"

@@ -12,6 +12,7 @@
 #include "server/core/fem/element/loads.h"
 #include "server/core/fem/element/state.h"
 #include "server/core/fem/model/model.h"
+#include "server/core/fem/statics/equilibrium.h"
 #include "server/core/fem/statics/equilibrium_options.h"
 #include "server/core/fem/statics/modes.h"
 #include "server/core/sheet/unheld.h"

@@ -19,8 +19,8 @@ Error unknown_grab(const std::string& grab_id, const std::string& field) {
 // stretch. It is no stiffer than the membrane, nor than kMaxGrabStiffness. So a jump of the target stretches the spring
 // and not only the triangles it is tied to.
 double default_stiffness(const mesh::TriangleMesh& mesh, const fem::Model& model, mesh::VertexId vertex, double dt) {
-  const double hold = model.total_mass() / (dt * dt);
-  const Eigen::Matrix3d& membrane = model.law(mesh.triangle_at(vertex)).membrane;
+  const double hold = model.masses().total() / (dt * dt);
+  const Eigen::Matrix3d& membrane = model.elements().law(mesh.triangle_at(vertex)).membrane;
   return std::min({hold, membrane.diagonal().maxCoeff(), kMaxGrabStiffness});
 }
 

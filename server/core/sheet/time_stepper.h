@@ -23,7 +23,7 @@ namespace kerf::sheet {
 // Conditions under which a step ends early; either may be null. See Sheet::step().
 struct StopConditions {
   const StopCondition* end_early = nullptr;  // ends the integration early
-  const StopCondition* give_up = nullptr;  // gives the step up, at any point
+  const StopCondition* give_up = nullptr;    // gives the step up, at any point
 };
 
 // Result of one step; see the fields of the same names in TickReport.
