@@ -31,7 +31,7 @@ describe('borderOf', () => {
     expect(() => borderOf([border, square(20, 5, 1)])).toThrow(/outside .*move them into it, or remove them/);
     // Two sheets of one size.
     expect(() => borderOf([border, square(20, 5, 5)])).toThrow('outside');
-    expect(() => borderOf([square(5, 5, 1), border, square(5, 5, 3)])).toThrow(/inside a hole.*take the inner ones out/);
+    expect(() => borderOf([square(5, 5, 1), border, square(5, 5, 3)])).toThrow(/inside a hole.*remove the inner ones/);
   });
 
   it('takes as many holes as there may be, and not one more', () => {

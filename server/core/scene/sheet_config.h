@@ -22,7 +22,7 @@
 // units throughout; right-handed world, +z up. Nothing changes a SheetConfig after Sheet::create.
 namespace kerf::sheet {
 
-// Limits on what a scene may hold (reliability table of the README).
+// Limits on what a scene may hold (table of limits in server/README.md).
 using mesh::kMaxMeshFileBytes;
 using mesh::kMaxVertices;
 using mesh::RestShape;
