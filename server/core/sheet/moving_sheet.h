@@ -43,8 +43,7 @@ class MovingSheet {
   void rebuild_integrator() { stepper_.rebuild_integrator(model_); }
 
   // See Sheet::settle(), Sheet::bend_by_angles().
-  fem::EquilibriumStats settle(double load, const fem::EquilibriumOptions& options,
-                               const fem::EquilibriumWatch& watch);
+  fem::EquilibriumStats settle(double load, const fem::EquilibriumOptions& options, const fem::EquilibriumWatch& watch);
   void bend_by_angles() { model_.bend_by_angles(mesh_); }
 
   // Commands. Each changes everything it should, or nothing.
