@@ -83,13 +83,13 @@ TEST_F(FlowTest, PausedStreamStaysOpenAndOwesNothing) {
   viewer.start("sheets/a", 1);
   run_for(3 * kTick);
   ASSERT_TRUE(viewer.next()->has_frame());
-  viewer.pace(0.0, true);
+  viewer.set_frame_rate(0.0, true);
   const std::int64_t snapshots = host_->metrics().snapshots;
   run_for(std::chrono::seconds(60));
   EXPECT_EQ(host_->metrics().snapshots, snapshots) << "nobody looks";
   EXPECT_FALSE(viewer.next());
   EXPECT_FALSE(viewer.session().ended());
-  viewer.pace(0.0, false);
+  viewer.set_frame_rate(0.0, false);
   viewer.acknowledge(1);
   run_for(kTick);
   const auto response = viewer.next();
@@ -110,9 +110,9 @@ TEST_F(FlowTest, PaceChangesTheRate) {
     return frames;
   };
   EXPECT_GE(frames_in_a_second(), 49);
-  viewer.pace(5.0, false);
+  viewer.set_frame_rate(5.0, false);
   EXPECT_NEAR(frames_in_a_second(), 5, 1);
-  viewer.pace(0.0, false);
+  viewer.set_frame_rate(0.0, false);
   EXPECT_GE(frames_in_a_second(), 49);
 }
 
@@ -121,13 +121,13 @@ TEST_F(FlowTest, ThePaceMayComeBeforeTheFirstFrame) {
   ASSERT_TRUE(create_sheet("a", false).ok());
   Viewer viewer(*api_);
   viewer.start("sheets/a");
-  viewer.pace(5.0, false);
-  viewer.pace(5.0, true);
+  viewer.set_frame_rate(5.0, false);
+  viewer.set_frame_rate(5.0, true);
   EXPECT_FALSE(viewer.next());
   run_for(10 * kTick);
   EXPECT_FALSE(viewer.next());
   EXPECT_EQ(viewer.failure(), "");
-  viewer.pace(0.0, false);
+  viewer.set_frame_rate(0.0, false);
   run_for(kTick);
   EXPECT_TRUE(viewer.drain());
 }
@@ -199,7 +199,7 @@ TEST_F(FlowTest, WhatIsOutOfRangeIsRefusedWithItsField) {
     Viewer viewer(*api_);
     viewer.start("sheets/a");
     host_->wait_idle();
-    viewer.pace(rate, false);
+    viewer.set_frame_rate(rate, false);
     EXPECT_EQ(viewer.failure(), "OUT_OF_RANGE") << rate;
   }
   Viewer viewer(*api_);

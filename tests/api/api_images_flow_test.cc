@@ -38,7 +38,7 @@ TEST_F(ImagesTest, ThePaceIsKeptAndChanged) {
     run_for(kTick);
     EXPECT_EQ(viewer.picture().tick(), begun + 5 * slot);
   }
-  viewer.pace(0.0, false);
+  viewer.set_frame_rate(0.0, false);
   for (int tick = 16; tick < 20; ++tick) {
     run_for(kTick);
     EXPECT_EQ(viewer.picture().tick(), begun + tick);
@@ -51,12 +51,12 @@ TEST_F(ImagesTest, APauseDrawsNothingAndOwesNothing) {
   ImageViewer viewer(*api_);
   start(viewer, "sheets/a", 1);
   const v1::Image first = viewer.wait_for_message().image();
-  viewer.pace(0.0, true);
+  viewer.set_frame_rate(0.0, true);
   run_for(20s);
   EXPECT_FALSE(viewer.next());
   EXPECT_FALSE(viewer.session().ended());
   EXPECT_EQ(rendered(), 1);
-  viewer.pace(0.0, false);
+  viewer.set_frame_rate(0.0, false);
   viewer.acknowledge(first.sequence());
   EXPECT_EQ(viewer.picture().tick(), get_sheet("sheets/a").tick());
 }
@@ -68,13 +68,13 @@ TEST_F(ImagesTest, APictureThatEndsInAPauseIsNotSent) {
   start(viewer, "sheets/a");
   EXPECT_FALSE(viewer.next());
   renderer_.started.acquire();
-  viewer.pace(0.0, true);
+  viewer.set_frame_rate(0.0, true);
   renderer_.go.release(8);
   ImageViewer other(*api_);  // of the same view: what it is given was finished behind the other's
   start(other, "sheets/a");
   other.picture();
   EXPECT_FALSE(viewer.next());
-  viewer.pace(0.0, false);
+  viewer.set_frame_rate(0.0, false);
   EXPECT_EQ(viewer.picture().sequence(), 1);
   EXPECT_EQ(rendered(), 1) << "from what was drawn before";
 }

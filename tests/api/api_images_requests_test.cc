@@ -103,11 +103,11 @@ TEST_F(ImagesTest, WhatIsNoProtocolIsRefused) {
   EXPECT_EQ(fails(false, [](auto& v) { v.session().on_bytes("\xff\xff\xff"); }), "MALFORMED_MESSAGE ");
   EXPECT_EQ(fails(false, [](auto& v) { v.session().on_bytes(""); }), "CHOICE_MISSING kind");
   EXPECT_EQ(fails(false, [](auto& v) { v.acknowledge(1); }), "START_MISSING start");
-  EXPECT_EQ(fails(false, [](auto& v) { v.pace(1.0, false); }), "START_MISSING start");
+  EXPECT_EQ(fails(false, [](auto& v) { v.set_frame_rate(1.0, false); }), "START_MISSING start");
   EXPECT_EQ(fails(true, [](auto& v) { v.start("sheets/a"); }), "STARTED_TWICE start");
   EXPECT_EQ(fails(true, [](auto& v) { v.acknowledge(2); }), "ACK_OUT_OF_RANGE ack.sequence");
   EXPECT_EQ(fails(true, [](auto& v) { v.acknowledge(0); }), "ACK_OUT_OF_RANGE ack.sequence");
-  EXPECT_EQ(fails(true, [](auto& v) { v.pace(-1.0, false); }), "OUT_OF_RANGE pace.max_rate_hz");
+  EXPECT_EQ(fails(true, [](auto& v) { v.set_frame_rate(-1.0, false); }), "OUT_OF_RANGE pace.max_rate_hz");
   EXPECT_EQ(fails(true, [](auto& v) { v.acknowledge(1); }), "none") << "again: no error";
 }
 

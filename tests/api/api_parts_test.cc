@@ -19,7 +19,7 @@
 #include "render/renderer.h"
 #include "server/service/api/core.h"
 #include "server/service/api/request_log.h"
-#include "server/service/host/ready_signal.h"
+#include "server/service/host/wake_callback.h"
 #include "tests/api/api_fixture.h"
 
 namespace kerf::api {
@@ -294,7 +294,7 @@ TEST_F(ApiTest, WhatThrowsWhileASheetIsLookedAtIsAnswered) {
   ASSERT_TRUE(create_sheet("a", true).ok());
   const auto core = std::make_shared<ApiCore>(*host_, nullptr, ApiOptions(), clock_);
   Answers<int> answers;
-  look_at<int>(
+  inspect<int>(
       core, "a", [](const sheet::Sheet&) -> int { throw std::bad_alloc(); }, "name", answers.callback());
   host_->wait_idle();
   ASSERT_EQ(answers.count(), 1U);
@@ -302,39 +302,39 @@ TEST_F(ApiTest, WhatThrowsWhileASheetIsLookedAtIsAnswered) {
   EXPECT_EQ(get_sheet("sheets/a").tick(), 0);
 }
 
-TEST(ReadySignal, TakingItAwayWaitsForACallUnderWay) {
-  ReadySignal signal;
+TEST(WakeCallback, TakingItAwayWaitsForACallUnderWay) {
+  host::WakeCallback wake;
   std::atomic<bool> inside{false};
   std::atomic<bool> may_return{false};
   std::atomic<bool> returned{false};
-  signal.set([&] {
+  wake.set([&] {
     inside = true;
     inside.notify_all();
     may_return.wait(false);
     returned = true;
   });
-  std::thread caller([&] { signal.raise(); });
+  std::thread caller([&] { wake.call(); });
   inside.wait(false);
   std::thread liberator([&] {
     may_return = true;
     may_return.notify_all();
   });
-  signal.set({});
+  wake.set({});
   EXPECT_TRUE(returned);
-  signal.raise();  // No callback is set.
+  wake.call();  // No callback is set.
   caller.join();
   liberator.join();
 }
 
-TEST(ReadySignal, CanBeTakenAwayFromWithinItself) {
-  ReadySignal signal;
+TEST(WakeCallback, CanBeTakenAwayFromWithinItself) {
+  host::WakeCallback wake;
   int calls = 0;
-  signal.set([&] {
+  wake.set([&] {
     ++calls;
-    signal.set({});
+    wake.set({});
   });
-  signal.raise();
-  signal.raise();
+  wake.call();
+  wake.call();
   EXPECT_EQ(calls, 1);
 }
 

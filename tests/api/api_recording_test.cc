@@ -26,7 +26,7 @@ class ApiFilesTest : public ApiTest {
     make_api(limits, nullptr);
   }
 
-  // Blocks until the filer, and a sheet's strand, have replied.
+  // Blocks until the file worker, and a sheet's strand, have replied.
   template <typename T>
   static Result<T> wait(const std::function<void(Reply<T>)>& call) {
     std::promise<Result<T>> promise;
@@ -105,7 +105,7 @@ TEST_F(ApiFilesTest, RecordingsOnTheirWayAreLimited) {
   EXPECT_EQ(third.error().code, ErrorCode::kResourceExhausted);
   EXPECT_EQ(third.error().reason, "TOO_MANY_RECORDINGS");
   second.reset();
-  // Retries: the filer frees refused work only after it has called the replies.
+  // Retries: the file worker frees refused work only after it has called the replies.
   Result<std::shared_ptr<const std::string>> next = recording("sheets/a");
   while (!next.ok()) next = recording("sheets/a");
   EXPECT_EQ(**next, *first);

@@ -21,7 +21,7 @@ class ImageViewer {
  public:
   explicit ImageViewer(Api& api) : ImageViewer(api.watch_images()) {}
   explicit ImageViewer(std::shared_ptr<ImageSession> session) : session_(std::move(session)) {
-    session_->set_ready([signal = signal_] {
+    session_->set_wake([signal = signal_] {
       const std::lock_guard lock(signal->mutex);
       ++signal->count;
       signal->raised.notify_all();
@@ -47,7 +47,7 @@ class ImageViewer {
     request.mutable_ack()->set_sequence(sequence);
     send(request);
   }
-  void pace(double max_rate_hz, bool paused) {
+  void set_frame_rate(double max_rate_hz, bool paused) {
     v1::WatchImagesRequest request;
     request.mutable_pace()->set_max_rate_hz(max_rate_hz);
     request.mutable_pace()->set_paused(paused);

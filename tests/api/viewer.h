@@ -21,7 +21,7 @@ class Viewer {
  public:
   explicit Viewer(Api& api) : Viewer(api.watch()) {}
   explicit Viewer(std::shared_ptr<WatchSession> session) : session_(std::move(session)) {
-    session_->set_ready([woken = woken_] { ++*woken; });
+    session_->set_wake([woken = woken_] { ++*woken; });
   }
 
   void start(const std::string& name, int window = 0, double max_rate_hz = 0.0) {
@@ -37,7 +37,7 @@ class Viewer {
     request.mutable_ack()->set_held_us(held_us);
     session_->on_request(request);
   }
-  void pace(double max_rate_hz, bool paused) {
+  void set_frame_rate(double max_rate_hz, bool paused) {
     v1::WatchRequest request;
     request.mutable_pace()->set_max_rate_hz(max_rate_hz);
     request.mutable_pace()->set_paused(paused);

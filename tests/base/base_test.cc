@@ -18,7 +18,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server/base/caught.h"
+#include "server/base/catch_exceptions.h"
 #include "server/base/crc32c.h"
 #include "server/base/descriptors.h"
 #include "server/base/interruption.h"
@@ -287,7 +287,7 @@ TEST(Interruption, EndsWorkThatIsNotWantedAnyMore) {
   }
   EXPECT_EQ(count_to(kMany), kMany);
   const InterruptionScope always([] { return true; });
-  EXPECT_EQ(caught([]() -> Result<int> { return count_to(1); }).error().reason, "INTERRUPTED");
+  EXPECT_EQ(catch_exceptions([]() -> Result<int> { return count_to(1); }).error().reason, "INTERRUPTED");
 }
 
 TEST(MemoryHeadroom, IsMoreThanNothingAndLessThanEverything) {

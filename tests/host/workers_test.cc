@@ -38,7 +38,7 @@ std::vector<int> count_to(int end) {
 
 // For what must not happen: as long as others that are as impatient take to take on ten threads, one after another.
 void let_others_take_on_threads() {
-  Workers workers({.num_threads = 1, .patience = kSoon});
+  Workers workers({.num_threads = 1, .long_work = kSoon});
   const Workers::Strand late = workers.make_strand();
   const Workers::Strand strand = workers.make_strand();
   for (int i = 0; i < 10; ++i) {
@@ -50,7 +50,7 @@ void let_others_take_on_threads() {
 }
 
 TEST(Workers, AStrandKeepsItsOrderAndRunsOneAtATime) {
-  Workers workers({.num_threads = 4, .patience = kNever});
+  Workers workers({.num_threads = 4, .long_work = kNever});
   const std::vector<Workers::Strand> strands = strands_of(workers, 3);
   std::vector<std::vector<int>> seen(3);
   for (int i = 0; i < 300; ++i) {
@@ -64,7 +64,7 @@ TEST(Workers, AStrandKeepsItsOrderAndRunsOneAtATime) {
 }
 
 TEST(Workers, JoinWaitsForWhatWorkPosts) {
-  Workers workers({.num_threads = 2, .patience = kNever});
+  Workers workers({.num_threads = 2, .long_work = kNever});
   const Workers::Strand strand = workers.make_strand();
   int depth = 0;
   std::function<void()> deeper = [&] {
@@ -78,14 +78,14 @@ TEST(Workers, JoinWaitsForWhatWorkPosts) {
 }
 
 TEST(Workers, AStrandOutlivesThem) {
-  auto workers = std::make_unique<Workers>(Workers::Options{.num_threads = 1, .patience = kSoon});
+  auto workers = std::make_unique<Workers>(Workers::Options{.num_threads = 1, .long_work = kSoon});
   const Workers::Strand strand = workers->make_strand();
   workers.reset();
   EXPECT_FALSE(strand.post([] {}));
 }
 
 TEST(Workers, ATurnIsWhatWaitedWhenItBegan) {
-  Workers workers({.num_threads = 1, .patience = kNever});
+  Workers workers({.num_threads = 1, .long_work = kNever});
   const std::vector<Workers::Strand> strands = strands_of(workers, 2);
   std::vector<int> seen;
   std::promise<void> all_posted;
@@ -102,7 +102,7 @@ TEST(Workers, ATurnIsWhatWaitedWhenItBegan) {
 }
 
 TEST(Workers, WhatWorkHoldsGoesBeforeTheyAreIdle) {
-  Workers workers({.num_threads = 1, .patience = kSoon});
+  Workers workers({.num_threads = 1, .long_work = kSoon});
   const Workers::Strand late = workers.make_strand();
   const Workers::Strand strand = workers.make_strand();
   for (int round = 0; round < 20; ++round) {
@@ -117,7 +117,7 @@ TEST(Workers, WhatWorkHoldsGoesBeforeTheyAreIdle) {
 }
 
 TEST(Workers, LongWorkKeepsNobodyWaiting) {
-  Workers workers({.num_threads = 1, .patience = kSoon});
+  Workers workers({.num_threads = 1, .long_work = kSoon});
   const Workers::Strand late = workers.make_strand();
   const Workers::Strand strand = workers.make_strand();
   for (int round = 0; round < 20; ++round) {
@@ -135,7 +135,7 @@ TEST(Workers, LongWorkKeepsNobodyWaiting) {
 }
 
 TEST(Workers, AThreadIsTakenOnForEachThatIsLate) {
-  Workers workers({.num_threads = 2, .patience = kSoon});
+  Workers workers({.num_threads = 2, .long_work = kSoon});
   const std::vector<Workers::Strand> strands = strands_of(workers, 12);
   for (int round = 0; round < 3; ++round) {
     std::latch all_at_once(12);
@@ -157,7 +157,7 @@ TEST(Workers, AThreadIsTakenOnForEachThatIsLate) {
 
 // The rest of the turn of a thread that was replaced, and that ends, is done by another, which has to be found.
 TEST(Workers, WhatLongWorkLeavesIsTakenOver) {
-  Workers workers({.num_threads = 1, .patience = kSoon});
+  Workers workers({.num_threads = 1, .long_work = kSoon});
   const Workers::Strand first = workers.make_strand();
   const Workers::Strand second = workers.make_strand();
   std::promise<void> both_posted;
@@ -178,7 +178,7 @@ TEST(Workers, WhatLongWorkLeavesIsTakenOver) {
 TEST(Workers, OrderIsKeptWhereverThreadsComeAndGo) {
   constexpr int kStrands = 5;
   constexpr int kPieces = 60;
-  Workers workers({.num_threads = 2, .patience = kSoon});
+  Workers workers({.num_threads = 2, .long_work = kSoon});
   const std::vector<Workers::Strand> strands = strands_of(workers, kStrands);
   const Workers::Strand liberator = workers.make_strand();
   std::vector<std::vector<int>> seen(kStrands);
@@ -203,7 +203,7 @@ TEST(Workers, OrderIsKeptWhereverThreadsComeAndGo) {
 }
 
 TEST(Workers, JoinWaitsForLongWorkAndForWhatItPosts) {
-  Workers workers({.num_threads = 1, .patience = kSoon});
+  Workers workers({.num_threads = 1, .long_work = kSoon});
   const Workers::Strand late = workers.make_strand();
   const Workers::Strand strand = workers.make_strand();
   std::promise<void> release;
@@ -222,7 +222,7 @@ TEST(Workers, JoinWaitsForLongWorkAndForWhatItPosts) {
 TEST(Workers, NoMoreAreTakenOnThanTheBound) {
   constexpr std::size_t kMost = 1 + Workers::Options().max_taken_on;
   constexpr std::size_t kPieces = kMost + 15;
-  Workers workers({.num_threads = 1, .patience = kSoon});
+  Workers workers({.num_threads = 1, .long_work = kSoon});
   std::mutex mutex;
   std::condition_variable changed;
   std::size_t begun = 0;
@@ -257,8 +257,8 @@ TEST(Workers, NoMoreAreTakenOnThanTheBound) {
   EXPECT_EQ(workers.num_threads(), 1U);
 }
 
-TEST(Workers, NoneAreTakenOnWithoutAPatience) {
-  Workers workers({.num_threads = 1, .patience = kNever});
+TEST(Workers, NoneAreTakenOnWithoutALimit) {
+  Workers workers({.num_threads = 1, .long_work = kNever});
   std::promise<void> release;
   std::atomic<bool> is_released = false;
   bool waited = false;
@@ -273,8 +273,8 @@ TEST(Workers, NoneAreTakenOnWithoutAPatience) {
 }
 
 TEST(Workers, HoweverMuchShortWorkWaitsNoneAreTakenOn) {
-  for (const Nanoseconds patience : {Nanoseconds(1h), Nanoseconds::max()}) {
-    Workers workers({.num_threads = 2, .patience = patience});
+  for (const Nanoseconds long_work : {Nanoseconds(1h), Nanoseconds::max()}) {
+    Workers workers({.num_threads = 2, .long_work = long_work});
     const std::vector<Workers::Strand> strands = strands_of(workers, 8);
     std::mutex mutex;
     std::set<std::thread::id> threads;

@@ -1,6 +1,6 @@
 // Uploads and downloads that stand still, on a clock that the test moves.
 
-#include "server/service/rpc/patience.h"
+#include "server/service/rpc/transfer_deadline.h"
 
 #include <chrono>
 #include <memory>
@@ -25,69 +25,70 @@ namespace kerf::rpc_test {
 namespace {
 
 using namespace std::chrono_literals;
-using rpc::Patience;
+using rpc::TransferDeadline;
 
-class PatienceTest : public testing::Test {
+class TransferDeadlineTest : public testing::Test {
  protected:
   void begin() {
-    patience_->begin([this](Patience::Lapse lapse) {
+    deadline_->begin([this](TransferDeadline::Timeout timeout) {
       ++given_up_;
-      lapse_ = lapse;
+      timeout_ = timeout;
     });
   }
 
-  Patience::Lapse lapse_{};
+  TransferDeadline::Timeout timeout_{};
   test::ManualClock clock_;
   int given_up_ = 0;
-  std::shared_ptr<Patience> patience_ = std::make_shared<Patience>(clock_, rpc::PatienceLimits{30s, 120s});
+  std::shared_ptr<TransferDeadline> deadline_ =
+      std::make_shared<TransferDeadline>(clock_, rpc::TransferTimeouts{30s, 120s});
 };
 
-TEST_F(PatienceTest, EndsOnceWhenNothingComes) {
+TEST_F(TransferDeadlineTest, EndsOnceWhenNothingComes) {
   begin();
   clock_.move_to(29s);
   EXPECT_EQ(given_up_, 0);
   clock_.move_to(30s);
   EXPECT_EQ(given_up_, 1);
-  EXPECT_EQ(lapse_, Patience::Lapse::kSilence);
-  EXPECT_FALSE(patience_->moved());
-  EXPECT_FALSE(patience_->end());
+  EXPECT_EQ(timeout_, TransferDeadline::Timeout::kIdle);
+  EXPECT_FALSE(deadline_->made_progress());
+  EXPECT_FALSE(deadline_->end());
   clock_.move_to(300s);
   EXPECT_EQ(given_up_, 1);
   EXPECT_EQ(clock_.num_timers(), 0U);
 }
 
-TEST_F(PatienceTest, CountsAnewFromWhatComes) {
+TEST_F(TransferDeadlineTest, CountsAnewFromWhatComes) {
   begin();
   for (int i = 1; i <= 80; ++i) {
     clock_.move_to(i * 1s);
-    ASSERT_TRUE(patience_->moved());
+    ASSERT_TRUE(deadline_->made_progress());
     ASSERT_LE(clock_.num_timers(), 1U);
   }
   clock_.move_to(109s);
   EXPECT_EQ(given_up_, 0);
   clock_.move_to(110s);
   EXPECT_EQ(given_up_, 1);
-  EXPECT_EQ(lapse_, Patience::Lapse::kSilence);
+  EXPECT_EQ(timeout_, TransferDeadline::Timeout::kIdle);
 }
 
-TEST_F(PatienceTest, TheWholeHasALimit) {
+TEST_F(TransferDeadlineTest, TheWholeHasALimit) {
   begin();
   for (int i = 1; i < 120; ++i) {
     clock_.move_to(i * 1s);
-    ASSERT_TRUE(patience_->moved());
+    ASSERT_TRUE(deadline_->made_progress());
   }
   EXPECT_EQ(given_up_, 0);
   clock_.move_to(120s);
   EXPECT_EQ(given_up_, 1);
-  EXPECT_EQ(lapse_, Patience::Lapse::kWhole);
+  EXPECT_EQ(timeout_, TransferDeadline::Timeout::kTotal);
 }
 
-TEST_F(PatienceTest, AnEndedCallIsLeftAlone) {
+TEST_F(TransferDeadlineTest, AnEndedCallIsLeftAlone) {
   begin();
-  EXPECT_TRUE(patience_->end());
-  EXPECT_FALSE(patience_->end());
+  EXPECT_TRUE(deadline_->end());
+  EXPECT_FALSE(deadline_->end());
   EXPECT_EQ(clock_.num_timers(), 0U);
-  patience_.reset();
+  deadline_.reset();
   clock_.move_to(60s);
   EXPECT_EQ(given_up_, 0);
 }

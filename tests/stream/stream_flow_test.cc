@@ -264,13 +264,13 @@ TEST(Subscriber, PausesWithoutOwingAnything) {
   channel->publish(sheet.snapshot());
   ASSERT_TRUE(viewer->next(0s).message);
   EXPECT_TRUE(channel->wants_snapshot());
-  EXPECT_FALSE(viewer->set_pace(0.0, true, 1s));
+  EXPECT_FALSE(viewer->set_frame_rate(0.0, true, 1s));
   EXPECT_FALSE(channel->wants_snapshot()) << "nobody looks";
   sheet.move(0.01);
   channel->publish(sheet.snapshot());  // under way when the pause began
   EXPECT_FALSE(viewer->next(100s).message) << "neither a frame nor the end for owing an acknowledgement";
   EXPECT_FALSE(viewer->ended());
-  EXPECT_TRUE(viewer->set_pace(0.0, false, 100s));
+  EXPECT_TRUE(viewer->set_frame_rate(0.0, false, 100s));
   EXPECT_TRUE(channel->wants_snapshot());
   ASSERT_TRUE(viewer->acknowledge(1, 101s).ok());
   EXPECT_FALSE(viewer->next(101s).message) << "what is there is as old as the pause is long";
@@ -290,7 +290,7 @@ TEST(Subscriber, APaceIsNoAcknowledgement) {
   sheet.move(0.01);
   channel->publish(sheet.snapshot());
   ASSERT_TRUE(viewer->next(0s).message);
-  for (const auto now : {3s, 6s, 9s}) EXPECT_FALSE(viewer->set_pace(50.0, false, now));
+  for (const auto now : {3s, 6s, 9s}) EXPECT_FALSE(viewer->set_frame_rate(50.0, false, now));
   EXPECT_FALSE(viewer->next(9s).message);
   EXPECT_TRUE(viewer->next(10s).message);
   EXPECT_TRUE(viewer->ended());

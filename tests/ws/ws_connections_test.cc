@@ -56,7 +56,7 @@ TEST_F(HttpServerTest, WaitsForNobodyForEver) {
   config.http_options.request_timeout = milliseconds(100);
   config.http_options.idle_timeout = milliseconds(150);
   start(config);
-  RawClient mute(port_);
+  RawClient silent(port_);
   RawClient slow(port_);
   slow.send("GET /healthz HT");
   RawClient stalled(port_);
@@ -64,7 +64,7 @@ TEST_F(HttpServerTest, WaitsForNobodyForEver) {
   RawClient idle(port_);
   idle.send("GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n");
   EXPECT_EQ(idle.read_response().status, 200);
-  EXPECT_TRUE(mute.closed_by_peer());
+  EXPECT_TRUE(silent.closed_by_peer());
   EXPECT_TRUE(slow.closed_by_peer());
   EXPECT_TRUE(stalled.closed_by_peer());
   EXPECT_TRUE(idle.closed_by_peer());
@@ -288,10 +288,10 @@ TEST_F(HttpServerTest, StopsWithIdleConnectionsOpen) {
   RawClient idle(port_);
   idle.send("GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n");
   EXPECT_EQ(idle.read_response().status, 200);
-  RawClient mute(port_);
+  RawClient silent(port_);
   server_->stop();
   EXPECT_TRUE(idle.closed_by_peer());
-  EXPECT_TRUE(mute.closed_by_peer());
+  EXPECT_TRUE(silent.closed_by_peer());
   EXPECT_EQ(get("/healthz").status, 0);
   server_->stop();
 }

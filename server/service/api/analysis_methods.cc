@@ -115,7 +115,7 @@ void Api::analyze_sheet(const v1::AnalyzeSheetRequest& message, Reply<v1::Analyz
                  if (core->stopping) return server_stopping();
                  return response;
                };
-               in_background<v1::AnalyzeSheetResponse>(core->analyst, reply, work, too_many_analyses(*core));
+               in_background<v1::AnalyzeSheetResponse>(core->analysis_worker, reply, work, too_many_analyses(*core));
              });
 }
 

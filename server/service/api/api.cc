@@ -9,7 +9,7 @@
 #include "kerf/v1/server.pb.h"
 #include "kerf/v1/sheets.pb.h"
 #include "render/video.h"
-#include "server/base/caught.h"
+#include "server/base/catch_exceptions.h"
 #include "server/service/api/core.h"
 #include "server/service/api/session.h"
 #include "server/service/wire/finite_check.h"
@@ -32,7 +32,7 @@ Method json_method(std::string path, Api& api, void (Api::*method)(const Request
                 request,
                 [reply = std::move(reply)](Result<Response> response) {
                   if (!response.ok()) return reply(response.error());
-                  reply(caught([&] { return Result<std::string>(wire::to_json(*response)); }));
+                  reply(catch_exceptions([&] { return Result<std::string>(wire::to_json(*response)); }));
                 },
                 Stop(stop)...);
           }};
@@ -87,9 +87,9 @@ Api::Api(host::Host& host, render::Renderer* renderer, ApiOptions options, host:
 Api::~Api() {
   stop();
   core_->studio.stop();
-  core_->drawer.stop();
-  core_->filer.stop();
-  core_->analyst.stop();
+  core_->picture_worker.stop();
+  core_->file_worker.stop();
+  core_->analysis_worker.stop();
 }
 
 void Api::get_server_info(const v1::GetServerInfoRequest& /*request*/, Reply<v1::ServerInfo> reply) {
@@ -154,11 +154,11 @@ void Api::stop() {
   core_->stopping = true;
   core_->hub.stop();
   core_->studio.close();
-  core_->analyst.close();  // The analysis in progress checks `stopping`.
+  core_->analysis_worker.close();  // The analysis in progress checks `stopping`.
   // Refuses waiting pictures and files: the transports wait for every answer, and making them all could outlast a stop.
-  core_->drawer.close();
-  core_->filer.close();
-  core_->streams.tell_stop();
+  core_->picture_worker.close();
+  core_->file_worker.close();
+  core_->streams.notify_stop();
 }
 
 }  // namespace kerf::api

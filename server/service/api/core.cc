@@ -90,7 +90,7 @@ void copy_sheet(const std::shared_ptr<ApiCore>& core, const std::string& sheet_i
                 std::function<void(Result<std::shared_ptr<sheet::Sheet>>)> done) {
   using Copy = std::shared_ptr<sheet::Sheet>;  // Empty: too large to be copied.
   const std::int32_t limit = core->options.limits.max_analyzed_vertices;
-  look_at<Copy>(
+  inspect<Copy>(
       core, sheet_id,
       [limit](const sheet::Sheet& sheet) {
         return sheet.mesh().num_vertices() <= limit ? std::make_shared<sheet::Sheet>(sheet) : nullptr;
@@ -114,7 +114,7 @@ Result<std::string> addressed_sheet(const ApiCore& core, const std::string& name
   return parse_sheet_name(name, field);
 }
 
-Error at_field(Error error, const char* field) {
+Error with_field(Error error, const char* field) {
   if (error.field.empty() && error.code == ErrorCode::kNotFound) error.field = field;
   return error;
 }
@@ -167,7 +167,7 @@ v1::Sheet encode_sheet(const host::SheetStatus& status) {
 
 host::Callback<host::SheetStatus> sheet_reply(Reply<v1::Sheet> reply, const char* field) {
   return [reply = std::move(reply), field](Result<host::SheetStatus> status) {
-    if (!status.ok()) return reply(at_field(status.error(), field));
+    if (!status.ok()) return reply(with_field(status.error(), field));
     reply(encode_sheet(*status));
   };
 }

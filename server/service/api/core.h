@@ -11,7 +11,7 @@
 
 #include "kerf/v1/sheets.pb.h"
 #include "render/renderer.h"
-#include "server/base/caught.h"
+#include "server/base/catch_exceptions.h"
 #include "server/service/api/api.h"
 #include "server/service/api/cut_journal.h"
 #include "server/service/api/open_streams.h"
@@ -39,9 +39,9 @@ struct ApiCore {
         requests(options.limits.max_remembered_requests, options.limits.max_remembered_bytes),
         hub(the_host, options.limits.max_subscribers_per_sheet, options.instance_id),
         studio(the_renderer, pictures, the_clock, kStudioThreads),
-        drawer(options.limits.max_waiting_pictures),
-        filer(options.limits.max_waiting_files),
-        analyst(options.limits.max_waiting_analyses) {}
+        picture_worker(options.limits.max_waiting_pictures),
+        file_worker(options.limits.max_waiting_files),
+        analysis_worker(options.limits.max_waiting_analyses) {}
 
   host::Host& host;
   render::Renderer* const renderer;  // May be null.
@@ -57,10 +57,10 @@ struct ApiCore {
   std::atomic<std::int32_t> num_image_streams{0};
   PictureCounters pictures;
   StreamHub hub;
-  PictureStudio studio;      // Draws for image streams, on its own threads.
-  BackgroundWorker drawer;   // Draws single pictures. Stopped by ~Api, so that it never ends on its own thread.
-  BackgroundWorker filer;    // Encodes exports and recordings. Stopped by ~Api.
-  BackgroundWorker analyst;  // Runs analyses. Stopped by ~Api.
+  PictureStudio studio;              // Draws for image streams, on its own threads.
+  BackgroundWorker picture_worker;   // Draws single pictures. Stopped by ~Api, so that it never ends on its own thread.
+  BackgroundWorker file_worker;      // Encodes exports and recordings. Stopped by ~Api.
+  BackgroundWorker analysis_worker;  // Runs analyses. Stopped by ~Api.
 
   OpenStreams streams;
 };
@@ -79,7 +79,7 @@ void make_sheet(const std::shared_ptr<ApiCore>& core, v1::CreateSheetRequest req
 Result<std::string> addressed_sheet(const ApiCore& core, const std::string& name, const char* field);
 
 // Sets `field` in a kNotFound error of the host that names no field.
-Error at_field(Error error, const char* field);
+Error with_field(Error error, const char* field);
 
 // Checks the id of a new sheet; empty means none is given. kInvalidArgument SHEET_ID.
 Status check_sheet_id(const std::string& id);
@@ -101,9 +101,9 @@ host::Callback<host::SheetStatus> sheet_reply(Reply<v1::Sheet> reply, const char
 // Calls `perform` once for each request_id: see RequestLog. `method` separates the ids of different methods. `caller`
 // is triggered when the caller leaves. The token passed to `perform` is triggered once all that wait for it have left.
 template <typename Response, typename Request>
-void once_while_wanted(const std::shared_ptr<ApiCore>& core, const char* method, const Request& request,
-                       Reply<Response> reply, const std::stop_token& caller,
-                       const std::function<void(Reply<Response>, const std::stop_token&)>& perform) {
+void idempotent_while_wanted(const std::shared_ptr<ApiCore>& core, const char* method, const Request& request,
+                             Reply<Response> reply, const std::stop_token& caller,
+                             const std::function<void(Reply<Response>, const std::stop_token&)>& perform) {
   if (request.request_id().empty()) return perform(std::move(reply), caller);
   if (const Status status = check_request_id(request.request_id()); !status.ok()) return reply(status.error());
   const std::string key = std::string(method) + ' ' + request.request_id();
@@ -126,20 +126,20 @@ void once_while_wanted(const std::shared_ptr<ApiCore>& core, const char* method,
 
 // Does the same for work that continues even if no caller waits for it.
 template <typename Response, typename Request>
-void once(const std::shared_ptr<ApiCore>& core, const char* method, const Request& request, Reply<Response> reply,
-          const std::function<void(Reply<Response>)>& perform) {
-  once_while_wanted<Response>(
+void idempotent(const std::shared_ptr<ApiCore>& core, const char* method, const Request& request, Reply<Response> reply,
+                const std::function<void(Reply<Response>)>& perform) {
+  idempotent_while_wanted<Response>(
       core, method, request, std::move(reply), {},
       [&](Reply<Response> answer, const std::stop_token& /*never*/) { perform(std::move(answer)); });
 }
 
-// Runs `work` on a background worker and replies with its result, or with its exception as an Error (see caught()).
-// `full`: the reply if too much work waits. Replies kUnavailable if the server stops first.
+// Runs `work` on a background worker and replies with its result, or with its exception as an Error (see
+// catch_exceptions()). `full`: the reply if too much work waits. Replies kUnavailable if the server stops first.
 template <typename Made>
 void in_background(BackgroundWorker& worker, const Reply<Made>& reply, std::function<Result<Made>()> work,
                    const Error& full) {
-  switch (
-      worker.submit([reply, work = std::move(work)] { reply(caught(work)); }, [reply] { reply(server_stopping()); })) {
+  switch (worker.submit([reply, work = std::move(work)] { reply(catch_exceptions(work)); },
+                        [reply] { reply(server_stopping()); })) {
     case BackgroundWorker::Outcome::kTaken:
       return;
     case BackgroundWorker::Outcome::kStopped:
@@ -158,20 +158,20 @@ Error too_many_analyses(const ApiCore& core);
 void copy_sheet(const std::shared_ptr<ApiCore>& core, const std::string& sheet_id, const char* field,
                 std::function<void(Result<std::shared_ptr<sheet::Sheet>>)> done);
 
-// Calls `look` on the sheet's strand between two ticks. Passes its result, or its exception as an Error (see caught()),
-// to `done`.
+// Calls `look` on the sheet's strand between two ticks. Passes its result, or its exception as an Error (see
+// catch_exceptions()), to `done`.
 template <typename Found>
-void look_at(const std::shared_ptr<ApiCore>& core, const std::string& sheet_id,
+void inspect(const std::shared_ptr<ApiCore>& core, const std::string& sheet_id,
              std::function<Found(const sheet::Sheet&)> look, const char* field,
              std::function<void(Result<Found>)> done) {
   auto found = std::make_shared<std::optional<Result<Found>>>();
   core->host.inspect(
       sheet_id,
       [found, look = std::move(look)](const sheet::Sheet& sheet) {
-        found->emplace(caught([&] { return Result<Found>(look(sheet)); }));
+        found->emplace(catch_exceptions([&] { return Result<Found>(look(sheet)); }));
       },
       [found, field, done = std::move(done)](const Status& status) {
-        if (!status.ok()) return done(at_field(status.error(), field));
+        if (!status.ok()) return done(with_field(status.error(), field));
         done(std::move(**found));
       });
 }

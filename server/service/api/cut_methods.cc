@@ -111,7 +111,7 @@ v1::ScheduledCuts encode_scheduled(const std::string& sheet_id, const sheet::Com
 Error in_request(Error error) {
   constexpr std::string_view kBatch = "cut_batch.";
   if (error.field.starts_with(kBatch)) error.field.erase(0, kBatch.size());
-  return at_field(std::move(error), "parent");
+  return with_field(std::move(error), "parent");
 }
 
 Status check_tick(std::int64_t at_tick) {
@@ -215,7 +215,7 @@ void try_cut(const std::shared_ptr<ApiCore>& core, const std::string& id, sheet:
                    if (!result.ok()) return in_request(result.error());
                    return without_name(encode(*result, encode_results(id, *result)));
                  };
-                 in_background<Response>(core->analyst, reply, work, too_many_analyses(*core));
+                 in_background<Response>(core->analysis_worker, reply, work, too_many_analyses(*core));
                });
   });
 }
@@ -225,10 +225,10 @@ void submit_undo(const std::shared_ptr<ApiCore>& core, const char* method, const
                  Reply<v1::UndoResult> reply) {
   const Result<std::string> id = addressed_sheet(*core, request.parent(), "parent");
   if (!id.ok()) return reply(id.error());
-  once<v1::UndoResult>(core, method, request, std::move(reply), [&](Reply<v1::UndoResult> answer) {
+  idempotent<v1::UndoResult>(core, method, request, std::move(reply), [&](Reply<v1::UndoResult> answer) {
     core->host.submit(*id, is_redo ? sheet::Command(sheet::RedoCut{}) : sheet::Command(sheet::UndoCut{}),
                       [core, id = *id, is_redo, answer = std::move(answer)](const Result<host::CommandResult>& result) {
-                        if (!result.ok()) return answer(at_field(result.error(), "parent"));
+                        if (!result.ok()) return answer(with_field(result.error(), "parent"));
                         keep_undone(core->journal, id, is_redo, result->reply);
                         answer(encode_undo(id, *result));
                       });
@@ -289,7 +289,7 @@ void Api::create_cut(const v1::CreateCutRequest& request, Reply<v1::CutResult> r
     if (const Status status = check_request_id(request.request_id()); !status.ok()) return reply(status.error());
     return try_cut<v1::CutResult>(core_, *id, std::move(*command), std::move(reply), encode_one);
   }
-  once<v1::CutResult>(core_, "CreateCut", request, std::move(reply), [&](Reply<v1::CutResult> answer) {
+  idempotent<v1::CutResult>(core_, "CreateCut", request, std::move(reply), [&](Reply<v1::CutResult> answer) {
     submit_cut<v1::CutResult>(core_, *id, std::move(*command), request.at_tick(), {}, std::move(answer), encode_one);
   });
 }
@@ -305,11 +305,11 @@ void Api::create_cuts(const v1::CreateCutsRequest& request, Reply<v1::CreateCuts
     if (const Status status = check_request_id(request.request_id()); !status.ok()) return reply(status.error());
     return try_cut<v1::CreateCutsResponse>(core_, *id, std::move(*command), std::move(reply), encode_batch);
   }
-  once<v1::CreateCutsResponse>(core_, "CreateCuts", request, std::move(reply),
-                               [&](Reply<v1::CreateCutsResponse> answer) {
-                                 submit_cut<v1::CreateCutsResponse>(core_, *id, std::move(*command), request.at_tick(),
-                                                                    {}, std::move(answer), encode_batch);
-                               });
+  idempotent<v1::CreateCutsResponse>(
+      core_, "CreateCuts", request, std::move(reply), [&](Reply<v1::CreateCutsResponse> answer) {
+        submit_cut<v1::CreateCutsResponse>(core_, *id, std::move(*command), request.at_tick(), {}, std::move(answer),
+                                           encode_batch);
+      });
 }
 
 void Api::cancel_scheduled_cuts(const v1::CancelScheduledCutsRequest& request, Reply<v1::ScheduledCuts> reply) {
@@ -318,11 +318,11 @@ void Api::cancel_scheduled_cuts(const v1::CancelScheduledCutsRequest& request, R
   if (!name.ok()) return reply(name.error());
   const Result<std::string> id = addressed_sheet(*core_, sheet_name(name->sheet_id), "name");
   if (!id.ok()) return reply(id.error());
-  once<v1::ScheduledCuts>(
+  idempotent<v1::ScheduledCuts>(
       core_, "CancelScheduledCuts", request, std::move(reply), [&](Reply<v1::ScheduledCuts> answer) {
         core_->host.cancel(*id, name->number,
                            [id = *id, answer = std::move(answer)](const Result<host::ScheduledCommand>& cancelled) {
-                             if (!cancelled.ok()) return answer(at_field(cancelled.error(), "name"));
+                             if (!cancelled.ok()) return answer(with_field(cancelled.error(), "name"));
                              v1::ScheduledCuts message = encode_scheduled(id, cancelled->command, cancelled->id);
                              message.set_state(v1::ScheduledCuts::CANCELLED);
                              answer(std::move(message));
@@ -348,7 +348,7 @@ void Api::list_cuts(const v1::ListCutsRequest& request, Reply<v1::ListCutsRespon
   // Runs on the sheet's strand, so that an unknown sheet is refused and all earlier cuts are in the journal.
   core_->host.scheduled(*id, [core = core_, id = *id, size = *size, after = *after,
                               reply = std::move(reply)](const Result<std::vector<host::ScheduledCommand>>& waiting) {
-    if (!waiting.ok()) return reply(at_field(waiting.error(), "parent"));
+    if (!waiting.ok()) return reply(with_field(waiting.error(), "parent"));
     v1::ListCutsResponse response;
     if (after == 0) {
       for (v1::ScheduledCuts& refused : core->journal.refused(id)) *response.add_scheduled() = std::move(refused);
@@ -370,7 +370,7 @@ void Api::list_pieces(const v1::ListPiecesRequest& request, Reply<v1::ListPieces
   if (!size.ok()) return reply(size.error());
   const std::optional<std::int64_t> after = parse_token(request.page_token());
   if (!after) return reply(bad_page_token());
-  look_at<v1::ListPiecesResponse>(
+  inspect<v1::ListPiecesResponse>(
       core_, *id,
       [size = *size, after = *after](const sheet::Sheet& sheet) {
         v1::ListPiecesResponse response;

@@ -14,7 +14,7 @@ namespace kerf::api {
 struct ApiCore;
 
 // Serves one stream of RenderService.WatchImages. Made by Api::watch_images(). Protocol errors: no or second start, an
-// unknown sheet, acknowledging what was not sent, a view or pace out of range, a message without a kind.
+// unknown sheet, acknowledging what was not sent, a view or frame rate out of range, a message without a kind.
 class ImageSession : public StreamSession {
  public:
   // Returns only the picture of next(), for a transport with its own framing.

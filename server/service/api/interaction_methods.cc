@@ -13,7 +13,7 @@ void submit(const std::shared_ptr<ApiCore>& core, const std::string& name, Resul
   if (!id.ok()) return reply(id.error());
   if (!command.ok()) return reply(command.error());
   core->host.submit(*id, std::move(*command), [reply = std::move(reply)](Result<host::CommandResult> result) {
-    if (!result.ok()) return reply(at_field(result.error(), "name"));
+    if (!result.ok()) return reply(with_field(result.error(), "name"));
     v1::InteractionResponse response;
     response.set_tick(result->reply.tick);
     reply(std::move(response));

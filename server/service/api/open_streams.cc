@@ -14,7 +14,7 @@ void OpenStreams::remove(const OpenStream& stream) {
   streams_.erase(&stream);
 }
 
-void OpenStreams::tell_stop() {
+void OpenStreams::notify_stop() {
   std::vector<std::shared_ptr<OpenStream>> open;
   {
     const std::lock_guard lock(mutex_);

@@ -20,7 +20,7 @@ class OpenStreams {
   void add(const std::shared_ptr<OpenStream>& stream);
   void remove(const OpenStream& stream);
   // Calls server_stops() of each.
-  void tell_stop();
+  void notify_stop();
 
  private:
   std::mutex mutex_;

@@ -49,7 +49,7 @@ void Api::render_image(const v1::RenderImageRequest& request, Reply<v1::RenderIm
   if (!wanted.ok()) return reply(wanted.error());
   if (const Status status = check_renderer(*core_); !status.ok()) return reply(status.error());
   const bool with_strains = wanted->view.color_by == v1::STRAINS;
-  look_at<PictureSubject>(
+  inspect<PictureSubject>(
       core_, *id,
       [with_strains](const sheet::Sheet& sheet) {
         return PictureSubject{sheet.snapshot({}, with_strains), backdrop_of(sheet)};
@@ -58,7 +58,7 @@ void Api::render_image(const v1::RenderImageRequest& request, Reply<v1::RenderIm
       [core = core_, wanted = *wanted, reply = std::move(reply)](Result<PictureSubject> subject) {
         if (!subject.ok()) return reply(subject.error());
         in_background<v1::RenderImageResponse>(
-            core->drawer, reply,
+            core->picture_worker, reply,
             [core, wanted, drawn = std::move(*subject)] { return make_picture(*core, drawn, wanted); },
             too_many_pictures(*core));
       });

@@ -27,7 +27,7 @@ void PictureStream::on_bytes(std::string_view bytes) {
     case v1::WatchImagesRequest::kView:
       return look(request.view());
     case v1::WatchImagesRequest::kPace:
-      return set_pace(request.pace());
+      return set_frame_rate(request.pace());
     case v1::WatchImagesRequest::KIND_NOT_SET:
       break;
   }
@@ -75,7 +75,7 @@ void PictureStream::join() {
 }
 
 void PictureStream::joined(const Status& status) {
-  if (!status.ok()) return fail(at_field(status.error(), "start.name"));
+  if (!status.ok()) return fail(with_field(status.error(), "start.name"));
   bool unwanted = false;
   {
     const std::lock_guard lock(mutex_);
@@ -84,7 +84,7 @@ void PictureStream::joined(const Status& status) {
   }
   if (unwanted) return core_->hub.leave(sheet_id_, *this);
   // Runs after the channel is attached to the sheet. If the sheet is deleted now and its name reused, the channel ends.
-  look_at<Backdrop>(core_, sheet_id_, backdrop_of, "start.name",
+  inspect<Backdrop>(core_, sheet_id_, backdrop_of, "start.name",
                     [self = shared_from_this()](const Result<Backdrop>& backdrop) { self->shown(backdrop); });
 }
 
@@ -96,7 +96,7 @@ void PictureStream::shown(const Result<Backdrop>& backdrop) {
     backdrop_ = *backdrop;
     feed_ = core_->studio.feed(channel_, *backdrop_, look_.view);
   }
-  ready_.raise();
+  wake_.call();
 }
 
 void PictureStream::acknowledge(const v1::WatchAck& ack) {
@@ -113,7 +113,7 @@ void PictureStream::acknowledge(const v1::WatchAck& ack) {
     }
   }
   if (!status.ok()) return fail(status.error());
-  if (opened) ready_.raise();
+  if (opened) wake_.call();
 }
 
 void PictureStream::look(const v1::ImageView& view) {
@@ -131,7 +131,7 @@ void PictureStream::look(const v1::ImageView& view) {
     }
   }
   if (poorer) core_->hub.refresh(sheet_id_, poorer);
-  ready_.raise();
+  wake_.call();
 }
 
 void PictureStream::take_look(const ImageLook& look) {
@@ -145,7 +145,7 @@ void PictureStream::take_look(const ImageLook& look) {
   if (backdrop_) feed_ = core_->studio.feed(channel_, *backdrop_, look_.view);
 }
 
-void PictureStream::set_pace(const v1::WatchPace& pace) {
+void PictureStream::set_frame_rate(const v1::WatchPace& pace) {
   const Result<double> rate = decode_rate(pace.max_rate_hz(), kMaxRateHz, "every tick", "pace.max_rate_hz");
   if (!rate.ok()) return fail(rate.error());
   std::shared_ptr<stream::Channel> stale;
@@ -154,7 +154,7 @@ void PictureStream::set_pace(const v1::WatchPace& pace) {
     if (over()) return;
     const bool goes_on = paused_ && !pace.paused();
     paused_ = pace.paused();
-    flow_->set_pace(*rate, paused_, core_->clock.now());
+    flow_->set_frame_rate(*rate, paused_, core_->clock.now());
     if (channel_) channel_->want_snapshots(*this, !paused_);
     if (channel_ && goes_on) {
       stale_through_ = channel_->newest_publication();
@@ -162,17 +162,17 @@ void PictureStream::set_pace(const v1::WatchPace& pace) {
     }
   }
   if (stale) core_->hub.refresh(sheet_id_, stale);
-  ready_.raise();
+  wake_.call();
 }
 
-void PictureStream::set_ready(std::function<void()> ready) {
-  const bool listens = static_cast<bool>(ready);
-  ready_.set(std::move(ready));
-  if (listens) ready_.raise();
+void PictureStream::set_wake(std::function<void()> wake) {
+  const bool listens = static_cast<bool>(wake);
+  wake_.set(std::move(wake));
+  if (listens) wake_.call();
 }
 
 void PictureStream::wake() {
-  if (wants_picture_.exchange(false)) ready_.raise();
+  if (wants_picture_.exchange(false)) wake_.call();
 }
 
 void PictureStream::end(wire::EndReason reason) {
@@ -181,7 +181,7 @@ void PictureStream::end(wire::EndReason reason) {
     if (end_ || over()) return;
     end_ = reason;
   }
-  ready_.raise();
+  wake_.call();
 }
 
 void PictureStream::leave() {
@@ -215,7 +215,7 @@ void PictureStream::fail(Error error) {
     failure_ = std::move(error);
   }
   let_go();
-  ready_.raise();
+  wake_.call();
 }
 
 void PictureStream::server_stops() {

@@ -12,7 +12,7 @@
 #include "server/service/api/core.h"
 #include "server/service/api/image_request.h"
 #include "server/service/api/image_session.h"
-#include "server/service/host/ready_signal.h"
+#include "server/service/host/wake_callback.h"
 #include "server/service/host/wake_timer.h"
 
 namespace kerf::v1 {
@@ -36,7 +36,7 @@ class PictureStream final : public ImageSession,
   void on_bytes(std::string_view bytes) override;
   std::optional<stream::Message> next() override;
   std::optional<stream::Bytes> next_picture() override;
-  void set_ready(std::function<void()> ready) override;
+  void set_wake(std::function<void()> wake) override;
   [[nodiscard]] bool ended() const override;
   [[nodiscard]] std::optional<Error> failure() const override;
   void close() override;
@@ -55,7 +55,7 @@ class PictureStream final : public ImageSession,
   void shown(const Result<Backdrop>& backdrop);
   void acknowledge(const v1::WatchAck& ack);
   void look(const v1::ImageView& view);
-  void set_pace(const v1::WatchPace& pace);
+  void set_frame_rate(const v1::WatchPace& pace);
   void fail(Error error);
   [[nodiscard]] bool started() const;
 
@@ -79,8 +79,8 @@ class PictureStream final : public ImageSession,
   void let_go();
 
   const std::shared_ptr<ApiCore> core_;
-  ReadySignal ready_;
-  WakeTimer timer_;
+  host::WakeCallback wake_;
+  host::WakeTimer timer_;
   std::string sheet_id_;  // Like codec_, written by start() before any reader.
   v1::ImageCodec codec_ = v1::IMAGE_JPEG;
   std::atomic<bool> wants_picture_{true};  // advance() found nothing newer, and would have ordered it.

@@ -84,7 +84,7 @@ void PictureStream::finished(Result<FinishedPicture> picture) {
     }
     picture_ = std::move(*picture);
   }
-  ready_.raise();
+  wake_.call();
 }
 
 v1::Image PictureStream::send(const FinishedPicture& picture, host::Nanoseconds now) {
@@ -115,7 +115,7 @@ void PictureStream::wake_at(const std::optional<host::Nanoseconds>& deadline) {
     const auto session = weak.lock();
     if (!session) return;
     session->timer_.fired();
-    session->ready_.raise();
+    session->wake_.call();
   });
 }
 

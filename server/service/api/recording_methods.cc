@@ -31,7 +31,7 @@ void play(const std::shared_ptr<ApiCore>& core, std::string content, const std::
   };
   using Decoded = wire::RecordingFile;
   in_background<Decoded>(
-      core->filer,
+      core->file_worker,
       [core, sheet_id, paused, answer, stop](Result<Decoded> decoded) {
         if (!decoded.ok()) return answer(decoded.error());
         core->host.replay(sheet_id, std::move(decoded->recording), paused, sheet_reply(answer, ""), stop);
@@ -120,10 +120,10 @@ void Api::get_sheet_recording(const v1::GetSheetRecordingRequest& request,
             " recordings are already being sent, which is the limit; try again when one has finished"));
   }
   core_->host.recording(*id, [core = core_, file, reply = std::move(reply)](Result<host::KeptRun> run) {
-    if (!run.ok()) return reply(at_field(run.error(), "name"));
+    if (!run.ok()) return reply(with_field(run.error(), "name"));
     auto kept = std::make_shared<const host::KeptRun>(std::move(*run));
     in_background<std::shared_ptr<const std::string>>(
-        core->filer, reply,
+        core->file_worker, reply,
         [kept, file] {
           file->content = wire::encode_recording_header(*kept->config, wire::build_name()) + kept->entries;
           return std::shared_ptr<const std::string>(file, &file->content);

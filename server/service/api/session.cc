@@ -10,7 +10,7 @@
 #include "kerf/v1/stream.pb.h"
 #include "server/service/api/flow_request.h"
 #include "server/service/api/open_streams.h"
-#include "server/service/host/ready_signal.h"
+#include "server/service/host/wake_callback.h"
 #include "server/service/host/wake_timer.h"
 #include "server/service/wire/command_codec.h"
 #include "server/service/wire/frame_encoder.h"
@@ -82,7 +82,7 @@ class Session final : public WatchSession, public OpenStream, public std::enable
   void on_request(const v1::WatchRequest& request) override;
   void on_bytes(std::string_view bytes) override;
   std::optional<stream::Message> next() override;
-  void set_ready(std::function<void()> ready) override;
+  void set_wake(std::function<void()> wake) override;
   [[nodiscard]] bool ended() const override;
   [[nodiscard]] std::optional<Error> failure() const override;
   void close() override;
@@ -95,14 +95,14 @@ class Session final : public WatchSession, public OpenStream, public std::enable
   [[nodiscard]] bool started() const;
 
  private:
-  struct Pace {
+  struct FrameRate {
     double max_rate_hz;
     bool paused;
   };
 
   void start(const v1::WatchStart& request);
   void join(const std::string& sheet_id, const stream::SubscriberOptions& options);
-  void set_pace(const v1::WatchPace& pace);
+  void set_frame_rate(const v1::WatchPace& pace);
   std::shared_ptr<stream::Subscriber> joined_subscriber();
   void joined(const Result<std::shared_ptr<stream::Reader>>& reader);
   void acknowledge(const v1::WatchAck& ack);
@@ -114,14 +114,14 @@ class Session final : public WatchSession, public OpenStream, public std::enable
   [[nodiscard]] bool over() const { return closed_ || failure_; }  // Needs mutex_ held.
 
   const std::shared_ptr<ApiCore> core_;
-  ReadySignal ready_;
-  WakeTimer timer_;
+  host::WakeCallback wake_;
+  host::WakeTimer timer_;
   const char* name_field_ = "start.name";  // Field of the request that began the stream.
 
   mutable std::mutex mutex_;  // Guards the members below; not held over calls to the host, the hub or the subscriber.
   std::string sheet_id_;      // Empty until started.
   std::shared_ptr<stream::Subscriber> subscriber_;
-  std::optional<Pace> early_pace_;  // Received before the stream joined; applied to subscriber_ then.
+  std::optional<FrameRate> early_rate_;  // Received before the stream joined; applied to subscriber_ then.
   std::deque<stream::Message> rejections_;
   std::set<std::string> held_grabs_;
   std::optional<Error> failure_;
@@ -148,7 +148,7 @@ void Session::on_request(const v1::WatchRequest& request) {
     case v1::WatchRequest::kAck:
       return acknowledge(request.ack());
     case v1::WatchRequest::kPace:
-      return set_pace(request.pace());
+      return set_frame_rate(request.pace());
     case v1::WatchRequest::kGrab:
       return submit(request.grab().grab_id(), wire::decode_grab(request.grab()));
     case v1::WatchRequest::kDrag:
@@ -187,7 +187,7 @@ void Session::join(const std::string& sheet_id, const stream::SubscriberOptions&
   const auto self = shared_from_this();
   const std::weak_ptr<Session> weak = self;
   const auto ready = [weak] {
-    if (const auto session = weak.lock()) session->ready_.raise();
+    if (const auto session = weak.lock()) session->wake_.call();
   };
   core_->hub.join(
       sheet_id,
@@ -199,18 +199,18 @@ void Session::join(const std::string& sheet_id, const stream::SubscriberOptions&
 }
 
 void Session::joined(const Result<std::shared_ptr<stream::Reader>>& reader) {
-  if (!reader.ok()) return fail(at_field(reader.error(), name_field_));
+  if (!reader.ok()) return fail(with_field(reader.error(), name_field_));
   const auto subscriber = std::static_pointer_cast<stream::Subscriber>(*reader);  // Made by join().
   for (;;) {
-    std::optional<Pace> pace;
+    std::optional<FrameRate> rate;
     {
       const std::lock_guard lock(mutex_);
       if (over()) break;
-      pace = std::exchange(early_pace_, {});
-      if (!pace) subscriber_ = subscriber;
+      rate = std::exchange(early_rate_, {});
+      if (!rate) subscriber_ = subscriber;
     }
-    if (!pace) return ready_.raise();
-    if (subscriber->set_pace(pace->max_rate_hz, pace->paused, core_->clock.now())) {
+    if (!rate) return wake_.call();
+    if (subscriber->set_frame_rate(rate->max_rate_hz, rate->paused, core_->clock.now())) {
       core_->hub.refresh(sheet_id_, subscriber->channel());
     }
   }
@@ -231,7 +231,7 @@ void Session::acknowledge(const v1::WatchAck& ack) {
   if (!status.ok()) fail(status.error());
 }
 
-void Session::set_pace(const v1::WatchPace& pace) {
+void Session::set_frame_rate(const v1::WatchPace& pace) {
   const Result<double> rate = decode_rate(pace.max_rate_hz(), kMaxRateHz, "every tick", "pace.max_rate_hz");
   if (!rate.ok()) return fail(rate.error());
   std::shared_ptr<stream::Subscriber> subscriber;
@@ -239,9 +239,9 @@ void Session::set_pace(const v1::WatchPace& pace) {
     const std::lock_guard lock(mutex_);
     if (over()) return;
     subscriber = subscriber_;
-    if (!subscriber) early_pace_ = Pace{*rate, pace.paused()};
+    if (!subscriber) early_rate_ = FrameRate{*rate, pace.paused()};
   }
-  if (subscriber && subscriber->set_pace(*rate, pace.paused(), core_->clock.now())) {
+  if (subscriber && subscriber->set_frame_rate(*rate, pace.paused(), core_->clock.now())) {
     core_->hub.refresh(sheet_id_, subscriber->channel());
   }
 }
@@ -284,7 +284,7 @@ void Session::reject(const std::string& grab_id, const Error& error) {
     return fail(resource_exhausted("TOO_MANY_REJECTIONS",
                                    std::to_string(kMaxUnreadRejections) + " rejections are unread; read the stream"));
   }
-  ready_.raise();
+  wake_.call();
 }
 
 std::optional<stream::Message> Session::next() {
@@ -316,14 +316,14 @@ void Session::wake_at(host::Nanoseconds deadline) {
     const auto session = weak.lock();
     if (!session) return;
     session->timer_.fired();
-    session->ready_.raise();
+    session->wake_.call();
   });
 }
 
-void Session::set_ready(std::function<void()> ready) {
-  const bool listens = static_cast<bool>(ready);
-  ready_.set(std::move(ready));
-  if (listens) ready_.raise();
+void Session::set_wake(std::function<void()> wake) {
+  const bool listens = static_cast<bool>(wake);
+  wake_.set(std::move(wake));
+  if (listens) wake_.call();
 }
 
 bool Session::ended() const {
@@ -347,7 +347,7 @@ void Session::fail(Error error) {
     if (over() || (subscriber_ && subscriber_->ended())) return;
     failure_ = std::move(error);
   }
-  ready_.raise();
+  wake_.call();
 }
 
 void Session::server_stops() {

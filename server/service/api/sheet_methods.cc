@@ -37,7 +37,7 @@ void make_sheet(const std::shared_ptr<ApiCore>& core, v1::CreateSheetRequest req
         },
         all_left);
   };
-  once_while_wanted<v1::Sheet>(core, "CreateSheet", request, std::move(reply), stop, create);
+  idempotent_while_wanted<v1::Sheet>(core, "CreateSheet", request, std::move(reply), stop, create);
 }
 
 void Api::create_sheet(const v1::CreateSheetRequest& request, Reply<v1::Sheet> reply, std::stop_token stop) {
@@ -72,7 +72,7 @@ void Api::delete_sheet(const v1::DeleteSheetRequest& request, Reply<google::prot
   const Result<std::string> id = addressed_sheet(*core_, request.name(), "name");
   if (!id.ok()) return reply(id.error());
   const auto deleted = [reply = std::move(reply)](const Status& status) {
-    if (!status.ok()) return reply(at_field(status.error(), "name"));
+    if (!status.ok()) return reply(with_field(status.error(), "name"));
     reply(google::protobuf::Empty());
   };
   // Forgets the journal before the name is free, so that the cuts of a new sheet stay.
@@ -114,7 +114,7 @@ void Api::reset_sheet(const v1::ResetSheetRequest& request, Reply<v1::Sheet> rep
   if (!id.ok()) return reply(id.error());
   core_->host.submit(*id, sheet::Reset{},
                      [core = core_, id = *id, reply = std::move(reply)](const Result<host::CommandResult>& result) {
-                       if (!result.ok()) return reply(at_field(result.error(), "name"));
+                       if (!result.ok()) return reply(with_field(result.error(), "name"));
                        core->journal.reset(id, result->reply.beginning);
                        core->host.status(id, sheet_reply(reply, "name"));
                      });
@@ -123,7 +123,7 @@ void Api::reset_sheet(const v1::ResetSheetRequest& request, Reply<v1::Sheet> rep
 void Api::get_sheet_state(const v1::GetSheetStateRequest& request, Reply<v1::SheetState> reply) {
   const Result<std::string> id = addressed_sheet(*core_, request.name(), "name");
   if (!id.ok()) return reply(id.error());
-  look_at<v1::SheetState>(
+  inspect<v1::SheetState>(
       core_, *id,
       [name = request.name()](const sheet::Sheet& sheet) {
         v1::SheetState state = encode_exact_state(sheet);
@@ -140,12 +140,12 @@ void Api::export_sheet(const v1::ExportSheetRequest& request, Reply<v1::ExportSh
     return reply(invalid_argument("UNKNOWN_ENUM_VALUE", "format must be OBJ or GLTF", "format"));
   }
   using Found = std::shared_ptr<const sheet::Snapshot>;
-  look_at<Found>(
+  inspect<Found>(
       core_, *id, [](const sheet::Sheet& sheet) { return sheet.snapshot(); }, "name",
       [core = core_, format = request.format(), reply = std::move(reply)](Result<Found> found) {
         if (!found.ok()) return reply(found.error());
         in_background<v1::ExportSheetResponse>(
-            core->filer, reply,
+            core->file_worker, reply,
             [format, snapshot = *found] {
               const bool is_gltf = format == v1::ExportSheetRequest::GLTF;
               v1::ExportSheetResponse response;

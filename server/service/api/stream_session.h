@@ -30,8 +30,8 @@ class StreamSession {
 
   // Sets the callback for when next() may have something, or the stream has ended. It may be called in vain, from any
   // thread, never under a lock, and at once if there is something already. An empty function removes it. After
-  // set_ready({}) has returned it is not called any more, unless that call comes from within it.
-  virtual void set_ready(std::function<void()> ready) = 0;
+  // set_wake({}) has returned it is not called any more, unless that call comes from within it.
+  virtual void set_wake(std::function<void()> wake) = 0;
 
   // True once nothing will be added to the remaining messages of next().
   [[nodiscard]] virtual bool ended() const = 0;

@@ -7,9 +7,9 @@
 namespace kerf::api {
 namespace {
 
-Error wrong_length(std::int64_t told, const std::string& came) {
+Error wrong_length(std::int64_t announced, const std::string& came) {
   return invalid_argument("UPLOAD_LENGTH",
-                          "start.num_bytes is " + std::to_string(told) + ", but " + came +
+                          "start.num_bytes is " + std::to_string(announced) + ", but " + came +
                               " arrived; give the length of the file and send all of it",
                           "start.num_bytes");
 }

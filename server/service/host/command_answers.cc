@@ -1,6 +1,6 @@
 #include "server/service/host/command_answers.h"
 
-#include "server/base/caught.h"
+#include "server/base/catch_exceptions.h"
 
 namespace kerf::host {
 

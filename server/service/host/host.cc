@@ -4,7 +4,7 @@
 #include <sstream>
 #include <utility>
 
-#include "server/base/caught.h"
+#include "server/base/catch_exceptions.h"
 #include "server/base/memory_release.h"
 #include "server/service/host/errors.h"
 #include "server/service/host/sheet_runner.h"
@@ -25,8 +25,8 @@ Host::Host(HostOptions options, Clock& clock, Entropy& entropy)
       entropy_(entropy),
       vertices_(options_.max_total_vertices),
       admission_(options_.max_load),
-      workers_({.num_threads = options_.workers, .patience = options_.long_work}),
-      builders_({.patience = options_.long_work, .max_taken_on = kMaxBuilders - 1, .is_background = true}) {}
+      workers_({.num_threads = options_.workers, .long_work = options_.long_work}),
+      builders_({.long_work = options_.long_work, .max_taken_on = kMaxBuilders - 1, .is_background = true}) {}
 
 Host::~Host() {
   stop();
@@ -78,7 +78,7 @@ void Host::delete_sheet(const std::string& id, Callback<Nothing> done, std::func
   runner->post(
       [this, id, done, closed = std::move(closed)](SheetRunner& r) {
         r.close(sheet::SinkEnd::kSheetDeleted);
-        const Status ended = caught([&]() -> Status {
+        const Status ended = catch_exceptions([&]() -> Status {
           if (closed) closed();
           return Nothing{};
         });

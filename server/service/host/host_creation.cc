@@ -2,7 +2,7 @@
 #include <cmath>
 #include <utility>
 
-#include "server/base/caught.h"
+#include "server/base/catch_exceptions.h"
 #include "server/base/interruption.h"
 #include "server/base/memory_headroom.h"
 #include "server/base/overloaded.h"
@@ -75,7 +75,7 @@ void Host::create(std::string id, sheet::SheetConfig config, std::unique_ptr<Pla
   creation->paused = paused;
   creation->done = std::move(done);
   creation->stop = stop;
-  const Status queued = caught([&]() -> Status {
+  const Status queued = catch_exceptions([&]() -> Status {
     Result<std::shared_ptr<VertexShare>> reserved = reserve(id, config, paused);
     KERF_TRY(reserved);
     creation->vertices = std::move(reserved).value();
@@ -83,7 +83,7 @@ void Host::create(std::string id, sheet::SheetConfig config, std::unique_ptr<Pla
     if (!paused) creation->need = expected_need(config);
     const auto shared = std::make_shared<sheet::SheetConfig>(std::move(config));
     const bool posted = builders_.make_strand().post([this, creation, shared] {
-      const Status handed_on = caught([&] { return build_and_hand_on(creation, std::move(*shared)); });
+      const Status handed_on = catch_exceptions([&] { return build_and_hand_on(creation, std::move(*shared)); });
       if (!handed_on.ok()) refuse(*creation, handed_on.error());
     });
     return posted ? Status(Nothing{}) : Status(host_stopping());
@@ -110,7 +110,7 @@ Result<SheetStatus> Host::begin(Creation& creation, sheet::Sheet sheet, const Wo
                                     SheetRunner::Context{options_, clock_, board_, listener_, slip_, stopping_,
                                                          [this](const std::string& id) { release(id); }, ++num_made_},
                                     strand, creation.vertices);
-  const Result<SheetStatus> begun = caught([&]() -> Result<SheetStatus> {
+  const Result<SheetStatus> begun = catch_exceptions([&]() -> Result<SheetStatus> {
     if (stopping_) return host_stopping();
     runner->begin(creation.paused, options_.make_recording ? options_.make_recording(creation.id) : nullptr,
                   std::move(creation.playback));
@@ -187,7 +187,7 @@ Result<sheet::Sheet> Host::build(sheet::SheetConfig config, const Creation& crea
     return !wanted.ok();
   });
   Result<sheet::Sheet> built =
-      caught([&] { return sheet::Sheet::create(std::move(config), options_.make_integrator); });
+      catch_exceptions([&] { return sheet::Sheet::create(std::move(config), options_.make_integrator); });
   KERF_TRY(wanted);
   KERF_TRY(built);
   KERF_TRY(creation.vertices->settle(built->mesh().num_vertices()));

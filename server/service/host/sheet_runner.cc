@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "server/base/caught.h"
+#include "server/base/catch_exceptions.h"
 #include "server/base/memory_headroom.h"
 #include "server/core/scene/sheet_materials.h"
 #include "server/service/host/errors.h"
@@ -41,7 +41,7 @@ SheetRunner::SheetRunner(std::string id, sheet::Sheet sheet, Context context, Wo
 void SheetRunner::post(std::function<void(SheetRunner&)> work, std::function<void(Error)> refuse) {
   const bool posted = strand_.post([self = shared_from_this(), work = std::move(work), refuse] {
     if (self->closed_) return refuse(self->closed_error());
-    const Status done = caught([&]() -> Status {
+    const Status done = catch_exceptions([&]() -> Status {
       work(*self);
       return Nothing{};
     });

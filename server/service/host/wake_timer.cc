@@ -1,8 +1,8 @@
 #include "server/service/host/wake_timer.h"
 
-namespace kerf::api {
+namespace kerf::host {
 
-void WakeTimer::wake_at(host::Nanoseconds deadline, std::function<void()> fire) {
+void WakeTimer::wake_at(Nanoseconds deadline, std::function<void()> fire) {
   const std::lock_guard lock(mutex_);
   if (stopped_ || (timer_ && timer_->first <= deadline)) return;
   if (timer_) clock_.cancel(timer_->second);
@@ -21,4 +21,4 @@ void WakeTimer::stop() {
   timer_.reset();
 }
 
-}  // namespace kerf::api
+}  // namespace kerf::host

@@ -150,10 +150,10 @@ void Workers::Pool::take_turn(const std::shared_ptr<Order>& order, Thread& self,
 }
 
 // Adds threads when they are lacking, and sleeps otherwise. While they are lacking it waits until the longest piece in
-// progress exceeds the patience. If all pieces are short, it wakes once per patience.
+// progress exceeds that of long work. If all pieces are short, it wakes once in that time.
 void Workers::Pool::supervise() {
   constexpr Nanoseconds kLongestSleep = std::chrono::hours(1);  // Keeps deadlines from overflowing.
-  const Nanoseconds patience = options.patience;
+  const Nanoseconds long_work = options.long_work;
   Lock lock(mutex);
   while (!closed) {
     if (!retired.empty()) {
@@ -173,10 +173,10 @@ void Workers::Pool::supervise() {
       if (longest == nullptr || thread.busy_since < longest->busy_since) longest = &thread;
     }
     const Nanoseconds at_it = longest == nullptr ? Nanoseconds(0) : Nanoseconds(now - *longest->busy_since);
-    if (at_it < patience) {
-      attention.wait_for(lock, std::min(patience - at_it, kLongestSleep));
+    if (at_it < long_work) {
+      attention.wait_for(lock, std::min(long_work - at_it, kLongestSleep));
     } else if (!take_on(*longest)) {
-      attention.wait_for(lock, std::min(patience, kLongestSleep));  // The system may have a thread by then.
+      attention.wait_for(lock, std::min(long_work, kLongestSleep));  // The system may have a thread by then.
     }
   }
 }
@@ -229,13 +229,13 @@ Workers::Workers(std::shared_ptr<Pool> pool) : pool_(std::move(pool)) {}
 // Delegates to the constructor above, so that after an exception here the destructor ends the threads made so far.
 Workers::Workers(const Options& options) : Workers(std::make_shared<Pool>(options)) {
   KERF_CHECK(options.num_threads >= 1, "a pool without threads never finishes anything");
-  KERF_CHECK(options.patience >= Nanoseconds(0), "nothing takes less than no time");
+  KERF_CHECK(options.long_work >= Nanoseconds(0), "nothing takes less than no time");
   {
     const std::lock_guard lock(pool_->mutex);
     for (std::int32_t i = 0; i < options.num_threads; ++i) pool_->add_thread();
   }
   // Captures a raw pointer, since the pool outlives its threads; a shared one could make a worker the last owner.
-  if (options.patience > Nanoseconds(0)) pool_->supervisor = std::thread([pool = pool_.get()] { pool->supervise(); });
+  if (options.long_work > Nanoseconds(0)) pool_->supervisor = std::thread([pool = pool_.get()] { pool->supervise(); });
 }
 
 Workers::~Workers() {

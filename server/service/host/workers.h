@@ -14,7 +14,7 @@ namespace kerf::host {
 // requests.
 //
 // Long work does not delay the rest. While strands wait and no thread is idle, each thread busy with one piece for
-// longer than `patience` is replaced by a new one. The operating system shares the cores among them. The replaced
+// longer than `long_work` is replaced by a new one. The operating system shares the cores among them. The replaced
 // thread ends after its piece, so the number of threads returns to normal.
 class Workers {
   struct Pool;
@@ -38,7 +38,7 @@ class Workers {
     std::int32_t num_threads = 1;  // >= 1
     // Time at one piece of work after which its thread is replaced, on the machine's steady clock, >= 0; 0: no thread
     // is ever added.
-    Nanoseconds patience{0};
+    Nanoseconds long_work{0};
     // Limit on threads beyond num_threads; with that many busy with long work, strands wait until a piece ends. Each
     // thread costs its stack and takes a share of the cores from the others.
     std::size_t max_taken_on = 64;

@@ -11,7 +11,7 @@
 namespace kerf::api {
 
 // Runs long work (drawing, encoding files) on its own threads, so that neither sheets nor transports wait. Work begins
-// in the order of its arrival and must not throw: see caught(). Thread-safe.
+// in the order of its arrival and must not throw: see catch_exceptions(). Thread-safe.
 class BackgroundWorker {
  public:
   // `max_waiting`: limit on pieces that wait behind those in progress, one per thread.

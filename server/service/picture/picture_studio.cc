@@ -4,7 +4,7 @@
 #include <limits>
 #include <string>
 
-#include "server/base/caught.h"
+#include "server/base/catch_exceptions.h"
 
 namespace kerf::api {
 namespace {
@@ -62,7 +62,7 @@ void PictureFeed::fill(const std::vector<PictureOrder>& orders, const stream::Ch
   for (const PictureOrder& order : orders) {
     FinishedPicture picture{newest.publication, newest.snapshot, {}, 0.0, view_.width, view_.height, true, nullptr};
     if (order.video) {
-      if (const Status status = caught([&] { return draw(newest); }); !status.ok()) {
+      if (const Status status = catch_exceptions([&] { return draw(newest); }); !status.ok()) {
         order.done(status.error());
         continue;
       }
@@ -71,7 +71,7 @@ void PictureFeed::fill(const std::vector<PictureOrder>& orders, const stream::Ch
       film(order, std::move(picture));
       continue;
     }
-    Result<stream::Bytes> data = caught([&] { return still(order.still, newest); });
+    Result<stream::Bytes> data = catch_exceptions([&] { return still(order.still, newest); });
     if (!data.ok()) {
       order.done(data.error());
       continue;
@@ -115,7 +115,7 @@ Result<stream::Bytes> PictureFeed::still(const StillFormat& format, const stream
 void PictureFeed::film(const PictureOrder& order, FinishedPicture picture) {
   studio_.submit([this, self = shared_from_this(), order, drawn = drawn_, picture = std::move(picture)]() mutable {
     Result<VideoTrack::Frame> frame =
-        caught([&] { return order.video->encode(drawn->pixels, studio_.clock_.now(), order.key); });
+        catch_exceptions([&] { return order.video->encode(drawn->pixels, studio_.clock_.now(), order.key); });
     if (!frame.ok()) return order.done(frame.error());
     ++studio_.counters_.encoded;
     picture.key = frame->key;

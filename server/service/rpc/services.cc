@@ -112,7 +112,7 @@ using RawSheets = RawService<
     v1::SheetService::WithRawCallbackMethod_ReplayRecording>::type;
 class Sheets final : public RawSheets {
  public:
-  Sheets(api::Api& api, TransferPatience patience) : api_(api), patience_(patience) {}
+  Sheets(api::Api& api, TransferTiming timing) : api_(api), timing_(timing) {}
   KERF_UNARY(CreateSheet, create_sheet)
   KERF_UNARY(GetSheet, get_sheet)
   KERF_UNARY(ListSheets, list_sheets)
@@ -127,18 +127,18 @@ class Sheets final : public RawSheets {
   KERF_UNARY(AnalyzeSheet, analyze_sheet)
 
   grpc::ServerReadReactor<ByteBuffer>* UploadSheet(Context* /*context*/, ByteBuffer* response) override {
-    return receive_sheet(api_, patience_, response);
+    return receive_sheet(api_, timing_, response);
   }
   grpc::ServerReadReactor<ByteBuffer>* ReplayRecording(Context* /*context*/, ByteBuffer* response) override {
-    return receive_recording(api_, patience_, response);
+    return receive_recording(api_, timing_, response);
   }
   grpc::ServerWriteReactor<ByteBuffer>* GetSheetRecording(Context* context, const ByteBuffer* request) override {
-    return send_recording(api_, patience_, *context, request);
+    return send_recording(api_, timing_, *context, request);
   }
 
  private:
   api::Api& api_;
-  const TransferPatience patience_;
+  const TransferTiming timing_;
 };
 
 using RawCuts =
@@ -214,9 +214,9 @@ class ServerInformation final : public RawServerInformation {
 
 }  // namespace
 
-std::vector<NamedService> make_services(api::Api& api, TransferPatience patience, StreamHosting& hosting) {
+std::vector<NamedService> make_services(api::Api& api, TransferTiming timing, StreamHosting& hosting) {
   std::vector<NamedService> services;
-  services.push_back({v1::SheetService::service_full_name(), std::make_unique<Sheets>(api, patience)});
+  services.push_back({v1::SheetService::service_full_name(), std::make_unique<Sheets>(api, timing)});
   services.push_back({v1::CutService::service_full_name(), std::make_unique<Cuts>(api)});
   services.push_back({v1::InteractionService::service_full_name(), std::make_unique<Interaction>(api)});
   services.push_back({v1::StreamService::service_full_name(), make_stream_service(api, hosting)});

@@ -22,7 +22,7 @@ struct NamedService {
 struct StreamHosting;
 
 // Returns every service of kerf.v1 over `api`. `api`, the clock and `hosting` must outlive them.
-std::vector<NamedService> make_services(api::Api& api, TransferPatience patience, StreamHosting& hosting);
+std::vector<NamedService> make_services(api::Api& api, TransferTiming timing, StreamHosting& hosting);
 
 // Returns StreamService. Its messages pass through as bytes: frames are serialised once for all streams.
 std::unique_ptr<grpc::Service> make_stream_service(api::Api& api, StreamHosting& hosting);

@@ -15,7 +15,7 @@
 
 #include "server/service/api/stream_session.h"
 #include "server/service/rpc/grpc_status.h"
-#include "server/service/rpc/write_watch.h"
+#include "server/service/rpc/write_timeout.h"
 #include "server/service/stream/message.h"
 
 namespace kerf::rpc {
@@ -45,10 +45,10 @@ class SessionReactor : public Reactor {
       : session_(std::move(session)),
         context_(context),
         hosting_(hosting),
-        write_watch_(std::make_shared<WriteWatch>(hosting.clock, hosting.write_timeout)) {}
+        write_timeout_(std::make_shared<WriteTimeout>(hosting.clock, hosting.write_timeout)) {}
 
   void OnWriteDone(bool ok) override {
-    write_watch_->done();
+    write_timeout_->write_done();
     if (!ok) session_->close();
     {
       const std::lock_guard lock(mutex_);
@@ -64,8 +64,8 @@ class SessionReactor : public Reactor {
 
   void OnDone() override {
     // Both wait for a running callback, which uses this object.
-    write_watch_->stop();
-    session_->set_ready({});
+    write_timeout_->stop();
+    session_->set_wake({});
     session_->close();
     delete this;
   }
@@ -73,8 +73,8 @@ class SessionReactor : public Reactor {
  protected:
   // Starts the stream; to be called once, at the end of the most derived constructor.
   void begin() {
-    write_watch_->watch([this] { context_.TryCancel(); });
-    session_->set_ready([this] { wake(); });
+    write_timeout_->begin([this] { context_.TryCancel(); });
+    session_->set_wake([this] { wake(); });
   }
 
   // Posts advance() to the writers. The stream is busy until it runs, so nothing finishes it or deletes this object.
@@ -103,7 +103,7 @@ class SessionReactor : public Reactor {
       const bool ended = session_->ended();
       if (const std::optional<stream::Message> message = session_->next()) {
         response_ = to_byte_buffer(*message);
-        write_watch_->begun();
+        write_timeout_->write_begun();
         this->StartWrite(&response_);
         return;
       }
@@ -118,7 +118,7 @@ class SessionReactor : public Reactor {
   const std::shared_ptr<api::StreamSession> session_;
   grpc::CallbackServerContext& context_;  // gRPC keeps it until OnDone has returned.
   StreamHosting& hosting_;
-  const std::shared_ptr<WriteWatch> write_watch_;  // Its timer may fire after this object is gone.
+  const std::shared_ptr<WriteTimeout> write_timeout_;  // Its timer may fire after this object is gone.
   grpc::ByteBuffer response_;
   std::mutex mutex_;    // Guards the members below.
   bool busy_ = false;   // advance() runs or is posted, a write is in flight, or the stream is finished.

@@ -9,10 +9,10 @@
 
 #include "kerf/v1/sheets.pb.h"
 #include "server/service/api/upload.h"
-#include "server/service/host/ready_signal.h"
+#include "server/service/host/wake_callback.h"
 #include "server/service/rpc/grpc_status.h"
 #include "server/service/rpc/messages.h"
-#include "server/service/rpc/patience.h"
+#include "server/service/rpc/transfer_deadline.h"
 
 namespace kerf::rpc {
 namespace {
@@ -26,17 +26,18 @@ constexpr std::size_t kChunkBytes = std::size_t{64} << 10;
 template <typename Request, typename Start>
 class UploadReactor final : public grpc::ServerReadReactor<ByteBuffer> {
  public:
-  UploadReactor(Start start, TransferPatience patience, ByteBuffer* response)
+  UploadReactor(Start start, TransferTiming timing, ByteBuffer* response)
       : start_(std::move(start)),
         response_(response),
-        patience_(std::make_shared<Patience>(patience.clock, patience.limits)) {
-    patience_->begin(
-        [this, limits = patience.limits](Patience::Lapse lapse) { Finish(to_status(late(lapse, limits))); });
+        deadline_(std::make_shared<TransferDeadline>(timing.clock, timing.timeouts)) {
+    deadline_->begin([this, timeouts = timing.timeouts](TransferDeadline::Timeout timeout) {
+      Finish(to_status(late(timeout, timeouts)));
+    });
     StartRead(&message_);
   }
 
   void OnReadDone(bool ok) override {
-    if (!patience_->moved()) return;
+    if (!deadline_->made_progress()) return;
     if (!ok) return end();
     Result<Request> request = parse_message<Request>(message_);
     const Status taken = request.ok() ? take(std::move(request).value()) : Status(request.error());
@@ -66,7 +67,7 @@ class UploadReactor final : public grpc::ServerReadReactor<ByteBuffer> {
   // Ends the upload; the client has sent everything, or is gone.
   void end() {
     if (!upload_) return refuse(missing_start());
-    if (!patience_->end()) return;
+    if (!deadline_->end()) return;
     // Moved out, since the reply may end the call, and delete this object, before finish() returns.
     const std::unique_ptr<api::Upload> upload = std::move(upload_);
     upload->finish(
@@ -77,17 +78,17 @@ class UploadReactor final : public grpc::ServerReadReactor<ByteBuffer> {
   }
 
   void refuse(const Error& error) {
-    if (patience_->end()) Finish(to_status(error));
+    if (deadline_->end()) Finish(to_status(error));
   }
 
-  static Error late(Patience::Lapse lapse, const PatienceLimits& limits) {
+  static Error late(TransferDeadline::Timeout timeout, const TransferTimeouts& timeouts) {
     std::ostringstream message;
-    if (lapse == Patience::Lapse::kSilence) {
-      message << "no part of the upload arrived for " << host::seconds(limits.silence)
+    if (timeout == TransferDeadline::Timeout::kIdle) {
+      message << "no part of the upload arrived for " << host::seconds(timeouts.idle)
               << " s: send all of it again, without a pause";
       return aborted("UPLOAD_STALLED", message.str());
     }
-    message << "the upload took longer than " << host::seconds(limits.whole) << " s: send all of it again, faster";
+    message << "the upload took longer than " << host::seconds(timeouts.total) << " s: send all of it again, faster";
     return aborted("UPLOAD_TOO_SLOW", message.str());
   }
 
@@ -99,21 +100,20 @@ class UploadReactor final : public grpc::ServerReadReactor<ByteBuffer> {
   ByteBuffer* response_;  // Owned by gRPC, valid until the call is done.
   ByteBuffer message_;
   std::unique_ptr<api::Upload> upload_;
-  std::stop_source left_;                     // Stops when the client leaves.
-  const std::shared_ptr<Patience> patience_;  // Its timer may fire after this object is gone.
+  std::stop_source left_;                             // Stops when the client leaves.
+  const std::shared_ptr<TransferDeadline> deadline_;  // Its timer may fire after this object is gone.
 };
 
 template <typename Request, typename Start>
-grpc::ServerReadReactor<ByteBuffer>* receive(Start start, TransferPatience patience, ByteBuffer* response) {
-  return new UploadReactor<Request, Start>(std::move(start), patience, response);  // Deletes itself in OnDone.
+grpc::ServerReadReactor<ByteBuffer>* receive(Start start, TransferTiming timing, ByteBuffer* response) {
+  return new UploadReactor<Request, Start>(std::move(start), timing, response);  // Deletes itself in OnDone.
 }
 
 // Sends a file in chunks, one write at a time.
 class RecordingReactor final : public grpc::ServerWriteReactor<ByteBuffer> {
  public:
-  RecordingReactor(api::Api& api, TransferPatience patience, grpc::CallbackServerContext& context,
-                   const ByteBuffer* bytes)
-      : patience_(std::make_shared<Patience>(patience.clock, patience.limits)) {
+  RecordingReactor(api::Api& api, TransferTiming timing, grpc::CallbackServerContext& context, const ByteBuffer* bytes)
+      : deadline_(std::make_shared<TransferDeadline>(timing.clock, timing.timeouts)) {
     // Cancels a stalled write, which then ends in OnWriteDone, and with it the call.
     too_slow_->set([&context] { context.TryCancel(); });
     const Result<v1::GetSheetRecordingRequest> request = parse_message<v1::GetSheetRecordingRequest>(*bytes);
@@ -124,18 +124,18 @@ class RecordingReactor final : public grpc::ServerWriteReactor<ByteBuffer> {
     api.get_sheet_recording(*request, [this](Result<std::shared_ptr<const std::string>> file) {
       if (!file.ok()) return Finish(to_status(file.error()));
       file_ = std::move(file).value();
-      patience_->begin([too_slow = too_slow_](Patience::Lapse) { too_slow->raise(); });
+      deadline_->begin([too_slow = too_slow_](TransferDeadline::Timeout) { too_slow->call(); });
       write_next();
     });
   }
 
   void OnWriteDone(bool ok) override {
-    if (!ok || !patience_->moved()) return Finish(grpc::Status::CANCELLED);
+    if (!ok || !deadline_->made_progress()) return Finish(grpc::Status::CANCELLED);
     write_next();
   }
 
   void OnDone() override {
-    patience_->end();
+    deadline_->end();
     too_slow_->set({});  // Waits for a running callback, which uses the call.
     delete this;
   }
@@ -150,9 +150,9 @@ class RecordingReactor final : public grpc::ServerWriteReactor<ByteBuffer> {
     StartWrite(&message_);
   }
 
-  const std::shared_ptr<Patience> patience_;  // Its timer may fire after this object is gone.
+  const std::shared_ptr<TransferDeadline> deadline_;  // Its timer may fire after this object is gone.
   // May be called after this object is gone.
-  const std::shared_ptr<api::ReadySignal> too_slow_ = std::make_shared<api::ReadySignal>();
+  const std::shared_ptr<host::WakeCallback> too_slow_ = std::make_shared<host::WakeCallback>();
   std::shared_ptr<const std::string> file_;
   std::size_t sent_ = 0;
   ByteBuffer message_;
@@ -160,19 +160,19 @@ class RecordingReactor final : public grpc::ServerWriteReactor<ByteBuffer> {
 
 }  // namespace
 
-grpc::ServerReadReactor<ByteBuffer>* receive_sheet(api::Api& api, TransferPatience patience, ByteBuffer* response) {
+grpc::ServerReadReactor<ByteBuffer>* receive_sheet(api::Api& api, TransferTiming timing, ByteBuffer* response) {
   return receive<v1::UploadSheetRequest>([&api](const v1::SheetUpload& start) { return api.upload_sheet(start); },
-                                         patience, response);
+                                         timing, response);
 }
 
-grpc::ServerReadReactor<ByteBuffer>* receive_recording(api::Api& api, TransferPatience patience, ByteBuffer* response) {
+grpc::ServerReadReactor<ByteBuffer>* receive_recording(api::Api& api, TransferTiming timing, ByteBuffer* response) {
   return receive<v1::ReplayRecordingRequest>(
-      [&api](const v1::RecordingUpload& start) { return api.replay_recording(start); }, patience, response);
+      [&api](const v1::RecordingUpload& start) { return api.replay_recording(start); }, timing, response);
 }
 
-grpc::ServerWriteReactor<ByteBuffer>* send_recording(api::Api& api, TransferPatience patience,
+grpc::ServerWriteReactor<ByteBuffer>* send_recording(api::Api& api, TransferTiming timing,
                                                      grpc::CallbackServerContext& context, const ByteBuffer* request) {
-  return new RecordingReactor(api, patience, context, request);  // Deletes itself in OnDone.
+  return new RecordingReactor(api, timing, context, request);  // Deletes itself in OnDone.
 }
 
 }  // namespace kerf::rpc

@@ -5,7 +5,7 @@
 #include <grpcpp/support/server_callback.h>
 
 #include "server/service/host/clock.h"
-#include "server/service/rpc/patience.h"
+#include "server/service/rpc/transfer_deadline.h"
 
 namespace kerf::api {
 class Api;
@@ -17,16 +17,16 @@ namespace kerf::rpc {
 
 // Limits how long transfers may stall and last. Slower uploads end with ABORTED, UPLOAD_STALLED or UPLOAD_TOO_SLOW. The
 // call of a reader that does not take its file is cancelled.
-struct TransferPatience {
+struct TransferTiming {
   host::Clock& clock;
-  PatienceLimits limits;
+  TransferTimeouts timeouts;
 };
 
-grpc::ServerReadReactor<grpc::ByteBuffer>* receive_sheet(api::Api& api, TransferPatience patience,
+grpc::ServerReadReactor<grpc::ByteBuffer>* receive_sheet(api::Api& api, TransferTiming timing,
                                                          grpc::ByteBuffer* response);
-grpc::ServerReadReactor<grpc::ByteBuffer>* receive_recording(api::Api& api, TransferPatience patience,
+grpc::ServerReadReactor<grpc::ByteBuffer>* receive_recording(api::Api& api, TransferTiming timing,
                                                              grpc::ByteBuffer* response);
-grpc::ServerWriteReactor<grpc::ByteBuffer>* send_recording(api::Api& api, TransferPatience patience,
+grpc::ServerWriteReactor<grpc::ByteBuffer>* send_recording(api::Api& api, TransferTiming timing,
                                                            grpc::CallbackServerContext& context,
                                                            const grpc::ByteBuffer* request);
 

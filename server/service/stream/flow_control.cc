@@ -51,7 +51,7 @@ Nanoseconds FlowControl::next_slot(Nanoseconds now) const {
   return Nanoseconds((now.count() / interval + 1) * interval);
 }
 
-void FlowControl::set_pace(double max_rate_hz, bool paused, Nanoseconds now) {
+void FlowControl::set_frame_rate(double max_rate_hz, bool paused, Nanoseconds now) {
   const bool goes_on = paused_ && !paused;
   max_rate_hz_ = max_rate_hz;
   paused_ = paused;

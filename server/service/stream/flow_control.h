@@ -41,9 +41,9 @@ class FlowControl {
   // field "ack.sequence": outside 1..last sent; field "ack.held_us": below 0.
   Result<bool> acknowledge(std::int64_t sequence, Nanoseconds now, Nanoseconds held);
 
-  // Sets the pace from `now` on; max_rate_hz is as in the options. While paused no frame may be sent, and no
+  // Sets the frame rate from `now` on; max_rate_hz is as in the options. While paused no frame may be sent, and no
   // acknowledgement is due.
-  void set_pace(double max_rate_hz, bool paused, Nanoseconds now);
+  void set_frame_rate(double max_rate_hz, bool paused, Nanoseconds now);
 
   [[nodiscard]] std::int32_t window() const { return window_.window(); }
 

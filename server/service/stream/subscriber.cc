@@ -53,11 +53,11 @@ Message Subscriber::take(Nanoseconds now) {
   return message;
 }
 
-bool Subscriber::set_pace(double max_rate_hz, bool paused, Nanoseconds now) {
+bool Subscriber::set_frame_rate(double max_rate_hz, bool paused, Nanoseconds now) {
   bool goes_on = false;
   {
     const std::lock_guard lock(mutex_);
-    flow_.set_pace(max_rate_hz, paused, now);
+    flow_.set_frame_rate(max_rate_hz, paused, now);
     goes_on = paused_ && !paused;
     paused_ = paused;
     if (goes_on) stale_through_ = channel_->newest_publication();

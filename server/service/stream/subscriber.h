@@ -47,9 +47,9 @@ class Subscriber : public Reader {
   // Calls FlowControl::acknowledge() and wakes the stream if the window has opened.
   Status acknowledge(std::int64_t sequence, Nanoseconds now = Nanoseconds(0), Nanoseconds held = Nanoseconds(0));
 
-  // Calls FlowControl::set_pace(). Returns true if a pause has ended. The next frame then shows a publication yet to
-  // come, which the caller must request: the channel gets none while all readers pause.
-  [[nodiscard]] bool set_pace(double max_rate_hz, bool paused, Nanoseconds now);
+  // Calls FlowControl::set_frame_rate(). Returns true if a pause has ended. The next frame then shows a publication yet
+  // to come, which the caller must request: the channel gets none while all readers pause.
+  [[nodiscard]] bool set_frame_rate(double max_rate_hz, bool paused, Nanoseconds now);
   [[nodiscard]] const std::shared_ptr<Channel>& channel() const { return channel_; }
 
   [[nodiscard]] std::int32_t window() const;

@@ -201,11 +201,11 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
     const Router::BodyLimit limit = context_.router.body_limit(head_of(parser.get()));
     if (limit.refused) return limit.refused;
     const auto max_bytes = static_cast<std::uint64_t>(limit.max_bytes);
-    const std::uint64_t told = parser.content_length().value_or(max_bytes);
-    if (told > max_bytes) return body_too_large();
+    const std::uint64_t announced = parser.content_length().value_or(max_bytes);
+    if (announced > max_bytes) return body_too_large();
     if (limit.max_bytes > context_.api.limits().max_request_bytes) {
       Result<std::shared_ptr<const api::UploadRoom>> reserved =
-          context_.api.reserve_upload(static_cast<std::int64_t>(told));
+          context_.api.reserve_upload(static_cast<std::int64_t>(announced));
       if (!reserved.ok()) return refusal(reserved.error());
       room = std::move(reserved).value();
       stream_.expires_after(context_.options.upload_timeout);

@@ -12,7 +12,7 @@
 #include <functional>
 #include <string>
 
-#include "server/service/ws/wake_signal.h"
+#include "server/service/ws/wake_event.h"
 
 namespace kerf::ws {
 namespace {
@@ -63,12 +63,12 @@ Error no_picture(const api::ImageSession& session) {
 
 asio::awaitable<std::optional<Error>> play_mjpeg(std::shared_ptr<api::ImageSession> session, beast::tcp_stream& stream,
                                                  MjpegTimes times, std::stop_token hung_up) {
-  const auto woken = std::make_shared<WakeSignal>(stream.get_executor());
+  const auto woken = std::make_shared<WakeEvent>(stream.get_executor());
   const std::function<void()> wake = [woken, executor = stream.get_executor()] {
     asio::post(executor, [woken] { woken->raise(); });
   };
   const std::stop_callback<std::function<void()>> on_hang_up(hung_up, wake);
-  session->set_ready(wake);
+  session->set_wake(wake);
   set_options(stream, times.write_timeout);
   stream::Bytes last;  // Null: nothing was sent.
   bool repeat = false;
@@ -89,7 +89,7 @@ asio::awaitable<std::optional<Error>> play_mjpeg(std::shared_ptr<api::ImageSessi
       repeat = !raised && last != nullptr;
     }
   }
-  session->set_ready({});
+  session->set_wake({});
   session->close();
   std::optional<Error> refusal;
   if (last == nullptr) refusal = no_picture(*session);

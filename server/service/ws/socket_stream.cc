@@ -85,7 +85,7 @@ asio::awaitable<void> SocketStream::run(const Request& request) {
   ++context_.open_watch_streams;
   limit_frames();
   session_ = open_();
-  session_->set_ready([weak = weak_from_this(), executor = socket_.get_executor()] {
+  session_->set_wake([weak = weak_from_this(), executor = socket_.get_executor()] {
     asio::post(executor, [weak] {
       if (const std::shared_ptr<SocketStream> stream = weak.lock()) stream->woken_.raise();
     });
@@ -96,7 +96,7 @@ asio::awaitable<void> SocketStream::run(const Request& request) {
     self->woken_.raise();
   });
   co_await write_messages();
-  session_->set_ready({});
+  session_->set_wake({});
   const websocket::close_reason reason = closing_reason();
   session_->close();
   if (violation_) abort_after(kFloodFarewell);

@@ -19,7 +19,7 @@
 #include "server/service/api/stream_session.h"
 #include "server/service/ws/connection.h"
 #include "server/service/ws/token_bucket.h"
-#include "server/service/ws/wake_signal.h"
+#include "server/service/ws/wake_event.h"
 #include "server/service/ws/watched_reads.h"
 
 namespace kerf::ws {
@@ -59,7 +59,7 @@ class SocketStream : public std::enable_shared_from_this<SocketStream> {
   const Router::OpenSession open_;
   TokenBucket control_frames_;
   TokenBucket frame_bytes_;  // All input, without the content of messages.
-  WakeSignal woken_;         // Wakes the writer.
+  WakeEvent woken_;          // Wakes the writer.
   boost::asio::steady_timer write_limit_;
   std::shared_ptr<api::StreamSession> session_;
   // Set once the peer has violated this server's WebSocket rules.

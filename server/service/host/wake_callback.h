@@ -7,23 +7,23 @@
 #include <thread>
 #include <vector>
 
-namespace kerf::api {
+namespace kerf::host {
 
 // Holds a callback that may be removed while other threads call it. Thread-safe.
-class ReadySignal {
+class WakeCallback {
  public:
   // Replaces the callback. When this returns, no call of the former one is in progress, except one that encloses this
   // call.
-  void set(std::function<void()> ready);
+  void set(std::function<void()> wake);
 
   // Calls the callback, if set, with no lock held.
-  void raise();
+  void call();
 
  private:
   std::mutex mutex_;
   std::condition_variable returned_;
-  std::shared_ptr<const std::function<void()>> ready_;
+  std::shared_ptr<const std::function<void()>> wake_;
   std::vector<std::thread::id> callers_;  // Threads of calls in progress, to this callback or a former one.
 };
 
-}  // namespace kerf::api
+}  // namespace kerf::host

@@ -11,10 +11,10 @@
 namespace kerf::ws {
 
 // Wakes one coroutine from others. All calls are on one strand.
-class WakeSignal {
+class WakeEvent {
  public:
   template <typename Executor>
-  explicit WakeSignal(const Executor& executor) : alarm_(executor) {
+  explicit WakeEvent(const Executor& executor) : alarm_(executor) {
     alarm_.expires_at(boost::asio::steady_timer::time_point::max());
   }
 
@@ -23,9 +23,9 @@ class WakeSignal {
     co_await wait_for_alarm();
     raised_ = false;
   }
-  // Waits as wait() does, for at most `patience`; returns true if the signal was raised.
-  boost::asio::awaitable<bool> wait_for(std::chrono::milliseconds patience) {
-    alarm_.expires_after(patience);
+  // Waits as wait() does, for at most `timeout`; returns true if the signal was raised.
+  boost::asio::awaitable<bool> wait_for(std::chrono::milliseconds timeout) {
+    alarm_.expires_after(timeout);
     co_await wait_for_alarm();
     alarm_.expires_at(boost::asio::steady_timer::time_point::max());
     co_return std::exchange(raised_, false);

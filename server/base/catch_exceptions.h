@@ -19,7 +19,7 @@ inline Error out_of_memory() {
 // kAborted INTERRUPTED (see interruption_point()) or kInternal INTERNAL. Guards work whose memory grows with a client's
 // sheet: one sheet too large must not end the server for all.
 template <typename Work>
-std::invoke_result_t<Work> caught(Work&& work) {
+std::invoke_result_t<Work> catch_exceptions(Work&& work) {
   try {
     return std::forward<Work>(work)();
   } catch (const std::bad_alloc&) {

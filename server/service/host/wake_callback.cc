@@ -1,33 +1,33 @@
-#include "server/service/host/ready_signal.h"
+#include "server/service/host/wake_callback.h"
 
 #include <algorithm>
 #include <utility>
 
-namespace kerf::api {
+namespace kerf::host {
 
-void ReadySignal::set(std::function<void()> ready) {
+void WakeCallback::set(std::function<void()> wake) {
   const auto self = std::this_thread::get_id();
   std::unique_lock lock(mutex_);
-  ready_ = ready ? std::make_shared<const std::function<void()>>(std::move(ready)) : nullptr;
+  wake_ = wake ? std::make_shared<const std::function<void()>>(std::move(wake)) : nullptr;
   returned_.wait(lock, [&] {
     return std::all_of(callers_.begin(), callers_.end(), [&](std::thread::id each) { return each == self; });
   });
 }
 
-void ReadySignal::raise() {
+void WakeCallback::call() {
   const auto self = std::this_thread::get_id();
-  std::shared_ptr<const std::function<void()>> ready;
+  std::shared_ptr<const std::function<void()>> wake;
   {
     const std::lock_guard lock(mutex_);
-    if (!ready_) return;
-    ready = ready_;
+    if (!wake_) return;
+    wake = wake_;
     callers_.push_back(self);
   }
-  (*ready)();
-  ready.reset();  // Releases the captured objects before set() resumes.
+  (*wake)();
+  wake.reset();  // Releases the captured objects before set() resumes.
   const std::lock_guard lock(mutex_);
   callers_.erase(std::find(callers_.begin(), callers_.end(), self));
   returned_.notify_all();
 }
 
-}  // namespace kerf::api
+}  // namespace kerf::host
