@@ -5,6 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "server/core/fem/element/contact_constraint.h"
+#include "server/core/mesh/vertex_lanes.h"
 #include "tests/fem/integrator_cases.h"
 
 namespace kerf::fem {
