@@ -22,7 +22,7 @@ const kGroups = {
   controls: { sheets: sheetSteps, physics: physicsSteps, access: accessSteps, layout: layoutSteps },
   streams: { saving: savingSteps, connection: connectionSteps, images: imageSteps, loading: loadingSteps },
 };
-// Groups that need the demo sheet from its beginning. For others it is paused, so that nobody computes or draws it.
+// Groups that need the demo sheet from its beginning. For others it is paused, so that it is neither computed nor drawn.
 const kFresh = ['watching', 'sheets', 'saving', 'connection', 'images', 'loading'];
 
 const [kerfdPath, web, chromiumPath, again, ...args] = process.argv.slice(2);

@@ -1,4 +1,4 @@
-// What the viewer does on slow networks, beside other viewers, unseen, and when the server goes and comes back.
+// The viewer on slow networks, beside other viewers, unseen, and when the server goes and comes back.
 import { check, post, root } from './harness.mjs';
 import { startSlowProxy } from './slow_proxy.mjs';
 import { ViewerPage } from './viewer_page.mjs';
@@ -29,7 +29,7 @@ async function serverTick(url, sheet) {
   return Number((await post(url, 'SheetService/GetSheet', sheet)).tick ?? 0);
 }
 
-/** How many ticks what is shown is behind the server, ascending, seen `count` times, each a frame or more apart. */
+/** Returns by how many ticks the shown sheet is behind the server, ascending, seen `count` times, each a frame or more apart. */
 async function lags(viewer, url, sheet, count) {
   const found = [];
   for (let i = 0; i < count; ++i) {
@@ -162,7 +162,7 @@ async function restart(browser, server) {
   check(await viewer.page.evaluate(() => window.notReloaded), 'the page was loaded again');
   const fresh = await ViewerPage.open(browser, `${server.url}/?sheet=demo`, kSmall);
   await fresh.untilDrawn('k.connection === "live" && k.framesDrawn > 0');
-  // Of one tick: the scene has a cut to come.
+  // Steps one tick: the scene has a cut to come.
   await post(server.url, 'SheetService/PauseSheet', kDemo);
   const last = await serverTick(server.url, kDemo);
   for (const page of [viewer, fresh]) await page.until('k.tick === given.last', { last });
@@ -220,7 +220,7 @@ async function resetBeforeOthers(browser, server) {
   await post(server.url, 'SheetService/DeleteSheet', { name: 'sheets/shared' });
 }
 
-/** A scene that plays again by itself while it is watched, until somebody changes it. */
+/** A scene that plays again by itself while it is watched, until a client changes it. */
 async function story(browser, server) {
   const curve = { polyline: { points: [{ x: -0.1, y: 0.4 }, { x: 1.1, y: 0.6 }] } };
   const scene = { ...kStill, commands: [{ tick: 60, command: { cut: { curve } } }], repeatAfterTicks: 100 };
@@ -258,7 +258,7 @@ export function connectionSteps(steps, browser, server) {
   steps.step('a reset is confirmed where others watch, told to everybody and undone', () =>
     resetBeforeOthers(browser, server),
   );
-  steps.step('a scene that repeats plays again while it is watched, until somebody changes it', () =>
+  steps.step('a scene that repeats plays again while it is watched, until a client changes it', () =>
     story(browser, server),
   );
   steps.step('on a slow network frames are skipped, and no more are on their way than a window has', () =>

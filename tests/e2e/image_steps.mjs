@@ -23,7 +23,7 @@ function pictureText(viewer) {
   return viewer.page.evaluate(() => document.querySelector('#picture').toDataURL());
 }
 
-/** Whether this Chromium decodes VP8 itself. */
+/** True if this Chromium decodes VP8 itself. */
 function decodesVp8(page) {
   return page.evaluate(
     async () =>
@@ -145,7 +145,7 @@ async function takesThePlace(browser, server) {
     (text) => [...document.querySelectorAll('#statistics dd')].some((value) => value.textContent === text),
     label,
   );
-  // The pictures go on, and the mesh comes once a second at most.
+  // The pictures continue, and the mesh comes once a second at most.
   const meshBefore = proxy.count('/watch').sent;
   const [startMs, { tick, numShown }] = [performance.now(), await viewer.read('k.picture')];
   await viewer.until('k.picture.tick > given.tick + 90 && k.picture.numShown > given.numShown + 10', { tick, numShown });
@@ -295,7 +295,7 @@ async function takesTools(viewer, url) {
   const pulled = await post(url, 'SheetService/GetSheet', kSeen);
   check(pulled.state_hash !== hash, 'the server has the sheet as it was before the pull');
   await viewer.choose('pin');
-  // What is tapped is found on the mesh, which comes seldom: it is to lie where the picture has it.
+  // A tapped place is found on the mesh, which comes seldom: it is to lie where the picture has it.
   await viewer.until('k.tick === given.tick', { tick: Number(pulled.tick) });
   // A flat place far from the cuts: where the sheet is crumpled a sight line may pass between its folds.
   // The mesh moves smoothly from frame to frame, and rests after the last one.

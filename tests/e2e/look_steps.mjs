@@ -1,4 +1,4 @@
-// What is seen of a sheet, by the colours of pixels: cloth on a floor, colours that say something, what will be cut.
+// The look of a sheet, by the colours of pixels: cloth on a floor, colours that say something, what will be cut.
 import { foldedScene } from './cutting_scenes.mjs';
 import { check, post } from './harness.mjs';
 import { ViewerPage } from './viewer_page.mjs';

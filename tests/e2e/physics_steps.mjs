@@ -1,4 +1,4 @@
-// What acts on a sheet and what it is made of: gravity, wind, pins, pieces, each looked up on the server.
+// Influences on a sheet and its material: gravity, wind, pins, pieces, each looked up on the server.
 import { check, kPatienceMs, post } from './harness.mjs';
 import { ViewerPage } from './viewer_page.mjs';
 
@@ -72,7 +72,7 @@ export function physicsSteps(steps, browser, { url }) {
     await viewer.screenshot('no-wind');
     const numLeft = await viewer.numPixels(kWindColour, 'no-wind');
     check(numArrow > numLeft + 50, `${numArrow} pixels of the wind's colour while it blows, then ${numLeft}`);
-    // What another viewer sets is shown here, too.
+    // Settings made by another viewer are shown here, too.
     const wind = { velocityMps: { y: 3 }, airDensityKgpm3: 1.2, dragCoefficient: 1 };
     await post(url, 'InteractionService/SetSheetWind', { ...kSheet, setWind: { wind } });
     await viewer.shows('#wind-speed-value', '3.0 m/s');

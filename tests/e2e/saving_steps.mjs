@@ -83,7 +83,7 @@ async function legends(viewer) {
     ['save-png-2', 2],
   ]) {
     const { name, bytes } = await save(viewer, item);
-    // Of a picture 720 pixels high.
+    // For a picture 720 pixels high.
     const places = [40, 138, 236].map((x) => ({ x: scale * x, y: scale * 673 }));
     const [least, none, most] = await viewer.coloursOf(bytes, places);
     const isGrey = Math.max(...none) - Math.min(...none) < 12;
@@ -147,7 +147,7 @@ async function playRun(viewer, url, { bytes, tick, hash }) {
   check(again.tick === tick && again.state_hash === hash, `it ends with ${again.tick} ${again.state_hash}, not ${tick} ${hash}`);
 }
 
-// What is no recording, and what is cancelled on the way.
+// Files that are not recordings, and transfers that are cancelled.
 async function refuseRuns(viewer, { bytes }) {
   const changed = Buffer.from(bytes);
   changed[changed.length >> 1] ^= 1;
@@ -180,7 +180,7 @@ async function record(viewer) {
   await viewer.setHidden(true);
   const unseen = await viewer.read('k.tick');
   await viewer.until('k.tick > given.unseen + 40', { unseen });
-  // A stream that nobody acknowledges stands still, until the server ends it after 10 s and it begins anew.
+  // A stream without acknowledgements stands still, until the server ends it after 10 s and it begins again.
   const after = await viewer.read('k.tick');
   check(after < unseen + 300, `a page that nobody sees got nothing between ticks ${unseen} and ${after}`);
   await viewer.setHidden(false);
@@ -334,7 +334,7 @@ export function savingSteps(steps, browser, server) {
     await viewer.until('k.connection === "replay" && k.replay.isPlaying');
     await viewer.page.click('#replay-close');
     await viewer.until('k.connection === "live" && k.replay === undefined && k.tick > 0');
-    // What the browser says about the server that was away.
+    // Messages of the browser about the server that was away.
     viewer.errors = viewer.errors.filter((error) => !/ERR_CONNECTION_REFUSED|WebSocket/.test(error));
   });
   steps.step('while a recording is shown the live sheet and its settings are left alone', async () => {

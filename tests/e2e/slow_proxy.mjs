@@ -84,7 +84,7 @@ function varint(bytes, at) {
   throw new Error('a number that does not end');
 }
 
-/** What passed on one WebSocket of frames or pictures. */
+/** Traffic on one WebSocket of frames or pictures. */
 export class StreamCount {
   sent = 0;
   acknowledged = 0;

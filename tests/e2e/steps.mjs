@@ -3,7 +3,7 @@
 // The longest step has several waits, each with a limit of its own.
 const kStepMs = 300_000;
 
-/** What `promise` gives; throws where that takes longer than `limitMs`. */
+/** Returns the value of `promise`; throws if that takes longer than `limitMs`. */
 export async function within(limitMs, promise, what) {
   let timer;
   const late = new Promise((_, reject) => {

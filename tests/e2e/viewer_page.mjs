@@ -124,7 +124,7 @@ export class ViewerPage {
     await session.detach();
   }
 
-  /** What the page sends goes at this many bytes a second, until it is called with -1. */
+  /** Sends the data of the page at this many bytes a second, until it is called with -1. */
   async throttleUploads(bytesPerS) {
     this.network ??= await this.page.context().newCDPSession(this.page);
     await this.network.send('Network.enable');
@@ -168,7 +168,7 @@ export class ViewerPage {
       setAsked = resolve;
       setTimeout(() => reject(new Error(`the page did not call ${method}`)), kPatienceMs).unref();
     });
-    asked.catch(() => {}); // told where it is waited for
+    asked.catch(() => {}); // reported where it is awaited
     const released = new Promise((resolve) => (setReleased = resolve));
     await this.page.route(url, async (route) => {
       setAsked();
@@ -206,7 +206,7 @@ export class ViewerPage {
     return { answered, release };
   }
 
-  /** The page is told that nobody sees it, and draws nothing, or that somebody does again. */
+  /** Tells the page that it is hidden, so that it draws nothing, or that it is visible again. */
   setHidden(isHidden) {
     return this.page.evaluate((value) => {
       const waiting = [];
@@ -253,7 +253,7 @@ export class ViewerPage {
     return points.map(({ x, y }) => at(Math.floor(x), Math.floor(y)));
   }
 
-  /** How many pixels of the page have this colour, within rounding. */
+  /** Counts the pixels of the page that have this colour, within rounding. */
   async numPixels(colour, name) {
     const { width, height, at } = readPng(await this.picture(name));
     let count = 0;

@@ -50,7 +50,7 @@ export function viewerSteps(steps, browser, server) {
     await viewer.page.mouse.up();
     await viewer.until('k.framesDrawn > given.drawn', { drawn: await viewer.read('k.framesDrawn') });
     const at = await middle();
-    // The sheet goes on moving, and the point with it.
+    // The sheet keeps moving, and the point with it.
     check(Math.hypot(at.x - to.x, at.y - to.y) < 15, `point 3 is at ${JSON.stringify(at)}, not ${JSON.stringify(to)}`);
     await viewer.screenshot('curve');
     await viewer.page.keyboard.press('Escape');

@@ -17,7 +17,7 @@ def end_group(group):
         try:
             os.killpg(group, wanted)
             while time.monotonic() - asked < PATIENCE:
-                os.killpg(group, 0)  # raises where nobody is left
+                os.killpg(group, 0)  # raises if no process is left
                 time.sleep(0.05)
         except ProcessLookupError:
             return

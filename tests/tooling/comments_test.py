@@ -1,43 +1,77 @@
 #!/usr/bin/python3
-"""Reads the comments of every C++ source and finds those that are no plain sentences: what begins with a bare "Of", "What",
-"Whether", "Where" or "How", and words that a native speaker would not use there.
+"""Reads the comments of every source in C++, TypeScript, Python and shell, and finds those that are no plain sentences: what
+begins with a bare "Of", "What", "Whether", "Where" or "How", and words that a native speaker would not use there. Of Python, it
+leaves docstrings out.
 
     tests/tooling/comments_test.py             # as a test
     tests/tooling/comments_test.py FOLDER...   # lists what it finds there, with the number of words of long sentences
 """
 
+import io
 import pathlib
 import re
 import sys
+import tokenize
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-FOLDERS = ("server", "render", "client", "tests")
+FOLDERS = ("server", "render", "client", "tests", "web", "deploy", "proto", ".ci")
+LEFT_OUT = {"node_modules", "gen", "dist", "data", "build", "v1", "blocking"}  # folders of others, or of made files
 OPENERS = re.compile(r"(Of|What|Whether|Where|How|Whom|Whose)\b")
 WORDS = re.compile(r"\b(told|goes on|go on|went on|but for|anew|nobody|somebody|likewise)\b", re.IGNORECASE)
 MOST_WORDS = 25
 
 # Literals first, so that a // within them is none.
-TOKEN = re.compile(r'R"\((?:.|\n)*?\)"|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])+\'|//[^\n]*|/\*(?:.|\n)*?\*/')
+TOKEN = re.compile(r'R"\((?:.|\n)*?\)"|`(?:\\.|[^`\\])*`|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])+\'|//[^\n]*|/\*(?:.|\n)*?\*/')
 
 
-def blocks(source):
-    """Comments of a source as (line, text): lines of // below each other, in the same column, are one."""
+def blocks(source, language="C++"):
+    """Returns the comments of a source as (line, text): those below each other, in the same column, are one."""
     found = []
-    for match in TOKEN.finditer(source):
-        text = match.group()
-        if not text.startswith(("//", "/*")):
-            continue
-        line = source.count("\n", 0, match.start()) + 1
-        column = match.start() - (source.rfind("\n", 0, match.start()) + 1)
-        is_alone = not source[match.start() - column:match.start()].strip()
-        text = text.strip("/* ")
+    for line, column, is_alone, text in COMMENTS[language](source):
         if found and found[-1][3] == line - 1 and found[-1][2] == column and is_alone:
-            first, before, _, _, alone = found[-1]
-            found[-1] = (first, before + " " + text, column, line, alone)
+            found[-1] = (found[-1][0], found[-1][1] + " " + text, column, line)
         else:
-            found.append((line, text, column, line, is_alone))
-    return [(line, text) for line, text, _, _, _ in found]
+            found.append((line, text, column, line))
+    return [(line, text) for line, text, _, _ in found]
+
+
+def slash_comments(source):
+    for match in TOKEN.finditer(source):
+        if match.group().startswith(("//", "/*")):
+            column = match.start() - (source.rfind("\n", 0, match.start()) + 1)
+            is_alone = not source[match.start() - column:match.start()].strip()
+            text = re.sub(r"\s*\n\s*\*?\s*", " ", match.group().strip("/* "))
+            yield source.count("\n", 0, match.start()) + 1, column, is_alone, text.strip()
+
+
+def python_comments(source):
+    for token in tokenize.generate_tokens(io.StringIO(source).readline):
+        if token.type == tokenize.COMMENT:
+            line, column = token.start
+            yield line, column, not token.line[:column].strip(), token.string.strip("# ")
+
+
+def shell_comments(source):
+    """Takes only the comments that have a line of their own: elsewhere a # may be part of a word or of a text."""
+    for number, line in enumerate(source.split("\n"), 1):
+        if line.lstrip().startswith("#") and not line.startswith("#!"):
+            yield number, len(line) - len(line.lstrip()), True, line.strip("# ")
+
+
+COMMENTS = {"C++": slash_comments, "TypeScript": slash_comments, "Python": python_comments, "shell": shell_comments}
+SUFFIXES = {".h": "C++", ".cc": "C++", ".ts": "TypeScript", ".mjs": "TypeScript", ".py": "Python", ".sh": "shell"}
+
+
+def language_of(path):
+    """Returns the language of a source, or None: by its ending, or by its first line if it has none."""
+    if path.suffix or path.is_symlink():
+        return SUFFIXES.get(path.suffix)
+    with path.open("rb") as file:
+        first = file.readline(80)
+    if not first.startswith(b"#!"):
+        return None
+    return "Python" if b"python" in first else "shell" if b"sh" in first else None
 
 
 def faults(text):
@@ -57,14 +91,14 @@ def long_sentences(text):
 def sources(folders):
     for folder in folders:
         for path in sorted((ROOT / folder).rglob("*")):
-            if path.suffix in (".h", ".cc") and "node_modules" not in path.parts:
-                yield path
+            if path.is_file() and not LEFT_OUT & set(path.relative_to(ROOT).parts) and (language := language_of(path)):
+                yield path, language
 
 
 class Comments(unittest.TestCase):
     def test_are_plain_sentences(self):
-        found = [f"{path.relative_to(ROOT)}:{line}: {fault}" for path in sources(FOLDERS)
-                 for line, text in blocks(path.read_text()) for fault in faults(text)]
+        found = [f"{path.relative_to(ROOT)}:{line}: {fault}" for path, language in sources(FOLDERS)
+                 for line, text in blocks(path.read_text(), language) for fault in faults(text)]
         self.assertEqual(found, [])
 
     def test_faults_are_found(self):
@@ -72,13 +106,22 @@ class Comments(unittest.TestCase):
         self.assertEqual([(line, faults(text)) for line, text in blocks(source)],
                          [(1, ['begins with "Of"']), (2, ['says "but for"']), (5, ['begins with "Where"'])])
 
+    def test_faults_of_other_languages_are_found(self):
+        for language, source in {"TypeScript": "/**\n * What it\n * says.\n */\nconst a = `// Of`;\n",
+                                 "Python": "a = '# Of'\n# What it\n# says.\n", "shell": "#!/bin/sh\na='\n# What it\n# says.\n"}.items():
+            found = [(text, faults(text)) for _, text in blocks(source, language)]
+            self.assertEqual(found, [("What it says.", ['begins with "What"'])], language)
+
+    def test_every_language_is_read(self):
+        self.assertEqual({language for _, language in sources(FOLDERS)}, set(COMMENTS))
+
 
 def main():
     if len(sys.argv) == 1 or sys.argv[1].startswith("-"):
         return unittest.main()
     count = 0
-    for path in sources(sys.argv[1:]):
-        for line, text in blocks(path.read_text()):
+    for path, language in sources(sys.argv[1:]):
+        for line, text in blocks(path.read_text(), language):
             for fault in faults(text) + [f"a sentence of {words} words" for words in long_sentences(text)]:
                 count += 1
                 print(f"{path.relative_to(ROOT)}:{line}: {fault}")

@@ -105,7 +105,7 @@ export function requestBody<I extends DescMessage>(input: I, request: MessageIni
 
 /**
  * One unary call as protobuf JSON over POST /kerf.v1.Service/Method, to the server that served this page.
- * @param options.onProgress  told the part of the request that is sent, 0..1
+ * @param options.onProgress  receives the part of the request that is sent, 0..1
  * @throws ApiError
  */
 export async function call<I extends DescMessage, O extends DescMessage>(
@@ -125,10 +125,10 @@ export async function call<I extends DescMessage, O extends DescMessage>(
   return messageOf(method.output, answer);
 }
 
-/** Of a long transfer. */
+/** For a long transfer. */
 export interface TransferOptions {
   signal: AbortSignal;
-  /** Told the part that is sent or has come, 0..1. */
+  /** Receives the part that is sent or has arrived, 0..1. */
   onProgress: (part: number) => void;
 }
 

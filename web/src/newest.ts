@@ -13,7 +13,7 @@ export class Newest<T> {
     private readonly done: () => Promise<unknown>,
   ) {}
 
-  /** What the server has is not what was asked for last. */
+  /** The server does not have the newest request yet. */
   get isBusy(): boolean {
     return this.isSending;
   }
@@ -25,7 +25,7 @@ export class Newest<T> {
 
   private async run(): Promise<void> {
     this.isSending = true;
-    // What is put meanwhile comes last.
+    // A value that is put meanwhile comes last.
     for (const [name, value] of this.waiting) {
       this.waiting.delete(name);
       await this.send(name, value);

@@ -38,7 +38,7 @@ function contrast(a: Rgba, b: Rgba): number {
   return (light + 0.05) / (dark + 0.05);
 }
 
-// What of the scene shines through a card at worst: in the light the darkest, in the dark the lightest.
+// The worst colour of the scene behind a card: in the light the darkest, in the dark the lightest.
 const kBehind = { light: parse('#000000'), dark: parse('#ffffff') };
 
 describe.each(['light', 'dark'] as const)('the %s theme', (theme) => {

@@ -47,7 +47,7 @@ describe('meshHash', () => {
     expect(hash).toMatch(/^[0-9a-f]{8}$/);
     const at = (changes: Partial<SheetArrays>) => meshHash({ ...kSheet, ...changes });
     expect(at({ positions: new Float32Array(12), tick: 99, topologyVersion: 5 })).toBe(hash);
-    // What lies in the spare room does not count.
+    // Values in the spare room do not count.
     expect(at({ triangles: kSheet.triangles.slice(0, 9), pieces: kSheet.pieces.slice(0, 3) })).toBe(hash);
     expect(at({ triangles: Int32Array.of(1, 2, 0, -1, -1, -1, 0, 2, 3) })).not.toBe(hash);
     expect(at({ pieces: Int32Array.of(0, -1, 1) })).not.toBe(hash);

@@ -90,7 +90,7 @@ describe('a .kerfstream file', () => {
   });
 });
 
-/** What a mirror of the recorded stream shows after each frame. */
+/** States of a mirror of the recorded stream after each frame. */
 function statesOf(file: Uint8Array): string[] {
   const player = new ReplayPlayer(decodeRecording(file));
   return Array.from({ length: player.numFrames }, (_, i) => stateOf(player.seek(i).mirror));

@@ -28,7 +28,7 @@ describe('RemoteImages', () => {
   let requests: Kind[];
   let decoder: DecoderEvents | undefined;
   let decoded: number[];
-  // Of an image with these bytes: the decoder throws, or says by and by that it is lost.
+  // Bytes of images for which the decoder throws, fails later, or gives no picture.
   const kThrows = 1;
   const kFails = 2;
   const kHeld = 3;
@@ -104,7 +104,7 @@ describe('RemoteImages', () => {
     expect(images.draw(({ tick }) => drawn.push(tick))).toBe(true);
     expect(images.draw(({ tick }) => drawn.push(tick))).toBe(false);
     images.setView({ ...kView, wireframe: true });
-    // What is sent is in order: no other acknowledgement was on its way.
+    // Messages are in order: no other acknowledgement was on its way.
     await untilAsked('view');
     expect(drawn).toEqual([20]);
     expect(asked('ack')).toMatchObject([{ sequence: 2n }]);

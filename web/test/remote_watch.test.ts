@@ -119,7 +119,7 @@ describe('RemoteWatch', () => {
       watch.acknowledge();
       await vi.waitUntil(() => requests.filter((request) => request.case === 'ack').length === i);
     }
-    // Where frames come slowly they are on their way.
+    // Positions are interpolated if frames come slowly.
     watch.copy!.advance(performance.now() + 10_000);
     expect(watch.copy!.positions[0]).toBe(20);
     const [spare] = copyOf.mock.contexts as SpareArrays[];
@@ -136,7 +136,7 @@ describe('RemoteWatch', () => {
     first.record(encodeHeader(create(SheetSchema, { name: 'sheets/a' })), 1e6);
     requests.length = 0;
     const second = open(false, true);
-    // Though it could go on from the triangles that are here.
+    // Though it could continue from the triangles that are here.
     expect(await requested('start')).toMatchObject({ value: { epoch: '' } });
     send(frame(1, 8));
     send(frame(2, 9));

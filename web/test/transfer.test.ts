@@ -3,7 +3,7 @@ import { ApiError, fetchFile } from '../src/api';
 import type { TransferOptions } from '../src/api';
 import { Transfer } from '../src/ui/transfer';
 
-// What of the page it touches.
+// Parts of the page that it touches.
 function fakeElement() {
   const listeners: Record<string, () => void> = {};
   return {
@@ -38,7 +38,7 @@ describe('Transfer', () => {
     vi.restoreAllMocks();
   });
 
-  /** A transfer that goes on until it is told how to end. */
+  /** A transfer that runs until the test ends it. */
   function start() {
     let options!: TransferOptions;
     let end!: (result: string) => void;

@@ -152,7 +152,7 @@ class Cuts(Case):
             pathlib.Path(file).write_text(json.dumps({"cuts": [line(0.3), *[line(7)] * 4095, line(9), last]}))
 
         file = path("many.json")
-        # Of the second call: what the first has made stays, and is told.
+        # The second call is refused: the cuts of the first stay, and are reported.
         write({**line(0.6), "tolerance": 7})
         done = self.refused("cut", self.id, "--batch", file, says="field: cuts[4097].tolerance]")
         self.assertIn(f"cuts[0] to cuts[4095] of {file} were made before that, and `kerf undo` takes them back in 1 step", done.stderr)

@@ -81,7 +81,7 @@ class Images(Case):
         try:
             while chunk := os.read(ours, 65536):
                 shown += chunk
-        except OSError:  # how the end of a terminal is told
+        except OSError:  # how a terminal reports its end
             pass
         self.assertIn("20 pictures", process.stdout.read())
         self.assertEqual(process.wait(timeout=20), 0)

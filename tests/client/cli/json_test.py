@@ -6,7 +6,7 @@ import pathlib
 import cli_case
 from cli_case import Case, kerf, main, path, scene_file, setUpModule, tearDownModule
 
-# How each command is called here; a new one has to be added. {work} is the test's folder.
+# Calls each command; a new one has to be added. {work} is the test's folder.
 CALLS = {
     "analyze": "analyze still",
     "completion": "completion bash",
@@ -42,7 +42,7 @@ CALLS = {
     "undo": "undo still",
     "watch": "watch live --frames 1",
 }
-# Of the rest no order is asked.
+# The rest may have any order.
 FIRST = ["sheet pause", "analyze", "cut", "cuts", "undo", "redo", "run", "sheet create", "sheet record",
          "sheet grab", "sheet drag"]
 

@@ -28,7 +28,7 @@ class Load(Case):
         self.assertEqual(done.returncode, 0, done.stderr)
         for word in ("sheets     1 of 1", "real time", "a thread that only sleeps", "p99.9"):
             self.assertIn(word, done.stdout)
-        self.assertEqual(done.stderr, "")  # no line that is written over and over where nobody sees it
+        self.assertEqual(done.stderr, "")  # no line that is written over and over unseen
         self.assertEqual(self.loaded(), [])
 
     def test_interrupted_it_tells_what_it_has_and_deletes_its_sheets(self):

@@ -59,7 +59,7 @@ class CutOff(unittest.IsolatedAsyncioTestCase):
         next(subscription)
         await aio_subscription.__anext__()
         streams = (frames._stream, aio_frames._stream)
-        self.step_until_no_streams()  # nobody reads for 10 seconds
+        self.step_until_no_streams()  # nothing is read for 10 seconds
         now = self.sheet.step(5).tick
         # Whole frames that had come before may still be first.
         second = next(frame for frame in frames if frame.tick >= now)

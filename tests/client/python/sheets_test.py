@@ -87,7 +87,7 @@ class Sheets(Case):
             rest = sheet.analyze(request={"analysis": {"static": {"steps": 2}}, "probes": probes, "positions": True})
             self.assertEqual(rest.tables["probes"].columns[3], "top.z")
             self.assertEqual(len(rest.tables["probes"].values), 2)
-            # What holds it up is its weight, and it hangs below where it started.
+            # The reaction is its weight, and it hangs below where it started.
             weight = 9.81 * sum(piece.mass_kg for piece in sheet.pieces())
             self.assertAlmostEqual(rest.tables["probes"]["top.z"][-1] / weight, 1, delta=0.01)
             self.assertLess(rest.positions[:8, 2].mean(), sheet.state().positions[:8, 2].mean())

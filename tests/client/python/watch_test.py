@@ -71,14 +71,14 @@ class Watching(Case):
         self.addCleanup(frames.close)
         first = next(frames)
         self.sheet.cut(kerf.circle((0.5, 0.5), 0.2))
-        # What a server says after 10 seconds without an acknowledgement.
+        # The message of a server after 10 seconds without an acknowledgement.
         ended = kerf.v1.stream_pb2.WatchResponse(
             ended=kerf.v1.stream_pb2.Ended(reason=kerf.v1.stream_pb2.Ended.TOO_SLOW))
         stream = frames._stream
         stream.receive = lambda: ended
         second = next(frames)
         self.assertIsNot(frames._stream, stream)
-        # The patch from where it was, not everything anew.
+        # The patch from where it was, not everything again.
         self.assertEqual((second.topology_version, second.topology_changed), (first.topology_version + 1, True))
         self.assertEqual(frames._start.topology_version, first.topology_version)
         self.sheet.step(1)

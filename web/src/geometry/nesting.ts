@@ -2,7 +2,7 @@ import type { Point2 } from './locator';
 
 // So many points of a line say where it is: one alone may lie on another line.
 const kProbes = 16;
-/** What the server takes as curves of their own. */
+/** Most holes that the server accepts. */
 export const kMaxHoles = 1024;
 
 type Line = readonly Point2[];

@@ -7,7 +7,7 @@ import type { ArcNumbers } from './svg_arc';
 const kNumber = /[-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?/gi;
 const kCounts: Record<string, number> = { M: 2, L: 2, H: 1, V: 1, C: 6, S: 4, Q: 4, T: 2, A: 7, Z: 0 };
 
-/** How many segments path data has, about. */
+/** Estimates how many segments path data has. */
 export function countSegments(data: string): number {
   return Math.ceil((data.match(kNumber)?.length ?? 0) / 4);
 }
@@ -82,7 +82,7 @@ export function subpaths(data: string): string[] {
   return parts.filter(({ rest }) => rest !== '').map(({ move, rest }) => move + rest);
 }
 
-// Of any segment but Z, whose end is its subpath's start.
+// Returns the end of a segment of any kind except Z, which ends at its subpath's start.
 function endOf(letter: string, numbers: readonly number[], at: Point2): Point2 {
   const name = letter.toUpperCase();
   const origin = letter === name ? { x: 0, y: 0 } : at;

@@ -6,7 +6,7 @@ const kCorner = 0.5;
 const kDiscSides = 16;
 
 /**
- * The parts of lines that a pattern of lengths that are kept and left out in turn keeps; each line begins it anew.
+ * The parts of lines that a pattern of lengths that are kept and left out in turn keeps; each line begins it again.
  *
  * @param lengths  > 0, an even number of them; none: all of it is kept
  */

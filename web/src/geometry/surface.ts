@@ -29,7 +29,7 @@ export class Surface {
 
   constructor(readonly mirror: SheetArrays) {}
 
-  /** Whether a triangle has this vertex: cuts with a width leave others behind, which come to lie anywhere. */
+  /** True if a triangle has this vertex: cuts with a width leave others behind, which come to lie anywhere. */
   hasMaterial(vertex: number): boolean {
     const { mirror } = this;
     if (this.materialVersion !== mirror.topologyVersion) {

@@ -4,7 +4,7 @@ import type { Surface } from './surface';
 
 /** Points that lie on a sheet, wherever it moves, until its triangles change. */
 export interface Places {
-  /** Of each point. */
+  /** Slot of the triangle at each point. */
   readonly slots: Int32Array;
   /** Weights of the second and third corner at each point, 2 numbers each. */
   readonly weights: Float64Array;

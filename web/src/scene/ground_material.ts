@@ -40,7 +40,7 @@ export class GroundMaterial extends MeshLambertMaterial {
     };
   }
 
-  /** Where the floor has faded out, metres from its middle. */
+  /** Radius at which the floor has faded out, metres from its middle. */
   get reach(): number {
     return this.reachUniform.value;
   }

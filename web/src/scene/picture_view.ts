@@ -13,7 +13,7 @@ export interface PictureSize {
 }
 
 /**
- * Of a picture that fills a canvas: as many pixels as it has, or where those are more than the server draws, fewer of the
+ * Size of a picture that fills a canvas: as many pixels as it has, or where those are more than the server draws, fewer of the
  * same shape. Even, for video halves colours.
  * @param canvas  CSS pixels
  * @param ratio   pixels a CSS pixel
@@ -24,7 +24,7 @@ export function pictureSize({ x, y }: Pick<Vector2, 'x' | 'y'>, ratio: number): 
   return { widthPx: even(x), heightPx: even(y) };
 }
 
-/** How a sheet is seen by a camera that looks at `target`. */
+/** View of a sheet from a camera that looks at `target`. */
 export function pictureView(
   camera: PerspectiveCamera,
   target: Vector3,

@@ -1,7 +1,7 @@
 import { Color } from 'three';
 import type { SheetArrays } from '../stream/sheet_copy';
 
-// Okabe and Ito, "Color universal design" (2008), without black: told apart by the colour-blind too. In an order in
+// Okabe and Ito, "Color universal design" (2008), without black: distinguishable for the colour-blind too. In an order in
 // which neighbours, as the parts of one cut are, differ most.
 const kPalette = [0x0072b2, 0xe69f00, 0x009e73, 0xcc79a7, 0x56b4e9, 0xd55e00, 0xf0e442];
 // Further rounds through it are mixed with white and with black.

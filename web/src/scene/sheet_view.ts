@@ -34,7 +34,7 @@ export class SheetView {
   private shownVersion = -1;
   private wiresVersion = -1;
   private colors: Float32Array | undefined;
-  // What the colours were made of.
+  // Source of the colours.
   private coloredIds: ReadonlyMap<number, number> | undefined;
   private coloredVersion = -1;
   private strainEnd = 0;
@@ -61,7 +61,7 @@ export class SheetView {
     if (this.wires.visible) this.updateWires();
   }
 
-  /** Whether all but a piece that is lit up is drawn; update() is due afterwards. */
+  /** True if all but a piece that is lit up is drawn; update() is due afterwards. */
   setDrawn(isDrawn: boolean): void {
     this.isDrawn = isDrawn;
     this.mesh.visible = this.lips.object.visible = isDrawn;

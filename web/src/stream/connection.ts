@@ -5,7 +5,7 @@ export interface ConnectionEvents {
   onState(state: ConnectionState, detail: string): void;
   /** The socket is open: time to send what a stream begins with. */
   onOpen(): void;
-  /** What it throws ends this connection, with its message as the reason, and another is tried. */
+  /** An exception ends this connection, with its message as the reason, and another is tried. */
   onMessage(bytes: Uint8Array): void;
   /** The server closed the connection, with this reason: true if trying again is of no use. */
   isFinal?(reason: string): boolean;
@@ -22,7 +22,7 @@ const kStableAfterMs = 5000;
  */
 export class Connection {
   state: ConnectionState = 'connecting';
-  /** Nobody looks: a connection that is lost is not tried again by itself. */
+  /** True while the page is hidden: a connection that is lost is not tried again by itself. */
   isPaused = false;
 
   private socket: WebSocket | undefined;
@@ -128,7 +128,7 @@ export class Connection {
   }
 }
 
-/** What a stream's last message says, for people. */
+/** Describes a stream's last message, for people. */
 export function endedText(reasonName: string, message: string): string {
   return message || reasonName.toLowerCase().replaceAll('_', ' ');
 }

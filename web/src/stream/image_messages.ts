@@ -3,7 +3,7 @@ import type { ConnectionState } from './connection';
 import type { ImageView, Refusal, ShownPicture } from './image_watch';
 import type { Pace } from './watch';
 
-// What the page and the worker that holds its stream of pictures say to each other. `id` numbers the page's streams: what
+// Messages between the page and the worker that holds its stream of pictures. `id` numbers the page's streams: what
 // concerns an earlier one is passed over.
 
 export type ToImages =

@@ -22,7 +22,7 @@ export interface ShownPicture {
   stats: FrameStats | undefined;
   /** That it was drawn with. */
   camera: Camera | undefined;
-  /** Of the scale of strains; 0: it has none. */
+  /** Largest strain of the scale; 0: none. */
   strainEnd: number;
   delivery: Delivery;
   /** When it came, this machine's Unix time, milliseconds. */
@@ -151,7 +151,7 @@ export class ImageWatch {
     this.connection.markLive();
     if (!wasLive && this.pace.isPaused) this.sendPace();
     if (image.key) this.isFollowed = true;
-    // What cannot be decoded is used up, too: otherwise no other would come.
+    // A picture that cannot be decoded is acknowledged, too: otherwise no other would come.
     if (this.isFollowed) this.decode(image);
     else this.acknowledge(sequence);
   }
@@ -180,7 +180,7 @@ export class ImageWatch {
 
   private show(picture: Picture, sequence: number): void {
     const arrival = this.arrivals.get(sequence);
-    // Of the connection before, or given up.
+    // It belongs to an earlier connection, or was given up.
     if (!arrival) return picture.close();
     this.numErrors = 0;
     const { image, atMs, unixMs, numBytes, numUnacknowledged } = arrival;

@@ -27,7 +27,7 @@ export class Interpolation {
     const sinceMs = nowMs - this.arrivedMs;
     this.arrivedMs = nowMs;
     if (!goesOn || sinceMs > kLongestMs) {
-      // How often frames come is found anew.
+      // The interval of the frames is measured again.
       this.intervalMs = 0;
       this.jump(shown, to);
       return;

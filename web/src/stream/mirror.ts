@@ -12,7 +12,7 @@ import { CodeError } from './packed_integers';
 import { vertexPredictors } from './predictors';
 import type { Predictors } from './predictors';
 
-/** A frame that does not follow from the mirror's state, or is malformed. The stream must be started anew. */
+/** A frame that does not follow from the mirror's state, or is malformed. The stream must be started again. */
 export class MirrorError extends Error {
   override readonly name = 'MirrorError';
 }
@@ -49,7 +49,7 @@ interface Topology {
   triangles: Int32Array;
   pieces: Int32Array;
   material: Float32Array;
-  /** Of compact frames. */
+  /** Used for compact frames. */
   predictors: Predictors | undefined;
 }
 
@@ -61,9 +61,9 @@ interface Topology {
  * arrays of triangles, pieces and material positions.
  */
 export class SheetMirror {
-  /** Of the last frame; 0 before the first. */
+  /** That of the last frame; 0 before the first. */
   sequence = 0;
-  /** Of the last frame; -1 before the first. */
+  /** That of the last frame; -1 before the first. */
   tick = -1;
   /** -1 before the first. */
   topologyVersion = -1;
@@ -71,7 +71,7 @@ export class SheetMirror {
   numVertices = 0;
   /** S, empty slots included */
   numSlots = 0;
-  /** Of the whole sheet. */
+  /** Counts those of the whole sheet. */
   numPieces = 0;
   /** 3 V: x, y, z interleaved, metres, world */
   positions: Float32Array = new Float32Array(0);
@@ -83,23 +83,23 @@ export class SheetMirror {
   pieces: Int32Array = new Int32Array(0);
   /** V principal strains of the largest magnitude, -, of the last frame, exactly; undefined where it had none */
   strains: Float32Array | undefined;
-  /** Of the last frame that had any. */
+  /** Those of the last frame that had any. */
   stats: FrameStats | undefined;
 
   // q of stream.proto: 3 V, and the buffer that the next frame is decoded into.
   private quantised: Uint16Array = new Uint16Array(0);
   private next: Uint16Array = new Uint16Array(0);
-  // What a frame's numbers are unpacked into on their way.
+  // Buffers into which the numbers of a frame are unpacked.
   private unpacked: Uint32Array = new Uint32Array(0);
   private strainRoom: Float32Array = new Float32Array(0);
   private predictors: Predictors | undefined;
   private readonly boxMin = [0, 0, 0];
   private readonly boxStep = [0, 0, 0];
 
-  /** Of the stream's first frame; empty before it. See stream.proto. */
+  /** That of the stream's first frame; empty before it. See stream.proto. */
   epoch = '';
 
-  /** A mirror for the first frame of another stream, which may go on from this one's topology. Shares its arrays. */
+  /** A mirror for the first frame of another stream, which may continue from this one's topology. Shares its arrays. */
   resumed(): SheetMirror {
     const next = new SheetMirror();
     Object.assign(next, { ...this, sequence: 0, tick: -1, quantised: new Uint16Array(0), next: new Uint16Array(0) });
@@ -286,7 +286,7 @@ function readStrains(frame: Frame, predictors: () => Predictors, room: Uint32Arr
   return isCompact ? unpackBytes(frame.strains, predictors(), room) : new Int8Array(aligned(frame.strains));
 }
 
-/** What a patch lists: slots with their triangles and pieces, and vertices. */
+/** Lists of a patch: slots with their triangles and pieces, and vertices. */
 interface ReadPatch {
   slots: Uint32Array;
   triangles: Int32Array;
@@ -307,7 +307,7 @@ function readPatch(frame: Frame, patch: TopologyPatch, isFull: boolean): ReadPat
   };
   const ids = (bytes: Uint8Array, count: number, what: string) =>
     isCompact ? unpackAscending(bytes, count) : new Uint32Array(words(bytes, count, what).buffer);
-  // Of a full patch the bytes bound the counts, so they are read before lists of all ids are made.
+  // The bytes of a full patch bound the counts, so they are read before lists of all ids are made.
   const triangles = isCompact
     ? unpackTriangles(patch.triangles, n, isFull)
     : words(patch.triangles, 3 * n, 'triangles');

@@ -1,7 +1,7 @@
 import { ImageCodec } from '../gen/kerf/v1/render_pb';
 import type { Image } from '../gen/kerf/v1/render_pb';
 
-/** What can be drawn, and must be closed by whoever has it. */
+/** A picture that can be drawn, and must be closed by its owner. */
 export type Picture = VideoFrame | ImageBitmap;
 
 export interface PictureDecoder {
@@ -21,7 +21,7 @@ export interface DecoderEvents {
 
 const kVideoConfig = { codec: 'vp8', optimizeForLatency: true };
 
-/** Whether this browser decodes VP8 itself: WebCodecs, on pages that are safe from others (https and this machine). */
+/** True if this browser decodes VP8 itself: WebCodecs, on pages that are safe from others (https and this machine). */
 export async function decodesVideo(): Promise<boolean> {
   if (typeof VideoDecoder === 'undefined') return false;
   const answer = await VideoDecoder.isConfigSupported(kVideoConfig).catch(() => undefined);

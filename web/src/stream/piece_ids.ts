@@ -27,8 +27,8 @@ async function listPieces(parent: string): Promise<PieceList | undefined> {
 }
 
 /**
- * Frames number a sheet's pieces anew after each cut; this asks the server which of them is which, one call at a time,
- * once for each topology version that somebody wants.
+ * Frames number a sheet's pieces again after each cut; this asks the server which of them is which, one call at a time,
+ * once for each topology version that is needed.
  */
 export class PieceIds {
   private list: PieceList | undefined;
@@ -61,7 +61,7 @@ export class PieceIds {
     this.isAsking = true;
     const { wanted } = this;
     const list = await this.ask(wanted!.sheet).catch(() => undefined);
-    // A failed call is made again, but not at once; what is lost with the connection is told elsewhere.
+    // A failed call is made again, but not at once; a lost connection is reported elsewhere.
     if (!list) await new Promise((resolve) => setTimeout(resolve, kRetryMs));
     this.isAsking = false;
     if (list && this.wanted?.sheet === wanted!.sheet) this.list = list;

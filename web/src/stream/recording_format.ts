@@ -36,7 +36,7 @@ export interface Recording {
   numTornBytes: number;
 }
 
-/** What a file begins with. */
+/** Bytes that a file begins with. */
 export function encodeHeader(sheet: Sheet): Uint8Array<ArrayBuffer> {
   const body = toBinary(SheetSchema, sheet);
   const bytes = new Uint8Array(kHeadBytes + body.length);

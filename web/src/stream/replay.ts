@@ -13,7 +13,7 @@ export interface ReplayEvents {
   onFailed(message: string): void;
 }
 
-// A page that was hidden meanwhile goes on from where it was.
+// A page that was hidden meanwhile continues from where it was.
 const kLongestStepMs = 1000;
 
 /** A recording that is played: where it stands, how fast it goes, and the sheet there. Decoded in a worker. */
@@ -22,9 +22,9 @@ export class Replay {
   sheet: Sheet | undefined;
   copy: SheetCopy | undefined;
   isPlaying = false;
-  /** Of what was recorded. */
+  /** Playback speed, relative to the recording. */
   speed = 1;
-  /** Of the frame that is shown; -1 before the first. */
+  /** That of the shown frame; -1 before the first. */
   index = -1;
   /** Bytes at the end of the file that are no whole frame. */
   numTornBytes = 0;
@@ -53,12 +53,12 @@ export class Replay {
     return this.timesMs.at(-1) ?? 0;
   }
 
-  /** Where it stands, since the first frame; 0..durationMs */
+  /** Position, since the first frame; 0..durationMs */
   get atMs(): number {
     return this.positionMs;
   }
 
-  /** Of the frame that belongs there. */
+  /** That of the frame that belongs there. */
   get tick(): number {
     return this.ticks[this.frameAt(this.positionMs)] ?? -1;
   }
@@ -82,7 +82,7 @@ export class Replay {
   }
 
   /**
-   * Goes on to `nowMs`, and asks for the frame there, one at a time: what a slow machine cannot show is skipped.
+   * Advances to `nowMs`, and asks for the frame there, one at a time: what a slow machine cannot show is skipped.
    * @returns whether what is shown has changed since the last call
    */
   advance(nowMs: number): boolean {

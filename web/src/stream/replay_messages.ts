@@ -1,7 +1,7 @@
 import type { Sheet } from '../gen/kerf/v1/sheets_pb';
 import type { FrameCopy } from './sheet_copy';
 
-// What the page and the worker that plays a recording say to each other.
+// Messages between the page and the worker that plays a recording.
 
 export type ToReplay =
   | { kind: 'open'; file: ArrayBuffer }

@@ -8,7 +8,7 @@ import type { Recording } from './recording_format';
 // At most so many frames are decoded to seek: a tenth of a second at 10,000 vertices.
 const kFramesBetweenCopies = 64;
 
-/** What of a frame is told beside the sheet. */
+/** Data of a frame besides the sheet. */
 export interface ReplayedFrame {
   mirror: SheetMirror;
   numBytes: number;
@@ -17,7 +17,7 @@ export interface ReplayedFrame {
 
 /** The frames of a recording in any order, each decoded from the nearest copy of the sheet before it. */
 export class ReplayPlayer {
-  /** Of each frame; NaN until it was decoded first. */
+  /** Value of each frame; NaN until it is first decoded. */
   readonly ticks: Float64Array;
   private readonly copies: SheetMirror[] = [];
   private mirror = new SheetMirror();

@@ -18,7 +18,7 @@ export class SampleWindow {
     this.sorted = new Float64Array(capacity);
   }
 
-  /** How many there are. */
+  /** Number of samples. */
   get count(): number {
     return this.length;
   }

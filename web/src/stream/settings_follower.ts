@@ -1,4 +1,4 @@
-// What changes is fetched at most this often, however often it changes; a fetch that failed is repeated after the
+// Fetches changes at most this often, however often it changes; a fetch that failed is repeated after the
 // longer wait.
 const kIntervalMs = 250;
 const kRetryMs = 1000;

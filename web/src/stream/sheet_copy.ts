@@ -4,7 +4,7 @@ import type { Delivery } from './stream_meter';
 
 /** A sheet as the viewer's parts read it. Arrays may have spare room at the end; only the stated parts are valid. */
 export interface SheetArrays {
-  /** Of the last frame; -1 before the first. */
+  /** That of the last frame; -1 before the first. */
   readonly tick: number;
   /** -1 before the first frame */
   readonly topologyVersion: number;
@@ -12,7 +12,7 @@ export interface SheetArrays {
   readonly numVertices: number;
   /** S, empty slots included */
   readonly numSlots: number;
-  /** Of the whole sheet. */
+  /** Counts those of the whole sheet. */
   readonly numPieces: number;
   /** 3 V: x, y, z interleaved, metres, world */
   readonly positions: Float32Array;
@@ -27,7 +27,7 @@ export interface SheetArrays {
   readonly stats: FrameStats | undefined;
 }
 
-/** What is said of a sheet in numbers. */
+/** Numbers that describe a sheet. */
 export type SheetFigures = Pick<SheetArrays, 'tick' | 'numVertices' | 'numPieces' | 'stats'>;
 
 /** Triangles, pieces and material positions of one topology version, in arrays of exactly their length. */
@@ -56,7 +56,7 @@ export interface FrameCopy {
   stats: FrameStats | undefined;
   /** When it came, this machine's Unix time, milliseconds. */
   arrivedMs: number;
-  /** Where it differs from that of the frame before, and in a connection's first frame. */
+  /** Present if it differs from that of the previous frame, and in a connection's first frame. */
   topology: TopologyCopy | undefined;
   delivery: Delivery;
 }
@@ -85,7 +85,7 @@ export class SheetCopy implements SheetArrays {
   /**
    * Copies positions and strains, keeps the arrays of a topology.
    * @param nowMs   performance.now()
-   * @param isNext  of the frames that were taken before, which it goes on from
+   * @param isNext  true if it continues from the frames that were taken before
    */
   take(frame: FrameCopy, nowMs: number, isNext = true): void {
     const count = frame.positions.length;

@@ -5,7 +5,7 @@ const kMaxKept = 16;
 export class SpareArrays {
   private buffers: ArrayBuffer[] = [];
 
-  /** How often a buffer had to be allocated. */
+  /** Number of buffers that had to be allocated. */
   numAllocated = 0;
 
   put(buffers: readonly ArrayBuffer[]): void {
@@ -14,7 +14,7 @@ export class SpareArrays {
     if (this.buffers.length > kMaxKept) this.buffers = this.buffers.slice(-kMaxKept);
   }
 
-  /** The first `count` numbers of `array`, in a buffer that nobody else has. */
+  /** The first `count` numbers of `array`, in a buffer of its own. */
   copyOf(array: Float32Array, count: number): Float32Array {
     const numBytes = 4 * count;
     const found = this.buffers.findIndex((buffer) => buffer.byteLength >= numBytes && buffer.byteLength <= 4 * numBytes);

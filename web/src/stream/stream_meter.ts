@@ -1,8 +1,8 @@
 import { SampleWindow } from './sample_window';
 
-/** What one message of a stream cost, seen where it came in. */
+/** Cost of one message of a stream, measured where it arrived. */
 export interface Delivery {
-  /** Of the whole message. */
+  /** Size of the whole message. */
   numBytes: number;
   /** Can be read without those before it. */
   isKeyframe: boolean;
@@ -19,10 +19,10 @@ export interface TickFigures {
 }
 
 const kSpanMs = 5000;
-// Of 5 s at 1000 Hz, the highest rate that a stream can have, the newest four.
+// Holds 5 s at 1000 Hz, the highest rate that a stream can have, the newest four.
 const kCapacity = 4096;
 
-/** The last seconds of a stream. Holds numbers only of what it is given, so that it costs nothing while nobody asks. */
+/** The last seconds of a stream. Holds numbers only of what it is given, so that it costs nothing while it is not read. */
 export class StreamMeter {
   readonly spanMs = kSpanMs;
   readonly drawn = new SampleWindow(kSpanMs, kCapacity);

@@ -1,6 +1,6 @@
 import { encodeMessage } from './recording_format';
 
-/** How far a recording has come. */
+/** Progress of a recording. */
 export interface RecordingProgress {
   numFrames: number;
   numBytes: number;

@@ -23,13 +23,13 @@ export interface WatchEvents {
 export interface WatchOptions {
   /** Frames have strains. */
   strains?: boolean;
-  /** Of the same sheet, by an earlier Watch: what it has is not sent again. */
+  /** Mirror of the same sheet by an earlier Watch: what it has is not sent again. */
   from?: SheetMirror;
   /** Each connection brings the whole topology. */
   startsWhole?: () => boolean;
 }
 
-/** How often frames come; see kerf.v1.WatchPace. */
+/** Pace of the frames; see kerf.v1.WatchPace. */
 export interface Pace {
   isPaused: boolean;
   /** 0: every tick */
@@ -39,7 +39,7 @@ export interface Pace {
 /**
  * Watches one sheet over WebSocket /watch and keeps watching (see Connection). Frames are applied as they come (the server
  * sends at most few unacknowledged ones, see held_us in stream.proto); the owner calls acknowledge() when it draws, and
- * setPace() when nobody looks. A connection after the first goes on from the triangles that the last one brought, if the
+ * setPace() when the page is hidden. A connection after the first continues from the triangles that the last one brought, if the
  * server still knows them.
  */
 export class Watch {
@@ -133,7 +133,7 @@ export class Watch {
     try {
       this.incoming.apply(frame);
     } catch (error) {
-      // A frame that does not fit: start anew from nothing.
+      // A frame that does not fit: start again from nothing.
       this.mirror?.forgetEpoch();
       this.options.from?.forgetEpoch();
       throw error;

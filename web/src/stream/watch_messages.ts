@@ -4,7 +4,7 @@ import type { FrameCopy } from './sheet_copy';
 import type { RecordingProgress } from './stream_recorder';
 import type { Pace, WatchRequestKind } from './watch';
 
-// What the page and the worker that holds its connection say to each other. `id` numbers the page's streams: what concerns an
+// Messages between the page and the worker that holds its connection. `id` numbers the page's streams: what concerns an
 // earlier one is passed over.
 
 export type ToWorker =

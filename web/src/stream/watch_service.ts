@@ -6,7 +6,7 @@ import { StreamRecorder } from './stream_recorder';
 import { Watch } from './watch';
 import type { FromWorker, Port, ToWorker } from './watch_messages';
 
-// How far a recording has come is shown as text.
+// The progress of a recording is shown as text.
 const kTellEveryMs = 200;
 
 /**

@@ -1,4 +1,4 @@
-// Where the bundler finds the workers' files.
+// Files of the workers, as the bundler finds them.
 const kStart = {
   watch: () => new Worker(new URL('./watch_worker.ts', import.meta.url), { type: 'module' }),
   images: () => new Worker(new URL('./image_worker.ts', import.meta.url), { type: 'module' }),
@@ -7,7 +7,7 @@ const kStart = {
 
 /**
  * Starts one of the page's workers.
- * @param failed  called once where it cannot be loaded, or does what nobody expects: it is ended then, and answers nothing
+ * @param failed  called once if it cannot be loaded or fails: it is ended then, and answers nothing
  */
 export function startWorker(name: keyof typeof kStart, failed: (why: string) => void): Worker {
   const worker = kStart[name]();

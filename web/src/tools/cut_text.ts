@@ -58,7 +58,7 @@ export function cutDetails(result: CutResult): string[] {
   ];
 }
 
-/** What the server warns of, in sentences; empty without any. */
+/** Warnings of the server, in sentences; empty without any. */
 export function warningText({ warnings }: CutResult): string {
   return warnings.map((warning) => `${warning.charAt(0).toUpperCase()}${warning.slice(1)}.`).join(' ');
 }

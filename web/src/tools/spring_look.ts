@@ -5,11 +5,11 @@ const kTaut = new Color(0xe0201b);
 // CSS pixels.
 const kThinnest = 2;
 const kThickest = 8;
-// Of the sheet's diagonal: a spring that is longer looks no different.
+// Share of the sheet's diagonal: a longer spring looks no different.
 const kLongest = 0.3;
 
 /**
- * How the spring of a grab is drawn. Its force is in proportion to its length; the stiffness is the server's choice.
+ * Look of the spring of a grab. Its force is in proportion to its length; the stiffness is the server's choice.
  * @param lengthM  from the held vertex to the pointer, metres
  * @param sizeM    the sheet's diagonal, metres, > 0
  */

@@ -6,7 +6,7 @@ import { Choice, element, setText } from './dom';
 
 const kMillimetre = 1e-3;
 
-/** What is drawn, what it cuts, prompt and buttons of the cut tool. */
+/** Choice of drawing and target, prompt and buttons of the cut tool. */
 export class CutPanel {
   private readonly panel = element('cut-panel');
   private readonly prompt = element('cut-prompt');
@@ -59,7 +59,7 @@ export class CutPanel {
     whenNumber(this.dashCut, (mm) => tool.setDashes({ cutM: mm * kMillimetre }));
     whenNumber(this.dashLeft, (mm) => tool.setDashes({ leftM: mm * kMillimetre }));
     whenNumber(this.width, (mm) => tool.setWidth(mm * kMillimetre));
-    // What is typed holds at once; these keys leave the field.
+    // Typed values hold at once; these keys leave the field.
     element('cut-options').addEventListener('keydown', ({ key }) => {
       if (key === 'Enter' || key === 'Escape') done();
     });

@@ -1,6 +1,6 @@
 import { ApiError } from '../api';
 
-// What to do about a refusal that the server's own words do not already say.
+// Remedies for refusals that the server's own words do not name.
 const kAdvice: Record<string, string> = {
   UNAVAILABLE: 'Check that kerfd is running; the viewer reconnects by itself',
   RESOURCE_EXHAUSTED: 'Try again in a moment, or request less',

@@ -2,7 +2,7 @@ import { element } from './dom';
 import { isRecordingFile } from './replay_bar';
 import { isRunFile } from './server_recordings';
 
-/** What becomes of a file that is dropped on the sheet. */
+/** Actions for a file that is dropped on the sheet. */
 export interface FileTakers {
   /** A new sheet. */
   mesh(file: File): void;
@@ -18,7 +18,7 @@ function hasFiles({ dataTransfer }: DragEvent): boolean {
   return dataTransfer?.types.includes('Files') ?? false;
 }
 
-// Where nobody takes a file the browser would leave the page to show it.
+// Without a taker of the file, the browser would leave the page to show it.
 function keepPage(event: DragEvent): void {
   if (event.defaultPrevented || !hasFiles(event)) return;
   event.preventDefault();

@@ -35,7 +35,7 @@ function normalised(unit: string): string {
 }
 
 /**
- * What siText and plainText write, and what people type: "150 kPa", "150k", "1.5e5". Undefined where that is no number, or
+ * Reads the texts of siText and plainText, and typed ones: "150 kPa", "150k", "1.5e5". Undefined if that is not a number, or
  * one of another unit.
  * @param isSi  the unit takes prefixes
  */

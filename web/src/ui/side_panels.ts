@@ -1,6 +1,6 @@
 import { element } from './dom';
 
-/** What a panel does while it is open. */
+/** Work of a panel while it is open. */
 export interface Panel {
   opened(): void;
   closed(): void;

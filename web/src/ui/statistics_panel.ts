@@ -51,7 +51,7 @@ export class StatisticsPanel {
     this.reset();
   }
 
-  /** What was measured has nothing to do with what comes. */
+  /** Earlier measurements do not belong to the new stream. */
   reset(): void {
     this.meter.clear();
     this.updatedMs = Number.NEGATIVE_INFINITY;

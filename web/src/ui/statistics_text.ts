@@ -54,7 +54,7 @@ function sheetTexts(sheet: SheetFigures, stats: FrameStats | undefined) {
   };
 }
 
-/** What the overlay says at `nowMs`; call meter.forget(nowMs) before. */
+/** Text of the overlay at `nowMs`; call meter.forget(nowMs) before. */
 export function statisticsTexts(
   meter: StreamMeter,
   sheet: SheetFigures | undefined,

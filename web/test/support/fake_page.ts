@@ -1,6 +1,6 @@
 import { vi } from 'vitest';
 
-/** What of an element the viewer's controls use. */
+/** Parts of an element that the viewer's controls use. */
 export class FakeElement extends EventTarget {
   hidden = false;
   textContent = '';
@@ -23,7 +23,7 @@ export class FakeElement extends EventTarget {
     this.options = children;
   }
 
-  /** As if somebody had set it. */
+  /** Acts as if a user had set it. */
   enter(value: string, event: string): void {
     this.value = value;
     this.dispatchEvent(new Event(event));

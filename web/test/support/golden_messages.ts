@@ -1,6 +1,6 @@
 import { readFileSync } from 'node:fs';
 
-/** What tests/wire/golden_frames_test.cc wrote. */
+/** Messages that tests/wire/golden_frames_test.cc wrote. */
 export const kGoldenFolder = new URL('../../../tests/data/frames/', import.meta.url);
 
 /** The WatchResponses of one of its files, in the order of their stream. */

@@ -8,7 +8,7 @@ export interface HeldCall {
   request: { name?: string } & Record<string, unknown>;
 }
 
-/** A server that answers no call before it is told to. */
+/** A server that answers no call until it is released. */
 export class HeldCalls {
   /** All, in their order. */
   readonly calls: HeldCall[] = [];

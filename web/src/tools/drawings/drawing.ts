@@ -2,7 +2,7 @@ import type { MessageInitShape } from '@bufbuild/protobuf';
 import type { CutSchema } from '../../gen/kerf/v1/scene_pb';
 import type { Point2 } from '../../geometry/locator';
 
-/** What of a kerf.v1.Cut a drawing decides. */
+/** Fields of a kerf.v1.Cut that a drawing decides. */
 export type DrawnCut = Pick<MessageInitShape<typeof CutSchema>, 'curve' | 'fit'>;
 
 /** A line for the preview, and whether it is what is cut or only leads to it. */
@@ -22,7 +22,7 @@ export interface Drawing {
   readonly weights?: number[];
   readonly isStarted: boolean;
   readonly isReady: boolean;
-  /** What to do next. */
+  /** Prompt for the next step. */
   readonly prompt: string;
   /** Short text on a handle. */
   handleText(index: number): string;

@@ -40,7 +40,7 @@ export class EllipseDrawing extends PointDrawing {
   }
 
   override press(point: Point2): boolean {
-    // What is drawn is adjusted by its handles: a press beside it moves the view.
+    // A finished shape is adjusted by its handles: a press beside it moves the view.
     if (this.points.length > 0) return false;
     this.isDrawing = true;
     this.points = this.isCircle ? [point, point] : [point, point, point];

@@ -33,7 +33,7 @@ export class FreehandDrawing extends PointDrawing {
 
   override drag(point: Point2): void {
     this.points.push(point);
-    // A scribble that goes on and on becomes coarser; room is left for the point that closes it.
+    // A very long scribble becomes coarser; room is left for the point that closes it.
     if (this.points.length >= kMaxPoints) this.points = this.points.filter((_, i) => i % 2 === 0);
   }
 

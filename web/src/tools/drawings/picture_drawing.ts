@@ -15,11 +15,11 @@ export interface Box {
   max: Point2;
 }
 
-// Of the sheet's box, left free at each side: what the server leaves too.
+// Share of the sheet's box left free at each side, as the server does.
 const kMargin = 0.05;
 // Pieces of a side of the box, which follow the sheet.
 const kSidePieces = 16;
-// Of a side of the box against the sheet's larger side.
+// Least side of the box, relative to the sheet's larger side.
 const kLeastSide = 0.01;
 
 /** An SVG file in a box on the material, which is moved and scaled before the cut; none until there is one. */

@@ -36,7 +36,7 @@ export class QuantitySlider {
   }
 
   show(value: number): void {
-    // What is being typed stays.
+    // Text that is being typed stays.
     if (document.activeElement === this.field && this.field.value !== this.shown) return;
     this.shown = this.textOf(value);
     this.field.value = this.shown;
@@ -62,7 +62,7 @@ export class QuantitySlider {
   }
 
   private set(value: number): void {
-    // What was typed is taken, and may be replaced.
+    // The typed text is taken, and may be replaced.
     this.shown = this.field.value;
     this.show(value);
     this.changed(value);

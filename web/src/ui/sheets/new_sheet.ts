@@ -24,7 +24,7 @@ export interface Outline {
   heightM: number;
 }
 
-/** What the form asks for. Lengths in metres. */
+/** Values of the form. Lengths in metres. */
 export interface NewSheet {
   id: string;
   shape: NewShape;
@@ -49,9 +49,9 @@ type Mesh = MessageInitShape<typeof SceneSchema>['mesh'];
 
 const kBallFriction = 0.4;
 const kFloorFriction = 0.5;
-// Of the sheet's smaller side.
+// Share of the sheet's smaller side.
 const kBallRadius = 0.25;
-// Of its larger side: how high a flat one starts, and how far it is from the ball below; and how far an upright one
+// Shares of its larger side: how high a flat one starts, and how far it is from the ball below; and how far an upright one
 // hangs above the floor and from the ball behind it.
 const kFlatHeight = 0.8;
 const kUprightHeight = 0.3;
@@ -128,7 +128,7 @@ export function createRequest(form: NewSheet): MessageInitShape<typeof CreateShe
   };
 }
 
-/** Where a mesh file is sent, with all else that is asked for: it may be larger than a request. */
+/** Address to which a mesh file is sent, with the other values: it may be larger than a request. */
 export function uploadPath(file: MeshFile, request: MessageInitShape<typeof CreateSheetRequestSchema>): string {
   const body = requestBody(CreateSheetRequestSchema, request);
   return `/sheets?format=${file.kind}&request=${encodeURIComponent(body)}`;

@@ -79,7 +79,7 @@ export class NewSheetDialog {
     this.update();
   }
 
-  // A file that cannot be taken is told at its field, and the keyboard goes there unless somebody has begun to type.
+  // A file that cannot be taken is reported at its field, and the keyboard goes there unless typing has begun.
   private async take(file: File): Promise<void> {
     const { activeElement } = document;
     await this.readFile(file);
@@ -211,7 +211,7 @@ export class NewSheetDialog {
     return call(SheetService.method.createSheet, request, { signal, onProgress });
   }
 
-  // What names one sheet; numbers and choices stay for the next.
+  // The name is for one sheet; numbers and choices stay for the next.
   private forgetFiles(): void {
     for (const name of ['id', 'file', 'outline']) fieldOf(name).value = '';
     this.mesh = undefined;
@@ -229,7 +229,8 @@ export class NewSheetDialog {
     if (wrong) this.showError('id', wrong);
   }
 
-  // What the server would refuse after all of it was sent. Requests are of ASCII but for names: as many bytes as letters, nearly.
+  // Checks what the server would refuse after all of it was sent. Requests are ASCII except for names, so a letter is about
+  // a byte.
   private fits({ shape, file }: NewSheet, numBytes: number): boolean {
     const limits = this.info?.limits;
     const [name, size, limit] =
@@ -249,7 +250,7 @@ export class NewSheetDialog {
     fieldOf('material-facts').replaceChildren(...rows);
   }
 
-  // All of it is there: now the server makes the sheet, and nobody knows for how long.
+  // All of it is there: now the server makes the sheet, for an unknown time.
   private showProgress(part: number): void {
     if (part < 1) this.progress.value = part;
     else this.progress.removeAttribute('value');
@@ -269,7 +270,7 @@ export class NewSheetDialog {
     if (name !== '') fieldOf(name).setAttribute('aria-invalid', 'true');
   }
 
-  // Not while somebody types: elsewhere, perhaps.
+  // Not while text is being typed, perhaps elsewhere.
   private focusError(): void {
     this.form.querySelector<HTMLElement>('[aria-invalid=true]')?.focus();
   }

@@ -6,13 +6,13 @@ export function isId(text: string): boolean {
   return text.length <= kLongest && /^[a-z][a-z0-9-]*$/.test(text);
 }
 
-/** The id that comes closest to what somebody typed: "My Flag!" -> "my-flag"; empty where no letter is in it. */
+/** The id that comes closest to the typed text: "My Flag!" -> "my-flag"; empty where no letter is in it. */
 export function nearestId(text: string): string {
   const id = text.toLowerCase().replace(/[^a-z0-9]+/g, '-').replace(/^[^a-z]+|-+$/g, '');
   return id.slice(0, kLongest).replace(/-+$/, '');
 }
 
-/** What of a file's name may be a sheet's id: "My Cloth.obj" -> "my-cloth"; empty where nothing may. */
+/** Part of a file's name that may be a sheet's id: "My Cloth.obj" -> "my-cloth"; empty where nothing may. */
 export function idFrom(fileName: string): string {
   return nearestId(fileName.replace(/\.[^.]*$/, ''));
 }

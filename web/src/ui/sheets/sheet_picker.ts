@@ -1,7 +1,7 @@
 import { sheetId } from '../../sheets';
 import { element } from '../dom';
 
-/** The choice among the server's sheets; the list is asked for anew each time it is about to open. */
+/** The choice among the server's sheets; the list is requested again each time it is about to open. */
 export class SheetPicker {
   private readonly select = element<HTMLSelectElement>('sheet-picker');
 
