@@ -18,7 +18,7 @@ CONTENTS = {
     "Development": ["CONTRIBUTING", "server/architecture", "server/README", "tests/README", "tests/bench/README", "CHANGELOG"],
     "More": [],
 }
-# What the table of contents says in place of the heading of a page.
+# Names of pages in the table of contents, where they differ from the heading.
 TITLES = {
     "proto/README": "The live stream", "reference/api/index": "Calls and messages", "reference/python/index": "Python package",
     "server/README": "Architecture in detail", "client/cli/README": "Command line", "web/README": "Viewer",

@@ -12,7 +12,7 @@ PAGES = {
     "results": ("States, analyses and runs", ("kerf.arrays", "kerf.blocking.recorder", "kerf.runs")),
     "errors": ("Errors", ("kerf.errors",)),
 }
-# Of names that say nothing about where they are from: types and numbers.
+# Names the module of those names that do not say it themselves: types and numbers.
 HOMES = {
     "APPLIED": "kerf.cuts", "NO_INTERSECTION": "kerf.cuts", "SCHEDULED": "kerf.cuts", "Point": "kerf.curves", "Edge": "kerf.regions",
     "Place": "kerf.regions", "Codec": "kerf.images", "ColorBy": "kerf.images"}

@@ -1,9 +1,8 @@
 // The global allocation functions of the programs that link this: large blocks lie on large pages.
 //
-// A cut touches a few hundred places of a sheet. On a sheet of hundreds of megabytes, in pages of 4 KiB, finding out
-// where each of them lies costs about as much as reading it; in pages of 2 MiB hardly anything. Systems with
-// transparent large pages "always" do this by themselves where alignment allows it. Those with "madvise" do it on
-// request.
+// A cut touches a few hundred places of a sheet. In pages of 4 KiB, on a sheet of hundreds of megabytes, locating a
+// place costs about as much as reading it. In pages of 2 MiB it costs hardly anything. Systems with transparent large
+// pages "always" do this by themselves where alignment allows it. Those with "madvise" do it on request.
 
 #include <sys/mman.h>
 

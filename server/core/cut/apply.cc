@@ -41,9 +41,9 @@ constexpr std::int64_t kInsertionsPerPathPoint = 60;
 constexpr std::int64_t kInsertionsBeside = 2'000;
 
 constexpr double kLengthFloor = 0.25;  // -; as a fraction of the snap distance, see RefinementConfig
-// Insertions around a tip for a gradient of 1 and edges as long as wanted; and the radius of the search for graded
-// triangles, in edge lengths of the sheet.
+// Insertions around a tip, for a gradient of 1 and edges as long as wanted.
 constexpr double kInsertionsPerTip = 400.0;
+// Radius of the search for graded triangles, in edge lengths of the sheet.
 constexpr double kGradedReach = 3.0;
 
 constexpr int kCloserAttempts = 2;    // see needs_less_snapping

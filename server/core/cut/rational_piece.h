@@ -20,8 +20,8 @@
 //     dist(C(t)) <= sum over the inner points of l_i(t) dist(p_i) <= max over t of (1 - l_0 - l_n) * max dist(p_i).
 //   With u = 1 - B_0 - B_n, in [0, 1 - 2^(1 - n)], W the largest inner weight and w the smaller end weight,
 //     1 - l_0 - l_n <= u W / ((1 - u) w + u W), which grows with u: at most k W / (w + k W), k = 2^(n - 1) - 1.
-// - The other way: the curve runs from one end of the chord to the other, so each point of the chord is the foot of
-//   some point of it, which is no farther than that bound.
+// - Conversely, the curve runs from one end of the chord to the other. So each point of the chord is the foot of a
+//   point of the curve, which is no farther than that bound.
 namespace kerf::cut {
 
 // A point of the plane is carried as (w x, w y, w), w > 0.

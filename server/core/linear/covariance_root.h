@@ -7,8 +7,8 @@
 
 namespace kerf::fem {
 
-// Dense matrices that the solvers ES-CGM and AS-CGM put in place of the stiffness matrix A, step by step as published
-// (section 3.5 of the thesis that server/README.md compares with). They are neither A nor preconditioners of it. A' x =
+// Dense matrices that the solvers ES-CGM and AS-CGM put in place of the stiffness matrix A. They follow section 3.5 of
+// the thesis that server/README.md compares with, step by step. They are neither A nor preconditioners of it. A' x =
 // b has another solution than A x = b, so these solvers *solve a different system*. They are here to be compared.
 //
 // Both begin with the covariance of the rows of A, n x n (n = 3 N; units of A squared), eq. 3.21:

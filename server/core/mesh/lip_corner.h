@@ -23,8 +23,8 @@ class LipCorners {
   [[nodiscard]] bool is_sharp(PointId p) { return sharpest(p) > kCosSharp; }
 
   // Returns 0 unless a sharp corner forces edge pq; then the number of lip edges (>= 1) from the corner to the farther
-  // of p and q. A corner does so if p and q lie equally far from it, one on each of its lips (the "seditious" edge of
-  // Miller, Pav and Walkington).
+  // of p and q. A corner does so if p and q lie equally far from it, one on each of its lips. Such an edge is
+  // the "seditious" one of Miller, Pav and Walkington.
   [[nodiscard]] int edges_to_sharp_corner(PointId p, PointId q);
 
   // Returns the place to split the fixed edge ab of this length (lattice units), as a fraction from a, in [1/3, 2/3].

@@ -42,7 +42,7 @@ struct SegmentWalk {
 // A triangle mesh in two-dimensional rest (material) space that stays welded there however often it is cut. Lips are
 // locked edges; the opened mesh, which is simulated and shown, is the map from triangle corners to vertices. So cutting
 // along, across or into an older cut is no special case, and two lips always match. Void triangles surround the sheet
-// and fill its holes up to a square domain, so that the fan of every point of the sheet is closed.
+// and fill its holes up to a square domain, so the fan of every point of the sheet is closed.
 //
 // Slots, points and vertices are never deleted and ids never reused, except that an undo takes back the last ones.
 // Where material is removed, slots become void and vertices stay behind without a triangle. A mesh as built has its

@@ -110,7 +110,7 @@ struct RegionMaterial {
   fem::Material material;
 };
 
-// How a sheet is stepped in time.
+// Selects the integrator of a sheet and limits its work.
 enum class IntegratorKind {
   kAutomatic,         // see fem::AutomaticIntegrator
   kExplicitLeapfrog,  // stable substeps

@@ -63,8 +63,8 @@ export function ellipsePoints(c: Point2, a: Point2, b: Point2, n: number): Point
 }
 
 /**
- * The fewest of the given points, ends included, whose polyline stays within `tolerance` of all of them (Douglas and
- * Peucker, "Algorithms for the reduction of the number of points required to represent a digitized line", 1973). A
+ * Returns the fewest of the points, ends included, whose polyline stays within `tolerance` of all of them. Method:
+ * Douglas and Peucker, "Algorithms for the reduction of the number of points required to represent a digitized line". A
  * stroke has a point for each move of the hand, and a cut puts a vertex on each point of its polyline.
  */
 export function simplify(points: readonly Point2[], tolerance: number): Point2[] {

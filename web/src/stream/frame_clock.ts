@@ -1,6 +1,6 @@
 /**
- * Age of frames without synchronised clocks: the smallest difference seen between arrival here and publication there is
- * taken as the clocks' offset plus the shortest way, so ages are relative to the fastest frame of this stream.
+ * Age of frames without synchronised clocks. The smallest difference seen between arrival here and publication there
+ * counts as the clocks' offset plus the shortest way. So ages are relative to the fastest frame of this stream.
  */
 export class FrameClock {
   private offsetMs = Number.POSITIVE_INFINITY;

@@ -5,8 +5,8 @@ const kLongestMs = 500;
 const kSmoothing = 0.3;
 
 /**
- * The way of positions from what is shown to the newest frame. It takes as long as frames are apart, so that a sheet whose
- * frames come ten times a second moves evenly and is shown at most one frame late.
+ * The way of positions from what is shown to the newest frame. It takes as long as frames are
+ * apart. So a sheet whose frames come ten times a second moves evenly, and is shown at most one frame late.
  */
 export class Interpolation {
   private from: Float32Array = new Float32Array(0);
