@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "tests/sheet/sheet_calls.h"
+#include "tests/sheet/calls.h"
 #include "tests/support/failing_integrator.h"
 
 namespace kerf::analysis {

@@ -7,7 +7,7 @@
 #include "server/core/fem/element/state.h"
 #include "server/core/fem/model/model.h"
 #include "server/core/fem/statics/equilibrium.h"
-#include "tests/sheet/sheet_calls.h"
+#include "tests/sheet/calls.h"
 
 namespace kerf::analysis {
 namespace {

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "server/core/analysis/analysis.h"
-#include "tests/sheet/sheet_calls.h"
+#include "tests/sheet/calls.h"
 
 namespace kerf::analysis {
 namespace {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "server/service/api/cut_journal.h"
-#include "tests/api/api_fixture.h"
+#include "tests/api/fixture.h"
 
 namespace kerf::api {
 namespace {

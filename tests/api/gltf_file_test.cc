@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "server/service/api/gltf_file.h"
-#include "tests/sheet/sheet_calls.h"
+#include "tests/sheet/calls.h"
 
 namespace kerf::api {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "render/image.h"
-#include "tests/api/api_fixture.h"
+#include "tests/api/fixture.h"
 #include "tests/api/image_viewer.h"
 #include "tests/api/picture_renderer.h"
 

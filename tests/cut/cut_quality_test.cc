@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "tests/cut/cut_calls.h"
+#include "tests/cut/calls.h"
 #include "tests/support/cut_patterns.h"
 
 namespace kerf::cut {

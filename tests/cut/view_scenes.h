@@ -13,7 +13,7 @@
 #include "server/core/cut/cut.h"
 #include "server/core/cut/view.h"
 #include "server/core/mesh/build/grid_mesh.h"
-#include "tests/cut/cut_calls.h"
+#include "tests/cut/calls.h"
 
 // Sheets in space, cameras that see them, and cuts drawn on their pictures.
 namespace kerf::cut {

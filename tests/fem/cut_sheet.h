@@ -2,7 +2,7 @@
 
 // Sheets cut so that some of their triangles are tiny, and steps of them with clusters.
 #include "server/core/fem/step/explicit_integrator.h"
-#include "tests/fem/fem_fixture.h"
+#include "tests/fem/fixture.h"
 #include "tests/fem/integrator_cases.h"
 #include "tests/support/random_cuts.h"
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "server/core/fem/step/integrator.h"
-#include "tests/fem/fem_fixture.h"
+#include "tests/fem/fixture.h"
 
 namespace kerf::fem {
 

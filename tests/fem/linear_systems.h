@@ -6,7 +6,7 @@
 #include <Eigen/Core>
 
 #include "server/core/linear/block_matrix.h"
-#include "tests/fem/fem_fixture.h"
+#include "tests/fem/fixture.h"
 #include "tests/support/meshes.h"
 
 namespace kerf::fem {

@@ -1,7 +1,7 @@
 #include <atomic>
 #include <new>
 
-#include "tests/host/host_fixture.h"
+#include "tests/host/fixture.h"
 #include "tests/support/failing_integrator.h"
 
 // Hosts with limits, with sheets that fail, and with recordings.

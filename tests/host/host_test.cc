@@ -4,7 +4,7 @@
 #include <atomic>
 #include <future>
 
-#include "tests/host/host_fixture.h"
+#include "tests/host/fixture.h"
 
 namespace kerf::host {
 namespace {

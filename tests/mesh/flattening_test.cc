@@ -11,7 +11,7 @@
 #include <Eigen/SVD>
 
 #include "server/core/mesh/build/mesh_import.h"
-#include "tests/mesh/mesh_measures.h"
+#include "tests/mesh/measures.h"
 #include "tests/support/shells.h"
 
 namespace kerf::mesh {

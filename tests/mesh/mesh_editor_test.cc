@@ -10,7 +10,7 @@
 
 #include "server/base/random.h"
 #include "tests/mesh/edit_checks.h"
-#include "tests/mesh/mesh_measures.h"
+#include "tests/mesh/measures.h"
 #include "tests/support/meshes.h"
 
 namespace kerf::mesh {

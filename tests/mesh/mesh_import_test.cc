@@ -9,7 +9,7 @@
 #include "server/base/random.h"
 #include "server/core/mesh/build/grid_mesh.h"
 #include "server/core/mesh/build/mesh_import.h"
-#include "tests/mesh/mesh_measures.h"
+#include "tests/mesh/measures.h"
 #include "tests/support/meshes.h"
 
 namespace kerf::mesh {

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "server/base/random.h"
-#include "tests/mesh/mesh_measures.h"
+#include "tests/mesh/measures.h"
 #include "tests/support/meshes.h"
 
 namespace kerf::mesh {

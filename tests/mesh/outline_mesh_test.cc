@@ -11,7 +11,7 @@
 
 #include "server/base/random.h"
 #include "server/core/mesh/refine/size_field.h"
-#include "tests/mesh/mesh_measures.h"
+#include "tests/mesh/measures.h"
 
 namespace kerf::mesh {
 namespace {

@@ -24,12 +24,12 @@ runner = importlib.util.module_from_spec(importlib.util.spec_from_loader("runner
 loader.exec_module(runner)
 
 GTEST = """Running main() from ./googletest/src/gtest_main.cc
-../../tests/fem/fem_model_test.cc:41: Failure
+../../tests/fem/model_test.cc:41: Failure
 Expected equality of these values:
   1
   2
 [  FAILED  ] Model.HasMass (3 ms)
-../../tests/fem/fem_model_test.cc:60: Failure
+../../tests/fem/model_test.cc:60: Failure
 Value of: false
 [  FAILED  ] Sizes/Model.Grows/2, where GetParam() = 9 (12 ms)
 """
@@ -82,10 +82,10 @@ CTEST = """ 1/6 Test  #1: fem_tests_1 ......................***Failed    0.17 se
 class Failures(unittest.TestCase):
     def test_gtest(self):
         first, second = failures.of_gtest("build/release/bin/fem_tests", GTEST)
-        self.assertEqual((first.name, first.where), ("Model.HasMass", "tests/fem/fem_model_test.cc:41"))
+        self.assertEqual((first.name, first.where), ("Model.HasMass", "tests/fem/model_test.cc:41"))
         self.assertEqual(first.alone, "build/release/bin/fem_tests --gtest_filter='Model.HasMass'")
         self.assertIn("Expected equality", first.excerpt)
-        self.assertEqual((second.name, second.where), ("Sizes/Model.Grows/2", "tests/fem/fem_model_test.cc:60"))
+        self.assertEqual((second.name, second.where), ("Sizes/Model.Grows/2", "tests/fem/model_test.cc:60"))
         self.assertEqual(failures.of_gtest("x", "terminate called\n"), [])
 
     def test_unittest(self):

@@ -6,7 +6,7 @@
 #include "server/core/fem/element/state.h"
 #include "server/core/fem/model/model.h"
 #include "server/core/scene/sheet_materials.h"
-#include "tests/sheet/sheet_calls.h"
+#include "tests/sheet/calls.h"
 
 namespace kerf::sheet {
 namespace {

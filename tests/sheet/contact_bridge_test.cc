@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/sheet/sheet_calls.h"
+#include "tests/sheet/calls.h"
 
 namespace kerf::sheet {
 namespace {

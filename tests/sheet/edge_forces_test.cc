@@ -3,7 +3,7 @@
 #include <numbers>
 
 #include "server/core/fem/element/loads.h"
-#include "tests/sheet/sheet_calls.h"
+#include "tests/sheet/calls.h"
 
 namespace kerf::sheet {
 namespace {

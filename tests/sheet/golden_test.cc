@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "server/core/sheet/recording.h"
-#include "tests/sheet/sheet_calls.h"
+#include "tests/sheet/calls.h"
 #include "tests/support/scenes.h"
 
 // State hashes that must come out of every build of the same sources: any optimisation level, any number of threads

@@ -2,7 +2,7 @@
 #include "server/core/scene/integrator_settings.h"
 
 #include "server/core/fem/element/state.h"
-#include "tests/sheet/sheet_calls.h"
+#include "tests/sheet/calls.h"
 #include "tests/support/scenes.h"
 
 namespace kerf::sheet {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/sheet/sheet_calls.h"
+#include "tests/sheet/calls.h"
 
 namespace kerf::sheet {
 namespace {

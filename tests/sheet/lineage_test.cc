@@ -3,7 +3,7 @@
 
 #include "server/core/scene/lineage.h"
 #include "server/core/scene/sheet_materials.h"
-#include "tests/sheet/sheet_calls.h"
+#include "tests/sheet/calls.h"
 
 namespace kerf::sheet {
 namespace {

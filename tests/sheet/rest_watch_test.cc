@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "server/core/fem/model/tick_cost.h"
-#include "tests/sheet/sheet_calls.h"
+#include "tests/sheet/calls.h"
 
 namespace kerf::sheet {
 namespace {

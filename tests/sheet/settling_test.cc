@@ -3,7 +3,7 @@
 #include "server/core/fem/model/model.h"
 #include "server/core/fem/statics/equilibrium.h"
 #include "server/core/scene/sheet_materials.h"
-#include "tests/sheet/sheet_calls.h"
+#include "tests/sheet/calls.h"
 
 namespace kerf::sheet {
 namespace {

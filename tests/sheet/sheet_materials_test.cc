@@ -4,7 +4,7 @@
 
 #include "server/core/fem/model/model.h"
 #include "server/core/scene/sheet_materials.h"
-#include "tests/sheet/sheet_calls.h"
+#include "tests/sheet/calls.h"
 #include "tests/support/shells.h"
 
 namespace kerf::sheet {

@@ -4,7 +4,7 @@
 
 #include "server/core/fem/model/tick_cost.h"
 #include "server/core/sheet/undo_history.h"
-#include "tests/sheet/sheet_calls.h"
+#include "tests/sheet/calls.h"
 
 namespace kerf::sheet {
 namespace {

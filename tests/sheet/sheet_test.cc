@@ -2,7 +2,7 @@
 #include <limits>
 #include <tuple>
 
-#include "tests/sheet/sheet_calls.h"
+#include "tests/sheet/calls.h"
 #include "tests/support/failing_integrator.h"
 #include "tests/support/meshes.h"
 #include "tests/support/scenes.h"

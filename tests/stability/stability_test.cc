@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/stability/stability_case.h"
+#include "tests/stability/case.h"
 #include "tests/support/trials.h"
 
 namespace kerf::stability {
