@@ -11,6 +11,7 @@ import re
 import shutil
 import subprocess
 import sys
+import tempfile
 
 import api_pages
 import pages
@@ -73,7 +74,9 @@ def publish(made, site):
 def main():
     folder = pathlib.Path(sys.argv[1]).resolve()
     package = folder / "python"
-    subprocess.run([ROOT / "client/python/generate", package], check=True)
+    with tempfile.TemporaryDirectory() as made:
+        subprocess.run([ROOT / "client/python/generate", made], check=True)
+        pages.fill(package, {path.relative_to(made): path.read_bytes() for path in pathlib.Path(made).rglob("*") if path.is_file()})
     sys.path.insert(0, str(package))
     pages.lay_out(folder / "source", {**api_pages.references(), **python_pages.references()})
     done = subprocess.run(
