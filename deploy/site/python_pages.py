@@ -35,6 +35,8 @@ def directive(package, name):
         return f".. autoclass:: {full}\n   :members:\n   :inherited-members: {FOREIGN}\n\n"
     if inspect.isroutine(thing):
         return f".. autofunction:: {full}\n\n"
+    if isinstance(thing, int):  # has no docstring of its own
+        return f".. py:data:: {full}\n   :value: {thing}\n\n   A status of :kerf:`CutResult <kerf.v1.CutResult.Status.{name}>`.\n\n"
     return f".. autodata:: {full}\n   :no-value:\n\n"
 
 

@@ -159,6 +159,7 @@ class Docs(unittest.TestCase):
             self.assertEqual([each for each in attributes if f"kerf.{name}.{each}" not in anchors], [])
         text = re.sub(r"<[^>]*>", "", (self.site / "reference/python/cuts.html").read_text(encoding="utf-8"))
         self.assertIn("largest distance curve to lips", text)
+        self.assertNotIn("Convert a number or string to an integer", text)
 
     def test_search_knows_pages_and_names(self):
         index = (self.site / "searchindex.js").read_text(encoding="utf-8")
