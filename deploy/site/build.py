@@ -14,6 +14,7 @@ import sys
 import tempfile
 
 import api_pages
+import cpp_pages
 import pages
 import python_pages
 
@@ -78,7 +79,7 @@ def main():
         subprocess.run([ROOT / "client/python/generate", made], check=True)
         pages.fill(package, {path.relative_to(made): path.read_bytes() for path in pathlib.Path(made).rglob("*") if path.is_file()})
     sys.path.insert(0, str(package))
-    pages.lay_out(folder / "source", {**api_pages.references(), **python_pages.references()})
+    pages.lay_out(folder / "source", {**api_pages.references(), **python_pages.references(), **cpp_pages.references()})
     done = subprocess.run(
         [sys.executable, "-m", "sphinx", "-b", "html", "-q", "-W", "--keep-going", "-j", "2", "-c", HERE, "-d", folder / "doctrees",
          folder / "source", folder / "html"], env={**os.environ, "PYTHONPATH": str(package)})

@@ -13,14 +13,14 @@ INDEX = pathlib.PurePosixPath("README.md")  # which is index.md of the site
 CONTENTS = {
     "Start": ["client/tutorial", "client/howto", "deploy/troubleshooting", "server/limits", "server/glossary"],
     "Clients": ["client/cli/README", "client/python/README", "client/cpp/README", "web/README", "client/load/README"],
-    "Reference": ["reference/api/index", "reference/python/index", "proto/README"],
+    "Reference": ["reference/api/index", "reference/python/index", "reference/cpp/index", "proto/README"],
     "Quality": ["tests/bench/performance", "tests/accuracy/README", "tests/accuracy/PLOTS", "tests/stability/README"],
     "Development": ["CONTRIBUTING", "server/architecture", "server/README", "tests/README", "tests/bench/README", "CHANGELOG"],
     "More": [],
 }
 # Names of pages in the table of contents, where they differ from the heading.
 TITLES = {
-    "proto/README": "The live stream", "reference/api/index": "Calls and messages", "reference/python/index": "Python package",
+    "proto/README": "The live stream", "reference/api/index": "Calls and messages", "reference/python/index": "Python package", "reference/cpp/index": "C++ headers",
     "server/README": "Architecture in detail", "client/cli/README": "Command line", "web/README": "Viewer",
     "client/load/README": "Load tester", "client/python/README": "Python", "client/cpp/README": "C++"}
 

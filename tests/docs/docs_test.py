@@ -161,6 +161,15 @@ class Docs(unittest.TestCase):
         self.assertIn("largest distance curve to lips", text)
         self.assertNotIn("Convert a number or string to an integer", text)
 
+    def test_every_installed_header_of_cpp_is_in_the_reference(self):
+        """Compares with what the front doors include, which need all that is installed."""
+        for part, door in (("core", "server/core/kerf/kerf.h"), ("client", "client/cpp/kerf/client.h")):
+            text = re.sub(r"<[^>]*>", "", (self.site / f"reference/cpp/{part}.html").read_text(encoding="utf-8"))
+            included = re.findall(r'#include "([^"]*)"', (ROOT / door).read_text(encoding="utf-8"))
+            self.assertGreater(len(included), 4)
+            for header in (f"kerf/{pathlib.Path(door).name}", *(path for path in included if not path.endswith(".pb.h"))):
+                self.assertIn(f"{header}#", text)  # a heading, with its link
+
     def test_search_knows_pages_and_names(self):
         index = (self.site / "searchindex.js").read_text(encoding="utf-8")
         for name in ("client/tutorial", "reference/api/cuts", "CreateCutRequest", "temporary_sheet"):
