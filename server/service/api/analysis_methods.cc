@@ -6,6 +6,7 @@
 #include "server/base/overloaded.h"
 #include "server/core/analysis/analysis.h"
 #include "server/core/analysis/probe.h"
+#include "server/core/fem/element/state.h"
 #include "server/service/api/core.h"
 #include "server/service/wire/analysis_codec.h"
 #include "server/service/wire/reply_codec.h"

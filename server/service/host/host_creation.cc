@@ -6,6 +6,7 @@
 #include "server/base/interruption.h"
 #include "server/base/memory_headroom.h"
 #include "server/base/overloaded.h"
+#include "server/core/mesh/triangle_mesh.h"
 #include "server/service/host/errors.h"
 #include "server/service/host/host.h"
 #include "server/service/host/sheet_runner.h"
