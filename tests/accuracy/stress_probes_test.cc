@@ -19,7 +19,7 @@ using Eigen::Vector3d;
 constexpr double kFarStress = 1000.0;  // Pa, along x
 constexpr double kRadius = 0.01;       // m, of the hole
 
-sheet::Probe stress_at(const std::string& name, std::vector<Vector2d> points, fem::Recovery recovery) {
+sheet::Probe stress_at(const std::string& name, std::vector<Vector2d> points, sheet::Recovery recovery) {
   sheet::Probe probe;
   probe.name = name;
   probe.quantity = sheet::Quantity::kStress;
@@ -58,7 +58,7 @@ Vector3d kirsch(double r, double angle) {
 TEST(StressProbes, PatchesAreNearerToKirschThanTrianglesAllAroundTheHole) {
   constexpr int kPoints = 180;
   constexpr std::array<double, 5> kCircles{1.0, 1.02, 1.1, 1.5, 3.0};
-  constexpr std::array<fem::Recovery, 2> kRecoveries{fem::Recovery::kMean, fem::Recovery::kPatch};
+  constexpr std::array<sheet::Recovery, 2> kRecoveries{sheet::Recovery::kMean, sheet::Recovery::kPatch};
   sheet::SheetConfig config =
       read_scene_file(std::filesystem::path(KERF_SOURCE_DIR) / "tests/data/scenes/reference/04a_kirsch.json").value();
   config.probes.clear();
@@ -68,7 +68,7 @@ TEST(StressProbes, PatchesAreNearerToKirschThanTrianglesAllAroundTheHole) {
     for (int i = 0; i < kPoints; ++i) {
       points.emplace_back(0.05 + r * kRadius * std::cos(angle(i)), 0.05 + r * kRadius * std::sin(angle(i)));
     }
-    for (const fem::Recovery recovery : kRecoveries) {
+    for (const sheet::Recovery recovery : kRecoveries) {
       config.probes.push_back(stress_at("p" + std::to_string(config.probes.size()), points, recovery));
     }
   }
@@ -140,8 +140,8 @@ struct Concentration {
 Concentration concentration_errors(const fem::Material& material, int radial) {
   sheet::SheetConfig config = pulled_ring(material, radial);
   const std::vector<Vector2d> top{{0.0, kRadius}};
-  config.probes = {stress_at("mean", top, fem::Recovery::kMean), stress_at("patch", top, fem::Recovery::kPatch)};
-  sheet::Probe peak = stress_at("peak", {}, fem::Recovery::kPatch);
+  config.probes = {stress_at("mean", top, sheet::Recovery::kMean), stress_at("patch", top, sheet::Recovery::kPatch)};
+  sheet::Probe peak = stress_at("peak", {}, sheet::Recovery::kPatch);
   peak.region = sheet::WholeSheet{};
   peak.reduce = sheet::Reduce::kMax;
   config.probes.push_back(peak);
