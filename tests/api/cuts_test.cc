@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "server/core/mesh/triangle_mesh.h"
 #include "server/service/api/tick_advice.h"
 #include "server/service/wire/json.h"
 #include "tests/api/fixture.h"

@@ -9,6 +9,8 @@
 
 #include "render/renderer.h"
 #include "server/core/fem/element/material.h"
+#include "server/core/fem/element/state.h"
+#include "server/core/mesh/triangle_mesh.h"
 #include "server/service/wire/error_codec.h"
 #include "server/service/wire/material_codec.h"
 #include "tests/api/bad_calls.h"

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <future>
 
+#include "server/core/mesh/triangle_mesh.h"
 #include "tests/host/fixture.h"
 
 namespace kerf::host {

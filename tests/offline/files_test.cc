@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/memory_disk.h"
+
 namespace kerf::offline {
 namespace {
 
@@ -9,7 +11,7 @@ constexpr const char* kScene = R"({"sheet_id": "cloth", "obj": {"file": "cloth.o
 constexpr const char* kTriangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 
 TEST(OfflineScene, NamesFilesRelativeToItself) {
-  host::MemoryDisk disk;
+  test::MemoryDisk disk;
   ASSERT_TRUE(disk.write_file("scenes/a.json", kScene).ok());
   ASSERT_TRUE(disk.write_file("scenes/cloth.obj", kTriangle).ok());
   const Result<sheet::SheetConfig> config = read_scene(disk, "scenes/a.json");
@@ -19,7 +21,7 @@ TEST(OfflineScene, NamesFilesRelativeToItself) {
 }
 
 TEST(OfflineScene, ThatIsMissingOrNamesAMissingFileIsRefused) {
-  host::MemoryDisk disk;
+  test::MemoryDisk disk;
   EXPECT_EQ(read_scene(disk, "a.json").error().reason, "FILE_NOT_FOUND");
   ASSERT_TRUE(disk.write_file("a.json", kScene).ok());
   EXPECT_EQ(read_scene(disk, "a.json").error().reason, "FILE_NOT_FOUND");
@@ -58,7 +60,7 @@ TEST(OfflineOverrides, LeaveTheSceneAsItIsIfANameIsUnknown) {
 }
 
 TEST(OfflineMeshes, AreReadAsTheyAre) {
-  host::MemoryDisk disk;
+  test::MemoryDisk disk;
   ASSERT_TRUE(disk.write_file("a.obj", std::string("o caf\xe9\n") + kTriangle).ok());
   ASSERT_TRUE(disk.write_file("a.ply", std::string("ply\0\xff", 5)).ok());
   EXPECT_EQ(read_obj(disk, "a.obj")->text(), std::string("o caf?\n") + kTriangle);
@@ -67,7 +69,7 @@ TEST(OfflineMeshes, AreReadAsTheyAre) {
 }
 
 TEST(OfflineDrawings, HaveTheLimitOfAServer) {
-  host::MemoryDisk disk;
+  test::MemoryDisk disk;
   ASSERT_TRUE(disk.write_file("a.svg", "<svg/>").ok());
   ASSERT_TRUE(disk.write_file("b.svg", std::string((std::size_t{512} << 10) + 1, ' ')).ok());
   EXPECT_EQ(read_svg(disk, "a.svg")->text(), "<svg/>");

@@ -9,13 +9,14 @@
 #include "server/service/offline/files.h"
 #include "server/service/offline/replay.h"
 #include "server/service/wire/recording_codec.h"
+#include "tests/support/memory_disk.h"
 
 namespace kerf::offline {
 namespace {
 
 // Returns a small cloth that is cut at tick 3 of 6.
 sheet::SheetConfig falling_cloth() {
-  host::MemoryDisk disk;
+  test::MemoryDisk disk;
   const std::string scene = R"({
     "sheet_id": "cloth", "ticks": 6, "grid": {"columns": 5, "rows": 5, "width_m": 1, "height_m": 1},
     "pins": [{"edge": "TOP"}],
@@ -73,7 +74,7 @@ class OfflineReplay : public testing::Test {
  protected:
   void write(const std::string& bytes) { ASSERT_TRUE(disk_.write_file("cloth.rec", bytes).ok()); }
   const SceneRun run_ = run_scene(falling_cloth(), {.record = true}).value();
-  host::MemoryDisk disk_;
+  test::MemoryDisk disk_;
 };
 
 TEST_F(OfflineReplay, OfARecordingIsIdentical) {
