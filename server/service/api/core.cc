@@ -1,5 +1,6 @@
 #include "server/service/api/core.h"
 
+#include "server/core/mesh/triangle_mesh.h"
 #include "server/service/api/tick_advice.h"
 #include "server/service/wire/reply_codec.h"
 #include "server/service/wire/scene_codec.h"
