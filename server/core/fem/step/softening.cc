@@ -85,8 +85,8 @@ std::string describe(const Softening& softening) {
                           : softening.is_explicit ? "which does not fit"
                                                   : "which softening would not reduce";
     std::snprintf(text.data(), text.size(),
-                  "real time: membrane as given; a tick of %s steps is estimated at %.1f ms of %.1f ms, %s",
-                  cost_of, softening.cost * 1e3, softening.budget * 1e3, verdict);
+                  "real time: membrane as given; a tick of %s steps is estimated at %.1f ms of %.1f ms, %s", cost_of,
+                  softening.cost * 1e3, softening.budget * 1e3, verdict);
   } else {
     std::snprintf(text.data(), text.size(),
                   "real time: membrane %d times softer, bending kept; a tick is estimated at %.1f ms of %.1f ms%s; "
