@@ -56,7 +56,7 @@ class Load(Case):
             done = kerf("--json", *self.SMALL, "--transport", "ws", "--http", http, "--viewers", "2")
         report = json.loads(done.stdout)
         self.assertEqual(sum(count for what, count in report["errors"].items() if what.startswith("viewers ")), 2)
-        self.assertIn("2 of 2 viewers never had a frame", " ".join(report["warnings"]))
+        self.assertIn("2 of 2 viewers never received a frame", " ".join(report["warnings"]))
         self.assertEqual((done.returncode, json.loads(done.stderr)["error"]["reason"]), (1, "NO_READER"))
 
     def test_wrong_options_are_refused_before_anything_is_made(self):
