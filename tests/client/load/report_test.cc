@@ -103,7 +103,7 @@ TEST(Report, ReadersThatGotNothingAreErrors) {
   EXPECT_EQ(errors_of(report)["viewers without a frame"], 2);
   EXPECT_EQ(errors_of(report)["slow readers without a frame"], 2);
   EXPECT_FALSE(nobody_joined(report));
-  for (const char* expected : {"3 of 5 viewers never", "2 viewers were ended", "2 of 2 slow readers never"}) {
+  for (const char* expected : {"3 of 5 viewers never", "2 viewers ended", "2 of 2 slow readers never"}) {
     EXPECT_THAT(warnings(report), testing::Contains(HasSubstr(expected)));
   }
   EXPECT_THAT(to_text(report), HasSubstr("errors     10"));
