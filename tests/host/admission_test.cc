@@ -29,7 +29,7 @@ TEST(Admission, ClosesAtTheLimitAndReopensWellBelowIt) {
   EXPECT_EQ(refused.error().code, ErrorCode::kResourceExhausted);
   EXPECT_EQ(refused.error().reason, "OVERLOADED");
   EXPECT_NE(refused.error().message.find("8.00 of 4 workers"), std::string::npos) << refused.error().message;
-  EXPECT_NE(refused.error().message.find("less than 7.20"), std::string::npos) << refused.error().message;
+  EXPECT_NE(refused.error().message.find("below 7.20"), std::string::npos) << refused.error().message;
   EXPECT_FALSE(admission.admit(1.9, 4).ok());
   EXPECT_FALSE(admission.admit(1.8, 4).ok());
   EXPECT_TRUE(admission.admit(1.79, 4).ok());

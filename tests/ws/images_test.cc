@@ -99,7 +99,7 @@ TEST_F(ImagesTest, BadPictureUrlsSayWhatIsWrong) {
                                   {"/sheets/a.jpg?color=mood", 400, "sides, pieces or strains"},
                                   {"/sheets/a.jpg?wireframe=yes", 400, "0 or 1"},
                                   {"/sheets/a.jpg?dark=yes", 400, "0 or 1"},
-                                  {"/sheets/a.jpg?rate=3", 400, "there is no 'rate' here"},
+                                  {"/sheets/a.jpg?rate=3", 400, "unknown parameter 'rate'"},
                                   {"/sheets/nobody.png", 404, "nobody"},
                                   {"/sheets/A.png", 400, "sheets/"},
                                   {"/sheets/.png", 404, "nothing at"},
@@ -108,7 +108,7 @@ TEST_F(ImagesTest, BadPictureUrlsSayWhatIsWrong) {
                                   {"/sheets/a.mjpeg?quality=-1", 400, "quality is -1; must be 1 to 100"},
                                   {"/sheets/a.mjpeg?rate=1001", 400, "rate is 1001; must be 0.001 to 1000"},
                                   {"/sheets/a.mjpeg?rate=fast", 400, "rate is 'fast'"},
-                                  {"/sheets/a.mjpeg?codec=vp8", 400, "there is no 'codec' here"},
+                                  {"/sheets/a.mjpeg?codec=vp8", 400, "unknown parameter 'codec'"},
                                   {"/sheets/nobody.mjpeg", 404, "nobody"}}) {
     const Response answer = get(target);
     EXPECT_EQ(answer.status, status) << target << answer.body;

@@ -94,12 +94,12 @@ class ObjReader {
       FaceList::Corner corner{kNone, kNone};
       if (!resolve(word.substr(0, slash), faces_.num_positions(), corner.first)) {
         return refuse("INDEX",
-                      quoted(word) + " names none of the " + std::to_string(faces_.num_positions()) + " positions");
+                      quoted(word) + " must name one of the " + std::to_string(faces_.num_positions()) + " positions");
       }
       std::string_view rest = word.substr(std::min(slash + 1, word.size()));
       rest = rest.substr(0, rest.find('/'));
       if (!rest.empty() && !resolve(rest, faces_.num_textures(), corner.second)) {
-        return refuse("INDEX", quoted(word) + " names none of the " + std::to_string(faces_.num_textures()) +
+        return refuse("INDEX", quoted(word) + " must name one of the " + std::to_string(faces_.num_textures()) +
                                    " texture coordinates");
       }
       corners.push_back(corner);

@@ -169,7 +169,7 @@ class PlyReader {
       double index = 0.0;
       KERF_TRY(read_number(property.type, index));
       if (!(index >= 0.0 && index < static_cast<double>(header_.num_vertices) && index == std::floor(index))) {
-        return refuse("INDEX", "a corner names none of the " + std::to_string(header_.num_vertices) + " vertices");
+        return refuse("INDEX", "a corner must name one of the " + std::to_string(header_.num_vertices) + " vertices");
       }
       const auto vertex = static_cast<std::int32_t>(index);
       corners_.emplace_back(vertex, header_.has_texture ? vertex : kNone);
