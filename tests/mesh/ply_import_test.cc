@@ -251,7 +251,7 @@ TEST(Ply, RefusalsOfTextNameTheLine) {
   expect_refused(square("3 0 1 2 3\n"), "PLY_VALUES", face);
   expect_refused(square("-1\n"), "PLY_VALUES", face, "length");
   expect_refused(square("2.5 0 1 2\n"), "PLY_VALUES", face, "length");
-  expect_refused(square("3 0 1 4\n"), "PLY_INDEX", face, "none of 4 vertices");
+  expect_refused(square("3 0 1 4\n"), "PLY_INDEX", face, "one of the 4 vertices");
   expect_refused(square("3 0 1 -1\n"), "PLY_INDEX", face);
   expect_refused(square("3 0 1 1.5\n"), "PLY_INDEX", face);
   expect_refused(square("2 0 1\n"), "PLY_FACE", face);
