@@ -1,7 +1,8 @@
 #!/usr/bin/python3
-"""Reads the comments of every source in C++, TypeScript, Python and shell, and finds those that are no plain sentences: what
-begins with a bare "Of", "What", "Whether", "Where" or "How", and words that a native speaker would not use there. Of Python, it
-leaves docstrings out.
+"""Reads the comments of every source in C++, TypeScript, Python, shell and Protocol Buffers, and finds those that are no plain
+sentences: what begins with a bare "Of", "What", "Whether", "Where" or "How", and words that a native speaker would not use
+there. Of Python, it leaves docstrings out. Comments of .proto files are the text of the API reference, so they are held to
+more words, and to the length of their sentences.
 
     tests/tooling/comments_test.py             # as a test
     tests/tooling/comments_test.py FOLDER...   # lists what it finds there, with the number of words of long sentences
@@ -16,9 +17,10 @@ import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 FOLDERS = ("server", "render", "client", "tests", "web", "deploy", "proto", ".ci")
-LEFT_OUT = {"node_modules", "gen", "dist", "data", "build", "v1", "blocking"}  # folders of others, or of made files
+LEFT_OUT = {"node_modules", "gen", "dist", "data", "build", "blocking"}  # folders of others, or of made files
 OPENERS = re.compile(r"(Of|What|Whether|Where|How|Whom|Whose)\b")
 WORDS = re.compile(r"\b(told|goes on|go on|went on|but for|anew|nobody|somebody|likewise)\b", re.IGNORECASE)
+REFERENCE_WORDS = re.compile(r"\b(all the same|one of which|that of|(?<!text )for people)\b", re.IGNORECASE)
 MOST_WORDS = 25
 
 # Literals first, so that a // within them is none.
@@ -45,6 +47,12 @@ def slash_comments(source):
             yield source.count("\n", 0, match.start()) + 1, column, is_alone, text.strip()
 
 
+def proto_comments(source):
+    """Leaves out formulas, which are the lines that are set in."""
+    lines = source.split("\n")
+    return (comment for comment in slash_comments(source) if not lines[comment[0] - 1].lstrip().startswith("//   "))
+
+
 def python_comments(source):
     for token in tokenize.generate_tokens(io.StringIO(source).readline):
         if token.type == tokenize.COMMENT:
@@ -59,8 +67,10 @@ def shell_comments(source):
             yield number, len(line) - len(line.lstrip()), True, line.strip("# ")
 
 
-COMMENTS = {"C++": slash_comments, "TypeScript": slash_comments, "Python": python_comments, "shell": shell_comments}
-SUFFIXES = {".h": "C++", ".cc": "C++", ".ts": "TypeScript", ".mjs": "TypeScript", ".py": "Python", ".sh": "shell"}
+COMMENTS = {"C++": slash_comments, "TypeScript": slash_comments, "Python": python_comments, "shell": shell_comments,
+            "proto": proto_comments}
+SUFFIXES = {".h": "C++", ".cc": "C++", ".ts": "TypeScript", ".mjs": "TypeScript", ".py": "Python", ".sh": "shell", ".proto": "proto"}
+MADE = ("_pb2", "_pb2_grpc")  # ends of the names of modules that protoc makes
 
 
 def language_of(path):
@@ -74,31 +84,36 @@ def language_of(path):
     return "Python" if b"python" in first else "shell" if b"sh" in first else None
 
 
-def faults(text):
+def faults(text, language="C++"):
     """Says what is wrong with a comment."""
     if text.startswith(("NOLINT", "clang-format")):
         return []
     found = []
     if OPENERS.match(text):
         found.append(f"begins with \"{OPENERS.match(text).group()}\"")
-    return found + [f"says \"{word}\"" for word in WORDS.findall(text)]
+    found += [f"says \"{word}\"" for word in WORDS.findall(text)]
+    if language == "proto":
+        found += [f"says \"{word}\"" for word in REFERENCE_WORDS.findall(text)] + long_sentences(text)
+    return found
 
 
 def long_sentences(text):
-    return [len(sentence.split()) for sentence in re.split(r"(?<=[.;:])\s", text) if len(sentence.split()) > MOST_WORDS]
+    return [f"a sentence of {len(sentence.split())} words" for sentence in re.split(r"(?<=[.;:])\s", text) if len(sentence.split()) > MOST_WORDS]
 
 
 def sources(folders):
     for folder in folders:
         for path in sorted((ROOT / folder).rglob("*")):
-            if path.is_file() and not LEFT_OUT & set(path.relative_to(ROOT).parts) and (language := language_of(path)):
+            if not path.is_file() or path.stem.endswith(MADE) or LEFT_OUT & set(path.relative_to(ROOT).parts):
+                continue
+            if language := language_of(path):
                 yield path, language
 
 
 class Comments(unittest.TestCase):
     def test_are_plain_sentences(self):
         found = [f"{path.relative_to(ROOT)}:{line}: {fault}" for path, language in sources(FOLDERS)
-                 for line, text in blocks(path.read_text(), language) for fault in faults(text)]
+                 for line, text in blocks(path.read_text(), language) for fault in faults(text, language)]
         self.assertEqual(found, [])
 
     def test_faults_are_found(self):
@@ -112,6 +127,12 @@ class Comments(unittest.TestCase):
             found = [(text, faults(text)) for _, text in blocks(source, language)]
             self.assertEqual(found, [("What it says.", ['begins with "What"'])], language)
 
+    def test_comments_of_the_reference_are_held_to_more(self):
+        sentence = " ".join(["word"] * 26) + "."
+        source = f"// A text for people.\n//   all the same = 1\nint32 a = 1;  // that of b; for people\n// {sentence}\n"
+        self.assertEqual([(line, faults(text, "proto")) for line, text in blocks(source, "proto")],
+                         [(1, []), (3, ['says "that of"', 'says "for people"']), (4, ["a sentence of 26 words"])])
+
     def test_every_language_is_read(self):
         self.assertEqual({language for _, language in sources(FOLDERS)}, set(COMMENTS))
 
@@ -122,7 +143,7 @@ def main():
     count = 0
     for path, language in sources(sys.argv[1:]):
         for line, text in blocks(path.read_text(), language):
-            for fault in faults(text) + [f"a sentence of {words} words" for words in long_sentences(text)]:
+            for fault in faults(text, language) + (long_sentences(text) if language != "proto" else []):
                 count += 1
                 print(f"{path.relative_to(ROOT)}:{line}: {fault}")
     print(count, "in all")
