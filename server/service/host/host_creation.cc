@@ -18,8 +18,8 @@ namespace {
 
 // Bytes per vertex while a sheet is being built; up to 6,600 were measured, with a jittered grid of 700 x 700.
 constexpr std::int64_t kBytesPerVertex = 8000;
-// Number of checks per look at the memory, which costs more than the others.
-constexpr int kAskingsToALook = 32;
+// Number of polls to one look at the memory, which costs more than the others.
+constexpr int kPollsToALook = 32;
 
 Error too_many_vertices(std::int64_t count, std::int32_t limit) {
   return resource_exhausted("TOO_MANY_VERTICES", "the sheet has " + std::to_string(count) +
@@ -181,9 +181,9 @@ Result<sheet::Sheet> Host::build(sheet::SheetConfig config, const Creation& crea
   KERF_TRY(wanted);
   const PromisedBytes promised(promised_bytes_, bytes);
   if (!has_memory_for(promised.in_all())) return out_of_memory();
-  const InterruptionScope scope([&, askings = 0]() mutable {
+  const InterruptionScope scope([&, polls = 0]() mutable {
     wanted = check_wanted(creation);
-    const bool looks = askings++ % kAskingsToALook == 0;
+    const bool looks = polls++ % kPollsToALook == 0;
     if (wanted.ok() && looks && !has_memory_for(0)) wanted = out_of_memory();
     return !wanted.ok();
   });

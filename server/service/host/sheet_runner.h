@@ -137,11 +137,11 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   bool run_once(bool advance);
   // Returns false if the tick was interrupted.
   bool run_commands(bool advance, std::vector<PendingCommand> pending);
-  // Returns false if the present tick is to be interrupted and repeated later.
-  [[nodiscard]] bool goes_on() const;
-  // Returns false if the present tick must end at once, even though that freezes the sheet. `asked`: number of the call
-  // within the tick, from 1.
-  [[nodiscard]] bool may_go_on(int asked) const;
+  // Returns true if the present tick is to be interrupted and repeated later.
+  [[nodiscard]] bool is_interrupted() const;
+  // Returns true if the present tick must end at once, even though that freezes the sheet. `polls`: number of calls
+  // within the tick, this one included.
+  [[nodiscard]] bool must_give_up(int polls) const;
   [[nodiscard]] TickEstimate tick_estimate() const;
   void count_changes(const std::vector<PendingCommand>& pending, const std::vector<sheet::Command>& commands,
                      const sheet::TickReport& report);

@@ -44,8 +44,8 @@ bool SheetRunner::run_commands(bool advance, std::vector<PendingCommand> pending
   changing_ = true;
   const double tick_before_us = pending.empty() ? 0.0 : tick_estimate().total_us();
   progress_.begin();
-  const StopCondition stop = [this] { return !goes_on(); };
-  const StopCondition give_up = [this, asked = 0]() mutable { return !may_go_on(++asked); };
+  const StopCondition stop = [this] { return is_interrupted(); };
+  const StopCondition give_up = [this, polls = 0]() mutable { return must_give_up(++polls); };
   const sheet::TickReport report =
       advance ? sheet_.step(commands, &timer, &stop, &give_up) : sheet_.apply(commands, &timer);
   progress_.end();
@@ -119,16 +119,16 @@ TickEstimate SheetRunner::tick_estimate() const {
   return {sheet_.expected_cost(), tick_scale_.value(), microseconds(clock_.pace().period())};
 }
 
-bool SheetRunner::goes_on() const {
-  if (context_.stopping || closing_) return false;
-  if (is_playing()) return true;  // A recording cannot express an incomplete tick.
-  if (step_call_ && step_call_->stop.stop_requested()) return false;
-  return !((pauses_waiting_ > 0 || queue_.has_revert()) && progress_.is_long());
+bool SheetRunner::is_interrupted() const {
+  if (context_.stopping || closing_) return true;
+  if (is_playing()) return false;  // A recording cannot express an incomplete tick.
+  if (step_call_ && step_call_->stop.stop_requested()) return true;
+  return (pauses_waiting_ > 0 || queue_.has_revert()) && progress_.is_long();
 }
 
-bool SheetRunner::may_go_on(int asked) const {
-  constexpr int kAskingsToALook = 32;  // Checks per look at the memory, which costs more.
-  return !context_.stopping && !closing_ && (asked % kAskingsToALook != 0 || is_within_memory_limit());
+bool SheetRunner::must_give_up(int polls) const {
+  constexpr int kPollsToOneLook = 32;  // Polls to one look at the memory, which costs more.
+  return context_.stopping || closing_ || (polls % kPollsToOneLook == 0 && !is_within_memory_limit());
 }
 
 bool SheetRunner::play_tick() {
