@@ -9,7 +9,8 @@ namespace {
 constexpr double kRecent = 2.0;  // s
 constexpr std::size_t kKeptAges = 4096;
 
-// Returns the smallest value not exceeded by a share of them; 0 without values.
+// Returns the percentile for `share`, 0..1: the value of nearest rank between the smallest and the largest. Returns 0
+// without values.
 double percentile(std::vector<double> values, double share) {
   if (values.empty()) return 0.0;
   const auto index = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1) + 0.5);

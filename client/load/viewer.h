@@ -31,7 +31,7 @@ class ReaderLog {
   // Records a frame or picture with this `tick` and `topology_version`.
   void seen(std::int64_t tick, std::int32_t topology_version, const v1::FrameStats& stats, std::int64_t bytes,
             bool keyframe);
-  // Ends reading; the last frame was shown until now.
+  // Ends reading, and counts the last frame as shown until now.
   void finish();
   // Records that the stream ended before the run did.
   void ended(const std::string& how) { recorder_.ended(watching_.role, how, joined_); }
@@ -46,7 +46,8 @@ class ReaderLog {
   bool joined_ = false;
 };
 
-// Return a reader's options, and how long it holds its frame number `frame`, from 1; 0: not at all.
+// Return the options of a reader, and for how long it holds its frame number `frame`, >= 1, before it takes the next; 0
+// if it holds none.
 [[nodiscard]] client::WatchOptions options_of(const Plan& plan, Role role);
 [[nodiscard]] Nanoseconds hold_of(const Plan& plan, Role role, std::int64_t frame);
 
@@ -64,7 +65,7 @@ class Viewer {
 
 // Returns a reader of frames over gRPC; kSlow and kStalled behave as in the plan and wait on `waiter`.
 std::unique_ptr<Viewer> watch_frames(const Plan& plan, const Watching& watching, Recorder& recorder, Waiter& waiter);
-// Returns such a reader over a WebSocket; watching.address is that of HTTP.
+// Returns the reader of watch_frames(), but over a WebSocket; watching.address is the HTTP address.
 std::unique_ptr<Viewer> watch_frames_over_websocket(const Plan& plan, const Watching& watching, Recorder& recorder,
                                                     Waiter& waiter);
 // Returns a reader of pictures (kImage).

@@ -100,7 +100,8 @@ Status Server::Impl::build_renderer() {
                           option);
 }
 
-// Reports missing parts once everything runs: a failed start reports only its error.
+// Notes a missing viewer or renderer. This is called once everything runs, because a failed start reports only its
+// error.
 void Server::Impl::tell_what_is_missing() const {
   if (config.web.empty()) note("no viewer was found to serve: build web/ or give --web DIR; everything else works");
   if (renderer && !renderer->available()) note("no pictures are drawn: " + renderer->description());

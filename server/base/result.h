@@ -106,7 +106,8 @@ using Status = Result<Nothing>;
     if (const auto& kerf_tried = (__VA_ARGS__); !kerf_tried.ok()) return kerf_tried.error(); \
   } while (false)
 
-// The same, and otherwise moves the value into what is declared or named first:
+// Returns the error of an expression as KERF_TRY does. Otherwise moves its value into the first argument, a declaration
+// or a variable:
 //   KERF_TRY_ASSIGN(const mesh::TriangleMesh mesh, make_mesh(config));
 #define KERF_TRY_ASSIGN(target, ...) KERF_TRY_ASSIGN_AS(KERF_JOINED(kerf_tried_, __LINE__), target, __VA_ARGS__)
 #define KERF_TRY_ASSIGN_AS(result, target, ...) \

@@ -24,9 +24,9 @@ using sheet::Quantity;
 using sheet::Reduce;
 using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 5, 1>;  // of the components of a quantity
 
-// Shift of the looked-up place towards the point that names the side of a cut.
+// Distance by which the point of a probe is moved towards Probe::side, so that the lookup finds that side of a cut.
 constexpr double kNudge = 1.0e-7;  // -, of the larger side of the material bounding box
-// A point this near to a vertex, in barycentric coordinates, is there.
+// A point counts as at a vertex if its barycentric coordinate there is nearer to 1 than this.
 constexpr double kAtVertex = 1.0e-6;
 
 std::vector<std::string> components_of(Quantity quantity) {

@@ -65,8 +65,8 @@ double reach(const EllipseFrame& frame) {
   return frame.centre.cwiseAbs().maxCoeff() + 2.0 * frame.semi_axes.maxCoeff();
 }
 
-// Returns true if one piece reaches from u to v: the turn is a quarter or less, or, by rounding, slightly negative. u
-// and v are at most half a turn apart in the direction `turn` (+-1).
+// Returns true if one piece of an arc can lead from u to v, both unit vectors. The angle between them, in the direction
+// `turn` (+-1), is then at most a quarter turn, or slightly negative by rounding. It must not exceed half a turn.
 bool within_quarter(const Vector2d& u, const Vector2d& v, int turn) {
   const double cross = turn * (u.x() * v.y() - u.y() * v.x());
   const double cosine = u.dot(v);

@@ -163,7 +163,7 @@ struct StrandQuality {
   double narrow_min_angle_deg = 180.0;  // degrees; the same in narrow gaps
 };
 
-// The shapes of the new triangles: those the cut has made, not old ones that merely lost a neighbour.
+// Measures the shapes of the triangles that a cut has made. Old triangles that merely lost a neighbour do not count.
 struct CutQuality {
   std::int32_t triangles = 0;                 // measured
   double min_angle_deg = 180.0;               // degrees; smallest angle of the worst

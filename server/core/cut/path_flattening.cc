@@ -101,7 +101,8 @@ class ChordLists {
     chord.piece = piece;
     chord.depth = depth;
     chord.deviation = deviation_bound(piece);
-    // Refines a loop even within the tolerance, as its chord is a point, unless it is mere rounding.
+    // Divides a loop even if it deviates less than the tolerance, because its chord is a single point. A loop as small
+    // as rounding is left whole.
     const bool loop = piece.start == piece.end && chord.deviation > kNoise * largest_;
     if (chord.deviation > tolerance_ || loop) worst_.emplace(chord.deviation, at);
   }

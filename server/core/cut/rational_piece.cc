@@ -19,7 +19,7 @@ constexpr double kFinest = 1.0e-9;
 // of the machine's precision.
 constexpr double kVanishing = 1.0e-7;
 
-// A polynomial on [0, 1] by its Bernstein coefficients; degree + 1 of them count.
+// Represents a polynomial on [0, 1] by its Bernstein coefficients, of which the first degree + 1 are in use.
 struct Polynomial {
   int degree = 0;
   std::array<double, kMaxCoefficients> coefficients{};

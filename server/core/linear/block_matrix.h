@@ -19,8 +19,8 @@ class BlockMatrix {
   void resize(int num_rows);
   // Reserves storage, so that `num_blocks` fit without a copy. Unused storage takes no memory.
   void reserve(std::size_t num_blocks);
-  // Sets the pattern of row i. `columns` ascend and contain i. Invalidates the values of all rows until set_zero(), and
-  // the positions of row i or of every row.
+  // Sets the pattern of row i; `columns` ascend and contain i. The values of all rows are then undefined until
+  // set_zero(). Positions taken before, of any row, are no longer valid.
   void set_row(int i, std::span<const int> columns);
 
   [[nodiscard]] int num_rows() const { return static_cast<int>(rows_.size()); }

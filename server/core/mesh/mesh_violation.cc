@@ -1,4 +1,5 @@
-// Implements TriangleMesh::find_violation. Each check may rely on those before it, and on nothing else.
+// Implements TriangleMesh::find_violation. The checks run in order; each may assume only what the earlier ones have
+// shown.
 
 #include <algorithm>
 #include <cstdlib>

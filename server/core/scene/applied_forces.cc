@@ -47,7 +47,8 @@ struct Place {
   bool is_border = false;
 };
 
-// Returns the place where a load other than a PointForce acts.
+// Returns the region on which a load acts, with the name of its field, and whether its border edges carry the load. A
+// PointForce has none.
 struct FindPlace {
   Place operator()(const PointForce&) const { return {}; }
   Place operator()(const EdgeForce& load) const { return {&load.region, "edge", true}; }

@@ -248,7 +248,8 @@ struct SheetConfig {
 Status validate(const Analysis& analysis);
 Status validate(const std::vector<Probe>& probes);
 
-// Returns true if cuts are scheduled; they may bring vertices and lips to a region that has none yet.
+// Returns true if the scene schedules cuts. They may bring vertices and lips, the sides of cuts, to a region that has
+// none at the start.
 bool schedules_cuts(const SheetConfig& config);
 
 // Returns true if `id` matches [a-z][a-z0-9-]{0,62}.

@@ -107,7 +107,8 @@ v1::ScheduledCuts encode_scheduled(const std::string& sheet_id, const sheet::Com
   return message;
 }
 
-// Adapts the field path: a request holds the cuts of a batch in its own field.
+// Drops "cut_batch." from the field of an error, because a request has the cuts of a batch directly. An error that a
+// sheet was not found gets the field "parent".
 Error in_request(Error error) {
   constexpr std::string_view kBatch = "cut_batch.";
   if (error.field.starts_with(kBatch)) error.field.erase(0, kBatch.size());

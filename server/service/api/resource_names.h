@@ -17,7 +17,7 @@ struct ScheduledName {
   std::string sheet_id;
   std::int64_t number = 0;  // >= 1
 };
-// Parses such a name. kInvalidArgument NAME_MALFORMED with field "name".
+// Parses a name that scheduled_name() made. Error: kInvalidArgument NAME_MALFORMED with field "name".
 Result<ScheduledName> parse_scheduled_name(const std::string& name);
 
 // Returns `sheets/{sheet}/cuts/{cut}`. See sheet::CutReply::number.

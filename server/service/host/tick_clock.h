@@ -54,9 +54,9 @@ class TickClock {
   void stop();
   // Sets the timer for the next deadline.
   void set_timer();
-  // Sets the timer for so many periods from now, >= 0.
+  // Sets the timer to fire after `periods`, >= 0, of Pace::period() from now.
   void set_timer_after(std::int64_t periods);
-  // Makes a call at once, without a timer.
+  // Calls the receiver of set_due() at once, without a timer.
   void call_now() const { due_(generation_); }
   [[nodiscard]] bool has_timer() const { return timer_.has_value(); }
   // Returns true if the call is not outdated. The timer then counts as fired.

@@ -12,8 +12,8 @@ namespace kerf::host {
 // Holds a callback that may be removed while other threads call it. Thread-safe.
 class WakeCallback {
  public:
-  // Replaces the callback. When this returns, no call of the former one is in progress, except one that encloses this
-  // call.
+  // Replaces the callback. When this returns, no call of the former callback is in progress, except one that itself
+  // called set().
   void set(std::function<void()> wake);
 
   // Calls the callback, if set, with no lock held.

@@ -29,8 +29,8 @@ struct Overrides {
 
   [[nodiscard]] bool change_integrator() const { return !(integrator.empty() && precision.empty() && solver.empty()); }
 };
-// Returns kInvalidArgument UNKNOWN_CHOICE with the member's name as field, and leaves the scene unchanged, if a name is
-// not known.
+// Sets what the overrides name in `config`. If a name is unknown, leaves `config` unchanged and returns
+// kInvalidArgument UNKNOWN_CHOICE; its field is the member of Overrides.
 Status apply(const Overrides& overrides, sheet::SheetConfig& config);
 // Returns the default settings of an integrator with the overrides applied. Errors: those of apply().
 Result<v1::Integrator> integrator_message(const Overrides& overrides);

@@ -107,13 +107,14 @@ class PictureStudio {
   // `renderer`: null if no stream is served. All references must outlive this.
   PictureStudio(render::Renderer* renderer, PictureCounters& counters, host::Clock& clock, std::size_t num_threads);
 
-  // Returns the one feed of that view of the channel's sheet; it lives while anything holds it.
+  // Returns the feed that draws this view of the channel's sheet. All callers with an equal view share it; it lives
+  // while any of them holds it.
   std::shared_ptr<PictureFeed> feed(const std::shared_ptr<stream::Channel>& channel, const Backdrop& backdrop,
                                     const PictureView& view);
 
   // Drops waiting and later work; pictures in progress are finished. Idempotent.
   void close() { workers_.close(); }
-  // Calls close() and waits for those. Idempotent; not from a thread of the studio.
+  // Calls close() and waits for the pictures in progress. Idempotent. Must not be called on a thread of the studio.
   void stop() { workers_.stop(); }
 
  private:

@@ -49,7 +49,8 @@ class UploadReactor final : public grpc::ServerReadReactor<ByteBuffer> {
   void OnDone() override { delete this; }
 
  private:
-  // Refuses messages without content: only bytes count as progress.
+  // Passes a message to the upload. Refuses messages without content, because a client must not extend its deadline
+  // without sending bytes.
   Status take(Request request) {
     if (request.kind_case() == Request::KIND_NOT_SET) {
       return invalid_argument("CHOICE_MISSING", "kind must be one of start or chunk", "kind");

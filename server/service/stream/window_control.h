@@ -7,7 +7,7 @@
 
 namespace kerf::stream {
 
-// Time since any fixed start, the same for all calls on one object.
+// Time since an arbitrary start, the same for all calls on one object.
 using Nanoseconds = std::chrono::nanoseconds;
 
 inline constexpr std::int32_t kMaxWindow = 8;
@@ -31,8 +31,8 @@ class WindowControl {
   explicit WindowControl(std::int32_t fixed);
 
   [[nodiscard]] std::int32_t window() const { return window_; }
-  // Returns the delay from the acknowledgement that grew the window until its new place is used. The new frame then
-  // falls halfway between two others; right behind one of them it would wait at the reader.
+  // Returns how long to wait, after an acknowledgement that enlarged the window, before the additional frame is sent.
+  // It then falls halfway between two others. Sent right behind one of them, it would wait at the reader.
   [[nodiscard]] Nanoseconds pause_before_new() const;
 
   // Records an acknowledged frame. `total`: since it was sent, > 0. `held`: part of that spent at the reader, 0..total.

@@ -92,7 +92,8 @@ std::string own_reason(const Descriptor& type) {
   return {};
 }
 
-// Prepends the name of a field, with its index, to a path within its message.
+// Returns `inner`, found in the message of `field`, as seen from the enclosing message: its path gets the prefix
+// `name`. Its reason becomes own_reason() of that message's type, if there is one.
 BadNumber bad_within(const FieldDescriptor& field, const std::string& name, BadNumber inner) {
   const std::string reason = own_reason(*field.message_type());
   return {name + "." + inner.path, reason.empty() ? std::move(inner.reason) : reason};

@@ -17,14 +17,15 @@ namespace kerf::fem {
 // "Pressure loaded structures under large deformations"). That of a moment comes from the rotation of its edge.
 enum class MatrixPart { kSymmetric, kSkew };
 
-// Returns true if any of them is not 0.
+// Returns true if the pressure of a triangle or an edge moment is not 0.
 [[nodiscard]] bool has_follower_loads(const Loads& loads);
 
-// Adds the forces at x (3 x V, m) to f (3 x V, N). Slots, then moments, in order.
+// Adds the forces of these loads at x (3 x V, m) to f (3 x V, N). Pressure comes first, by ascending slot, then the
+// moments in their order.
 void add_follower_forces(std::span<const ElementBlock> blocks, const Loads& loads, const mesh::VertexField& x,
                          mesh::VertexField& f);
 
-// Returns the sum of the forces at x, N; moments have none.
+// Returns the sum of the forces at x, N. Moments add nothing to it.
 [[nodiscard]] Eigen::Vector3d follower_resultant(std::span<const ElementBlock> blocks, const Loads& loads,
                                                  const mesh::VertexField& x);
 
@@ -41,10 +42,11 @@ void add_follower_forces(std::span<const ElementBlock> blocks, const Loads& load
 [[nodiscard]] Eigen::Matrix3d pressure_stiffness(double pressure, const std::array<Eigen::Vector3d, 3>& corner,
                                                  std::size_t i, std::size_t j, MatrixPart part);
 
-// The corresponding part of -df/dx of a moment, for its vertices.
+// Computes -df/dx, N/m, for the force f that one edge moment exerts on its vertices at x (3 x V, m).
 class EdgeMomentTangent {
  public:
   EdgeMomentTangent(const EdgeMoment& moment, const mesh::VertexField& x);
+  // Returns the symmetric or skew part of block (a, b); a and b are indices into EdgeMoment::vertex.
   [[nodiscard]] Eigen::Matrix3d stiffness(std::size_t a, std::size_t b, MatrixPart part) const;
 
  private:

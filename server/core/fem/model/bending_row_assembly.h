@@ -26,10 +26,10 @@ class BendingRowAssembly {
     std::span<const RestBending> rest;      // by slot; empty for a flat rest shape
   };
 
-  // Makes room for that many columns; never shrinks.
+  // Makes room for `num_vertices` columns; never shrinks.
   void resize(std::size_t num_vertices) { sum_.resize(num_vertices); }
-  // Sets row `vertex` of Q. On a curved rest shape it also sets the row of `bounds`, sums of |Q_ij| +
-  // RestBending::excess.
+  // Sets row `vertex` of the bending matrix Q. On a curved rest shape it also sets the row of `bounds`, sums of |Q_ij|
+  // + RestBending::excess.
   void set_row(const Terms& terms, mesh::VertexId vertex, RowStore<BendingEntry>& rows, RowStore<BendingEntry>& bounds);
 
  private:
@@ -39,7 +39,7 @@ class BendingRowAssembly {
   };
   // Sets patches_ to the patches that the vertex is in and its row there, 8 * slot + row, ascending.
   void find_patches(const RestSheet& sheet, mesh::VertexId vertex);
-  // Adds the patches that were found; entry(slot, a, b) is that of patch `slot`.
+  // Adds the patches that find_patches() found. entry(slot, a, b) returns entry (a, b) of the matrix of patch `slot`.
   template <typename Entry>
   void add_patches(const Terms& terms, const Entry& entry);
   void add_edges(const Terms& terms, mesh::VertexId vertex);

@@ -43,8 +43,8 @@ class TangentMatrix {
   // MajorizedTriangle.
   void add_majorized_membrane(const Model& model, const mesh::VertexField& x, double scale);
   void add_bending(const Model& model, const MaterialScale& scale);
-  // Adds the stiffness of the model's bending at x (3 x V, m), that of angles if bend_by_angles() is active. For
-  // `moments` and `project` see AngleBending::add_stiffness.
+  // Adds the stiffness of the model's bending at x (3 x V, m). If BendingOperator::bend_by_angles() is active, it is
+  // that of the angles at the edges. For `moments` and `project` see AngleBending::add_stiffness.
   void add_bending_at(const Model& model, const mesh::VertexField& x, std::span<const double> moments, bool project);
   // Adds the springs and dampers of grabs, d^2 stiffness + d damping.
   void add_grabs(std::span<const Grab> grabs, double d);

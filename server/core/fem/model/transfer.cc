@@ -40,7 +40,7 @@ void write(const std::vector<mesh::VertexSource>& sources, const std::vector<Eig
   for (std::size_t i = 0; i < values.size(); ++i) field.col(sources[i].vertex) = values[i];
 }
 
-// Sets the columns of `field` for every added and moved vertex.
+// Interpolates the columns of `field` for all added and moved vertices from its values before the edit.
 void transfer_field(const mesh::MeshEdit& edit, mesh::VertexField& field) {
   const std::vector<Eigen::Vector3d> moved = interpolate(edit.moved_vertices, field);
   const std::vector<Eigen::Vector3d> added = interpolate(edit.added_vertices, field);

@@ -64,7 +64,7 @@ class ExplicitIntegrator final : public Integrator {
   [[nodiscard]] std::optional<LocalInertiaStats> local_inertia(double dt) const override;
   [[nodiscard]] TickCost expected_cost(const Model& model, double dt, const TickCounts& last) const override;
 
-  // Returns the least number of substeps of a step of dt.
+  // Returns the least number of substeps that keep a step of dt (s) stable.
   [[nodiscard]] double planned_substeps(double dt) const;
   // Returns the number n <= kMaxBendingInterval of substeps of h from one kick of the bending forces to the next.
   // `strain`, -, is the largest strain in tension. Let omega_b^2 be StiffnessBound::bending(), or the bending
@@ -110,8 +110,9 @@ class ExplicitIntegrator final : public Integrator {
   [[nodiscard]] static Reference reference(const Model& model);
   // Sets beta_, xi_ and related members for omega_. For `damping_ratio` see IntegratorOptions::highest_mode_damping.
   void set_damping(const Model& model, double damping_ratio);
-  // Lengthens the step to what clusters allow and returns their terms, or nothing if no clusters are needed. Both
-  // follow from the model alone, so an undo restores them.
+  // Returns the terms that give clusters their added inertia, or nothing if none are needed. If the membrane needs
+  // clusters, it also sets omega_, the damping and critical_step_ for the longer step that they allow. All this follows
+  // from the model alone, so an undo restores it.
   [[nodiscard]] std::optional<InertiaTerms> inertia_terms(const Model& model);
   // Returns terms that let bending act in every third substep despite a few small triangles. Applies if the membrane
   // needs no clusters.

@@ -68,8 +68,8 @@ class ImplicitIntegrator final : public Integrator {
   [[nodiscard]] int num_attempts() const {
     return options_.max_halvings + (options_.kind == IntegratorKind::kImplicitEuler ? 1 : 2);
   }
-  // Returns the attempt after so many failures. The one after the last of num_attempts() is majorised; if that fails,
-  // the last is made once more.
+  // Returns the attempt that follows `failures` failed ones of the same step. After num_attempts() failures it is the
+  // majorised one, see kMajorized. If that fails too, the last attempt before it is made once more.
   [[nodiscard]] Attempt attempt_after(int failures) const;
   bool try_step(const Model& model, const Loads& loads, const Attempt& attempt, double dt, ContactConstraint* contact,
                 State& state, StepStats& stats);
