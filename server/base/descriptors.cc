@@ -23,7 +23,7 @@ std::int64_t num_open_descriptors() {
   std::error_code error;
   const std::filesystem::directory_iterator files("/proc/self/fd", error);
   if (error) return 0;
-  return std::distance(begin(files), end(files)) - 1;  // without that of the folder itself
+  return std::distance(begin(files), end(files)) - 1;  // leaves out the descriptor that lists the folder
 }
 
 }  // namespace kerf

@@ -61,8 +61,8 @@ Result<Outcome> run_dynamic(sheet::Sheet& sheet, const sheet::DynamicAnalysis& a
                             const std::vector<sheet::Probe>& probes, const Watch& watch,
                             const std::function<void(const sheet::TickReport&)>& after, sheet::StageObserver* observer);
 
-// Errors of all: those of Probes::create, and that of a scheduled command which is refused, with its path
-// ("commands[2].command.cut.curve").
+// Run the analysis of a sheet. Errors: those of Probes::create, and the error of a scheduled command that is refused,
+// with its path ("commands[2].command.cut.curve").
 Result<Outcome> run_static(sheet::Sheet& sheet, const sheet::StaticAnalysis& analysis,
                            const std::vector<sheet::Probe>& probes, const Watch& watch);
 Result<Outcome> run_modes(sheet::Sheet& sheet, const sheet::ModalAnalysis& analysis,

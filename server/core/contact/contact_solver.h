@@ -56,7 +56,7 @@ class ContactSolver {
 
   // Replaces the colliders, all of them valid. Allocates.
   void set_colliders(std::span<const Collider> colliders);
-  // Makes room for so many vertices if there are colliders. Allocates; begin() and later calls do not.
+  // Makes room for `num_vertices` vertices if there are colliders. Allocates; begin() and later calls do not.
   void reserve(std::int32_t num_vertices);
 
   [[nodiscard]] bool empty() const { return colliders_.empty(); }

@@ -90,7 +90,7 @@ struct CutOptions {
   // Largest distance allowed between curve and lips, as a fraction of the sheet's edge length there
   // (mesh::EdgeLengths). -, in [kMinTolerance, kMaxTolerance]
   double tolerance = 0.02;
-  // The same in metres; replaces `tolerance` where given.  m, in [1e-9, 1e4]
+  // Largest distance allowed between curve and lips, in metres; replaces `tolerance` where given.  m, in [1e-9, 1e4]
   std::optional<double> tolerance_m;
   // Refines triangles touched by the cut until no angle is smaller. Exceptions: corners below 60 degrees between lips,
   // and places near strands (StrandQuality). degrees, in [0, kMaxMinAngle]; 0 refines nothing
@@ -199,7 +199,7 @@ struct CutReport {
   std::int32_t snapped_points = 0;   // path points moved onto an existing point or lip (by <= snap)
   std::int32_t closed_gaps = 0;      // stretches and points of the path laid on an older lip, the border or another
                                      // strand of it, which they did not meet exactly
-  double widest_gap_m = 0.0;         // m, <= the snap distance there; how far off the farthest of those lay
+  double widest_gap_m = 0.0;         // m; largest distance of these from where they were laid, <= the snap distance
   std::int32_t merged_segments = 0;  // path segments shorter than the snap distance that vanished ("dust")
   CutQuality quality;
   std::vector<ViewLayer> layers;       // of a cut on a picture: its connected stretches

@@ -12,8 +12,8 @@ namespace kerf::cut {
 
 // Pairs of chords so close that the strips around them may overlap; work and memory for the outline grow with them.
 inline constexpr std::int64_t kMaxStripPairs = 300'000;
-// Points that the outlines of both chords of such a pair have, before they are united; all pairs together. One costs
-// 0.1 to 0.2 us.
+// Points of the outlines around the two chords of each such pair, summed over all pairs, before outlines are united. A
+// point costs 0.1 to 0.2 us.
 inline constexpr std::int64_t kMaxStripPoints = 5'000'000;
 
 // The border of a strip: closed strokes with the strip on their left, so those around holes run clockwise. Up to

@@ -240,7 +240,7 @@ Result<PathPosition> PathInsertion::place(const LatticePoint& at) {
   hint_ = location.triangle;
   use_scale_at(at);
   if (location.kind == Location::Kind::kPoint) {
-    // A place between the ends of the segment is rounded, and the segment may miss the point that is there.
+    // Between the ends of the segment `at` is rounded, so the segment itself may miss this point of the mesh.
     if (at != segment_end_ && location.point != last_point_) record_passed_point(location.point);
     record_point(location.point);
     return PathPosition{at, location.point, kNone};

@@ -33,7 +33,7 @@ class PathScale {
   [[nodiscard]] double representable_tolerance() const;
   // Distance below which the path is laid on points and lips.
   [[nodiscard]] double snap(const Eigen::Vector2d& at) const { return snap_for(lengths_.at(at)); }
-  // The same at a point of the mesh, in lattice units.
+  // Snap distance at a point of the mesh, in lattice units.
   [[nodiscard]] double snap_units(const mesh::LatticePoint& at) const {
     return snap(lattice_.position(at)) / lattice_.spacing;
   }

@@ -13,7 +13,8 @@ using Eigen::Vector3d;
 
 constexpr int kMaxCoefficients = 6;  // of a derivative's numerator: degree 2 * 3 - 1
 constexpr int kMaxSearched = 256;    // intervals looked at for the sign changes of one polynomial
-// -, parameter interval that is not divided any more; where a derivative vanishes, its square is what is left of it.
+// -, length of the parameter intervals at which the search for a sign change stops. Where a derivative vanishes, what
+// is left of it is the square of this length.
 constexpr double kFinest = 1.0e-9;
 // -, of the largest coefficient; a derivative below it is zero. Rounding displaces its double roots by the square root
 // of the machine's precision.

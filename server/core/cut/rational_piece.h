@@ -53,8 +53,8 @@ double deviation_bound(const RationalPiece& piece);
 // Parameters in (0, 1), sorted, where the derivative of x (axis 0) or y (axis 1) changes its sign.
 std::vector<double> turning_parameters(const RationalPiece& piece, int axis);
 
-// Parameters in (0, 1), sorted, where the derivative of both vanishes: cusps, and turning points of a curve that is
-// folded onto a line.
+// Parameters in (0, 1), sorted, where the derivatives of x and y both vanish. They are cusps, or turning points of a
+// curve that is folded onto a line.
 std::vector<double> cusp_parameters(const RationalPiece& piece);
 
 }  // namespace kerf::cut

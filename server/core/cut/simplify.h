@@ -8,7 +8,8 @@
 
 namespace kerf::cut {
 
-// A flattened curve with a bound on its distance from the curve, once in metres and once of what is allowed there.
+// Represents a flattened curve with two bounds on its distance from the original: in metres, and as a share of the
+// tolerance at each place.
 struct ScaledCurve {
   FlatCurve curve;
   double deviation_of_tolerance = 0.0;  // -; the largest, place by place

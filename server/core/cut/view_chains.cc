@@ -22,7 +22,7 @@ std::size_t opposite(std::size_t end) {
   return end ^ 1U;
 }
 
-// Finds for each end the one that it meets, or kNobody.
+// Finds for each end of an interval the end of another interval that it meets, or kNobody.
 std::vector<std::size_t> find_partners(const std::vector<ViewInterval>& intervals) {
   using Key = std::tuple<int, std::int32_t, std::int32_t, std::int32_t, std::size_t>;
   std::vector<Key> keys;

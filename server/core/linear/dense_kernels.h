@@ -22,11 +22,11 @@ struct PanelView {
 template <typename T>
 struct PivotRule {
   T least = 0;               // -, least accepted relative pivot
-  bool replaces = false;     // replaces smaller pivots by that entry or their own size, instead of failing
+  bool replaces = false;     // replaces smaller pivots by the diagonal entry or their own size, instead of failing
   std::size_t replaced = 0;  // number of pivots replaced so far
 };
 
-// Replaces the panel of a symmetric matrix by that of its Cholesky factor. `diagonal` has `width` entries, see
+// Replaces a panel of a symmetric matrix by the same panel of its Cholesky factor. `diagonal` has `width` entries, see
 // PivotRule. Returns false if a pivot was too small or not a number; the panel then holds arbitrary values.
 template <typename T>
 bool factor_panel(const PanelView<T>& panel, const T* diagonal, PivotRule<T>& rule);

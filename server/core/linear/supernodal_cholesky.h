@@ -24,7 +24,7 @@ class SupernodalCholesky {
  public:
   // Takes the sparsity pattern and allocates all storage. Memory is not touched before the first factorisation.
   void analyse(const BlockMatrix& A);
-  // Reuses the symbolic factorisation of the same pattern from another object, of either precision.
+  // Takes the sparsity pattern and reuses `supernodes`, its symbolic factorisation by another object of any precision.
   void analyse(const BlockMatrix& A, std::shared_ptr<const Supernodes> supernodes);
   [[nodiscard]] const std::shared_ptr<const Supernodes>& supernodes() const { return supernodes_; }
   // Sets the stop condition, polled once a supernode. A factorisation that it ends has failed.

@@ -22,7 +22,7 @@ class IdMap {
   // `id` must be in the map.
   [[nodiscard]] std::int32_t get(std::int32_t id) const { return places_[place_of(id)].number; }
 
-  // id, number >= 0. Returns false, and changes nothing, if the map has the id already.
+  // Adds an id with its number, both >= 0. Returns false, and changes nothing, if the map has the id already.
   bool add(std::int32_t id, std::int32_t number) {
     Place& place = places_[place_of(id)];
     if (place.id == id) return false;
@@ -31,7 +31,7 @@ class IdMap {
     if (2 * ids_.size() > places_.size()) grow();
     return true;
   }
-  // The same; the number is the index in ids().
+  // Adds an id like the other add(), with its index in ids() as number.
   bool add(std::int32_t id) { return add(id, static_cast<std::int32_t>(ids_.size())); }
 
   // Ids in the order they were added in.

@@ -103,7 +103,7 @@ class MeshEditor {
   PointId split_edge(TriangleId t, int k, const LatticePoint& p);
 
   // Inserts p where it lies: by split_triangle, by split_edge, or not at all if a point is there already (returned as
-  // it is). kNone as above, or where p is outside the domain.
+  // it is). Returns kNone where these do, or if p is outside the domain.
   PointId insert_point(const LatticePoint& p, TriangleId hint = kNone);
 
   // Swaps the diagonal of the quad around edge k of t; u = welded_neighbour(t, k):
@@ -158,7 +158,8 @@ class MeshEditor {
   void rollback();
 
  private:
-  // A slot of the mesh before the edit and its edge opposite `corner`, locked then, that a new point was put on.
+  // Names an edge that was locked before the edit and that holds a new point, by a slot of the mesh before the edit and
+  // the corner opposite.
   struct Lip {
     TriangleId triangle = kNone;  // kNone: the point is not on such an edge
     int corner = 0;

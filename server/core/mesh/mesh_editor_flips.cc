@@ -95,8 +95,8 @@ bool MeshEditor::flip_crossed_edges(PointId p, PointId q, const std::vector<Edge
   return true;
 }
 
-// Flips those of `edges` that are not locally Delaunay, and what replaces them, until all are. Ties are left alone, so
-// each flip lowers the lifted surface and the loop ends; the counter makes that certain.
+// Flips edges of `edges` that are not locally Delaunay, and the edges that replace them, until all are. Ties are not
+// flipped. Each flip therefore lowers the lifted surface, and the loop ends; the budget makes that certain.
 void MeshEditor::legalise_edges(std::vector<Edge>& edges) {
   std::size_t budget = 20 * edges.size() * edges.size() + 200;
   for (bool changed = true; changed;) {

@@ -21,7 +21,8 @@ double total_length(const std::vector<BorderEdge>& edges) {
   return sum;
 }
 
-// The vertices of the region that are there; listed ones may be gone.
+// Returns the vertices of the region. Leaves out listed vertices that cuts or undos have removed or left without
+// material.
 std::vector<VertexId> vertices_of(const mesh::TriangleMesh& mesh, Region region) {
   if (auto* listed = std::get_if<std::vector<VertexId>>(&region)) {
     std::erase_if(*listed, [&](VertexId v) { return v >= mesh.num_vertices() || !mesh.has_material(v); });

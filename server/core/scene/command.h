@@ -161,7 +161,7 @@ struct CutReply {
 
 // Part of a CommandReply: of an UndoCut or RedoCut.
 struct UndoReply {
-  std::vector<std::int64_t> cuts;  // numbers of those undone or made again, ascending; none of a Reset
+  std::vector<std::int64_t> cuts;  // numbers of the cuts undone or made again, ascending; empty for a Reset
   bool reset = false;              // a Reset was undone, or done again
   std::int32_t pieces = 0;         // of the whole sheet
   std::int32_t undo_steps = 0;     // that can be undone after it

@@ -23,7 +23,7 @@ Status check_count(std::size_t count, std::size_t limit, const std::string& unit
 // Check that each component is finite and at most `limit` in magnitude.
 Status check_vector(const Eigen::Vector3d& value, double limit, const std::string& field);
 Status check_vector(const Eigen::Vector2d& value, double limit, const std::string& field);
-// The same with a limit on the length, too.
+// Checks a vector like check_vector(), and that its length is at most `limit`.
 Status check_length(const Eigen::Vector3d& value, double limit, const std::string& field);
 // Checks a curve by cut::validate(), and returns its errors.
 Status check_curve(const cut::Curve& curve, const std::string& field);

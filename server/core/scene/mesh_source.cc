@@ -42,7 +42,8 @@ Result<BuiltMesh> build(const GridSource& grid, const Placement& placement, std:
   return BuiltMesh{std::move(built).value(), std::move(positions)};
 }
 
-// A mesh file. Its positions are within the world's limits: those of its reader are tighter.
+// Builds a mesh from a file that was read. Its positions are within the limits of the world, because the reader's
+// limits are tighter.
 Result<BuiltMesh> build(Result<mesh::ImportedSheet> parsed, const std::string& field) {
   if (!parsed.ok()) return with_field(parsed.error(), field);
   Result<mesh::TriangleMesh> built = mesh::import_mesh(parsed->sheet);

@@ -25,7 +25,7 @@ constexpr double kMinOutlineAngle = 5.0;   // degrees
 constexpr double kFlatness = 2.0e-5;
 constexpr double kLeastFlatness = 1.0e-9;
 constexpr double kShareOfCurve = 0.1;
-// The same for curves that only say how long edges are.  -
+// Distance, as for kFlatness, of curves that only say how long edges are.  -
 constexpr double kFlatnessOfSizes = 0.05;
 
 Status check_sizing(const OutlineSizing& sizing, const std::string& field) {

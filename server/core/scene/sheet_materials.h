@@ -18,7 +18,7 @@ using fem::kMaxMaterials;  // different ones of a sheet, its own among them
 // Ranges, and the number of different materials.
 Status validate(const std::vector<RegionMaterial>& materials, const fem::Material& own);
 
-// The sheet's own, then those of its parts.
+// Returns the sheet's own material, then the materials of its parts.
 std::vector<fem::Material> materials_of(const SheetConfig& config);
 
 // The materials of a sheet and their places. Entry 0 is the sheet's own, entry 1 + i that of SheetConfig::materials[i].

@@ -24,12 +24,12 @@ class GrabSet {
   // kInvalidArgument UNKNOWN_VERTEX, POINT_OUTSIDE.
   Status add(const Grab& grab, const mesh::TriangleMesh& mesh, const fem::Model& model, const mesh::VertexField& x,
              double dt);
-  // Error of both: kNotFound GRAB_NOT_FOUND.
+  // Move or end a grab. Error: kNotFound GRAB_NOT_FOUND.
   Status drag(const Drag& drag);
   Status release(const Release& release);
   void clear() { grabs_.clear(); }
 
-  // Gives grabs without a stiffness of their own that of the new material.
+  // Recomputes the default stiffness from the new material, for grabs that were given no stiffness of their own.
   void follow_material(const mesh::TriangleMesh& mesh, const fem::Model& model, double dt);
   // Moves grabs from vertices that an undo takes away to their ancestors, or to the material point where there are
   // none. Must be called before the mesh is reverted.

@@ -42,7 +42,7 @@ bool MotionWindow::add(const Eigen::Matrix3Xd& x, double dt) {
 
 double MotionWindow::expected_motion(double horizon, bool slows) const {
   constexpr double kSlowing = 0.95;  // -, what keeps more of its pace from third to third is not slowing down
-  constexpr double kSafety = 1.5;    // -, of what is to come
+  constexpr double kSafety = 1.5;    // -, factor on the estimate of the motion to come
   const double steps = horizon / (length_ / 3.0);
   double expected = 0.0;
   for (Eigen::Index v = 0; v < num_vertices_; ++v) {

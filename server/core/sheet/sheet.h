@@ -52,7 +52,7 @@ struct TickReport {
   std::int64_t tick = 0;                      // after it
   std::vector<Result<CommandReply>> replies;  // one for each given command, in order
   std::vector<ScheduledReply> scheduled;      // those that fell due, in order
-  std::size_t num_scheduled_first = 0;        // of them, done before the given commands
+  std::size_t num_scheduled_first = 0;        // of `scheduled`: those done before the given commands
   fem::StepStats stats;      // of the integrator; default where time did not advance, except `interrupted`
   bool advanced = false;     // ++tick happened
   bool gave_up = false;      // out of memory, or stopped by give_up: frozen and not advanced
@@ -141,7 +141,7 @@ class Sheet {
   [[nodiscard]] const SheetConfig& config() const;  // as given
   [[nodiscard]] std::shared_ptr<const SheetConfig> shared_config() const;
   [[nodiscard]] std::int64_t tick() const;              // ticks done
-  [[nodiscard]] std::int64_t scene_tick() const;        // of them, since the scene began or was reset
+  [[nodiscard]] std::int64_t scene_tick() const;        // ticks done since the scene began or was reset
   [[nodiscard]] double dt() const;                      // s
   [[nodiscard]] std::int32_t topology_version() const;  // 1 at first; + 1 with each applied cut or batch, undo, redo
                                                         // and reset

@@ -94,7 +94,7 @@ struct Limits {
   std::int32_t max_unsent_bytes_per_subscriber = 4 << 20;  // Frames of one stream sent and not acknowledged.
   std::chrono::milliseconds watch_ack_timeout{10'000};     // A stream that owes an acknowledgement for longer is ended.
   std::size_t max_remembered_requests = 4096;              // request_ids; the oldest are forgotten first.
-  std::size_t max_remembered_bytes = std::size_t{16} << 20;  // Bytes of those and their answers.
+  std::size_t max_remembered_bytes = std::size_t{16} << 20;  // Bytes of remembered request_ids and answers.
   std::size_t max_waiting_analyses = 8;                      // AnalyzeSheet calls waiting behind the one in progress.
   std::int32_t max_analyzed_vertices = 100'000;              // Vertices of a sheet that is analysed.
   std::int32_t max_image_streams = 64;                       // WatchImages and MJPEG streams of all sheets together.

@@ -17,7 +17,7 @@ struct RealClock::Impl {
   std::uint64_t next_timer = 1;
   boost::asio::io_context context{1};
   boost::asio::executor_work_guard<boost::asio::io_context::executor_type> work{context.get_executor()};
-  std::map<std::uint64_t, boost::asio::steady_timer> timers;  // Those that have not fired.
+  std::map<std::uint64_t, boost::asio::steady_timer> timers;  // Timers that have not fired.
   std::thread thread;
 };
 

@@ -16,11 +16,11 @@ namespace kerf::rpc {
 
 struct RpcOptions {
   int max_connections = 10'000;                          // Beyond it, new connections are closed at once.
-  int max_connections_per_address = 0;                   // The same per peer, >= 0; 0: no limit.
+  int max_connections_per_address = 0;                   // Limit on the connections of one peer, >= 0; 0: no limit.
   std::chrono::milliseconds first_byte_timeout{5'000};   // A connection that sends nothing for this long is closed.
   int max_streams_per_connection = 100;                  // HTTP/2 streams, 1..10000.
   std::chrono::milliseconds keepalive_interval{20'000};  // A silent connection is pinged after this long.
-  std::chrono::milliseconds keepalive_timeout{10'000};   // It is dropped if the answer takes longer than this.
+  std::chrono::milliseconds keepalive_timeout{10'000};  // A connection is dropped if its answer to a ping takes longer.
   // Limits on uploads and on recordings being fetched: longest time without progress, and from beginning to end.
   std::chrono::milliseconds transfer_silence_timeout{30'000};
   std::chrono::milliseconds transfer_timeout{120'000};

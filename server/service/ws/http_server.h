@@ -24,7 +24,7 @@ struct HttpOptions {
   std::size_t max_header_bytes = 16 << 10;   // Header of a request.
   std::size_t max_message_bytes = 64 << 10;  // One WebSocket message from a client.
   std::chrono::milliseconds request_timeout{5'000};     // From the first byte of a request to its last.
-  std::chrono::milliseconds upload_timeout{120'000};    // The same for a request with a file of FileRoutes.
+  std::chrono::milliseconds upload_timeout{120'000};    // Replaces request_timeout for uploads to FileRoutes.
   std::chrono::milliseconds handshake_timeout{5'000};   // WebSocket opening and closing handshakes
   std::chrono::milliseconds idle_timeout{30'000};       // A kept-alive connection between requests.
   std::chrono::milliseconds silence_timeout{10'000};    // WebSocket: without any input, not even a pong.

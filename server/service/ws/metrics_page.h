@@ -20,7 +20,7 @@ struct GrpcCounts {
 // Counts recordings to disk (kerfd --record).
 struct RecordingCounts {
   std::int64_t open = 0;           // Recordings of existing sheets, now.
-  std::int64_t stopped = 0;        // Those not written at present, because writing fails.
+  std::int64_t stopped = 0;        // Open recordings that are not written now, because writing fails.
   std::int64_t waiting_bytes = 0;  // Not yet written now, by all.
   std::int64_t errors = 0;         // Failed writes.
   std::int64_t bytes = 0;          // Written.

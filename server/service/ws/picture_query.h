@@ -30,7 +30,7 @@ std::optional<PicturePath> parse_picture_path(std::string_view path);
 Result<v1::RenderImageRequest> decode_still_query(const PicturePath& path, std::string_view query);
 Result<v1::WatchImagesStart> decode_stream_query(const PicturePath& path, std::string_view query);
 
-// Translates an error of the Api about such a request: its fields have other names in the URL.
+// Translates an error of the Api about a decoded request into the names that its fields have in the URL.
 Error in_words_of_query(Error error);
 
 }  // namespace kerf::ws

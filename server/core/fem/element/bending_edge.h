@@ -24,7 +24,7 @@ struct BendingEdge {
   std::array<mesh::VertexId, 8> vertex{mesh::kNone, mesh::kNone, mesh::kNone, mesh::kNone,
                                        mesh::kNone, mesh::kNone, mesh::kNone, mesh::kNone};
   int first_edge = 0;                      // corner of the first triangle opposite the edge
-  std::array<std::uint8_t, 2> material{};  // of both triangles, see ElementBlock
+  std::array<std::uint8_t, 2> material{};  // of each of the two triangles, see ElementBlock::material
   // E = sum over x,y,z of (kink.x) (load.x), hence Q_ab = kink_a load_b + load_a kink_b.
   std::array<double, 8> kink{};  // 1/m; J
   std::array<double, 8> load{};  // N; l {m} + p J

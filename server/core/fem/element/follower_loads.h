@@ -34,7 +34,7 @@ void add_follower_forces(std::span<const ElementBlock> blocks, const Loads& load
 [[nodiscard]] double edge_moment_energy(const Loads& loads);
 
 // Returns the work (J) on the straight path from positions `from` to positions `to` (3 x V, m). It is exact for
-// pressure. For a moment it is that of the rotation about the mean direction of its edge, by less than half a turn.
+// pressure. For a moment it is the work of the rotation about the mean direction of its edge, by less than half a turn.
 [[nodiscard]] double follower_work(std::span<const ElementBlock> blocks, const Loads& loads,
                                    const mesh::VertexField& from, const mesh::VertexField& to);
 

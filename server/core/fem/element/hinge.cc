@@ -16,7 +16,8 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Matrix12d = Eigen::Matrix<double, 12, 12>;
 
-// Signs of both corners: normals point the same way although the second corner is on the right.
+// Signs of the two corners opposite the edge. The normals of both triangles point to the same side, although the second
+// corner is to the right of the edge.
 constexpr std::array<double, 2> kSign{1.0, -1.0};
 
 }  // namespace

@@ -9,7 +9,7 @@ namespace kerf::fem {
 // Size of a hinge at rest, which defines when a triangle counts as collapsed.
 struct HingeSize {
   double length = 0.0;             // m, of the edge
-  std::array<double, 2> height{};  // m, of both triangles over it
+  std::array<double, 2> height{};  // m, of each triangle above the edge
 };
 
 // Two triangles that share an edge. theta is the angle from one plane to the other, in (-pi, pi], positive if they fold

@@ -16,8 +16,8 @@ using mesh::VertexId;
 // coarse.
 constexpr double kCoarsest = 1.0 / (1 << 20);
 constexpr double kCoarsestAcross = 1e-5;
-// -, travel of a sheet over its own size for which units have room. Triangles too flat for such a unit are fine
-// (FineTriangles).
+// -, travel of a sheet, in sizes of the sheet, for which fixed-point units leave room. Triangles too flat for such a
+// unit become FineTriangles.
 constexpr double kRoomToTravel = 2.0;
 
 // Returns the mean edge length, m.

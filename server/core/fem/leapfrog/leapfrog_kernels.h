@@ -149,8 +149,8 @@ void leapfrog_substep(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& st
 // forces in `gathered`.
 template <typename T>
 void leapfrog_move_clusters(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, T* speed);
-// Sets the strains at x as those of the previous substep. Returns the largest principal one, -, at least 0; 0 with
-// Green's strain.
+// Stores the strains at x as the strains of the previous substep. Returns the largest principal strain, -, at least 0.
+// Returns 0 with Green's strain.
 template <typename T>
 T leapfrog_start(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step);
 

@@ -70,8 +70,8 @@ class LeapfrogSweep {
   // those added. With floats, and a sheet that hardly moves, this rounds far less. `speed`: m/s, > 0, for which units
   // have room; 0 restores plain positions. Co-rotational law only.
   void step_by_displacements(double speed) { displacement_speed_ = speed; }
-  // Loads the state for a step of this length. Returns false if this precision cannot hold it, or if displacements
-  // cannot represent a sheet strained so much.
+  // Loads the state for a step of `duration` (s). Returns false if the precision T cannot hold it, or if the sheet is
+  // strained too much for displacements to represent it.
   bool begin(const Model& model, const Loads& loads, const LeapfrogTerms& terms, double duration, const State& state);
   // -, largest principal strain, at least 0, one substep before the state that begin() loaded; 0 with Green's strain.
   [[nodiscard]] double tension() const { return tension_; }
@@ -192,8 +192,8 @@ class LeapfrogSweep {
   void set_unit_of_constants();
   void set_laws(const Model& model, const LeapfrogTerms& terms);
   void follow_bending(const Model& model);
-  // Replaces the forces on vertices of clusters by their accelerations other than gravity, m/s^2. `forces`: N, those of
-  // the kick, which are included, or null.
+  // Replaces the forces on vertices of clusters by their accelerations other than gravity, m/s^2. `forces` (N) are the
+  // forces of the kick, which it includes, or null.
   void accelerate_clusters(const Model& model, const LeapfrogStep<T>& step, const mesh::VertexField* forces);
   // Sets cluster_values_ to the response of a cluster to an impulse of 1 N s on the part of the grab's point inside it.
   void set_response(const Grab& grab, const InertiaCluster& cluster);
@@ -209,8 +209,8 @@ class LeapfrogSweep {
   bool push_clusters(double drift);
   // Moves each vertex by its change, x 4, times the factor, m. Adds the largest distance to `travel`, m.
   bool move_cluster(std::span<const mesh::VertexId> vertices, const T* change, double factor, double& travel);
-  // Sets the change that a body requires of each pushed vertex of a cluster, by `change` of its push, and 0 for the
-  // others.
+  // Sets the input of ClusterPush::respond() for a cluster. For each pushed vertex it is the member `change` of its
+  // push, which a body requires; for all others 0.
   void set_wanted(std::int32_t slot, std::array<T, 3> Push::*change);
   // Moves vertices that push_clusters() left inside, one by one.
   bool enforce_rest(ContactConstraint& contact);

@@ -18,7 +18,8 @@ namespace kerf::fem {
 // o[1]) and (v, v + o[1], v + o[2]). All 0 means no pattern.
 using QuadOffsets = std::array<std::int32_t, 3>;
 
-// Returns the place of a corner of an irregular lane among all of them: block by block, corner by corner.
+// Returns the index of a corner of an irregular lane among the corners of all irregular lanes, ordered by block, corner
+// and lane.
 inline std::int32_t corner_place(std::int32_t lane, int corner) {
   constexpr auto kLanes16 = static_cast<std::int32_t>(kBlockLanes);
   return (3 * (lane / kLanes16) + corner) * kLanes16 + lane % kLanes16;

@@ -29,7 +29,7 @@ class AngleBending;
 // triangle. Everything is empty if no material bends.
 class BendingOperator {
  public:
-  // Makes room for that many patches.
+  // Makes room for the patches of `num_slots` slots.
   void reserve(std::size_t num_slots) { patches_.reserve(num_slots); }
   // Makes room for the entries that the next edits add.
   void make_room();
@@ -82,8 +82,8 @@ class BendingOperator {
   void mark_rows(std::span<const mesh::VertexId> vertices);
   // Rebuilds the patches of these slots and their neighbours, and the rows of Q that they are or were in.
   void make_patches(const RestSheet& sheet, std::span<const mesh::TriangleId> slots);
-  // Computes the stiffness of the patches in patched_, the sides of those in fitted_, and the terms of a curved rest
-  // shape.
+  // Computes the stiffness of the patches in patched_, the sides of the patches in fitted_, and the terms of a curved
+  // rest shape.
   void fit_patches(const RestSheet& sheet);
   // Rebuilds the edge terms of the slots in patched_, and marks the rows that they are or were in.
   void make_edges(const RestSheet& sheet);

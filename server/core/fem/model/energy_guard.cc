@@ -81,8 +81,9 @@ struct RigidMotion {
   [[nodiscard]] Vector3d at(const Vector3d& x) const { return velocity + spin.cross(x - centre); }
 };
 
-// Shrinks the deviation of the vertices' velocities v from part(i), m/s, until the kinetic energy has fallen by
-// `excess`, or to that of part(i). The kinetic energies of both components add up. Returns the rest of the excess, J.
+// Shrinks the deviation of each vertex's velocity from part(i), m/s, until the kinetic energy has fallen by `excess`,
+// J, or no deviation is left. The kinetic energies of part and deviation add up. Returns the part of the excess that
+// remains, J.
 template <typename Part>
 double take(const Model& model, const Part& part, double excess, State& state) {
   if (!(excess > 0.0)) return 0.0;

@@ -20,8 +20,8 @@ class EnergyGuard {
   enum class Verdict {
     kKept,     // no more energy than at the start, or not guarded
     kLimited,  // the velocities were reduced
-    // The elastic energy alone, or with that of a free sheet's centre, exceeds the limit: shorter steps may help. The
-    // sheet was stopped, its centre slowed.
+    // The elastic energy exceeds the limit, alone or with the kinetic energy of a free sheet's centre. The sheet was
+    // stopped, its centre slowed; shorter steps may help.
     kExceeded,
   };
 

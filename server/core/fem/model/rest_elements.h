@@ -31,7 +31,7 @@ class RestElements {
   // Takes 1..kMaxMaterials valid materials: one for each region of the mesh, or a single one for all.
   RestElements(std::span<const Material> materials, MembraneLaw law) : materials_(materials, law) {}
 
-  // Makes room for that many slots.
+  // Makes room for `num_slots` slots.
   void reserve(std::size_t num_slots);
   // Makes room for the slots around vertices that the next edits add.
   void make_room() { incident_.make_room(); }

@@ -235,7 +235,8 @@ void TangentMatrix::constrain(const Model& model, std::span<const Pin> pins, dou
     }
     Eigen::Matrix3d& diagonal = matrix_.block(matrix_.diagonal(pin.vertex));
     rhs.col(pin.vertex) -= diagonal * displacement;
-    // Any positive multiple of the identity decouples the components. The mass gives it the size of the others.
+    // Any positive diagonal entry decouples a held component. With the mass, it has about the size of the other
+    // entries.
     const double m = model.mass()[static_cast<std::size_t>(pin.vertex)];
     const double scale = m > 0.0 ? m : 1.0;
     diagonal = free.asDiagonal() * diagonal * free.asDiagonal();

@@ -30,10 +30,11 @@ struct MassChange {
 // its triangles, weighted with their masses.
 class VertexMasses {
  public:
-  // Makes room for the edge lengths of that many vertices.
+  // Makes room for the edge lengths of `num_vertices` vertices.
   void reserve(std::size_t num_vertices) { edge_length_.reserve(num_vertices); }
 
-  // Recomputes the masses near the vertices that the elements touched last. Call it once after each follow() of them.
+  // Recomputes the masses near the vertices that RestElements::follow() touched last. To be called once after each such
+  // call.
   MassChange follow(const RestSheet& sheet);
 
   // kg, length V; 0 for a vertex without material, which never moves.

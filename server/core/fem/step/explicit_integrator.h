@@ -149,15 +149,16 @@ class ExplicitIntegrator final : public Integrator {
   [[nodiscard]] int even_interval(int substeps, int longest) const;
   // -, number of steps of dt below `longest`, s; at least 1.
   [[nodiscard]] static double substeps_below(double longest, double dt);
-  // Plans at least so many substeps for a sheet with that tension, -, and makes bending kicks equally long. Returns the
-  // interval of these kicks.
+  // Plans at least `least` substeps for a sheet under `tension`, -. Their number is a multiple of the interval between
+  // bending kicks, in substeps, which it returns.
   int set_substeps(const Model& model, int least, double tension, Plan& plan) const;
   // Makes at least the plan's substeps and stores their number in the plan. Returns false if the precision of the sweep
   // is not sufficient.
   template <typename T>
   bool advance(const Model& model, const Loads& loads, Plan& plan, ContactConstraint* contact, LeapfrogSweep<T>& sweep,
                State& state);
-  // Sets scratch_.force to the forces of a kick, those of bending scaled for their impulse.
+  // Sets scratch_.force to the forces of a kick. Bending forces are scaled by kick.bending / kick.duration, which gives
+  // them the impulse of kick.bending.
   void set_forces(const Model& model, const Loads& loads, const LeapfrogKick& kick, const State& state);
   template <typename T>
   static bool kick_grabs(const Loads& loads, const LeapfrogKick& kick, double h, double time_left,

@@ -27,7 +27,7 @@ class StageContact {
  public:
   static constexpr double kStiffening = 100.0;
 
-  // Sizes the object for a model of so many vertices. Allocates; all other calls do not.
+  // Sizes the object for a model of `num_vertices` vertices. Allocates; all other calls do not.
   void resize(int num_vertices);
 
   // Begins a stage of implicit weight d (s, see Stage). A null `contact` means no contact. `start` (3 x V, m) holds the
@@ -79,7 +79,7 @@ class StageContact {
   double inertia_ = 0.0;        // 1/s^2, 1 / d^2
   double membrane_ = 0.0;       // N/m
   std::vector<Entry> entries_;  // by vertex, then surface; both reserved for kMaxGaps a vertex
-  std::vector<Entry> before_;   // those of the previous call
+  std::vector<Entry> before_;   // entries_ of the previous call
 };
 
 }  // namespace kerf::fem

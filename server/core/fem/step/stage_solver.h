@@ -81,7 +81,7 @@ class StageSolver {
   double evaluate_residual(const StageProblem& problem, const mesh::VertexField& x, StageContact::Update update);
   // Returns the norm with contact forces over `scale`. Contacts that would pull let go once the residual has settled.
   double evaluate_relative(const StageProblem& problem, const mesh::VertexField& x, double scale);
-  // Returns the incremental potential with that of the contacts found last.
+  // Returns the incremental potential, including the potential of the contacts found last.
   [[nodiscard]] double merit(const StageProblem& problem, const mesh::VertexField& x,
                              const mesh::VertexField& origin) const;
 

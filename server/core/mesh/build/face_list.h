@@ -33,10 +33,10 @@ class FaceList {
   // first_number: what the file's first position is called in messages, 0 or 1.
   explicit FaceList(int first_number) : first_number_(first_number) {}
 
-  // m, finite, at most kMaxRestCoordinate from the origin in each coordinate, at most kMaxVertices of them: NUMBER,
-  // TOO_LARGE.
+  // Adds a position, m. Errors: NUMBER if a coordinate is not finite or exceeds kMaxRestCoordinate in magnitude,
+  // TOO_LARGE beyond kMaxVertices positions.
   Status add_position(const Eigen::Vector3d& position);
-  // m, finite, at most 4 kMaxVertices of them: NUMBER, TOO_LARGE.
+  // Adds a texture coordinate, m. Errors: NUMBER if it is not finite, TOO_LARGE beyond 4 kMaxVertices of them.
   Status add_texture(const Eigen::Vector2d& texture);
   // A polygon of 3 to kMaxFaceCorners corners, split as a fan; all corners have a texture coordinate or none has: FACE,
   // MIXED_TEXTURE, TOO_LARGE (2 kMaxVertices triangles). Its indices are those of positions and texture coordinates

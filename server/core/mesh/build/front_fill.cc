@@ -17,7 +17,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-// Largest ratio of the circumradius to that of the equilateral triangle of the size wanted. -
+// Largest circumradius of a triangle over the circumradius of an equilateral triangle of the wanted size. -
 constexpr double kSmallEnough = 1.3;
 // Least distance of a new point from others and from fixed edges, as a fraction of the size wanted. -
 constexpr double kLeastDistance = 0.6;
@@ -59,7 +59,7 @@ class FrontFill {
 
   [[nodiscard]] Vector2d position(PointId p) const { return mesh_.point_position(p); }
 
-  // Returns the ratio of the circumradius to that of the triangle wanted.
+  // Returns the circumradius of t over the circumradius of an equilateral triangle of the wanted size.
   double excess(TriangleId t) {
     if (static_cast<std::size_t>(t) >= known_.size())
       known_.resize(static_cast<std::size_t>(mesh_.num_triangle_slots()));

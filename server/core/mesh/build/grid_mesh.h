@@ -20,8 +20,8 @@ struct GridConfig {
 // height.
 Result<TriangleMesh> make_grid(const GridConfig& config);
 
-// The same vertices, those inside displaced by up to 0.3 of the cell in x and in y, chosen by `seed`, and triangulated
-// by Delaunay; triangles in the order of their lowest vertex.
+// Makes a Delaunay mesh of the vertices of make_grid(). Each inner vertex is displaced at random by up to 0.3 of the
+// cell in x and in y, chosen by `seed`. Triangles are in the order of their lowest vertex.
 Result<TriangleMesh> make_jittered_grid(const GridConfig& config, std::uint64_t seed);
 
 }  // namespace kerf::mesh

@@ -35,7 +35,7 @@ class OutlineBorder : public BorderCurves {
   [[nodiscard]] const Lattice& lattice() const { return lattice_; }
   // m; of contour 0.
   [[nodiscard]] const Eigen::AlignedBox2d& bounds() const { return bounds_; }
-  // m^2; of contour 0 less the others, however they lie.
+  // Returns the area of contour 0 less the areas of all others, m^2. Does not check that these lie inside it.
   [[nodiscard]] double area() const;
   [[nodiscard]] const std::string& field(std::int32_t contour) const { return fields_[contour]; }
   // Contour by contour, each in order.
@@ -86,7 +86,7 @@ class OutlineBorder : public BorderCurves {
   Lattice lattice_;
   Eigen::AlignedBox2d bounds_;
   std::vector<Chord> chords_;  // contour by contour
-  BoxTree tree_;               // of them, in lattice units
+  BoxTree tree_;               // of chords_, in lattice units
   std::vector<Vertex> vertices_;
   std::vector<std::int32_t> next_;  // by vertex
   Lattice mesh_lattice_;
