@@ -14,7 +14,7 @@ struct PlotSeries {
 struct PlotAxis {
   std::string label;
   bool logarithmic = false;  // Values must be > 0; others are left out.
-  // Positions and texts of ticks; empty: chosen.
+  // Positions and texts of the ticks along this axis. If empty, svg_plot() chooses them.
   std::vector<std::pair<double, std::string>> ticks;
 };
 

@@ -42,7 +42,8 @@ class Probes {
     std::optional<LipPair> lips;
     bool exists = false;
   };
-  // A vertex of a region, or a triangle, of fields that are taken of triangles.
+  // Represents a vertex of the probe's region. For strains and stresses with Recovery::kMean it is a triangle of the
+  // region instead.
   struct Member {
     std::int32_t id = 0;
     double weight = 0.0;                              // -, share in the mean

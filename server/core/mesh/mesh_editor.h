@@ -158,8 +158,8 @@ class MeshEditor {
   void rollback();
 
  private:
-  // Names an edge that was locked before the edit and that holds a new point, by a slot of the mesh before the edit and
-  // the corner opposite.
+  // Names an edge that was locked before the edit and that holds a new point. It is given by a slot of the mesh before
+  // the edit and the corner opposite.
   struct Lip {
     TriangleId triangle = kNone;  // kNone: the point is not on such an edge
     int corner = 0;

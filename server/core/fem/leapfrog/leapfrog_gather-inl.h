@@ -180,7 +180,8 @@ class CornerPositions<std::int32_t> {
   const IrregularBlock<float>* blocks_ = nullptr;
 };
 
-// Stores forces of the triangles in lanes l, l + 1, ... of a block whose first place is `to`.
+// Stores the forces on one corner of the triangles in lanes l, l + 1, ... of a block. `to` is the place for that corner
+// of lane 0.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE void store_corner(D d, const Vec3<V>& force, std::size_t l, hn::TFromD<D>* to) {
   using T = hn::TFromD<D>;

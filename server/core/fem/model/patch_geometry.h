@@ -22,7 +22,8 @@ std::array<mesh::VertexId, 6> patch_vertices(const RestSheet& sheet, mesh::Trian
 // Returns the patch of a solid slot of a flat rest shape.
 PatchGeometry flat_patch(const RestSheet& sheet, const BorderClamps& clamps, mesh::TriangleId slot);
 
-// Positions of a patch on the rest surface, as for make_rest_bending.
+// Holds where the six vertices of a patch lie on the rest surface, for make_rest_bending(). A patch is bent if it has
+// triangles of more than one facet.
 struct PatchSurface {
   std::array<Eigen::Vector3d, 6> at;  // m
   bool is_bent = false;

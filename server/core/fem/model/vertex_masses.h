@@ -58,7 +58,7 @@ class VertexMasses {
  private:
   void resize(const RestSheet& sheet);
   void set_edge_length(mesh::VertexId vertex, double length);
-  // Sets lumped mass, floor, damping, tile and edge length of a vertex.
+  // Sets the entries of lumped_mass_, mass_floor_, damping_, mass_tile_ and edge_length_ for a vertex.
   void set_lumped(const RestSheet& sheet, mesh::VertexId vertex);
   // Sets mass_ to the redistributed lumped masses.
   MassChange redistribute(const RestSheet& sheet);

@@ -90,10 +90,12 @@ void StageSolver::constrain(const StageProblem& problem, const mesh::VertexField
   matrix_.constrain(problem.model, problem.loads.pins, problem.stage.time_left, x, rhs_, step_);
 }
 
-// Outline:
-//   1. Contacts and pins begin where the substep does; the first tangent gets a predicted stress.
-//   2. iterate() makes full Newton steps: solve_first(), then solve_next(). accept() judges one that did not converge.
-//   3. repair() starts again with backtracking, if that failed and the stage may be repaired.
+// Solves one stage:
+//   1. Contacts and pins start from the positions at the beginning of the substep. The first tangent uses a predicted
+//      stress.
+//   2. iterate() makes full Newton steps: solve_first(), then solve_next(). If they do not converge, accept() decides
+//      whether the result is good enough.
+//   3. If it is not, and the stage may be repaired, repair() starts again with backtracking.
 //   4. finish() restores momentum and sets velocities.
 bool StageSolver::solve(const Model& model, const Loads& loads, const mesh::VertexField& constant_force,
                         const Stage& stage, State& state, StepStats& stats) {

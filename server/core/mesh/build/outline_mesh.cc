@@ -26,7 +26,7 @@ constexpr double kGradingOfBorder = 0.25;  // growth away from edges of contours
 // Edges of contours at least this long, as a fraction of the requested size, count as long enough. -
 constexpr double kAsAsked = 0.8;
 constexpr double kWellShaped = 0.96;      // quality, see relaxation.h  -
-constexpr double kEstimateMargin = 1.15;  // of the estimated number of vertices, above which a mesh is refused unmade -
+constexpr double kEstimateMargin = 1.15;  // of max_vertices; a larger estimate is refused before the mesh is made  -
 constexpr double kAreaOfVertex = 0.8660254037844386;  // of squared edges: two equilateral triangles  -
 // Number of times that the inside is filled. It is filled again if the border needs vertices for which the triangles
 // beside it leave no place.
