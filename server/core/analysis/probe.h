@@ -46,7 +46,7 @@ class Probes {
   // region instead.
   struct Member {
     std::int32_t id = 0;
-    double weight = 0.0;                              // -, share in the mean
+    double weight = 0.0;                              // in the mean, relative to the other weights
     Eigen::Vector3d start = Eigen::Vector3d::Zero();  // m, world
   };
   struct Located {

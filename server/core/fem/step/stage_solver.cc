@@ -91,11 +91,11 @@ void StageSolver::constrain(const StageProblem& problem, const mesh::VertexField
 }
 
 // Solves one stage:
-//   1. Contacts and pins start from the positions at the beginning of the substep. The first tangent uses a predicted
-//      stress.
-//   2. iterate() makes full Newton steps: solve_first(), then solve_next(). If they do not converge, accept() decides
-//      whether the result is good enough.
-//   3. If it is not, and the stage may be repaired, repair() starts again with backtracking.
+//   1. Contacts start where the substep does. start_, from which repair() begins, has pinned vertices where their pins
+//      are at the end of the stage. The first tangent gets a predicted stress.
+//   2. iterate() makes full Newton steps: solve_first(), then solve_next(). If they do not converge, accept() takes the
+//      result if its incremental potential without damping is no higher than that of start_.
+//   3. If it is not taken, and the stage may be repaired, repair() starts again with backtracking.
 //   4. finish() restores momentum and sets velocities.
 bool StageSolver::solve(const Model& model, const Loads& loads, const mesh::VertexField& constant_force,
                         const Stage& stage, State& state, StepStats& stats) {
