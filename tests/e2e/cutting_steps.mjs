@@ -170,13 +170,13 @@ export function cuttingSteps(steps, browser, { url }) {
     await flat.page.keyboard.press('Control+z');
     await flat.until('k.pieces === 1');
     await flat.page.setInputFiles('#svg-file', { name: 'notes.txt', mimeType: 'text/plain', buffer: Buffer.from('x') });
-    await flat.notice(/notes.txt is no SVG drawing/);
+    await flat.notice(/notes.txt is not an SVG drawing/);
     await flat.page.setInputFiles('#svg-file', {
       name: 'large.svg',
       mimeType: 'image/svg+xml',
       buffer: Buffer.alloc(512 * 1024 + 1, ' '),
     });
-    await flat.notice(/large.svg has 513 KiB; the server takes drawings of at most 512/);
+    await flat.notice(/large.svg has 513 KiB; the server accepts drawings of at most 512/);
     await flat.page.keyboard.press('s');
     const chooser = await choosing;
     await chooser.setFiles({ name: 'broken.svg', mimeType: 'image/svg+xml', buffer: Buffer.from('<svg><path') });
@@ -250,7 +250,7 @@ export function cuttingSteps(steps, browser, { url }) {
     check(JSON.parse((await again).postData()).validateOnly, 'the sheet is cut where the view changes');
     await warning.waitFor();
     await stiff.page.keyboard.press('Enter');
-    await stiff.notice(/The sheet falls behind from here on/);
+    await stiff.notice(/The sheet now falls behind/);
     check(!(await warning.isVisible()), 'the warning of a cut that was made stays');
     const { tick_estimate: tick } = await post(url, 'SheetService/GetSheet', { name: 'sheets/stiff' });
     check(tick.total_us > tick.budget_us, `ticks fit: ${JSON.stringify(tick)}`);

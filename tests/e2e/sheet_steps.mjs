@@ -224,7 +224,7 @@ export function sheetSteps(steps, browser, { url }) {
     check(await viewer.page.isHidden('#new-columns-error'), 'a refusal stays though the field was changed');
     await viewer.page.fill('#new-width', '1');
     await viewer.page.fill('#new-id', 'demo');
-    await refusal('id', /^There is a sheet named demo already$/);
+    await refusal('id', /^A sheet named demo already exists$/);
     // A name is marked as it is typed.
     await viewer.page.fill('#new-id', 'Not An Id');
     await viewer.page.locator('#new-id-error', { hasText: /^Name: use small letters, .*, such as not-an-id$/ }).waitFor();
