@@ -254,7 +254,7 @@ export function sheetSteps(steps, browser, { url }) {
     await viewer.page.locator('#new-outline-error', { hasText: 'does not say how large its page is' }).waitFor();
     check(await viewer.page.evaluate(() => document.activeElement.id === 'new-outline'), 'the focus is not at the refused file');
     await outlineFile('apart.svg', kPlate.replace('x="150"', 'x="250"'));
-    await viewer.page.locator('#new-outline-error', { hasText: /apart.svg has lines outside .* or take them out/ }).waitFor();
+    await viewer.page.locator('#new-outline-error', { hasText: /apart.svg has lines outside .* or remove them/ }).waitFor();
     await outlineFile('torn.svg', '<svg viewBox="0 0 9 9"><circ');
     await viewer.page.locator('#new-outline-error', { hasText: /^torn.svg is broken: .* in line 1$/ }).waitFor();
     await viewer.page.fill('#new-id', '');
