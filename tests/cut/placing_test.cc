@@ -9,6 +9,8 @@
 
 #include "server/base/random.h"
 #include "server/core/cut/cut.h"
+#include "server/core/cut/dash.h"
+#include "server/core/cut/fit.h"
 #include "server/core/cut/stroke.h"
 #include "tests/cut/calls.h"
 

@@ -11,8 +11,6 @@
 #include "server/base/result.h"
 #include "server/core/cut/curve.h"
 #include "server/core/cut/cut_types.h"
-#include "server/core/cut/dash.h"
-#include "server/core/cut/fit.h"
 #include "server/core/cut/view.h"
 #include "server/core/linear/vertex_field.h"
 #include "server/core/mesh/mesh_edit.h"
@@ -27,21 +25,6 @@
 // plan() only reads the mesh, apply() changes it. The mesh may change between the two: apply() works on its current
 // state.
 namespace kerf::cut {
-
-// Checks the ranges of the options: calls check(value, low, high, field) for each number, and returns the first error.
-// `least_angle`: of min_angle_deg, degrees. Errors: those of `check`, and of validate() for `dash` and `fit`.
-template <typename Check>
-Status check_ranges(const CutOptions& options, double least_angle, const Check& check) {
-  KERF_TRY(check(options.tolerance, kMinTolerance, kMaxTolerance, "cut.tolerance"));
-  KERF_TRY(check(options.tolerance_m.value_or(1.0), kMinLength, kMaxLength, "cut.tolerance_m"));
-  KERF_TRY(check(options.min_angle_deg, least_angle, kMaxMinAngle, "cut.min_angle_deg"));
-  KERF_TRY(check(options.max_new_triangles, 1, kMaxNewTriangles, "cut.max_new_triangles"));
-  KERF_TRY(check(options.tip_edge_length_m.value_or(1.0), kMinLength, kMaxLength, "cut.tip_edge_length_m"));
-  KERF_TRY(check(options.tip_grading, kMinTipGrading, kMaxTipGrading, "cut.tip_grading"));
-  KERF_TRY(check(options.width_m.value_or(1.0), kMinWidth, kMaxWidth, "cut.width_m"));
-  KERF_TRY(validate(options.dash));
-  return options.fit ? validate(*options.fit) : Nothing{};
-}
 
 struct CutRequest {
   Curve curve;

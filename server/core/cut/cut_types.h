@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "server/base/result.h"
 #include "server/core/cut/curve.h"
 #include "server/core/mesh/ids.h"
 
@@ -25,11 +26,17 @@ struct DashPattern {
   double offset = 0.0;          // m, +-kMaxDashM; how far into the pattern each stroke begins
 };
 
+// Errors, kInvalidArgument: DASH_OUT_OF_RANGE ("cut.dash[2]", "cut.dash_offset"), DASH_TOO_LONG ("cut.dash").
+Status validate(const DashPattern& pattern);
+
 // Target placement of a curve, independent of its own size and place.
 struct Fit {
   std::optional<Box>
       box;  // m, each side > 0; absent: the sheet's bounding box less kFitMargin of each side at each end
 };
+
+// Errors, kInvalidArgument: FIT_OUT_OF_RANGE, FIT_EMPTY ("cut.fit.max.x").
+Status validate(const Fit& fit);
 
 inline constexpr double kFitMargin = 0.05;        // -
 inline constexpr double kMinFitExtentM = 1.0e-9;  // m, of the larger side of a curve that is fitted
@@ -57,6 +64,11 @@ struct View {
   double nearest_m = 0.0;            // kDepthRange: m, along the camera's axis, in [0, farthest_m]
   double farthest_m = 0.0;
 };
+
+// Checks a view by itself. Errors, all kInvalidArgument with the field ("cut.view.projection"): VIEW_NOT_FINITE,
+// VIEW_NOT_RIGID (`view` is no rotation and shift, to 1e-6), VIEW_SINGULAR (`projection` cannot be inverted),
+// VIEWPORT_OUT_OF_RANGE, DEPTH_RANGE, PIECE_UNKNOWN (< kNone).
+Status validate(const View& view);
 
 // Ranges of the options that requests may set.
 inline constexpr double kMinTolerance = 1.0e-6;              // -
@@ -117,6 +129,21 @@ struct CutOptions {
   // [kMinWidth, kMaxWidth]
   std::optional<double> width_m = std::nullopt;
 };
+
+// Checks the ranges of the options: calls check(value, low, high, field) for each number, and returns the first error.
+// `least_angle`: of min_angle_deg, degrees. Errors: those of `check`, and of validate() for `dash` and `fit`.
+template <typename Check>
+Status check_ranges(const CutOptions& options, double least_angle, const Check& check) {
+  KERF_TRY(check(options.tolerance, kMinTolerance, kMaxTolerance, "cut.tolerance"));
+  KERF_TRY(check(options.tolerance_m.value_or(1.0), kMinLength, kMaxLength, "cut.tolerance_m"));
+  KERF_TRY(check(options.min_angle_deg, least_angle, kMaxMinAngle, "cut.min_angle_deg"));
+  KERF_TRY(check(options.max_new_triangles, 1, kMaxNewTriangles, "cut.max_new_triangles"));
+  KERF_TRY(check(options.tip_edge_length_m.value_or(1.0), kMinLength, kMaxLength, "cut.tip_edge_length_m"));
+  KERF_TRY(check(options.tip_grading, kMinTipGrading, kMaxTipGrading, "cut.tip_grading"));
+  KERF_TRY(check(options.width_m.value_or(1.0), kMinWidth, kMaxWidth, "cut.width_m"));
+  KERF_TRY(validate(options.dash));
+  return options.fit ? validate(*options.fit) : Nothing{};
+}
 
 // One connected stretch of the cut on one layer, or on several that it runs through around folds.
 struct ViewLayer {

@@ -5,9 +5,6 @@
 
 namespace kerf::cut {
 
-// Errors, kInvalidArgument: DASH_OUT_OF_RANGE ("cut.dash[2]", "cut.dash_offset"), DASH_TOO_LONG ("cut.dash").
-Status validate(const DashPattern& pattern);
-
 // Returns the parts of the strokes that are cut, by arc length along the polylines, through their corners. Each stroke
 // restarts the pattern at its own start. So does a closed one, whose last dash and first dash meet at the seam if both
 // reach it. A pattern without lengths cuts everything. Corners inside dashes are kept bit for bit. Ends of dashes lie

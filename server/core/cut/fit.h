@@ -5,9 +5,6 @@
 
 namespace kerf::cut {
 
-// Errors, kInvalidArgument: FIT_OUT_OF_RANGE, FIT_EMPTY ("cut.fit.max.x").
-Status validate(const Fit& fit);
-
 // Returns the smallest axis-aligned box around a valid curve, from its ends and the places at which its pieces turn
 // back in x or y.
 Box extent(const Curve& curve);

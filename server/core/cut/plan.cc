@@ -6,7 +6,9 @@
 
 #include "server/base/check.h"
 #include "server/core/cut/cut.h"
+#include "server/core/cut/dash.h"
 #include "server/core/cut/element_path.h"
+#include "server/core/cut/fit.h"
 #include "server/core/cut/outline.h"
 #include "server/core/cut/path_scale.h"
 #include "server/core/cut/simplify.h"

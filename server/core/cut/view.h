@@ -14,11 +14,6 @@
 // Cuts drawn on a picture: a curve in pixels that sweeps along the rays of a camera through the deformed sheet.
 namespace kerf::cut {
 
-// Checks a view by itself. Errors, all kInvalidArgument with the field ("cut.view.projection"): VIEW_NOT_FINITE,
-// VIEW_NOT_RIGID (`view` is no rotation and shift, to 1e-6), VIEW_SINGULAR (`projection` cannot be inverted),
-// VIEWPORT_OUT_OF_RANGE, DEPTH_RANGE, PIECE_UNKNOWN (< kNone).
-Status validate(const View& view);
-
 // A screen curve on the sheet.
 struct ViewPath {
   FlatCurve flat;                 // m, material coordinates; strokes parallel to `layers`

@@ -3,7 +3,7 @@
 #include <string_view>
 
 #include "server/base/overloaded.h"
-#include "server/core/cut/cut.h"
+#include "server/core/cut/cut_types.h"
 #include "server/core/scene/field_checks.h"
 
 namespace kerf::sheet {
