@@ -29,23 +29,23 @@ struct ReaderTotals {
   Histogram shown_us;                        // Age of the frame shown by a reader, at fixed times: see ShownAge.
   Histogram join_us;                         // From opening the stream to the first decoded frame; warm-up included.
   std::map<std::string, std::int64_t> ends;  // Reasons for streams that ended before the run did.
-  std::int64_t ended_without = 0;            // Those without a first frame.
+  std::int64_t ended_without = 0;            // Streams in `ends` that had no first frame.
 };
 
 struct CutTotals {
   std::int64_t sent = 0;
   std::int64_t applied = 0;
   std::int64_t missed = 0;        // Answered NO_INTERSECTION.
-  std::int64_t undone = 0;        // Undone again.
+  std::int64_t undone = 0;        // Applied, then undone.
   Histogram late_us;              // From the intended time to the time of sending.
   Histogram reply_us;             // From the intended time to the reply.
   Histogram reply_ticks;          // From the newest tick of a viewer at the time of sending to the tick of the cut.
   Histogram seen_us;              // From the intended time to the first decoded frame of its tick or a later one.
-  std::int64_t seen_without = 0;  // Such frames that lacked the cut.
-  std::int64_t unseen = 0;        // Cuts on watched sheets without such a frame before the run ended.
+  std::int64_t seen_without = 0;  // Frames in seen_us that did not have the cut yet.
+  std::int64_t unseen = 0;        // Cuts on watched sheets that have no frame in seen_us when the run ends.
 };
 
-// Counts the frames of role kViewer in a stretch of the run.
+// Counts the frames that readers of role kViewer decode in one of kStretches equal parts of the measured time.
 struct Stretch {
   std::int64_t frames = 0;
   std::int64_t bytes = 0;
@@ -54,7 +54,7 @@ struct Stretch {
 
 struct FrameSeen {
   Nanoseconds decoded{0};
-  std::int64_t age_us = 0;  // 0 if the clocks disagree by more than that.
+  std::int64_t age_us = 0;  // 0 if the clocks disagree by more than the age.
   std::int64_t bytes = 0;
   std::int64_t skipped = 0;
   bool keyframe = false;

@@ -39,11 +39,11 @@ struct Report {
   std::vector<SheetRun> sheets;
   std::array<ReaderTotals, kRoles.size()> readers;
   CutTotals cuts;
-  std::vector<Stretch> stretches;              // Equal in length, in order.
+  std::vector<Stretch> stretches;              // Parts of the measured time, equally long, in order of time.
   Histogram control_us;                        // Lateness of a thread that only sleeps; see Control.
   std::vector<Probe> probes;                   // By time, at least the first and the last.
   std::int32_t list_pages = 0;                 // Pages of the last ListSheets.
-  double list_s = 0.0;                         // Its duration.
+  double list_s = 0.0;                         // Duration of the last ListSheets.
   std::map<std::string, std::int64_t> errors;  // Errors of calls, by reason.
 
   [[nodiscard]] const ReaderTotals& of(Role role) const { return readers[static_cast<std::size_t>(role)]; }

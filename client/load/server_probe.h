@@ -30,7 +30,7 @@ struct Probe {
   double slipped_s = 0.0;
   std::optional<ProcessUsage> server;
   ProcessUsage client;
-  std::optional<double> frames_encoded;  // For all sheets, from the metrics page.
+  std::optional<double> frames_encoded;  // Number since the server started, all sheets; empty without a metrics page.
 };
 
 // Stores the sums over `sheets` in `probe`.
