@@ -60,7 +60,7 @@ export class ImageWatch {
   private readonly arrivals = new Map<number, Arrival>();
   private acknowledged = 0;
   private pace: Pace = { isPaused: false, maxRateHz: 0 };
-  // Images lead on from the last picture.
+  // True while images build on the last decoded picture; false from an error until the next key image.
   private isFollowed = true;
   private numErrors = 0;
 
@@ -151,7 +151,8 @@ export class ImageWatch {
     this.connection.markLive();
     if (!wasLive && this.pace.isPaused) this.sendPace();
     if (image.key) this.isFollowed = true;
-    // A picture that cannot be decoded is acknowledged, too: otherwise no other would come.
+    // After an error, pictures that build on a lost one are not decoded. They are acknowledged all the same, because
+    // the server otherwise sends no more.
     if (this.isFollowed) this.decode(image);
     else this.acknowledge(sequence);
   }
@@ -164,7 +165,7 @@ export class ImageWatch {
     }
   }
 
-  // The view again: the server then sends an image that can be decoded by itself.
+  // Sends the view again, so that the server sends an image that can be decoded by itself.
   private lostPlace(message: string): void {
     this.isFollowed = false;
     this.numErrors += 1;

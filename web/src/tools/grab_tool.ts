@@ -133,7 +133,8 @@ export class GrabTool implements Tool {
     this.viewer.notices.notify('error', `The server refused the pull: ${why}`);
   }
 
-  // Uses the stream that refused the release; with another one the grab is gone.
+  // Sends the release again on the stream that refused it. If the page has another stream by then, the grab has ended
+  // with the old one.
   private retryRelease(grabId: string): void {
     const { live } = this.viewer;
     const { watch } = live;
