@@ -23,7 +23,7 @@ FileRecording::~FileRecording() {
   try {
     if (state_ == State::kPaused) try_a_last_time();
   } catch (const std::bad_alloc&) {
-    ++board_.errors;  // The file is complete up to the last written entry.
+    ++board_.errors;  // The waiting entries are lost. The file is complete up to the last entry written.
   }
   forget_waiting();
   if (state_ != State::kWriting) --board_.stopped;

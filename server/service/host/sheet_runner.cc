@@ -199,8 +199,8 @@ void SheetRunner::step(std::int64_t ticks, Callback<SheetStatus> done, std::stop
   if (step_call_) return refuse("STEPPING", "the sheet is already being stepped; wait for that call");
   if (sheet_.frozen()) return refuse("SHEET_FROZEN", "the sheet is frozen at its last good tick; reset it first");
   step_call_ = StepCall{ticks, std::move(done), std::move(stop)};
-  if (!turn_posted_)
-    keep_or_lose([this] { take_turn(); });  // Otherwise the turn left by an ended call serves this one.
+  // An earlier call may have ended while its next turn was posted. That turn then steps the sheet for this call.
+  if (!turn_posted_) keep_or_lose([this] { take_turn(); });
 }
 
 void SheetRunner::set_speed(double speed) {

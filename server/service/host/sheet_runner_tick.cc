@@ -184,8 +184,9 @@ void SheetRunner::end_playback() {
 void SheetRunner::take_turn() {
   if (closed_ || !step_call_) return;
   for (std::int32_t i = 0; i < Host::kTicksPerTurn && step_call_->remaining > 0; ++i) {
-    if (context_.stopping) return;                           // close() answers the call.
-    if (pauses_waiting_ > 0 && progress_.was_long()) break;  // A turn of short ticks ends soon anyway.
+    if (context_.stopping) return;  // close() answers the call.
+    // Lets a waiting pause run before the next long tick. A turn of short ticks ends soon enough without this.
+    if (pauses_waiting_ > 0 && progress_.was_long()) break;
     if (step_call_->stop.stop_requested()) return finish_step(status());
     if (!run_once(true)) break;
     --step_call_->remaining;  // Negative if the tick has ended the call.

@@ -286,7 +286,7 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
       try {
         context_.router.respond(std::move(request), done, stop);
       } catch (const std::exception& error) {
-        // Must not throw: the handler already owns the coroutine's frame.
+        // Replies, because the exception must not leave this function: the handler already owns the coroutine's frame.
         done(refusal(internal_error("INTERNAL", error.what())));
       }
     };

@@ -52,7 +52,7 @@ struct HttpServer::Impl {
   // Listens at one address of the server.
   struct Port {
     explicit Port(tcp::acceptor listening) : acceptor(std::move(listening)), retry(acceptor.get_executor()) {}
-    tcp::acceptor acceptor;  // On a strand, as is the timer.
+    tcp::acceptor acceptor;  // Has a strand of its own, which `retry` shares.
     asio::steady_timer retry;
     tcp::endpoint peer;  // The peer that connected last.
   };
