@@ -97,7 +97,8 @@ class ContactSolver {
   // than kTouching.
   bool push_out_of_all(std::size_t block, const ThicknessLanes& thickness, mesh::VertexLanes& vertices,
                        std::uint32_t& pushed);
-  // Moves a vertex that the passes left inside a collider out of the notch that keeps it there.
+  // Moves a vertex that is still inside a collider after kPasses passes out of the notch that keeps it there. A notch
+  // is a narrow corner of two colliders, each of which pushes the vertex back into the other.
   void leave_notch(double thickness, Eigen::Vector3d& x, Eigen::Vector3d& v) const;
   // Returns the deepest penetration beyond kTouching, the first of equals, or one without a collider.
   [[nodiscard]] Penetration deepest(double thickness, const Eigen::Vector3d& x) const;

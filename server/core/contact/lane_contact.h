@@ -17,11 +17,12 @@ using ThicknessLanes = mesh::VertexLanes::Lanes;
 void find_gaps(const PreparedCollider& collider, const ThicknessLanes& thickness, const mesh::VertexLanes& vertices,
                mesh::VertexLanes::Lanes& gaps);
 
+// Effect of one collider on the vertices of a block.
 struct LanePush {
   std::uint32_t pushed = 0;  // bit l: vertex l was closer than its thickness
-  double farthest = 0.0;     // m, upper bound of the distances vertices were moved
+  double farthest = 0.0;     // m, upper bound of the distance that any vertex was moved
   double least_gap = 0.0;    // m, least gap of all vertices; pushed ones count as 0
-  double deepest = 0.0;      // m, largest push along a normal
+  double deepest = 0.0;      // m, largest push of any of the vertices along the collider's normal
   double residual = 0.0;     // m, upper bound of the penetration left by friction, which moves along the tangent into a
                              // curved surface
 };

@@ -29,8 +29,9 @@ constexpr double kSpacing = 0.8;  // -; longest stretch of path without a point,
 constexpr double kNoSpacing =
     std::numeric_limits<double>::infinity();  // edges of elements space the path by themselves
 
-// Quality (mesh::TriangleShape::quality) from which no old vertex is moved for a triangle, as that costs time. A right
-// triangle with equal legs has 0.87, one with a leg half as long 0.69. Fine cuts ask for more, since larger angles take
+// Quality (mesh::TriangleShape::quality) that is good enough: an old vertex stays where it is if the worst triangle
+// around it has at least this. Moving it would only cost time. A right triangle with equal legs has 0.87, one with a
+// leg half as long 0.69. kWellShapedFine is for cuts with a larger minimum angle than the default: larger angles take
 // more room.
 constexpr double kWellShaped = 0.6;
 constexpr double kWellShapedFine = 0.8;

@@ -42,7 +42,7 @@ Vector2d series(double angle) {
   return {cosine, angle * sine};
 }
 
-// Maps from the frame in which the ellipse is the unit circle.
+// Maps the plane so that the unit circle becomes the ellipse.
 struct EllipseFrame {
   Vector2d centre;
   Vector2d semi_axes;

@@ -49,7 +49,7 @@ struct CutPlan {
   std::vector<Stroke> outline;     // of a cut with a width: the whole of it, not clipped
   double strip_area_m2 = 0.0;      // m^2; of a cut with a width: inside the outline
   double curve_deviation_m = 0.0;  // m; proven bound on the distance between curve and strokes
-  double curve_deviation_of_tolerance = 0.0;  // -; the same over the tolerance there, the largest of all places
+  double curve_deviation_of_tolerance = 0.0;  // -; the largest ratio of that distance to the tolerance at its place
   double edge_length_m = 0.0;                 // m; the sheet's mean edge length
   double snap_m = 0.0;  // m; distance below which the path is laid on points and lips where edges are so
                         // long; elsewhere in proportion

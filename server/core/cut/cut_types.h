@@ -219,7 +219,7 @@ struct CutReport {
   std::int32_t new_lip_edges = 0;        // edges newly locked as lips, before refinement splits them
   double deviation_m = 0.0;              // m; proven bound on the distance between the curve (inside the sheet) and
                                          // its lips: flattening + snapping + rounding
-  double deviation_of_tolerance = 0.0;   // -, in [0, 1]; the same over the tolerance there, the largest of all places
+  double deviation_of_tolerance = 0.0;   // -, in [0, 1]; largest ratio of that distance to the tolerance at its place
   bool refinement_stopped = false;       // a guard fired: the mesh is valid, its quality is below the request. At the
                                          // length floor of snap / 4
   // The next four also of a cut that misses.

@@ -104,7 +104,7 @@ Status PathInsertion::split_lone_edges() {
   return Nothing{};
 }
 
-// Returns true if only one lip, and no border, ends at `point`.
+// Returns true if exactly one lip edge, and no border edge, meets `point`.
 bool PathInsertion::is_tip(PointId point) const {
   std::vector<TriangleId> fan;
   mesh_.fan_around(point, fan);

@@ -23,7 +23,7 @@ struct InsertionCounts {
   std::int32_t merged_segments = 0;
   double widest_gap = 0.0;  // of those closed
   double deviation = 0.0;   // largest distance between the strokes and the chain of edges that stands for them
-  double deviation_of_tolerance = 0.0;  // -; the same over the tolerance there, the largest of all places
+  double deviation_of_tolerance = 0.0;  // -; largest ratio of that distance to the tolerance at the place
 };
 
 // Lays strokes into the mesh: incremental constrained Delaunay on the mesh itself. Each point of a stroke is put on a
@@ -43,14 +43,15 @@ class PathInsertion {
   // Lays one stroke. Errors: those of cut::apply(); the editor must be rolled back then.
   Status insert(const Stroke& stroke);
 
-  // Splits at its middle each new lip edge that no other lip and no border meets: both its ends are tips, which stay
-  // one vertex each, so it would be locked and yet not open. Call once, after the last stroke; errors as of insert().
+  // Splits at its middle each new lip edge that meets no other lip and no border. Both its ends are tips, which stay
+  // one vertex each, so it could not open otherwise. Call once, after the last stroke. Errors as of insert().
   Status split_lone_edges();
 
   [[nodiscard]] const InsertionCounts& counts() const { return counts_; }
   // Returns the mesh points on the path, sorted, unique.
   [[nodiscard]] std::vector<mesh::PointId> path_points() const;
-  // Returns those path points at which only one lip, and no border, ends: tips inside the sheet.
+  // Returns the tips, the path points where a cut ends inside the sheet. Exactly one lip edge, and no border edge,
+  // meets a tip.
   [[nodiscard]] std::vector<mesh::PointId> tips() const;
   // Returns the end points of edges flipped away to make room for the path, sorted, unique.
   [[nodiscard]] std::vector<mesh::PointId> corridor_points() const;

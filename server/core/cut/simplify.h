@@ -8,11 +8,11 @@
 
 namespace kerf::cut {
 
-// Represents a flattened curve with two bounds on its distance from the original: in metres, and as a share of the
-// tolerance at each place.
+// Represents a flattened curve with two bounds on its distance from the original. One is in metres, the other is
+// relative to the tolerance, which differs from place to place.
 struct ScaledCurve {
   FlatCurve curve;
-  double deviation_of_tolerance = 0.0;  // -; the largest, place by place
+  double deviation_of_tolerance = 0.0;  // -; largest ratio of the distance to the tolerance at its place
 };
 
 // Leaves out points of one polyline by the algorithm of Douglas and Peucker (1973), within the deviation allowed to
@@ -31,9 +31,9 @@ class Simplification {
   void simplify_between_corners();
 
   [[nodiscard]] std::vector<Eigen::Vector2d> kept_points() const;
-  // Largest distance of a point left out from its chord, m.
+  // Returns the largest distance of a point left out from its chord, m.
   [[nodiscard]] double moved() const { return moved_; }
-  // The largest of (flattened + that) / tolerance, segment by segment.
+  // Returns the largest value of (flattened + such a distance) / tolerance, with the tolerance of the point's segment.
   [[nodiscard]] double of_tolerance() const { return of_tolerance_; }
 
  private:

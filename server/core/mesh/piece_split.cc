@@ -69,7 +69,7 @@ class ComponentGrowth {
   // Visits the neighbours of one slot of the group. Returns the group that the slot belongs to afterwards.
   std::int32_t grow(std::int32_t index) {
     Group& growing = groups_[index];
-    const TriangleId t = growing.frontier[growing.next++];  // breadth first: parts that meet round a tip meet soon
+    const TriangleId t = growing.frontier[growing.next++];  // breadth first: parts that join around a tip join soon
     for (int k = 0; k < 3; ++k) {
       const TriangleId n = mesh_.neighbour(t, k);
       if (n == kNone) continue;
@@ -97,11 +97,11 @@ class ComponentGrowth {
   }
 
   const TriangleMesh& mesh_;
-  IdMap group_of_;  // slot -> group, resolve with root()
+  IdMap group_of_;  // slot -> group that reached it first; root() gives the group that it belongs to now
   std::vector<Group> groups_;
   std::vector<std::int32_t> active_;
   std::vector<std::int32_t> pieces_;  // sorted
-  std::vector<int> num_open_;         // by piece index: groups not exhausted and not merged away
+  std::vector<int> num_open_;         // by index into pieces_: groups that still grow, neither complete nor merged away
 };
 
 }  // namespace

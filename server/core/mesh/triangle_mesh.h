@@ -24,7 +24,7 @@ struct Location {
   PointId point = kNone;        // kPoint only
 };
 
-// First encounter of a straight segment that starts at a mesh point.
+// The first point or fixed edge that a straight segment from a mesh point meets, if any.
 struct SegmentWalk {
   enum class Kind {
     kEdgeExists,  // the segment is an edge of the mesh: edge `corner` of `triangle`
@@ -36,7 +36,7 @@ struct SegmentWalk {
   TriangleId triangle = kNone;  // kFixedEdge: the slot on the near side
   int corner = 0;
   PointId point = kNone;
-  std::vector<std::array<PointId, 2>> crossed;  // flippable edges crossed before that, in order: {right end, left end}
+  std::vector<std::array<PointId, 2>> crossed;  // flippable edges crossed until then, in order: {right end, left end}
 };
 
 // A triangle mesh in two-dimensional rest (material) space that stays welded there however often it is cut. Lips are
@@ -188,7 +188,7 @@ class TriangleMesh {
   // from a coarse grid.
   [[nodiscard]] Location locate(const LatticePoint& p, TriangleId hint = kNone) const;
 
-  // Follows the segment from point p to point q != p up to its first encounter.
+  // Follows the segment from point p to point q != p until it meets a point or a fixed edge, or reaches q.
   [[nodiscard]] SegmentWalk walk_segment(PointId p, PointId q) const;
 
   // --- Whole-mesh checks.

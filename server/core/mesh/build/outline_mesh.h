@@ -27,8 +27,8 @@ struct OutlineContour {
 // length + growth * distance.
 struct OutlineSize {
   std::vector<Eigen::Vector2d> points;  // m, at least 1
-  double length = 0.0;                  // m, >= kMinOutlineEdge of the outline's size
-  double growth = 0.25;                 // -, >= 0
+  double length = 0.0;                  // m, edge length; >= kMinOutlineEdge times the larger side of the outline
+  double growth = 0.25;                 // -, >= 0, increase of the edge length per distance
   std::string field;                    // what errors name
 };
 
