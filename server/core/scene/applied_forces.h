@@ -18,8 +18,9 @@ namespace kerf::sheet {
 // Distributes a sheet's loads over its vertices, triangles and edges; follows its cuts. Without loads it does nothing.
 class AppliedForces {
  public:
-  // Errors: kInvalidArgument UNKNOWN_VERTEX, POINT_OUTSIDE; NOTHING_LOADED: a region has no border edge, and no cut
-  // that may bring one is scheduled, or it has no triangle.
+  // Errors: kInvalidArgument UNKNOWN_VERTEX, POINT_OUTSIDE, NOTHING_LOADED. The last is for a load on borders whose
+  // region has no border edge, unless cuts are scheduled, which may bring one. It is also for a load on triangles whose
+  // region has none.
   static Result<AppliedForces> create(std::shared_ptr<const SheetConfig> config, const BuiltMesh& initial);
 
   [[nodiscard]] bool empty() const { return shares_.empty(); }

@@ -62,7 +62,7 @@ class RestWatch {
   struct Tick {
     double gravity = 0.0;  // m/s^2, >= 0
     double dt = 0.0;       // s
-    bool damps = true;     // it may be damped
+    bool damps = true;     // the sheet may be damped
   };
 
   // `size`: m, the larger side of the sheet as built.
@@ -72,22 +72,22 @@ class RestWatch {
   void make_room(Eigen::Index num_vertices);
   // Notes that something other than the sheet's own motion changed it, or may change it.
   void disturb();
-  // To be called after each tick that made the state. Damps it.
+  // Must be called after each tick, with the state that it made. Damps the state if the sheet is calm.
   void after_tick(const fem::Model& model, const Tick& tick, fem::State& state);
 
-  // Returns true if nothing has disturbed it for kCalmAfter, it is slow for its weight, and it is damped.
+  // Returns true if nothing has disturbed the sheet for kCalmAfter, it is slow for its weight, and it is damped.
   [[nodiscard]] bool is_calm() const { return is_calm_; }
   [[nodiscard]] bool is_at_rest() const { return is_at_rest_; }
 
  private:
   double size_;
-  double calm_time_ = 0.0;  // s, since it was disturbed
-  double energy_ = 0.0;     // J, kinetic, over about a second
+  double calm_time_ = 0.0;  // s, simulated time since the last disturb()
+  double energy_ = 0.0;     // J, mean kinetic energy over about a second
   bool is_calm_ = false;
   bool is_measuring_ = false;
   bool is_at_rest_ = false;
   std::array<MotionWindow, 2> windows_{MotionWindow(kShortWindow), MotionWindow(kLongWindow)};
-  std::array<bool, 2> settles_{};  // the last window of each length expected rest, of what slows down
+  std::array<bool, 2> settles_{};  // by window: the last one predicted rest, if slowing continues
 };
 
 }  // namespace kerf::sheet

@@ -76,11 +76,11 @@ struct GrabState {
   std::string grab_id;
   std::array<mesh::VertexId, 3> vertices{mesh::kNone, mesh::kNone, mesh::kNone};
   Eigen::Vector3d weights{1.0, 0.0, 0.0};          // -, >= 0, sum 1
-  std::optional<Eigen::Vector2d> material;         // m, the point that is held; empty: vertices[0], wherever it goes
+  std::optional<Eigen::Vector2d> material;         // m, the point held; empty while vertices[0] itself is held
   Eigen::Vector3d target{0.0, 0.0, 0.0};           // m, world
-  Eigen::Vector3d previous_target{0.0, 0.0, 0.0};  // m, when the last tick ended; the target moves in between
-  double stiffness = 0.0;                          // N/m, in force
-  bool is_default = false;                         // no stiffness was given: it follows the material
+  Eigen::Vector3d previous_target{0.0, 0.0, 0.0};  // m, target of the last tick; it moves from there to `target`
+  double stiffness = 0.0;                          // N/m, given or computed
+  bool is_default = false;                         // no stiffness was given; it is computed from the material
 };
 
 // Makes what advances a sheet; copies of a sheet each make their own. The integrator must keep fem::Integrator's

@@ -45,7 +45,7 @@ class BendingLayout {
   [[nodiscard]] std::span<const Lanes16<T>> diagonals(std::size_t block) const {
     return diagonals_.row(static_cast<int>(block));
   }
-  // Entries in no diagonal, in the order of their columns.
+  // Returns the entries of a group of four rows that lie in no diagonal, in the order of their columns.
   [[nodiscard]] std::span<const FourEntries<T>> rest(int group) const { return rest_.row(group); }
 
   // Drops all entries and keeps the storage.
@@ -161,7 +161,7 @@ class BendingLayout {
   std::vector<std::int32_t> found_;      // distances of the block's diagonals, ascending
   std::vector<std::int32_t> seen_;       // all distances
   std::vector<std::uint32_t> place_of_;  // by distance + number of vertices; 0 outside of set_block()
-  std::vector<BendingEntry> others_;     // entries in no diagonal, row by row
+  std::vector<BendingEntry> others_;     // the block's entries that lie in none of its diagonals, row by row
 };
 
 }  // namespace kerf::fem

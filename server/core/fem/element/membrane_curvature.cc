@@ -10,7 +10,8 @@
 namespace kerf::fem {
 namespace {
 
-// Returns the Voigt strain of a symmetric matrix given in axes that the rotation Q turns against those of the material.
+// Returns a symmetric matrix as a Voigt strain (e11, e22, 2 e12) in material axes. `in_axes` holds the matrix in other
+// axes, into which the rotation Q turns those of the material.
 Eigen::Vector3d voigt(const Eigen::Matrix2d& Q, const Eigen::Matrix2d& in_axes) {
   const Eigen::Matrix2d e = Q * in_axes * Q.transpose();
   return {e(0, 0), e(1, 1), 2.0 * e(0, 1)};

@@ -129,17 +129,18 @@ struct LeapfrogArrays {
   const BendingLayout<T>* bending = nullptr;  // null: no bending in this substep
 };
 
+// Constants of one substep. `unit`: the unit of positions; 1 m if T is double.
 template <typename T>
 struct LeapfrogStep {
   MembraneLaw membrane_law = MembraneLaw::kCorotational;
   std::array<T, 4> law{};      // N/m: C11, C22, C33, C12
   T damping = 0;               // -, beta / h
-  T lost = 0;                  // -, of the velocity
-  T scale = 0;                 // s, factor of forces
+  T lost = 0;                  // -, share of the velocity that mass damping takes away
+  T scale = 0;                 // s, factor of accelerations
   std::array<T, 3> gravity{};  // m/s^2
-  T drift = 0;                 // s / unit
-  T bending_scale = 0;         // m / unit, bending forces are multiplied by this
-  T bending_damping = 0;       // s / unit
+  T drift = 0;                 // s unit / m, factor from velocities to changes of positions
+  T bending_scale = 0;         // m / unit, factor of bending forces, which are computed from positions in units
+  T bending_damping = 0;       // s unit / m, beta of bending, for velocities beside positions in units
 };
 
 // Computes forces at x, then kick and drift. `speed`: kBlockLanes largest components of velocity so far, m/s.

@@ -87,8 +87,8 @@ class LeapfrogSweep {
   // inertia. The next substep moves vertices that remain inside. Checks only blocks that may touch. For the result see
   // read().
   bool enforce(ContactConstraint& contact, double drift);
-  // Do the same for the last substep. Contacts are found after the drift, and vertices are moved after the kick that
-  // closes the step, so that the final state respects the bodies.
+  // Do the same for the last substep, in two parts. find_touching() finds the contacts after the drift. enforce_found()
+  // moves the vertices after the kick that closes the step, so that the final state respects the bodies.
   void find_touching(ContactConstraint& contact, double drift);
   bool enforce_found(ContactConstraint& contact);
   // Returns true if a body has moved a vertex since begin().
@@ -131,7 +131,7 @@ class LeapfrogSweep {
     [[nodiscard]] double size() const { return (high - low).maxCoeff(); }  // m; negative if nothing was added
     [[nodiscard]] Eigen::Vector3d middle() const { return 0.5 * (low + high).matrix(); }
   };
-  // A change of a vertex in a cluster that a body requires.
+  // A change that a body requires of a vertex in a cluster.
   struct Push {
     mesh::VertexId vertex = mesh::kNone;
     std::int32_t next = mesh::kNone;  // next push of the same cluster
@@ -141,8 +141,9 @@ class LeapfrogSweep {
   // Scratch of enforce().
   struct Contact {
     mesh::VertexLanes vertices, given;
-    double drift = 0.0;  // s, of the substep of find_touching()
-    // Blocks that find_touching() found, and earlier positions of their vertices. The arrays may be longer.
+    double drift = 0.0;  // s, as passed to find_touching()
+    // The first num_blocks entries of `blocks` are the blocks of vertices that find_touching() found near a body. Those
+    // of `before` hold the positions of their vertices when the substep began, m. Both arrays have room for all blocks.
     std::size_t num_blocks = 0;
     std::vector<std::int32_t> blocks;
     std::vector<std::array<mesh::VertexLanes::Lanes, 3>> before;

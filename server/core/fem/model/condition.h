@@ -11,13 +11,13 @@ class Model;
 enum class ConditionClass {
   kAccurate,  // A: up to kMostAccurateCondition
   kBounded,   // B: up to kMostBoundedCondition; finite and bounded, without digits to rely on
-  kRefused,   // C: beyond
+  kRefused,   // C: above kMostBoundedCondition
 };
 inline constexpr double kMostAccurateCondition = 1e12;  // -
 inline constexpr double kMostBoundedCondition = 1e16;   // -
 
-// Returns 1 + dt^2 lambda_max(M^-1 K), -, with K at rest. This is an upper bound of the condition number of M^-1 (M +
-// dt^2 K). dt: s, > 0.
+// Returns an upper bound of the condition number of M^-1 (M + dt^2 K), -, with K at rest. It is 1 + dt^2 times the
+// StiffnessBound of the largest eigenvalue of M^-1 K. dt: s, > 0.
 double condition_number(const Model& model, double dt);
 
 ConditionClass rate_condition(double condition);

@@ -34,10 +34,10 @@ double work_of_loads(const Model& model, const Loads& loads, const State& start,
   return work;
 }
 
-// Returns an energy that rounding alone may cause, J. With positions up to |x|, the error of strains is some eps |x|
-// over the edge length.
+// Returns the energy, J, that rounding alone may add to a sheet whose elastic energy is `elastic`, J. The error of a
+// strain is about kRoundings eps |x| / edge length, where |x| is the largest coordinate.
 double rounding_energy(const Model& model, const State& state, double elastic) {
-  constexpr double kRoundings = 16.0;  // of each strain
+  constexpr double kRoundings = 16.0;  // rounding errors that add up in each strain
   const double area = model.elements().area();
   if (!(area > 0.0)) return 0.0;
   const double edge = std::sqrt(2.0 * area / std::max(1, model.num_slots()));
@@ -47,8 +47,8 @@ double rounding_energy(const Model& model, const State& state, double elastic) {
   return strain * (strain * stiffness + std::sqrt(2.0 * elastic * stiffness));
 }
 
-// Returns the elastic energy, J. Bending energy is a square, but rounding can make that of slivers negative, which
-// would feed motion without end.
+// Returns the elastic energy, J. Negative bending energy counts as 0. Only rounding in slivers can make it negative,
+// and it would allow the motion to gain energy without end.
 double elastic_energy(const Energies& energies) {
   return energies.membrane + std::max(0.0, energies.bending);
 }

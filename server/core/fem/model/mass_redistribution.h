@@ -41,7 +41,7 @@ struct MassProblem {
   const RowStore<mesh::TriangleId>& incident_slots;
   std::span<const ElementBlock> blocks;
   std::span<const double> lumped;   // kg, length V
-  std::span<const double> floor;    // kg, length V; > 0 where there is material
+  std::span<const double> floor;    // kg, length V, least mass wanted; > 0 where there is material
   std::span<const MassTile> tiles;  // length V
 };
 
@@ -57,7 +57,8 @@ class MassPass {
  public:
   static constexpr int kReach = 3;  // edges
 
-  // `grid` selects the grid of MassTile. Vertices below light_below times their floor are light.
+  // `grid`: index into MassTile, 0 or 1. A vertex is light if its lumped mass is below light_below (-) times its floor,
+  // the least mass wanted.
   MassPass(int grid, double light_below) : grid_(static_cast<std::size_t>(grid)), light_below_(light_below) {}
 
   // Updates the masses of this pass; see MassRedistribution::update.

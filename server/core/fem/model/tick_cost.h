@@ -9,9 +9,9 @@ namespace kerf::fem {
 
 // Parts of a tick to which its time is attributed.
 enum class TickPart {
-  kMembrane,  // stretching and shearing, with the motion of vertices
+  kMembrane,  // forces of stretching and shearing; in explicit steps also the motion of vertices
   kBending,
-  kClusters,  // of local inertia, around the tiny triangles along cuts
+  kClusters,  // motion of clusters, which have local inertia, around the tiny triangles along cuts
   kContact,   // keeping vertices out of bodies
   kLoads,     // forces summed vertex by vertex: wind, follower loads, external forces
   kSolve,     // linear systems of implicit steps

@@ -41,7 +41,7 @@ Matrix2d tensor_in_lane(const LaneFrames& frames, std::size_t lane, const Materi
   const Vector3d e(S(0, 0) - 1.0, S(1, 1) - 1.0, 2.0 * S(0, 1));
   const Vector3d sigma = law.membrane * e / law.material.thickness;
   if (field == MembraneField::kBiotStress) return symmetric(sigma[0], sigma[1], sigma[2]);
-  // R^T P with its skew part (see membrane.h); P F^T / det S is symmetric.
+  // T = R^T P has the skew part a, as in membrane.h. It makes T S / det, the Cauchy stress turned by R, symmetric.
   const double a = (S(0, 1) * (sigma[0] - sigma[1]) + sigma[2] * (S(1, 1) - S(0, 0))) * frames.inverse_trace[lane];
   const Matrix2d T{
       {sigma[0], sigma[2] - a},

@@ -17,8 +17,8 @@ namespace kerf::fem {
 struct Softening {
   int factor = 1;               // -, 1, 2, 4, 8 or 16: divisor of the membrane's moduli
   bool is_explicit = true;      // the uncut softened sheet is stepped explicitly
-  double cost = 0.0;            // s, estimated cost of a tick with that factor
-  double budget = 0.0;          // s, the share of the tick available for the cost
+  double cost = 0.0;            // s, estimated computing time of a tick with `factor`
+  double budget = 0.0;          // s, part of the tick's duration that `cost` may use
   double expected_error = 0.0;  // m, >= 0, see expected_error(); 0 with factor 1
 
   [[nodiscard]] bool fits() const { return cost <= budget; }
