@@ -75,8 +75,8 @@ inline Finding find_flaw_of_applied(const mesh::TriangleMesh& before, const mesh
   return std::nullopt;
 }
 
-// A miss is right only where what lies in the sheet retraces lips and border, within the tolerance or a few snaps in a
-// row, or is dust.
+// A miss is right only if the part within the sheet is dust, or retraces lips and border. It may be off by the
+// tolerance or a few snaps in a row.
 inline Finding find_flaw_of_miss(const mesh::TriangleMesh& mesh, const cut::CutPlan& plan) {
   const double tolerance = largest_tolerance(mesh, plan);
   const double snap = std::max(plan.snap_m, 0.1 * tolerance);  // never farther, wherever it is

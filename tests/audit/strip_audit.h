@@ -11,8 +11,8 @@ namespace kerf::audit {
 Finding find_strip_flaw(const mesh::TriangleMesh& before, const mesh::TriangleMesh& after, const cut::CutPlan& plan,
                         const cut::CutOutcome& outcome);
 
-// Points strewn over the sheet: those closer to the curve than half the width less the deviation are void, those
-// farther than half the width and the deviation are as they were. `seed`: where they are strewn, and `samples`: how
+// Strews points over the sheet. Those closer to the curve than half the width less the deviation must be void. Those
+// farther than half the width and the deviation must be as they were. `seed`: where they are strewn, and `samples`: how
 // many; half of them near the curve. Paths with arcs are left to other tests.
 Finding find_strewn_flaw(const mesh::TriangleMesh& before, const mesh::TriangleMesh& after, const cut::Curve& curve,
                          const cut::CutPlan& plan, const cut::CutOutcome& outcome, std::uint64_t seed, int samples);

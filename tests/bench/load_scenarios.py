@@ -3,8 +3,8 @@
 
   tests/bench/load_scenarios.py --bin build/release/bin [--only NAME] [--duration SECONDS]
 
-Prints a row a run, as Markdown. Counts that must hold whatever the machine does (no error, no frame without its cut, no
-sheet that ticks asleep, what stalled readers may cost) are checked; a row that breaks one ends the program with code 1.
+Prints a row a run, as Markdown. Counts are checked that must hold on any machine: no error, no frame without its cut, no
+sheet that ticks asleep, and no more than stalled readers may cost. A row that breaks one ends the program with code 1.
 """
 
 import argparse
@@ -67,7 +67,7 @@ def control(report):
 
 
 def capacity():
-    """How many sheets of 32 x 32 vertices at 60 Hz, and what is beyond; no admission control."""
+    """Finds how many sheets of 32 x 32 vertices run at 60 Hz, and what happens beyond, without admission control."""
     head("sheets", "real time: least / median / most", "slipped", "overruns of ticks", "server cores", "CPU a tick, ms", "sheets that two cores carry", "load", "control: p50 / p99 / max, ms")
     for sheets in OPTIONS.sheets:
         with server("--max-sheets", "1000", "--max-load", "0") as running:

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What watching a sheet costs a Python script: frames a second, CPU time and bytes a frame, raw and compact.
+"""Measures the cost of watching a sheet in a Python script: frames a second, CPU time and bytes a frame, raw and compact.
 
   client/python/generate && PYTHONPATH=client/python tests/bench/python_watch.py --kerfd build/release/bin/kerfd
 

@@ -1,5 +1,5 @@
-// Measures how fast stiff sheets are stepped before, in, and after the tick that cuts them, and at rest, as they are
-// and softened by Fidelity::kRealTime.
+// Measures how fast stiff sheets are stepped at rest, and before, in and after the tick that cuts them. Each is run as
+// it is and softened by Fidelity::kRealTime.
 //   stiff_cuts_bench [MATERIAL [SCENE...]]   such as wool flower; parts of scenes' names
 // Frames a second are one over the CPU time of a tick of 1/60 s, all stages of Sheet::step. Before: the mean of 10
 // ticks. Cut: the tick with the cut. After: the mean of the 60 ticks that follow, and the slowest of them. At rest: the

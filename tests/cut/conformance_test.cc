@@ -1,5 +1,5 @@
-// The hard cases of cutting, with every count that follows from the request alone, on several sheets that are turned,
-// scaled and moved together with the curve.
+// The hard cases of cutting, with every count that follows from the request alone. Each is cut on several sheets, which
+// are turned, scaled and moved together with the curve.
 #include <cstdio>
 
 #include <gtest/gtest.h>

@@ -146,8 +146,8 @@ void check_both_ways(const mesh::TriangleMesh& sheet, const Sampled& sampled, co
     if (!sheet.bounding_box().contains(point)) continue;
     expect_near(point, distance_to(point, open), 0.0);
   }
-  // The samples' chords are off a curve by no more than an eighth of their length squared times its curvature, which is
-  // at most 1 / 0.011 but near the cusp, where chords are short.
+  // The samples' chords are off a curve by no more than an eighth of their length squared times its curvature. That is
+  // at most 1 / 0.011 except near the cusp, where chords are short.
   const auto* line = std::get_if<Polyline>(&sampled.curve);
   const std::vector<Vector2d>& ends = line != nullptr ? line->points : sampled.points;
   std::vector<Chord> exact;

@@ -1,5 +1,5 @@
-// The audit is worth what it catches: each fault of faults.toml must be caught in a fixed list of cuts, by the audit,
-// by a cut that is refused without need, by a crash, or by running out of processor time. Without a fault nothing is
+// The audit is worth what it catches: each fault of faults.toml must be caught in a fixed list of cuts. It is caught by
+// the audit, a cut that is refused without need, a crash, or running out of processor time. Without a fault nothing is
 // found.
 #include <array>
 #include <cmath>

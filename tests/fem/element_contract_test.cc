@@ -1,8 +1,9 @@
-// The contract of the elements, both membrane laws and both kinds of bending, on every mesh of the zoo and on meshes
-// that were just cut, in all kinds of states: the energy is that of the definition, forces are minus its gradient and
-// stiffness its second derivative (see element_reference.h; element_test.cc compares differences, which need a mesh
-// without slivers), no force at rest, nothing that rigid motion changes, no resultant and no torque, nothing that is
-// not finite.
+// The contract of the elements: both membrane laws and both kinds of bending. They are tried on every mesh of the zoo
+// and on meshes that were just cut, in all kinds of states.
+// - The energy is that of the definition, forces are minus its gradient and stiffness its second derivative (see
+//   element_reference.h). element_test.cc compares differences, which need a mesh without slivers.
+// - There is no force at rest, no resultant and no torque.
+// - Rigid motion changes nothing, and all numbers are finite.
 #include <algorithm>
 #include <memory>
 #include <tuple>
@@ -248,8 +249,8 @@ TEST_P(ElementContractOnMeshes, ForceAndStiffnessAreTheDerivativesOfTheEnergy) {
   }
 }
 
-// The co-rotational law has no derivative there and angles have none, but the others have, and nothing may be infinite,
-// or larger than the stress there can be.
+// The co-rotational law and angles have no derivative there, but the others have. Nothing may be infinite, or larger
+// than the stress there can be.
 TEST_P(ElementContractOnMeshes, CollapsedTrianglesStayFiniteAndBounded) {
   const std::unique_ptr<Element> element = tested().make(mesh());
   for (const Shape& shape : collapsed_shapes()) {

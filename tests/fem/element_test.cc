@@ -1,6 +1,6 @@
-// The contract of every element: zero force at rest, invariance under rigid motion, force = -dE/dx and stiffness =
-// -df/dx by finite differences, symmetry, positive semidefiniteness where promised, no NaN whatever the shape. On one
-// mesh; element_contract_test.cc has all of them, and all states.
+// The contract of every element, on one mesh; element_contract_test.cc has all meshes, and all states. Force = -dE/dx
+// and stiffness = -df/dx by finite differences. Forces at rest are zero, rigid motion changes nothing, no shape leads
+// to NaN. Stiffness is symmetric, and positive semidefinite where promised.
 #include <functional>
 #include <numbers>
 

@@ -19,8 +19,8 @@ inline std::vector<mesh::TriangleId> slit(mesh::TriangleMesh& mesh, double y) {
   return outcome->edit.rewritten_triangles;
 }
 
-// Regular, irregular, both, and long rows: of the blocks of quads whose forces are kept at a time, those of 120
-// vertices need 16, which is a power of two, those of 140 need 17.
+// Regular, irregular, both, and long rows. Forces of some blocks of quads are kept at a time: rows of 120 vertices need
+// 16 blocks, a power of two, and those of 140 need 17.
 inline std::vector<mesh::TriangleMesh> meshes() {
   std::vector<mesh::TriangleMesh> all{square_grid(19), jittered_square(19), square_grid(19)};
   slit(all.back(), 0.37);

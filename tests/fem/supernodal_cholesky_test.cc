@@ -1,5 +1,5 @@
-// Sparse factors: the elimination order and its supernodes, the factor against a dense one, the same bits whatever the
-// processor, and what becomes of matrices that are not positive definite.
+// Sparse factors: the elimination order and its supernodes, the factor against a dense one, and matrices that are not
+// positive definite. Results have the same bits on all processors.
 #include "server/core/linear/supernodal_cholesky.h"
 
 #include <algorithm>

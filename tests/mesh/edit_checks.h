@@ -12,8 +12,8 @@
 
 namespace kerf::test {
 
-// Invariants, weights that give back rest positions, consecutive new ids, and a list of rewritten slots that, copied
-// into the mesh before, gives the mesh after.
+// Checks the mesh's invariants, and that new ids are consecutive and weights give back rest positions. The rewritten
+// slots, copied into the mesh before, must give the mesh after.
 inline void expect_sound(const mesh::TriangleMesh& before, const mesh::TriangleMesh& after,
                          const mesh::MeshEdit& edit) {
   ASSERT_EQ(after.find_violation(), std::nullopt);

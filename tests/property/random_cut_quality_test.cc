@@ -1,9 +1,9 @@
-// Thousands of random cuts against the quality contract: outside the corners named in the report no new triangle has an
-// angle below the one asked for, or half of it near strands, or is flatter than that makes it, unless the report says
-// that refinement stopped; and heights are what the curves leave room for. Most random curves leave little: where two
-// strands, or a strand and an older lip, a corner of a path or the border, are some distance apart, a triangle no
-// higher than that has to lie in between. The exact arrangement tells that distance. A failure prints the seed of its
-// trial; run that one alone with
+// Thousands of random cuts against the quality contract. No new triangle has an angle below the one asked for, or half
+// of it near strands, or is flatter than that makes it. Exceptions are the corners named in the report, and cuts of
+// which it says that refinement stopped. Heights are as large as the curves leave room for. Most random curves leave
+// little: a strand may lie close to another one, an older lip, a corner of a path or the border. A triangle in between
+// is no higher than their distance, which the exact arrangement gives. A failure prints the seed of its trial; run that
+// one alone with
 //   KERF_CUT_SEED=<seed> property_tests --gtest_filter='RandomCutQuality.*'
 #include <algorithm>
 #include <cmath>

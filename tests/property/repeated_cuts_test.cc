@@ -1,6 +1,6 @@
 // Tests that nothing is cut twice: the same request a second time misses, whatever the curve, also after other cuts.
 // One in a thousand may differ. Strands may run within the snap distance of each other from outside the sheet to
-// outside it, or the edge length, and with it the snap distance, may jump along them. Then they may be distinguished
+// outside it. Or the edge length, and with it the snap distance, may jump along them. Then they may be distinguished
 // the second time, and both replies report gaps closed. A failure prints the seed of its trial; run that one alone with
 //   KERF_CUT_SEED=<seed> property_tests --gtest_filter='RepeatedCuts.*'
 #include <cmath>

@@ -1,4 +1,4 @@
-"""How far a step is, read from what its commands print, and how long the rest will take."""
+"""Reads from the output of a step's commands how far it is, and says how long the rest will take."""
 
 import json
 import re

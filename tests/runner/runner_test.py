@@ -146,7 +146,7 @@ class Processes(unittest.TestCase):
 
     @staticmethod
     def runs(pid):
-        """Whether it does; one that has ended may still be listed until its parent has looked."""
+        """Returns whether a process runs; one that has ended may still be listed until its parent has looked."""
         try:
             return "State:\tZ" not in pathlib.Path(f"/proc/{pid.strip()}/status").read_text()
         except OSError:

@@ -12,8 +12,8 @@ namespace {
 
 constexpr double kEdge = 1.0 / 60.0;  // m, of every sheet, so that what is stiff around a cut is the same
 
-// The same cut with the same number of triangles under it, by edge lengths from the middle of a sheet of so many
-// vertices a side.
+// Returns the same cut with the same number of triangles under it, for a sheet of `side` vertices a side. `offset`:
+// edge lengths from the middle of the sheet.
 Cut cut_of(int side, double offset) {
   const double middle = 0.5 * (side - 1);
   const auto at = [&](double x, double y) -> Eigen::Vector2d {

@@ -14,8 +14,8 @@
 #include "server/core/fem/step/integrator.h"
 #include "server/core/mesh/triangle_mesh.h"
 
-// The stability matrix: starts that no sheet should be in, times stiffness, step and aspect ratio, each run for many
-// steps with the integrator that users get by default.
+// The stability matrix: starts that no sheet should be in, times stiffness, step and aspect ratio. Each case runs for
+// many steps with the integrator that users get by default.
 namespace kerf::stability {
 
 struct Start {

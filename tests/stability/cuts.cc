@@ -1,6 +1,6 @@
 // Cuts a hanging sheet very often, then lets it move: stability_cuts [cuts] [vertices a side] [ticks after] [tr-bdf2].
-// Slits at random places, of up to two edge lengths, a tenth of them between one tick and the next. Ends with 1 where a
-// number is not finite, a step was given up, energy was gained, or mesh or model are not what fresh ones would be.
+// Slits at random places, of up to two edge lengths, a tenth of them between one tick and the next. Ends with 1 if a
+// number is not finite, a step was given up, energy was gained, or mesh or model differ from fresh ones.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

@@ -58,9 +58,12 @@ std::vector<Case> in_double(std::vector<Case> cases) {
 INSTANTIATE_TEST_SUITE_P(ShareInDouble, StabilityMatrixCase,
                          testing::ValuesIn(in_double(matrix(std::min<std::size_t>(share(), 2)))));
 
-// Cases beyond the share that once gained energy without end, or lost momentum: bending kicks in resonance with a taut
-// strip, gains let pass in each of many steps, bending energy of slivers that rounding made negative, energy taken from
-// the motion of the centre, noise that the inertia of clusters held and gave back.
+// Cases beyond the share that once gained energy without end, or lost momentum:
+// - bending kicks in resonance with a taut strip,
+// - gains let pass in each of many steps,
+// - bending energy of slivers that rounding made negative,
+// - energy taken from the motion of the centre,
+// - noise that the inertia of clusters held and gave back.
 Case find_case(const std::string& name) {
   for (const Case& each : matrix()) {
     if (each.name() == name) return each;

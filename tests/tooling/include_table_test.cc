@@ -1,6 +1,6 @@
 // Who may include whom: reads every #include line of server/, render/ and client/ and compares it with the table below,
-// which is the one in server/README.md. A folder that is not in the table fails, so a new one has to be thought about,
-// and so does a row whose folder is gone.
+// which is the one in server/README.md. A folder that is not in the table fails, so a new one has to be thought about.
+// A row fails, too, if its folder is gone.
 
 #include <algorithm>
 #include <filesystem>

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""Checks all pages: links and anchors lead somewhere, pages and their sentences are short and their words plain, named files exist, and
-the picture of the rings is that of the includes."""
+"""Checks all pages: links and anchors lead somewhere, and named files exist. Pages and their sentences are short, and their words
+plain. The picture of the rings is that of the includes."""
 
 import dataclasses
 import pathlib

@@ -15,8 +15,8 @@
 
 namespace kerf::testing {
 
-// Reads frames as kerf/v1/stream.proto describes them, sharing no code with the encoder but, of compact frames, the
-// codec, which web/test/golden_frames.test.ts reads with code of its own.
+// Reads frames as kerf/v1/stream.proto describes them. It shares only the codec of compact frames with the encoder.
+// web/test/golden_frames.test.ts reads those with code of its own.
 class FrameMirror {
  public:
   // Nothing, or what is wrong with the frame; then the mirror is as it was only in parts.

@@ -1,5 +1,5 @@
 // proto/README.md specifies the stream for clients in other languages. Its field numbers are compared with the proto
-// files, and its two frames, byte by byte and number by number, with those that the encoder writes.
+// files. Its two frames are compared with those that the encoder writes, byte by byte and number by number.
 
 #include <algorithm>
 #include <array>

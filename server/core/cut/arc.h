@@ -7,8 +7,8 @@
 #include "server/core/cut/curve.h"
 
 // Ellipses and their arcs as rational quadratic Bezier segments, which represent them exactly (Farin, "Curves and
-// Surfaces for CAGD", 5th ed., ch. 12). An arc of the unit circle between the unit vectors u and v, at most 90 degrees
-// apart, has the control point (u + v) / (1 + u.v) and the weights 1, sqrt((1 + u.v) / 2), 1.
+// Surfaces for CAGD", 5th ed., ch. 12). An arc of the unit circle lies between unit vectors u and v at most 90 degrees
+// apart. Its control point is (u + v) / (1 + u.v), its weights are 1, sqrt((1 + u.v) / 2), 1.
 namespace kerf::cut {
 
 // (cos, sin) of an angle, good to a few units in the last place, by the Taylor series on an eighth of a turn: rounded

@@ -70,11 +70,11 @@ class Host {
   // Builds a sheet, on a thread of lower priority than the workers, and starts its clock unless `paused`. `id`:
   // [a-z][a-z0-9-]{0,62}; if empty, config.sheet_id; if that is empty too, a random one. Errors, besides those of
   // Sheet::create:
-  //   kAlreadyExists SHEET_EXISTS
-  //   kResourceExhausted TOO_MANY_SHEETS, TOO_MANY_VERTICES, OUT_OF_MEMORY
-  //   kResourceExhausted TOO_MANY_VERTICES_IN_ALL, only after the build if the mesh does not declare its size
-  //   kResourceExhausted OVERLOADED unless `paused`, if running sheets need max_load already (see Admission)
-  //   kAborted CREATION_ABANDONED if a stop is requested before it is built
+  //   kAlreadyExists      SHEET_EXISTS
+  //   kResourceExhausted  TOO_MANY_SHEETS, TOO_MANY_VERTICES, OUT_OF_MEMORY
+  //   kResourceExhausted  TOO_MANY_VERTICES_IN_ALL, only after the build if the mesh does not declare its size
+  //   kResourceExhausted  OVERLOADED unless `paused`, if running sheets need max_load already (see Admission)
+  //   kAborted            CREATION_ABANDONED if a stop is requested before it is built
   void create_sheet(std::string id, sheet::SheetConfig config, bool paused, Callback<SheetStatus> done,
                     const std::stop_token& stop = {});
   // Builds the sheet of a recording and plays it at its pace. It performs only the recorded commands (others get

@@ -277,7 +277,7 @@ def look_in_threads(row):
 
 
 def draw_threads_panel(axes, rows):
-    """Of each run a filled point, one thread, and a hollow one, two."""
+    """Draws a filled point for one thread and a hollow one for two, for each run."""
     for row in rows:
         look, error = look_in_threads(row), 1e3 * row["error_m"]
         axes.loglog([row["one_wall_s_per_s"], row["two_wall_s_per_s"]], [error, error], **look)

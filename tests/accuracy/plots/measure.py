@@ -68,7 +68,7 @@ def relative_edge(scene):
 
 
 def scene_errors(tools, name, fineness, curves, overrides):
-    """What scene_errors says of a scene of this fineness, of the quantities of these curves alone."""
+    """Returns what scene_errors prints for a scene of this fineness, for the quantities of these curves alone."""
     scene = generate.scenes(fineness)[name]
     scene |= {**overrides, "material": scene["material"] | overrides.get("material", {})}
     wanted = studies.expectation(name)
@@ -206,7 +206,7 @@ def wanted_cases(given):
 
 
 def known_rows(file):
-    """What a table of sizes says already, by keys."""
+    """Returns the rows that a table of sizes has already, by keys."""
     if not file.exists():
         return {}
     with open(file, newline="") as old:

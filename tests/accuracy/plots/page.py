@@ -26,7 +26,7 @@ def order_text(found, uncertainty):
 
 
 def pictures():
-    """What is drawn: of each picture what it is about and its rows."""
+    """Returns the subject and the rows of each picture."""
     said = studies.studies()
     convergence, profiles, histories, time, size, threads = (
         studies.table(name) for name in (studies.CONVERGENCE, studies.PROFILES, studies.HISTORIES, studies.TIME, studies.SIZE,
@@ -51,7 +51,7 @@ def pictures():
 
 
 def digests():
-    """What each picture says that it is made of, by its name."""
+    """Returns the digest that each picture must have in its metadata, by the name of the picture."""
     drawn = pictures()
     found = {study["name"]: studies.digest(study, rows) for study, rows in drawn["convergence"] + drawn["profiles"]}
     found |= {f"history_{scene}": studies.digest(scene, rows) for scene, rows in drawn["histories"]}
@@ -70,7 +70,7 @@ def integrator_of(row):
 
 
 def time_curves(rows, shown):
-    """Of each integrator, and of each of the ways of solving that are shown, its rows, longest steps first."""
+    """Returns the rows of each integrator and of each way of solving that is shown, longest steps first."""
     curves = []
     for name in dict.fromkeys(integrator_of(row) for row in rows):
         mine = [row for row in rows if integrator_of(row) == name]
@@ -149,7 +149,7 @@ def size_table(rows):
 
 
 def front_words(rows):
-    """Whether the defaults lie on the front, as the table has it."""
+    """Says by the table whether the defaults lie on the front."""
     found = [(row, sizes.dominating(rows, row)) for row in sizes.defaults(rows)]
     off = [better for _, better in found if better]
     lines = [f"The default lies on the front in **{len(found) - len(off)} of {len(found)}** cases: nothing else with ticks as long or "

@@ -28,7 +28,7 @@ THREADS_COLUMNS = [*KEYS, "end_s", "vertices", "rounds", "one_wall_s_per_s", "on
 
 
 def cases():
-    """Of each what `sizes` says of it: material, side, whether it is cut, and how it is measured."""
+    """Returns material and side of each case, whether it is cut, and what `sizes` says about how it is measured."""
     return [{"material": material, "side": size["side"], "cut": cut, **size[material]}
             for size in studies.studies()["sizes"] for material in MATERIALS for cut in CUTS]
 
@@ -39,7 +39,7 @@ def key(case):
 
 
 def runs(case):
-    """What is run of a case: scheme, solver, Newton iterations, rate of ticks; the integrator as a scene has it."""
+    """Returns the runs of a case: scheme, solver, Newton iterations, rate of ticks; the integrator as a scene has it."""
     said, found = studies.studies(), []
     for rate in case["rates_hz"]:
         ways = [way for way in said["ways"] if case["side"] <= way.get("largest_side", case["side"])
@@ -70,7 +70,7 @@ def reference_of(run):
 
 
 def in_order(rows):
-    """Of rows by their keys those of cases and runs that are measured, as those come."""
+    """Takes rows by their keys, and returns those of cases and runs that are measured, in the order of these."""
     wanted = [row_key(case, run) for case in cases() for run in [reference_of(runs(case)[0]), *runs(case)]]
     return [rows[each] for each in wanted if each in rows]
 
@@ -173,26 +173,27 @@ def row(case, run, found, default_cpu_s_per_s):
 
 
 def chosen(description):
-    """Of what an automatic integrator says of itself, which one it is; else nothing."""
+    """Returns the integrator that an automatic one chose, by its description; "" for any other."""
     return description.split(": ")[1].split(";")[0] if description.startswith("automatic") else ""
 
 
 def dominating(rows, default):
-    """What dominates the default: faster, and with no larger error; the fastest first."""
+    """Returns the rows that dominate the default, the fastest first: they are faster and have no larger error."""
     return sorted((row for row in rivals(rows, default) if row["cpu_s_per_s"] < SAME_TIME * default["cpu_s_per_s"]
                    and row["error_m"] <= SAME_ERROR * default["error_m"]), key=lambda row: row["cpu_s_per_s"])
 
 
 def nearest_within(rows, default, times):
-    """Of what takes at most so many times the default's time the one with the least error; None where that is the default's."""
+    """Returns the row with the least error among those that take at most `times` the time of the default. None: that is the
+    default's."""
     near = [row for row in rivals(rows, default) if row["cpu_s_per_s"] <= times * default["cpu_s_per_s"]
             and SAME_ERROR * row["error_m"] < default["error_m"]]
     return min(near, key=lambda row: row["error_m"], default=None)
 
 
 def rivals(rows, default):
-    """Of its case what has an error and is no default, with its ticks or shorter ones: longer ones would do less. Times are
-    those of scaled()."""
+    """Returns the rows of the default's case that have an error and are no default. Their ticks are as long or shorter: longer
+    ones would do less. Times are those of scaled()."""
     mine = [row for row in rows if all(row[column] == default[column] for column in ("material", "side", "cut"))
             and row["error_m"] != "" and row["tick_hz"] >= default["tick_hz"]]
     return [row for row in scaled(mine) if row["scheme"] != "automatic"]
@@ -229,5 +230,5 @@ def with_errors(threads, rows):
 
 
 def gain(row):
-    """What a second thread gains: sheets stepped in the same time, over one."""
+    """Returns the gain by a second thread: how many sheets are stepped in the time of one."""
     return row["one_wall_s_per_s"] / row["two_wall_s_per_s"]

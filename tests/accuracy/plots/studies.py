@@ -1,4 +1,4 @@
-"""What tests/accuracy/plots measures and draws: studies.json, the tables beside it, and what is computed of them."""
+"""The studies that tests/accuracy/plots measures and draws: studies.json, the tables beside it, and their references."""
 
 import csv
 import hashlib
@@ -33,7 +33,7 @@ def name_of_check(check):
 
 
 def quantity(scene, name):
-    """Of the scene's reference: the one that a check of this name is about."""
+    """Returns the quantity of the scene's reference that a check of this name is about."""
     wanted = expectation(scene)
     case = json.loads((REFERENCES / f"{wanted['reference']}.json").read_text())
     about = next(check["quantity"] for check in wanted["checks"] if name_of_check(check) == name)
@@ -71,5 +71,5 @@ def observed_order(found, uncertainty):
 
 
 def digest(description, rows):
-    """What a picture is made of, short: it stands in the picture's metadata."""
+    """Returns a hash of all that a picture is made of; it stands in the picture's metadata."""
     return hashlib.sha256(json.dumps([description, rows], sort_keys=True).encode()).hexdigest()[:16]

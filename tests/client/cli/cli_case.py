@@ -1,4 +1,4 @@
-"""What the tests of the `kerf` command share: a real kerfd of their own, and calls of `kerf` as a shell user makes them."""
+"""Shared by the tests of the `kerf` command: a real kerfd of their own, and calls of `kerf` as a shell user makes them."""
 
 import argparse
 import json
@@ -54,12 +54,12 @@ def tearDownModule():
 
 
 def address():
-    """Of the gRPC services."""
+    """Returns the address of the gRPC services."""
     return SERVER["grpc"]
 
 
 def path(name):
-    """Of a file in the test's own folder."""
+    """Returns the path of a file in the test's own folder."""
     return os.path.join(OPTIONS.work, name)
 
 
@@ -70,7 +70,7 @@ def below_a_file(name):
 
 
 def scene_file(name, **changes):
-    """A scene file: a small sheet that is cut at tick 5 of 20, but for what `changes` says otherwise (None: not at all)."""
+    """Writes a scene file: a small sheet that is cut at tick 5 of 20. `changes` replace fields, or leave them out (None)."""
     content = {name: value for name, value in {**SMALL_SCENE, **changes}.items() if value is not None}
     pathlib.Path(path(name)).write_text(json.dumps(content))
     return path(name)

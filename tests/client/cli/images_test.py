@@ -12,7 +12,7 @@ from cli_case import Case, address, kerf, main, path, setUpModule, tearDownModul
 
 
 def size_of(picture):
-    """Of a PNG, or a baseline JPEG of this server."""
+    """Returns width and height of a PNG, or of a baseline JPEG of this server."""
     if picture[:8] == b"\x89PNG\r\n\x1a\n":
         return int.from_bytes(picture[16:20], "big"), int.from_bytes(picture[20:24], "big")
     at = 2

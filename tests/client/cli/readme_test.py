@@ -1,6 +1,6 @@
-"""The lines of the pages for users that call kerf, kerfd, curl and grpcurl, run as they stand there, one after the other, against a
-server with the demo scene; the ports, and programs that lie elsewhere, are put in place of those of the text. Of other lines the
-programs, presets and files must exist. Python and the program in C++ of the tutorial are run, too."""
+"""Runs the lines of the pages for users that call kerf, kerfd, curl and grpcurl, as they stand there, one after the other. The
+server has the demo scene. The ports, and programs that lie elsewhere, are put in place of those of the text. The programs,
+presets and files of other lines must exist. Python and the program in C++ of the tutorial are run, too."""
 
 import json
 import os

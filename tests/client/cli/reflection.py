@@ -1,5 +1,5 @@
-"""What grpcurl does, in little: asks a server by reflection what it serves, and calls it by what it was told. No generated code of
-Kerf takes part, so that what works here works for grpcurl. The protocol is grpc.reflection.v1alpha, given by its descriptors."""
+"""A small grpcurl: asks a server by reflection what it serves, and calls it by the answer. No generated code of Kerf takes part,
+so calls that work here work for grpcurl. The protocol is grpc.reflection.v1alpha, given by its descriptors."""
 
 import grpc
 from google.protobuf import descriptor_pb2, descriptor_pool, json_format, message_factory

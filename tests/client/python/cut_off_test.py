@@ -1,5 +1,5 @@
-"""Streams that a server broke off because it could not write to them: over connections whose windows do not grow, frames
-that nobody reads soon fill them."""
+"""Streams that a server broke off because it could not write to them: over connections whose windows do not grow, unread
+frames soon fill them."""
 
 import asyncio
 import time

@@ -31,7 +31,7 @@ def modules_of(name):
 
 
 def surface(module):
-    """Of every class and function that the module defines: its public name, signature and whether it is awaited."""
+    """Returns each class and function that the module defines, by its public name: its signature, and whether it is awaited."""
     found = {}
     for name, value in vars(module).items():
         if name.startswith("_") or getattr(value, "__module__", None) != module.__name__:
@@ -45,7 +45,7 @@ def surface(module):
 
 
 def signature_of(function):
-    """What callers see; types that differ only in being awaited read the same."""
+    """Returns the signature that callers see; types that differ only in being awaited read the same."""
     signature = str(inspect.signature(function))
     for words, plain in ((r"AsyncIterator", "Iterator"), (r"Awaitable\[(\w+)\]", r"\1"),
                          (r"Coroutine\[Any, Any, (\w+)\]", r"\1"), (r"grpc\.aio\.Channel", "grpc.Channel")):

@@ -1,4 +1,4 @@
-"""What is refused: by the server, and before anything is sent."""
+"""Refusals: by the server, and before anything is sent."""
 
 import asyncio
 import copy

@@ -1,4 +1,4 @@
-"""What the tests of the Python package share: the package as it is generated, and one kerfd for all of them."""
+"""Shared by the tests of the Python package: the package as it is generated, and one kerfd for all of them."""
 
 import json
 import os

@@ -221,7 +221,7 @@ class Restarts(unittest.TestCase):
         pauses = []
 
         def pause(duration_s):
-            """Between two tries. The third time, two of them have found nobody."""
+            """Waits between two tries. The server is started the third time, when two of them have found none."""
             pauses.append(duration_s)
             if len(pauses) == 3:
                 self.process, _ = support.start_server(self.address, *self.scene)

@@ -91,13 +91,13 @@ class Running(SheetPart):
         measure_every: int = 1,
         request: Optional[Mapping[str, Any]] = None,
     ) -> Analysis:
-        """The equilibrium of the sheet as it is now, or with `modes` so many (1..200) of its lowest vibrations, or with
-        `ticks` what it does in so many ticks to come (0: how it is): on a copy. Needs NumPy.
+        """Analyses a copy of the sheet as it is now. Returns its equilibrium; with `modes` so many (1..200) of its lowest
+        vibrations; with `ticks` its motion in so many ticks to come (0: its present state). Needs NumPy.
 
         request: kerf.v1.AnalyzeSheetRequest as a mapping, for load steps, probes and positions; beside it only ticks and
-        measure_every may be given, and then it has no analysis of its own. The tables of the answer hold what the probes
-        measured ("probes", in time at the start, after each `measure_every` ticks and at the end) and the vibrations ("modes").
-        Raises ValueError where two analyses are asked for, ResourceExhausted beyond 100,000 vertices.
+        measure_every may be given, and then it has no analysis of its own. The tables of the answer hold the vibrations
+        ("modes") and the measurements of the probes ("probes"). Motion is measured at the start, after each `measure_every`
+        ticks and at the end. Raises ValueError where two analyses are asked for, ResourceExhausted beyond 100,000 vertices.
 
         >>> (await sheet.analyze(modes=3)).tables["modes"]["frequency_hz"].shape
         (3,)

@@ -36,8 +36,8 @@ class _Loop:
 
 
 class AcknowledgedStream(_Loop):
-    """The base class of streams with acknowledgements. The answer held by a loop is acknowledged when it asks for the next,
-    so that the server sends no more than the loop can take. The server ends a stream that acknowledges nothing for 10
+    """The base class of streams with acknowledgements. The answer held by a loop is acknowledged when it asks for the next.
+    The server thus sends no more than the loop can take. The server ends a stream that acknowledges nothing for 10
     seconds; it is then reopened, unnoticed by the loop. A stream whose server was lost is reopened as long as
     reconnect_s allows."""
 

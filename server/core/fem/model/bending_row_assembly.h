@@ -16,7 +16,7 @@
 namespace kerf::fem {
 
 // Sums rows of the bending matrix, one at a time, over the terms that contain its vertex. The sums are over the patches
-// by ascending slot, then over the edges, so they do not depend on the edits that led to the sheet.
+// by ascending slot, then over the edges. They thus do not depend on the edits that led to the sheet.
 class BendingRowAssembly {
  public:
   struct Terms {

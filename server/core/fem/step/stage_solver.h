@@ -92,8 +92,8 @@ class StageSolver {
   // Computes a later Newton step in step_.
   void solve_next(StageProblem& problem, const mesh::VertexField& x, bool predicted, StepStats& stats);
   // Solves matrix_ x = rhs_ from the guess x. Returns false if it should be assembled and solved again without the
-  // tangent of follower loads, which alone can keep the matrix from being positive definite. They stay in the residual.
-  // The tangent is left out until the stage is solved.
+  // tangent of follower loads. That tangent alone can keep the matrix from being positive definite. The loads stay in
+  // the residual. Their tangent is left out until the stage is solved.
   bool solve_linear(LinearSolver& solver, StageProblem& problem, StepStats& stats, mesh::VertexField& x);
 
   IntegratorOptions options_;

@@ -26,8 +26,8 @@ constexpr std::size_t kMaxCavity = 256;  // triangles searched for fixed edges t
 // Pulls Ungor's off-centre in by 5 % (the factor of Shewchuk's Triangle 1.6). So rounding does not leave the new
 // triangle just below the angle.
 constexpr double kOffCentreFactor = 0.475;
-// Least distance of a new point from a lip that it encroaches on and that must not be split, as a fraction of the
-// shortest edge of the triangle that the point is to remove. -
+// Least distance of a new point from a lip that it encroaches on and that must not be split. The unit is the shortest
+// edge of the triangle that the point is to remove. -
 constexpr double kLeastRoom = 0.3;
 
 // An ill-shaped triangle in the queue. It is stale if the slot holds other corners now.

@@ -54,11 +54,11 @@ struct RefinementCounts {
 // after Ruppert (1995, "A Delaunay refinement algorithm for quality 2-dimensional mesh generation"). Points are
 // off-centres (Ungor 2004, "Off-centers: a new type of Steiner points"); fixed edges are split where encroached or in
 // the way. There are two guards for sharp input corners. One is concentric shells around corners below 60 degrees
-// (Ruppert, sec. 7). The other does not refine triangles whose shortest edge joins two lips of such a corner (Miller,
-// Pav, Walkington 2003, "When and why Ruppert's algorithm works"). Near strands (see Strands) no angle is below
-// strand_angle_deg: triangles between lips are no higher than their gap, however many triangles fill it. In narrow gaps
-// no angle is required: there lips are only split opposite each other, and needles span them. The void is never
-// refined. Ends early where the editor's budget is exhausted.
+// (Ruppert, sec. 7). The other is by Miller, Pav, Walkington (2003, "When and why Ruppert's algorithm works"): it
+// does not refine triangles whose shortest edge joins two lips of such a corner. Near strands (see Strands) no angle is
+// below strand_angle_deg: triangles between lips are no higher than their gap, however many triangles fill it. In
+// narrow gaps no angle is required: there lips are only split opposite each other, and needles span them. The void is
+// never refined. Ends early where the editor's budget is exhausted.
 RefinementCounts refine(MeshEditor& editor, std::span<const TriangleId> seeds, const RefinementConfig& config);
 
 }  // namespace kerf::mesh
