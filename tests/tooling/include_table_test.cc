@@ -1,5 +1,5 @@
-// Who may include whom: reads every #include line of server/, render/ and client/ and compares it with the table below,
-// which is the one in server/README.md. A folder that is not in the table fails, so a new one has to be thought about.
+// Who may include whom: compares every #include line of server/, render/ and client/ with the table of
+// server/README.md, which is read here. A folder that is not in the table fails, so a new one has to be thought about.
 // A row fails, too, if its folder is gone.
 
 #include <algorithm>
@@ -21,10 +21,10 @@ namespace fs = std::filesystem;
 struct Row {
   std::string folder;                    // files below it follow this row; the longest matching row counts
   std::vector<std::string> ours;         // folders, or single files, that may be included beside the own one
-  std::vector<std::string> third_party;  // names of groups of kGroups
+  std::vector<std::string> third_party;  // names of groups()
 };
 
-// Headers from outside, by prefix. "proto" are the generated messages, "grpc_stubs" the generated services.
+// Headers from outside, by prefix. Those that protoc makes are in two groups more, see group_of().
 struct Group {
   std::string name;
   std::vector<std::string> prefixes;
@@ -32,129 +32,31 @@ struct Group {
 
 const std::vector<Group>& groups() {
   static const std::vector<Group> all = {
-      {"front_doors", {"kerf/kerf.h", "kerf/client.h"}},
-      {"clipper", {"polyclipping/"}},
-      {"eigen", {"Eigen/"}},
-      {"highway", {"hwy/"}},
-      {"spectra", {"Spectra/"}},
-      {"asio", {"boost/asio", "boost/system"}},
-      {"boost", {"boost/"}},
+      {"front doors", {"kerf/kerf.h", "kerf/client.h"}},
+      {"Clipper", {"polyclipping/"}},
+      {"Eigen", {"Eigen/"}},
+      {"Highway", {"hwy/"}},
+      {"Spectra", {"Spectra/"}},
+      {"Asio", {"boost/asio", "boost/system"}},
+      {"Boost", {"boost/"}},
       {"protobuf", {"google/protobuf/"}},
-      {"grpc", {"grpc/", "grpc++/", "grpcpp/"}},
-      {"prometheus", {"prometheus/"}},
-      {"cli", {"CLI/"}},
-      {"json", {"nlohmann/"}},
-      {"xml", {"pugixml.hpp"}},
-      {"zip", {"minizip/"}},
-      {"gl", {"EGL/", "GL/", "GLES", "KHR/"}},
-      {"images", {"png.h", "turbojpeg.h", "jpeglib.h", "vpx/", "libyuv/"}},
-      {"posix",
+      {"gRPC", {"grpc/", "grpc++/", "grpcpp/"}},
+      {"prometheus-cpp", {"prometheus/"}},
+      {"CLI11", {"CLI/"}},
+      {"nlohmann-json", {"nlohmann/"}},
+      {"pugixml", {"pugixml.hpp"}},
+      {"minizip", {"minizip/"}},
+      {"EGL", {"EGL/", "KHR/"}},
+      {"OpenGL", {"GL/", "GLES"}},
+      {"libpng", {"png.h"}},
+      {"libjpeg-turbo", {"turbojpeg.h", "jpeglib.h"}},
+      {"libvpx", {"vpx/"}},
+      {"libyuv", {"libyuv/"}},
+      {"POSIX",
        {"arpa/", "dirent.h", "fcntl.h", "malloc.h", "netdb.h", "netinet/", "poll.h", "pthread.h", "signal.h", "sys/",
         "termios.h", "time.h", "unistd.h"}},
   };
   return all;
-}
-
-const std::vector<Row>& table() {
-  static const std::vector<Row> rows = {
-      {"server/base", {}, {"posix"}},
-      // The library.
-      {"server/core/linear", {"server/base"}, {"eigen", "highway"}},
-      {"server/core/mesh", {"server/base"}, {"eigen"}},
-      {"server/core/mesh/refine", {"server/core/mesh", "server/base"}, {"eigen"}},
-      {"server/core/mesh/build", {"server/core/mesh/refine", "server/core/mesh", "server/base"}, {"eigen"}},
-      {"server/core/cut",
-       {"server/core/mesh/refine", "server/core/mesh", "server/core/linear", "server/base"},
-       {"clipper", "eigen"}},
-      {"server/core/contact", {"server/core/mesh", "server/core/linear", "server/base"}, {"eigen", "highway"}},
-      {"server/core/fem/element", {"server/core/mesh", "server/core/linear", "server/base"}, {"eigen", "highway"}},
-      {"server/core/fem/model",
-       {"server/core/fem/element", "server/core/mesh", "server/core/linear", "server/base"},
-       {"eigen", "highway"}},
-      {"server/core/fem/leapfrog",
-       {"server/core/fem/model", "server/core/fem/element", "server/core/mesh", "server/core/linear", "server/base"},
-       {"eigen", "highway"}},
-      {"server/core/fem/step",
-       {"server/core/fem/leapfrog", "server/core/fem/model", "server/core/fem/element", "server/core/mesh",
-        "server/core/linear", "server/base"},
-       {"eigen"}},
-      {"server/core/fem/statics",
-       {"server/core/fem/model", "server/core/fem/element", "server/core/mesh", "server/core/linear", "server/base"},
-       {"eigen", "spectra"}},
-      {"server/core/scene",
-       {"server/core/cut", "server/core/contact", "server/core/fem/statics", "server/core/fem/step",
-        "server/core/fem/model", "server/core/fem/element", "server/core/mesh/build", "server/core/mesh/refine",
-        "server/core/mesh", "server/core/linear", "server/base"},
-       {"eigen"}},
-      {"server/core/sheet",
-       {"server/core/scene", "server/core/cut", "server/core/contact", "server/core/fem/statics",
-        "server/core/fem/step", "server/core/fem/model", "server/core/fem/element", "server/core/mesh",
-        "server/core/linear", "server/base"},
-       {"eigen"}},
-      {"server/core/analysis",
-       {"server/core/sheet", "server/core/scene", "server/core/fem/statics", "server/core/fem/model",
-        "server/core/fem/element", "server/core/mesh", "server/core/linear", "server/base"},
-       {"eigen"}},
-      {"server/core/kerf",
-       {"server/core/analysis", "server/core/sheet", "server/core/scene", "server/core/contact", "server/core/cut",
-        "server/core/fem/element", "server/base"},
-       {}},
-      // The service around it.
-      {"server/service/codec", {"server/base"}, {}},
-      {"server/service/svg", {"server/core/cut", "server/base"}, {"eigen", "xml"}},
-      // The single files define what a sheet's functions return.
-      {"server/service/host",
-       {"server/core/sheet", "server/core/scene", "server/core/fem/step/integrator.h",
-        "server/core/fem/step/softening.h", "server/core/fem/model/tick_cost.h", "server/core/mesh/triangle_mesh.h",
-        "server/base"},
-       {"asio", "eigen", "posix"}},
-      {"server/service/wire",
-       {"server/service/svg", "server/service/codec", "server/core/analysis", "server/core/sheet", "server/core/scene",
-        "server/base"},
-       {"eigen", "proto", "protobuf"}},
-      {"server/service/offline",
-       {"server/service/wire", "server/service/svg", "server/core/analysis", "server/core/sheet", "server/core/scene",
-        "server/core/fem/model/tick_cost.h", "server/core/mesh/triangle_mesh.h", "server/base"},
-       {"proto"}},
-      {"server/service/stream", {"server/service/wire", "server/core/sheet", "server/base"}, {}},
-      {"server/service/picture",
-       {"server/service/stream", "server/service/host", "server/core/sheet", "server/core/mesh/triangle_mesh.h",
-        "server/base", "render/renderer.h", "render/image.h", "render/video.h", "render/colours.h"},
-       {"eigen", "proto"}},
-      {"server/service/api",
-       {"server/service/picture", "server/service/stream", "server/service/wire", "server/service/host",
-        "server/core/analysis", "server/core/sheet", "server/core/scene", "server/core/fem/element/state.h",
-        "server/core/mesh/triangle_mesh.h", "server/base", "render/renderer.h", "render/image.h", "render/video.h",
-        "render/colours.h"},
-       {"eigen", "proto"}},
-      {"server/service/rpc",
-       {"server/service/api", "server/service/stream", "server/service/wire", "server/service/host", "server/base",
-        "render/renderer.h", "render/image.h", "render/video.h"},
-       {"asio", "proto", "grpc_stubs", "grpc", "posix"}},
-      {"server/service/ws",
-       {"server/service/api", "server/service/wire", "server/service/host", "server/base", "render/renderer.h",
-        "render/image.h", "render/video.h"},
-       {"proto", "boost", "prometheus", "posix"}},
-      {"server/app",
-       {"server/service/rpc", "server/service/ws", "server/service/api", "server/service/wire", "server/service/host",
-        "server/core/sheet", "server/core/scene", "server/base", "render/renderer.h", "render/image.h",
-        "render/video.h"},
-       {"proto", "cli", "posix"}},
-      {"render", {}, {"gl", "images"}},
-      {"client/cpp", {"server/service/codec"}, {"proto", "protobuf", "grpc_stubs", "grpc", "zip"}},
-      // One embeds the core, the other asks a server.
-      {"client/cpp/kerf", {"client/cpp"}, {}},
-      {"client/examples", {}, {"front_doors", "posix"}},
-      {"client/load", {"client/cpp", "server/base"}, {"proto", "grpc_stubs", "grpc", "boost", "json", "posix"}},
-      // `kerf run` and `kerf replay` need no server: `offline` steps the sheet for them.
-      {"client/cli",
-       {"client/cpp", "client/load", "server/service/offline", "server/service/wire/json.h",
-        "server/service/wire/error_codec.h", "server/base"},
-       {"proto", "protobuf", "grpc_stubs", "grpc", "cli", "json", "posix"}},
-      // Manual pages from the tables of both command lines.
-      {"client/manual", {"client/cli", "server/app"}, {"cli"}},
-  };
-  return rows;
 }
 
 bool starts_with(std::string_view text, std::string_view prefix) {
@@ -163,6 +65,68 @@ bool starts_with(std::string_view text, std::string_view prefix) {
 bool ends_with(std::string_view text, std::string_view suffix) {
   return text.size() >= suffix.size() && text.substr(text.size() - suffix.size()) == suffix;
 }
+std::string read(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+// Returns what stands between separators, without blanks around it.
+std::vector<std::string> parts_of(std::string_view text, char separator) {
+  std::vector<std::string> found;
+  while (true) {
+    const std::size_t end = std::min(text.find(separator), text.size());
+    const std::string_view part = text.substr(0, end);
+    const std::size_t first = part.find_first_not_of(' ');
+    if (first != std::string_view::npos) {
+      found.emplace_back(part.substr(first, part.find_last_not_of(' ') + 1 - first));
+    } else {
+      found.emplace_back();
+    }
+    if (end == text.size()) return found;
+    text.remove_prefix(end + 1);
+  }
+}
+
+// Returns the path of a name of the table from the repository's root. A name that means nothing, or two things, is
+// returned as it is.
+std::string path_of(const std::string& name) {
+  std::vector<std::string> found;
+  for (const std::string root : {"server/", "server/core/", "server/service/", ""}) {
+    if (fs::exists(fs::path(KERF_SOURCE_DIR) / (root + name))) found.push_back(root + name);
+  }
+  return found.size() == 1 ? found.front() : name;
+}
+
+std::vector<std::string> names_of(const std::string& cell) {
+  return cell.empty() ? std::vector<std::string>() : parts_of(cell, ',');
+}
+
+// Returns the rows of the table below the heading "Who may include whom". A line that has not three cells becomes a row
+// whose folder is the whole line.
+std::vector<Row> rows_of(const std::string& page) {
+  const std::string heading = "\n## Who may include whom\n";
+  const std::size_t begin = std::min(page.find(heading), page.size() - heading.size()) + heading.size();
+  std::vector<Row> rows;
+  int num_lines = 0;
+  for (const std::string& line : parts_of(page.substr(begin, page.find("\n## ", begin) - begin), '\n')) {
+    if (!starts_with(line, "|") || ++num_lines <= 2) continue;  // the first two are the table's head
+    const std::vector<std::string> cells = parts_of(line, '|');
+    if (cells.size() != 5) {
+      rows.push_back({line, {}, {}});
+      continue;
+    }
+    Row row{path_of(cells[1]), names_of(cells[2]), names_of(cells[3])};
+    std::transform(row.ours.begin(), row.ours.end(), row.ours.begin(), path_of);
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+const std::vector<Row>& table() {
+  static const std::vector<Row> rows = rows_of(read(fs::path(KERF_SOURCE_DIR) / "server/README.md"));
+  return rows;
+}
+
 bool lies_in(std::string_view path, std::string_view folder) {
   return path == folder || (starts_with(path, folder) && path.size() > folder.size() && path[folder.size()] == '/');
 }
@@ -200,10 +164,10 @@ std::vector<Include> includes_of(std::string_view source) {
   return found;
 }
 
-// The group of a header from outside; "std" for the standard library, nothing if unknown.
+// Returns the group of a header from outside; "std" for the standard library, nothing if unknown.
 std::optional<std::string> group_of(std::string_view path) {
-  if (ends_with(path, ".grpc.pb.h")) return "grpc_stubs";
-  if (ends_with(path, ".pb.h")) return "proto";
+  if (ends_with(path, ".grpc.pb.h")) return "services";
+  if (ends_with(path, ".pb.h")) return "messages";
   for (const Group& group : groups()) {
     for (const std::string& prefix : group.prefixes) {
       if (starts_with(path, prefix)) return group.name;
@@ -242,7 +206,7 @@ std::optional<std::string> fault_of(const Row& row, const Include& include) {
   if (!group) return "neither a path from the repository's root nor a header of a known library";
   // Boost.Asio is part of Boost.
   const bool allowed =
-      *group == "std" || contains(row.third_party, *group) || (*group == "asio" && contains(row.third_party, "boost"));
+      *group == "std" || contains(row.third_party, *group) || (*group == "Asio" && contains(row.third_party, "Boost"));
   return allowed ? std::nullopt : std::optional<std::string>(row.folder + " may not use " + *group);
 }
 
@@ -270,9 +234,7 @@ TEST(IncludeTable, HoldsForEverySourceFile) {
   for (const char* top : {"server", "render", "client"}) {
     for (const auto& entry : fs::recursive_directory_iterator(root / top)) {
       if (!entry.is_regular_file() || !is_source(entry.path())) continue;
-      std::ifstream in(entry.path(), std::ios::binary);
-      const std::string source{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-      const auto here = violations(fs::relative(entry.path(), root).generic_string(), source);
+      const auto here = violations(fs::relative(entry.path(), root).generic_string(), read(entry.path()));
       found.insert(found.end(), here.begin(), here.end());
       ++num_files;
     }
@@ -285,13 +247,29 @@ TEST(IncludeTable, ListsOnlyWhatExists) {
   const fs::path root = KERF_SOURCE_DIR;
   for (const Row& row : table()) {
     EXPECT_TRUE(fs::is_directory(root / row.folder)) << row.folder;
+    EXPECT_EQ(row_of(row.folder), &row) << row.folder << " has two rows";
     for (const std::string& one : row.ours) EXPECT_TRUE(fs::exists(root / one)) << one << ", listed for " << row.folder;
     for (const std::string& name : row.third_party) {
-      const bool known = name == "proto" || name == "grpc_stubs" ||
+      const bool known = name == "messages" || name == "services" ||
                          std::any_of(groups().begin(), groups().end(), [&](const Group& g) { return g.name == name; });
       EXPECT_TRUE(known) << name << ", listed for " << row.folder;
     }
   }
+}
+
+TEST(IncludeTable, IsReadFromThePage) {
+  const std::vector<Row> rows = rows_of(
+      "# Page\n\n## Who may include whom\n\nSee | this.\n\n| folder | may include | third party |\n|---|---|---|\n"
+      "| fem/step | mesh, app | |\n| client/cli | wire/json.h, gone | Boost, gRPC |\n| two | cells |\n\n## To add\n\n"
+      "| what | touch | |\n|---|---|---|\n| cut | base | |\n");
+  ASSERT_EQ(rows.size(), 3u);
+  EXPECT_EQ(rows[0].folder, "server/core/fem/step");
+  EXPECT_THAT(rows[0].ours, testing::ElementsAre("server/core/mesh", "server/app"));
+  EXPECT_THAT(rows[0].third_party, testing::IsEmpty());
+  EXPECT_EQ(rows[1].folder, "client/cli");
+  EXPECT_THAT(rows[1].ours, testing::ElementsAre("server/service/wire/json.h", "gone"));
+  EXPECT_THAT(rows[1].third_party, testing::ElementsAre("Boost", "gRPC"));
+  EXPECT_EQ(rows[2].folder, "| two | cells |");
 }
 
 // The check itself, against faults put there on purpose.

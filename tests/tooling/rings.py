@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Draws server/rings.svg, the rooms of server/ and who includes whom, from the #include lines of its sources.
 
-Rooms are the folders in the table of include_table_test.cc. A line leads from a room to one that it includes; lines that follow
+Rooms are the folders below server/ in the table of server/README.md. A line leads from a room to one that it includes; lines that follow
 from others are left out. A room stands above everything that it includes.
 
     tests/tooling/rings.py          # writes the picture; pages_test.py compares it
@@ -12,7 +12,7 @@ import re
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PICTURE = ROOT / "server/rings.svg"
-TABLE = ROOT / "tests/tooling/include_table_test.cc"
+PAGE = ROOT / "server/README.md"  # has the include table
 RINGS = ("base", "core", "service", "app")  # from the innermost outwards
 COLOURS = {"base": "#e9e4f5", "core": "#dcebf7", "service": "#e2f2e1", "app": "#fbeedd"}
 # Places rooms from left to right, 0..1, so that few lines meet boxes. Others stand at the right border.
@@ -26,8 +26,9 @@ LETTER = 7.4  # of the labels, px
 
 def rooms():
     """Returns the folders of server/ that the include table has, such as "core/mesh/refine"."""
-    rows = TABLE.read_text().split("const std::vector<Row>& table()")[1].split("return rows;")[0]
-    return re.findall(r'^      \{"server/([\w/]+)"', rows, re.MULTILINE)
+    table = PAGE.read_text().split("\n## Who may include whom\n")[1].split("\n## ")[0]
+    paths = [f"{ring}{name}" for name in re.findall(r"^\| ([\w/]+) \|", table, re.MULTILINE) for ring in ("", "core/", "service/")]
+    return [path for path in paths if (ROOT / "server" / path).is_dir()]
 
 
 def room_of(path, names):
