@@ -81,7 +81,7 @@ def main():
     sys.path.insert(0, str(package))
     pages.lay_out(folder / "source", {**api_pages.references(), **python_pages.references(), **cpp_pages.references()})
     done = subprocess.run(
-        [sys.executable, "-m", "sphinx", "-b", "html", "-q", "-W", "--keep-going", "-j", "2", "-c", HERE, "-d", folder / "doctrees",
+        [sys.executable, "-m", "sphinx", "-b", "html", "-q", "-W", "--keep-going", "-c", HERE, "-d", folder / "doctrees",
          folder / "source", folder / "html"], env={**os.environ, "PYTHONPATH": str(package)})
     if done.returncode:
         shutil.rmtree(folder / "doctrees")  # so that a page with a warning is read again

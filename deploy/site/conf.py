@@ -1,5 +1,6 @@
 """Sphinx's configuration: Markdown and reStructuredText, the theme Furo, names of kerf.v1, and links from types in Python to them."""
 
+import gc
 import inspect
 import pathlib
 import re
@@ -14,6 +15,8 @@ from sphinx.util.nodes import make_id, make_refnode
 
 import kerf
 import kerf.aio
+
+gc.disable()  # Sphinx keeps nearly all that it makes: looking for garbage takes two fifths of its time, and finds little
 
 project = "Kerf"
 author = "Kerf"
