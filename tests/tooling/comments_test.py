@@ -7,7 +7,7 @@ finds those that are no plain sentences:
 - or a sentence has more than 25 words. sentences() and num_words() say how formulas, tables and examples are left out.
 
 Comments of .proto files are the text of the API reference, so more words are refused there. Their lines end at column 120,
-which clang-format does for C++.
+which clang-format does for C++. Other sources have at most 400 lines.
 
     tests/tooling/comments_test.py             # as a test
     tests/tooling/comments_test.py FOLDER...   # lists what it finds there
@@ -29,6 +29,7 @@ WORDS = re.compile(r"\b(told|goes on|go on|went on|but for|anew|nobody|somebody|
 REFERENCE_WORDS = re.compile(r"\b(all the same|one of which|that of|(?<!text )for people)\b", re.IGNORECASE)
 MOST_WORDS = 25  # of a sentence
 MOST_COLUMNS = 120  # of .proto files, which no formatter reads
+MOST_LINES = 400  # of all other sources
 
 # Literals first, so that a // within them is none.
 TOKEN = re.compile(r'R"\((?:.|\n)*?\)"|`(?:\\.|[^`\\])*`|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])+\'|//[^\n]*|/\*(?:.|\n)*?\*/')
@@ -211,6 +212,11 @@ class Comments(unittest.TestCase):
         found = [f"{path.relative_to(ROOT)}:{number}: {len(line)} columns" for path, language in sources(["proto"]) if language == "proto"
                  for number, line in enumerate(path.read_text().split("\n"), 1) if len(line) > MOST_COLUMNS]
         self.assertEqual(found, [])
+
+    def test_sources_are_short(self):
+        found = [f"{path.relative_to(ROOT)}: {lines} lines" for path, language in sources(FOLDERS)
+                 if language != "proto" and (lines := path.read_text().count("\n")) > MOST_LINES]
+        self.assertEqual(found, [], "split by topic")
 
     def test_every_language_is_read(self):
         self.assertEqual({language for _, language in sources(FOLDERS)}, set(COMMENTS))
