@@ -16,8 +16,8 @@ inline Error out_of_memory() {
 }
 
 // Calls `work`, which returns a Result, and turns an exception into an error: kResourceExhausted OUT_OF_MEMORY,
-// kAborted INTERRUPTED (see interruption_point()) or kInternal INTERNAL. Guards work whose memory grows with a client's
-// sheet: one sheet too large must not end the server for all.
+// kAborted INTERRUPTED (see interruption_point()) or kInternal INTERNAL. Put it around work whose memory grows with a
+// client's sheet, so that one sheet too large does not end the server for all clients.
 template <typename Work>
 std::invoke_result_t<Work> catch_exceptions(Work&& work) {
   try {

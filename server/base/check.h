@@ -2,19 +2,20 @@
 
 namespace kerf {
 
-// Prints the failed condition and where it stands to stderr, then aborts. A broken invariant is our bug: continuing
-// would corrupt what users see. What the network sends is never checked with this (see Result).
+// Prints the failed condition, its file and its line to stderr, then aborts. A broken invariant is a bug of Kerf, and
+// continuing would corrupt what users see. Input from the network is never checked with this: it gets an Error (see
+// Result).
 [[noreturn]] void check_failed(const char* condition, const char* file, int line, const char* message);
 
 }  // namespace kerf
 
-// Always on.
+// Checks an invariant in every build.
 #define KERF_CHECK(condition, message)                                                 \
   do {                                                                                 \
     if (!(condition)) ::kerf::check_failed(#condition, __FILE__, __LINE__, (message)); \
   } while (false)
 
-// For hot loops: on unless NDEBUG.
+// Checks an invariant in a hot loop, in builds without NDEBUG only.
 #ifdef NDEBUG
 #define KERF_DCHECK(condition, message) \
   do {                                  \

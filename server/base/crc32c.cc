@@ -5,9 +5,9 @@
 namespace kerf {
 namespace {
 
-constexpr std::uint32_t kPolynomial = 0x82f63b78U;  // with its bits reversed
+constexpr std::uint32_t kPolynomial = 0x82f63b78U;  // the Castagnoli polynomial, with its bits reversed
 
-// Entry k holds the remainder of byte k.
+// Entry k is the remainder that byte k leaves when divided by the polynomial.
 constexpr std::array<std::uint32_t, 256> make_table() {
   std::array<std::uint32_t, 256> table{};
   for (std::uint32_t byte = 0; byte < table.size(); ++byte) {

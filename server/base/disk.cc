@@ -16,7 +16,7 @@ Error io_error(const std::string& action, const std::string& path, int code) {
   const std::string message = "cannot " + action + " \"" + path + "\": " + std::generic_category().message(code);
   if (code == ENOENT) return not_found("FILE_NOT_FOUND", message);
   if (code == ENOSPC || code == EDQUOT) return resource_exhausted("DISK_FULL", message);
-  if (code == EFBIG) return resource_exhausted("FILE_TOO_LARGE", message);  // ulimit -f, for one
+  if (code == EFBIG) return resource_exhausted("FILE_TOO_LARGE", message);  // for example because of ulimit -f
   return unavailable("FILE_IO", message);
 }
 
@@ -51,7 +51,7 @@ Status write_all(int file, std::string_view bytes, const std::string& path) {
   return Nothing{};
 }
 
-// So that a new name in the directory survives a loss of power.
+// Syncs the directory of `path`, so that a new name in it survives a loss of power.
 Status sync_directory_of(const std::string& path) {
   const std::size_t slash = path.rfind('/');
   const std::string directory = slash == std::string::npos ? "." : path.substr(0, slash == 0 ? 1 : slash);
@@ -70,7 +70,7 @@ class RealFile : public AppendFile {
     if (written.ok()) {
       size_ += static_cast<off_t>(bytes.size());
     } else {
-      (void)drop_partial();  // what remains is dropped by the next append
+      (void)drop_partial();  // if this fails too, the next append tries again
     }
     return written;
   }
@@ -80,7 +80,7 @@ class RealFile : public AppendFile {
   }
 
  private:
-  // Takes away what a failed append wrote.
+  // Removes the part that a failed append has written.
   Status drop_partial() {
     if (is_partial_ && ::ftruncate(file_.number(), size_) != 0) return io_error("shorten", path_, errno);
     is_partial_ = false;
@@ -89,7 +89,7 @@ class RealFile : public AppendFile {
 
   Descriptor file_;
   std::string path_;
-  off_t size_ = 0;  // bytes, of the appends that succeeded
+  off_t size_ = 0;  // bytes of all appends that succeeded
   bool is_partial_ = false;
 };
 
@@ -121,7 +121,8 @@ Status RealDisk::write_file(const std::string& named, std::string_view content) 
   if (broken) return io_error("follow", named, broken.value());
   const std::string path = meant.string();
   struct stat about {};
-  if (::stat(path.c_str(), &about) == 0 && !S_ISREG(about.st_mode)) {  // a device, a pipe: a file would take its place
+  if (::stat(path.c_str(), &about) == 0 && !S_ISREG(about.st_mode)) {  // rename() would put a file in place of a device
+                                                                       // or pipe
     Descriptor device(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
     if (!device.is_open()) return io_error("open", path, errno);
     return write_all(device.number(), content, path);

@@ -23,7 +23,7 @@ InterruptionScope::~InterruptionScope() {
 void poll_stop_condition() {
   points_to_poll = kPointsToAPoll;
   if (innermost != nullptr && innermost->stop_()) {
-    points_to_poll = 0;  // what catches it by mistake is asked at once
+    points_to_poll = 0;  // if the exception is swallowed by mistake, the next point throws again
     throw Interrupted();
   }
 }

@@ -12,11 +12,11 @@ class Interrupted : public std::exception {
   [[nodiscard]] const char* what() const noexcept override { return "interrupted"; }
 };
 
-// Lets a thread's work end early, at its interruption points, for as long as this exists. Scopes nest: the innermost
-// decides. Construct and destroy it on the working thread.
+// Lets a thread's work end early, at its interruption points, for as long as this exists. Scopes may nest; only the
+// condition of the innermost one is polled. Construct and destroy it on the working thread.
 class InterruptionScope {
  public:
-  // `stop`: called on this thread, by some of the points.
+  // `stop`: polled on this thread, at one of kPointsToAPoll interruption points.
   explicit InterruptionScope(StopCondition stop);
   ~InterruptionScope();
   InterruptionScope(const InterruptionScope&) = delete;
@@ -28,14 +28,16 @@ class InterruptionScope {
   InterruptionScope* const outer_;
 };
 
-// Throws Interrupted if the scope's condition is true.
+// Throws Interrupted if the stop condition of the innermost scope is true.
 void poll_stop_condition();
 
-// Number of points from one poll of the scope's condition to the next. Each point stands for some microseconds of work.
+// Number of interruption points from one poll of the stop condition to the next. Between two points lie some
+// microseconds of work.
 inline constexpr int kPointsToAPoll = 256;
 extern thread_local constinit int points_to_poll;
 
-// Call it in loops that may be long. It costs a count, and now and then a poll of the scope's condition.
+// Throws Interrupted if the work of this thread is to end early; call it in loops that may be long. Most calls only
+// count down; every kPointsToAPoll-th one polls the stop condition.
 inline void interruption_point() {
   if (--points_to_poll <= 0) poll_stop_condition();
 }

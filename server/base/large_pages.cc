@@ -1,8 +1,8 @@
-// The global allocation functions of the programs that link this: large blocks lie on large pages.
+// Replaces the global allocation functions of programs that link this file, so that large blocks lie on large pages.
 //
-// A cut touches a few hundred places of a sheet. In pages of 4 KiB, on a sheet of hundreds of megabytes, locating a
-// place costs about as much as reading it. In pages of 2 MiB it costs hardly anything. Systems with transparent large
-// pages "always" do this by themselves where alignment allows it. Those with "madvise" do it on request.
+// A cut touches a few hundred places of a sheet. On a sheet of hundreds of megabytes in pages of 4 KiB, translating an
+// address costs about as much as reading there. In pages of 2 MiB it costs hardly anything. Linux uses large pages by
+// itself if transparent_hugepage is "always" and the alignment allows it. If it is "madvise", it does so on request.
 
 #include <sys/mman.h>
 
@@ -15,7 +15,7 @@
 namespace {
 
 constexpr std::size_t kLargePage = std::size_t{2} << 20;  // bytes
-constexpr std::size_t kLargeBlock = 2 * kLargePage;       // bytes; less is left where it falls: rounding up would waste
+constexpr std::size_t kLargeBlock = 2 * kLargePage;       // bytes; smaller blocks would waste too much by rounding
 
 constexpr std::size_t rounded_up(std::size_t bytes, std::size_t unit) {
   return (bytes + unit - 1) / unit * unit;
@@ -25,7 +25,7 @@ void* try_to_allocate(std::size_t bytes, std::size_t alignment) {
   if (bytes >= kLargeBlock && bytes <= SIZE_MAX - kLargePage) {
     const std::size_t rounded = rounded_up(bytes, kLargePage);
     void* const block = std::aligned_alloc(std::max(kLargePage, alignment), rounded);
-    if (block != nullptr) madvise(block, rounded, MADV_HUGEPAGE);  // a wish: small pages do as well
+    if (block != nullptr) madvise(block, rounded, MADV_HUGEPAGE);  // may fail: small pages work too
     return block;
   }
   if (alignment <= alignof(std::max_align_t)) return std::malloc(bytes);
@@ -44,7 +44,7 @@ void* allocate(std::size_t bytes, std::size_t alignment) {
 
 }  // namespace
 
-// The other forms, of arrays, without exceptions and with a size, call these.
+// The standard library's other forms (for arrays, nothrow, sized) call these functions.
 void* operator new(std::size_t bytes) {
   return allocate(bytes, alignof(std::max_align_t));
 }

@@ -13,7 +13,8 @@
 namespace kerf {
 namespace {
 
-// Tries it: what the allocator has reserved already may serve, or not.
+// Returns true if the limit of the address space admits one more block of this size. Tries a mapping, which ignores
+// memory that the allocator holds in reserve.
 bool has_addresses_for(std::int64_t bytes) {
   rlimit limit{};
   if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return true;
@@ -24,7 +25,7 @@ bool has_addresses_for(std::int64_t bytes) {
   return true;
 }
 
-// Bytes; the greatest number where the machine does not say.
+// Returns the available memory of the machine in bytes, or the greatest number if /proc does not say.
 std::int64_t available_memory() {
   std::ifstream file("/proc/meminfo");
   std::string name;

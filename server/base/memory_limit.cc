@@ -13,13 +13,14 @@ namespace {
 
 constexpr std::int64_t kNone = std::numeric_limits<std::int64_t>::max();
 
-// kNone where there is no such file, or it says "max".
+// Returns the limit in bytes that a file gives, or kNone if the file does not exist or says "max".
 std::int64_t limit_in(const std::filesystem::path& file) {
   std::int64_t bytes = 0;
   return std::ifstream(file) >> bytes && bytes > 0 ? bytes : kNone;
 }
 
-// The least of a group and the groups around it. Where /sys has only the container's part of the tree, that is its top.
+// Returns the least limit of a control group and its ancestors, in bytes. In a container, /sys may show only the
+// container's own group, as the top of the tree; so the top is read as well.
 std::int64_t limit_of_group(const std::filesystem::path& mount, std::string group, const char* file) {
   std::int64_t least = limit_in(mount / file);
   while (group.size() > 1) {
@@ -29,7 +30,8 @@ std::int64_t limit_of_group(const std::filesystem::path& mount, std::string grou
   return least;
 }
 
-// Lines of cgroups(7): number, controllers and group, between colons. Version 2 has no controllers there.
+// Returns the least limit of all control groups of this process, in bytes. A line of /proc/self/cgroup is
+// number:controllers:group; version 2 has no controllers (see cgroups(7)).
 std::int64_t limit_of_groups(const std::filesystem::path& root) {
   const std::filesystem::path mount = root / "sys/fs/cgroup";
   std::int64_t least = kNone;

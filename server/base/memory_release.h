@@ -2,8 +2,8 @@
 
 namespace kerf {
 
-// Returns freed memory, which the C library otherwise keeps for later, to the system. Takes milliseconds per GB, during
-// which allocations of other threads may wait.
+// Gives freed memory back to the system; the C library would keep it for later allocations. Takes milliseconds per GB,
+// during which allocations of other threads may wait.
 void release_free_memory();
 
 }  // namespace kerf

@@ -2,8 +2,8 @@
 
 namespace kerf {
 
-// Joins functions into one, for std::visit with a function for each alternative of a variant: a new alternative does
-// not compile until it has one.
+// Joins functions into one overloaded function, for std::visit. Give one function for each alternative of the variant:
+// a new alternative then does not compile until it has one.
 template <typename... Functions>
 struct Overloaded : Functions... {
   using Functions::operator()...;

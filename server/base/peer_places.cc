@@ -9,7 +9,7 @@
 namespace kerf {
 namespace {
 
-constexpr std::uint64_t kMapped = 0xffff'0000'0000;  // ::ffff:0:0/96, where IPv4 addresses lie
+constexpr std::uint64_t kMapped = 0xffff'0000'0000;  // ::ffff:0:0/96, where IPv6 maps IPv4 addresses
 
 std::uint64_t big_endian(const unsigned char* bytes, int count) {
   std::uint64_t value = 0;

@@ -10,21 +10,21 @@ struct sockaddr;
 
 namespace kerf {
 
-// Identifies the other end of a connection for limits: an IPv4 address, also one mapped into IPv6, or the first 64 bits
-// of an IPv6 address.
+// Identifies the other end of a connection, to limit connections by origin. An IPv4 address, also one mapped into IPv6,
+// counts as a whole. An IPv6 address counts by its first 64 bits.
 struct Peer {
   std::uint64_t high = 0;
   std::uint64_t low = 0;
   auto operator<=>(const Peer&) const = default;
 };
 
-// Counts addresses of other families as one peer.
+// Returns the peer of an address. All addresses other than IPv4 and IPv6 count as one peer.
 Peer peer_of(const sockaddr& address);
 
 // Counts the connections that each peer has open. Thread-safe.
 class PeerPlaces {
  public:
-  // A connection's place among those of its peer; its destruction frees the place. Its PeerPlaces outlive it.
+  // The permission for one connection of a peer; its destructor gives it back. PeerPlaces must outlive all places.
   class Place {
    public:
     ~Place();
@@ -35,18 +35,18 @@ class PeerPlaces {
    private:
     friend class PeerPlaces;
     Place(PeerPlaces* owner, const Peer& peer) : owner_(owner), peer_(peer) {}
-    PeerPlaces* owner_;  // null of one that was moved from
+    PeerPlaces* owner_;  // null after this place was moved from
     Peer peer_;
   };
 
-  // At most `most` places a peer, >= 0; 0: no limit.
+  // `most`: the most places that one peer may have at a time, >= 0; 0 means no limit.
   explicit PeerPlaces(int most) : most_(most) {}
   PeerPlaces(const PeerPlaces&) = delete;
   PeerPlaces& operator=(const PeerPlaces&) = delete;
 
-  // Returns a place, or nothing if the peer has as many as allowed. Throws bad_alloc, and takes no place then.
+  // Returns a place, or nothing if the peer has all its places already. May throw bad_alloc, and then takes no place.
   [[nodiscard]] std::optional<Place> take(const Peer& peer);
-  // Places that the peer has now.
+  // Returns the number of places that the peer has now.
   [[nodiscard]] int taken(const Peer& peer) const;
 
  private:
@@ -54,7 +54,7 @@ class PeerPlaces {
 
   const int most_;
   mutable std::mutex mutex_;
-  std::map<Peer, int> taken_;  // only peers that have any; guarded by mutex_
+  std::map<Peer, int> taken_;  // number of places of each peer that has any; guarded by mutex_
 };
 
 }  // namespace kerf

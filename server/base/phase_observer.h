@@ -2,12 +2,12 @@
 
 namespace kerf {
 
-// Receives the phase changes of an operation, so that its caller can time them: the code that does the work reads no
+// Receives the phase changes of an operation, so that its caller can time them. The code that does the work reads no
 // clock.
 class PhaseObserver {
  public:
   virtual ~PhaseObserver() = default;
-  // The phase before, if any, has ended. `phase`: a literal, for people.
+  // Begins a phase; the previous one, if any, ends. `phase`: its name for people, a string literal.
   virtual void enter(const char* phase) = 0;
 };
 

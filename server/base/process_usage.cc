@@ -15,7 +15,7 @@ std::string content_of(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-// Bytes; nothing where there is no such process.
+// Returns the resident memory of a process in bytes, or nothing if there is no such process.
 std::optional<std::int64_t> resident_bytes_of(const std::string& process) {
   std::istringstream pages(content_of("/proc/" + process + "/statm"));
   std::int64_t total = 0;
@@ -28,7 +28,8 @@ std::optional<std::int64_t> resident_bytes_of(const std::string& process) {
 }  // namespace
 
 std::optional<ProcessUsage> usage_of(std::int64_t pid) {
-  // proc(5): after the name, which may have blanks and brackets in it, fields 3, 4 ...; utime and stime are 14 and 15.
+  // The fields of proc(5) are numbered from 1. Fields from 3 on follow the bracket after the process name, which may
+  // itself have blanks and brackets. utime and stime are fields 14 and 15, in clock ticks.
   const std::string stat = content_of("/proc/" + std::to_string(pid) + "/stat");
   const std::size_t bracket = stat.rfind(')');
   if (bracket == std::string::npos) return std::nullopt;

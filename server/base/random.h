@@ -4,8 +4,8 @@
 
 namespace kerf {
 
-// SplitMix64 (Steele, Lea, Flood 2014): small, seedable, the same sequence everywhere. The only source of randomness in
-// the core, always passed in, never global.
+// The random generator SplitMix64 (Steele, Lea, Flood 2014): seedable, and the same sequence on every machine. It is
+// the only source of randomness in server/core. Functions get it as an argument; there is no global one.
 class SeededRandom {
  public:
   explicit SeededRandom(std::uint64_t seed) : state_(seed) {}
@@ -17,11 +17,11 @@ class SeededRandom {
     z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;
     return z ^ (z >> 31);
   }
-  // In [0, 1), 53 random bits.
+  // Returns a number in [0, 1) with 53 random bits.
   double uniform() { return static_cast<double>(next() >> 11) * 0x1.0p-53; }
-  // In [low, high).
+  // Returns a number in [low, high).
   double uniform(double low, double high) { return low + (high - low) * uniform(); }
-  // In [0, bound), bound > 0; the bias of at most bound/2^64 is of no account here.
+  // Returns a number in [0, bound), bound > 0. Its bias, at most bound / 2^64, does not matter here.
   std::uint64_t below(std::uint64_t bound) { return next() % bound; }
 
  private:

@@ -10,25 +10,24 @@ namespace kerf {
 enum class ErrorCode {
   kInvalidArgument,     // would never work, whatever the state
   kNotFound,            // names something that does not exist
-  kAlreadyExists,       // names something that does
+  kAlreadyExists,       // names something that exists already
   kResourceExhausted,   // a limit or a full queue; may work later
   kFailedPrecondition,  // right request, wrong state
-  kAborted,             // lost a race
+  kAborted,             // a concurrent change or an interruption came first
   kUnavailable,         // shutting down, or not there (no renderer)
   kDataLoss,            // stored state is damaged
-  kInternal,            // our bug
+  kInternal,            // a bug of Kerf
 };
 
-// An error, with a message that states the remedy. `field` is the path of the offending request field, empty where
-// there is none.
+// An error, with a message that states the remedy. `field` is the path of the offending field in the request, or empty.
 struct Error {
   ErrorCode code = ErrorCode::kInternal;
   std::string reason;   // UPPER_SNAKE_CASE, stable, for programs, e.g. "CURVE_NOT_FINITE"
-  std::string message;  // for people: what is wrong, with the number and the limit
+  std::string message;  // for people: the fault, with the value and its limit
   std::string field;    // e.g. "cut.bezier.points[2].x"
 };
 
-// One for each code: reason, message and field are those of Error.
+// Make an Error with the code of that name. `reason`, `message` and `field` are the members of Error.
 inline Error invalid_argument(std::string reason, std::string message, std::string field = {}) {
   return {ErrorCode::kInvalidArgument, std::move(reason), std::move(message), std::move(field)};
 }
@@ -57,10 +56,10 @@ inline Error internal_error(std::string reason, std::string message, std::string
   return {ErrorCode::kInternal, std::move(reason), std::move(message), std::move(field)};
 }
 
-// Prints `message` to stderr and aborts: a Result was read without asking ok() first.
+// Prints `message` to stderr and aborts. Called when a Result is read without asking ok() first.
 [[noreturn]] void wrong_result_access(const char* message);
 
-// A value or an Error. No exception crosses a module boundary; this does.
+// A value or an Error. Modules report errors with it; no exception crosses a module boundary.
 template <typename T>
 class [[nodiscard]] Result {
  public:
@@ -100,7 +99,8 @@ using Status = Result<Nothing>;
 
 }  // namespace kerf
 
-// Returns the error of `expression`, a Result of any kind, from the function around it; continues if there is none.
+// Evaluates an expression that gives a Result of any type. Returns its error from the enclosing function, if it has
+// one.
 #define KERF_TRY(...)                                                                        \
   do {                                                                                       \
     if (const auto& kerf_tried = (__VA_ARGS__); !kerf_tried.ok()) return kerf_tried.error(); \

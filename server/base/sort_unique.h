@@ -5,7 +5,7 @@
 
 namespace kerf {
 
-// Sorts in ascending order and keeps each value once.
+// Sorts the values in ascending order and removes duplicates.
 template <typename T>
 void sort_unique(std::vector<T>& values) {
   std::sort(values.begin(), values.end());

@@ -8,9 +8,9 @@
 
 namespace kerf {
 
-// Order-sensitive 64-bit hash of plain values, for comparing states bit for bit: equal bytes in equal order give equal
-// hashes on every machine of the same byte order. Not for security. One multiply a 64-bit word (the mixing step of
-// Stafford's variant 13 of the MurmurHash3 finaliser, applied to a running word).
+// A 64-bit hash of plain values in order, to compare states bit for bit. Equal bytes in equal order give equal hashes
+// on every machine of the same byte order. It is not for security. Each 64-bit word takes two multiplications;
+// constants are those of Stafford's variant 13 of the MurmurHash3 finaliser.
 class StateHash {
  public:
   void add(std::uint64_t word) {
@@ -22,7 +22,7 @@ class StateHash {
   void add(std::int32_t value) { add(static_cast<std::uint64_t>(static_cast<std::int64_t>(value))); }
   void add(std::uint32_t value) { add(static_cast<std::uint64_t>(value)); }
   void add(bool value) { add(static_cast<std::uint64_t>(value ? 1 : 0)); }
-  // By bits: -0.0 and 0.0 differ, as do two NaNs.
+  // Adds the bits of the value: -0.0 and 0.0 differ, as do NaNs with different bits.
   void add(double value) { add(std::bit_cast<std::uint64_t>(value)); }
 
   template <typename T>

@@ -4,8 +4,8 @@
 
 namespace kerf {
 
-// Stop condition polled by long computations, on their own thread; true ends them early. Once true it must stay true
-// until the computation has returned.
+// A function that a long computation calls on its own thread; if it returns true, the computation ends early. Once true
+// it must stay true until the computation has returned.
 using StopCondition = std::function<bool()>;
 
 // Holds the stop condition polled by a long computation; none by default.

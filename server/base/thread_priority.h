@@ -2,7 +2,7 @@
 
 namespace kerf {
 
-// Lowers the calling thread's priority below the usual one, for the rest of its life. Does nothing if the system
+// Lowers the priority of the calling thread below the default until the thread ends. Does nothing if the system
 // refuses.
 void lower_thread_priority();
 
