@@ -7,7 +7,8 @@
 
 namespace kerf::mesh {
 
-// Barycentric coordinates of p in (a, b, c), from exact areas, clamped to >= 0 and scaled to sum 1.
+// Returns the barycentric coordinates of p in triangle (a, b, c), from exact areas. Negative ones become 0, and the sum
+// is scaled to 1.
 inline Eigen::Vector3d barycentric(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c,
                                    const LatticePoint& p) {
   const auto share = [](Int128 area) { return area > 0 ? to_double(area) : 0.0; };

@@ -9,8 +9,8 @@
 namespace kerf::mesh {
 namespace {
 
-constexpr std::int32_t kMaxCells = 512;  // a side
-constexpr int kMaxExponent = 40;         // either way
+constexpr std::int32_t kMaxCells = 512;  // most columns, and most rows
+constexpr int kMaxExponent = 40;         // largest magnitude of an exponent
 
 struct Cell {
   std::int32_t column = 0, row = 0;
@@ -24,7 +24,7 @@ Cell cell_of(const EdgeLengths& lengths, const Eigen::Vector2d& position) {
   return {index(share.x(), lengths.columns), index(share.y(), lengths.rows)};
 }
 
-// Returns the leg (m) of the isosceles right triangle of the same area.
+// Returns sqrt(2 area), m: the leg of an isosceles right triangle of the same area.
 double length_of(const TriangleRecord& triangle, std::span<const PointRecord> points, const Lattice& lattice) {
   const auto at = [&](int k) -> const LatticePoint& {
     return points[static_cast<std::size_t>(triangle.points[static_cast<std::size_t>(k)])].at;

@@ -6,20 +6,21 @@
 
 namespace kerf::mesh {
 
-// Maps some of the ids of a mesh to numbers, at a cost that depends on its entries and not on the mesh. Ids are only
-// added. Open addressing: a power of two of places, at most half of them taken. The sets of core/linear/index_set.h
-// have room for every id instead: they are faster, and worth it where they are kept from one edit to the next.
+// Maps some of the ids of a mesh to numbers. Its cost depends on the number of its entries, not on the size of the
+// mesh. Entries are never removed. It is a hash table with open addressing: its size is a power of two, and it is at
+// most half full. The sets of core/linear/index_set.h instead reserve room for every id: they are faster, and worth it
+// if kept from one edit to the next.
 class IdMap {
  public:
   IdMap() : places_(kFirstSize) {}
 
-  // The number of `id`, or -1.
+  // Returns the number of `id`, or -1 if it is not in the map.
   [[nodiscard]] std::int32_t find(std::int32_t id) const {
     const Place& place = places_[place_of(id)];
     return place.id == id ? place.number : -1;
   }
   [[nodiscard]] bool has(std::int32_t id) const { return places_[place_of(id)].id == id; }
-  // `id` must be in the map.
+  // Returns the number of `id`, which must be in the map.
   [[nodiscard]] std::int32_t get(std::int32_t id) const { return places_[place_of(id)].number; }
 
   // Adds an id with its number, both >= 0. Returns false, and changes nothing, if the map has the id already.
@@ -31,10 +32,10 @@ class IdMap {
     if (2 * ids_.size() > places_.size()) grow();
     return true;
   }
-  // Adds an id like the other add(), with its index in ids() as number.
+  // Adds an id as add(id, number) does; its number is its index in ids().
   bool add(std::int32_t id) { return add(id, static_cast<std::int32_t>(ids_.size())); }
 
-  // Ids in the order they were added in.
+  // All ids, in the order in which they were added.
   [[nodiscard]] const std::vector<std::int32_t>& ids() const { return ids_; }
 
  private:

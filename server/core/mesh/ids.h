@@ -5,21 +5,22 @@
 
 namespace kerf::mesh {
 
-// A vertex of the opened mesh, the one that is simulated and shown: a point on a cut has one vertex for each connected
-// sector of triangles around it. Ids are handed out in order; only an undo takes the last ones back.
+// A vertex of the opened mesh, the one that is simulated and shown. A point on a cut has one vertex for each connected
+// sector of triangles around it. Ids count up from 0; only an undo removes the last ones.
 using VertexId = std::int32_t;
 
-// A slot of the triangle array. A slot keeps its number for the life of the mesh; what it holds may be rewritten. Slots
-// that hold no material (the void around the sheet and in its holes) are not solid.
+// A slot: a place in the triangle array. Its number never changes, but the triangle in it may be replaced. A slot is
+// solid if its triangle has material; the others are void and fill the surroundings and holes of the sheet.
 using TriangleId = std::int32_t;
 
-// A point of the welded rest mesh, where all the vertices that cuts have made of it still lie together. Points of the
-// void have no vertex. Ids are handed out in order; only an undo takes the last ones back.
+// A point of the welded mesh, in material space. All vertices that cuts have made of it lie at this one point. Points
+// inside the void have no vertex. Ids count up from 0; only an undo removes the last ones.
 using PointId = std::int32_t;
 
 inline constexpr std::int32_t kNone = -1;
 
-// Most vertices (of the opened mesh) that a sheet may have: importers refuse more, and cuts that would make more.
+// Most vertices of the opened mesh that a sheet may have. Importers refuse larger sheets, and cuts that would need more
+// are refused.
 inline constexpr std::int32_t kMaxVertices = 500'000;
 
 inline constexpr std::size_t kMaxMeshFileBytes = 64u << 20;
@@ -28,7 +29,7 @@ inline constexpr std::size_t kMaxMeshFileBytes = 64u << 20;
 enum class RestShape {
   kAutomatic,  // kFlat where there are texture coordinates or the positions lie in one plane, else kSurface
   kFlat,       // the texture coordinates, metres; without any the positions, which must lie in one plane
-  kSurface,    // the positions, however curved; texture coordinates, where there are some, only say where cuts go
+  kSurface,    // the positions, however curved; texture coordinates, if any, are only the chart that cuts are drawn in
 };
 
 }  // namespace kerf::mesh

@@ -7,16 +7,16 @@
 
 #include "server/core/mesh/predicates.h"
 
-// Measures in lattice units, in double: for choices that may be a little off (what is near, what is ill-shaped). What
-// decides topology goes through the exact predicates.
+// Distances in lattice units, in double precision, for choices that may be slightly off (what is near, what is
+// ill-shaped). All decisions about topology use the exact predicates instead.
 namespace kerf::mesh {
 
-// b - a, exact.
+// Returns b - a, exactly.
 inline Eigen::Vector2d difference(const LatticePoint& a, const LatticePoint& b) {
   return {static_cast<double>(b.x - a.x), static_cast<double>(b.y - a.y)};
 }
 
-// The lattice point nearest to from + offset.
+// Returns the lattice point nearest to from + offset.
 inline LatticePoint rounded(const LatticePoint& from, const Eigen::Vector2d& offset) {
   return {from.x + std::llround(offset.x()), from.y + std::llround(offset.y())};
 }

@@ -12,7 +12,7 @@ using Eigen::Vector2d;
 namespace {
 
 constexpr double kCosStraight = 0.9;    // a lip that turns more than about 26 degrees at a point ends there
-constexpr int kMaxEdges = 8;            // edges of a lip followed to a corner
+constexpr int kMaxEdges = 8;            // most edges along which a lip is followed to a corner
 constexpr double kSameDistance = 1e-3;  // -; relative difference of distances that count as equal
 
 double cos_between(const Vector2d& u, const Vector2d& v) {
@@ -24,8 +24,8 @@ double cos_between(const Vector2d& u, const Vector2d& v) {
 double LipCorners::sharpest(PointId p) {
   mesh_.fan_around(p, fan_);
   double cos_sharpest = kCosSharp;
-  // Adds up each solid sector between two consecutive fixed edges, as far as the first edge that makes it 60 degrees or
-  // more.
+  // Sweeps each solid sector from one fixed edge to the next. Stops at the first edge, fixed or not, at 60 degrees or
+  // more from the start.
   const std::size_t size = fan_.size();
   for (std::size_t first = 0; first < size; ++first) {
     const int k = mesh_.corner_of(fan_[first], p);

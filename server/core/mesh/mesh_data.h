@@ -13,14 +13,16 @@
 
 namespace kerf::mesh {
 
-// Reasons for which an edge may not be flipped away. Kept per (triangle, edge), equal on both sides; the halves of a
-// split edge inherit them.
+// Reasons why flips may not remove an edge. Each triangle stores them for its edges, and both triangles at an edge have
+// equal ones. The halves of a split edge inherit them.
 using LockBits = std::uint8_t;
 inline constexpr LockBits kLockBorder = 1;    // solid on one side, void on the other
-inline constexpr LockBits kLockCut = 2;       // a lip pair: the opened mesh is not connected across it
-inline constexpr LockBits kLockOriginal = 4;  // an element edge kept for element-wise remeshing; lives within one edit
-inline constexpr LockBits kLockRequest = 8;   // on the path of the present edit, fresh or not; lives within one edit
-inline constexpr LockBits kLockFresh = 16;    // cut by the present edit (set by lock_edge); lives within one edit
+inline constexpr LockBits kLockCut = 2;       // two lips lie here: the opened mesh is not connected across the edge
+inline constexpr LockBits kLockOriginal = 4;  // an edge of the mesh before the edit that the edit must keep; lives
+                                              // within one edit
+inline constexpr LockBits kLockRequest = 8;   // on the path of the current cut, whether cut before or not; lives within
+                                              // one edit
+inline constexpr LockBits kLockFresh = 16;    // first cut by the current edit (set by lock_edge); lives within one edit
 inline constexpr LockBits kLocksThatOpen = kLockBorder | kLockCut;
 inline constexpr LockBits kLocksOfOneEdit = kLockOriginal | kLockRequest | kLockFresh;
 
@@ -38,12 +40,13 @@ struct VertexRecord {
 
 // Edge k of a triangle is the one opposite corner k: from corner k+1 to corner k+2 (mod 3).
 struct TriangleRecord {
-  std::array<PointId, 3> points{kNone, kNone, kNone};         // counter-clockwise in rest space
-  std::array<TriangleId, 3> neighbours{kNone, kNone, kNone};  // welded, across edge k; kNone at the domain's rim only
-  std::array<VertexId, 3> vertices{kNone, kNone, kNone};      // opened; kNone in the void
+  std::array<PointId, 3> points{kNone, kNone, kNone};         // counter-clockwise in material space
+  std::array<TriangleId, 3> neighbours{kNone, kNone, kNone};  // in the welded mesh, across edge k; kNone at the rim of
+                                                              // the domain only
+  std::array<VertexId, 3> vertices{kNone, kNone, kNone};      // in the opened mesh; kNone in the void
   std::array<LockBits, 3> locks{0, 0, 0};                     // of edge k
-  // A part of the sheet that flips do not leave: the label given at import, >= 0, or, where the rest shape is curved,
-  // the number of the facet. kNone = void.
+  // Number of a part of the sheet whose borders flips do not cross. It is the label given at import, >= 0; if the rest
+  // shape is curved, the number of the facet. kNone = void.
   std::int32_t region = kNone;
   std::int32_t piece = kNone;  // in [0, num_pieces); kNone in the void
   friend bool operator==(const TriangleRecord&, const TriangleRecord&) = default;

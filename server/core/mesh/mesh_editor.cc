@@ -1,4 +1,4 @@
-// The undo log and the frame of an edit: begin, commit, rollback, undo.
+// The undo log, and the beginning and end of an edit: begin, commit, rollback, undo.
 
 #include "server/core/mesh/mesh_editor.h"
 

@@ -11,7 +11,7 @@
 
 namespace kerf::mesh {
 
-// Everything needed to take back one committed edit: old sizes, and each old record that was overwritten.
+// Everything needed to undo one committed edit: the old sizes, and the old value of each record that was overwritten.
 struct UndoLog {
   std::int32_t num_points = 0;
   std::int32_t num_vertices = 0;
@@ -25,11 +25,12 @@ struct UndoLog {
   std::int32_t num_vertices_after = 0;
   std::int32_t num_triangle_slots_after = 0;
 
-  // Restores `mesh` bit for bit to what it was before the edit, which must be the last one not yet undone. O(touched).
+  // Restores `mesh` bit for bit to its state before the edit. The edit must be the last one that is not undone yet.
+  // Costs O(records touched by the edit).
   void undo(TriangleMesh& mesh) const;
 
-  // The log that takes this one back: made of `mesh` as the edit left it, its undo() makes the edit again, bit for bit,
-  // once this one has been undone. O(touched).
+  // Returns a log for redo. `mesh` must be in the state that the edit left. Once this log has been undone, undo() of
+  // the returned log makes the edit again, bit for bit. Costs O(records touched by the edit).
   [[nodiscard]] UndoLog inverse(const TriangleMesh& mesh) const;
 
  private:
@@ -42,13 +43,13 @@ struct CommittedEdit {
   UndoLog undo;
 };
 
-// Outcome of an attempt to recover an edge.
+// Outcome of an attempt to make the segment between two points an edge by flips.
 struct Recovery {
   enum class Status {
     kRecovered,  // edge `corner` of `triangle` joins the two points now
-    kPoint,      // `point` lies strictly between the two; recover the parts
+    kPoint,      // `point` lies strictly between the two points; recover the two parts
     kFixedEdge,  // edge `corner` of `triangle` is crossed and may not be flipped: split it first
-    kLimit,      // the flip counter ran out: give the edit up (never seen; the counter is there to be certain)
+    kLimit,      // too many flips: give up the edit (never seen; the limit guarantees an end)
   };
   Status status = Status::kLimit;
   TriangleId triangle = kNone;
@@ -56,26 +57,27 @@ struct Recovery {
   PointId point = kNone;
 };
 
-// One edit of a mesh, whole or not at all: operations, then commit(); rollback() or destruction without commit restores
-// the mesh bit for bit. All operations keep invariants I1-I5, I9 and I10 at every step; the corner -> vertex map and
-// the pieces are brought up to date by open() (until then new points have no vertex: kNone in solid corners).
+// One edit of a mesh, made as a whole or not at all. Call operations, then commit(). rollback(), or destruction without
+// commit(), restores the mesh bit for bit. All operations keep invariants I1-I5, I9 and I10 of TriangleMesh at every
+// step. open() updates the vertices of corners and the pieces; until then new points have no vertex (kNone in solid
+// corners).
 //
-// Splits and flips rewrite slots in place: see each operation. Only move_point moves points.
+// Splits and flips reuse the slots of the old triangles: see each operation. Only move_point moves points.
 class MeshEditor {
  public:
   static constexpr std::int32_t kDefaultMaxSlots = 4'000'000;
   // Least distance (lattice units) of a new point from a locked edge of its triangle; split_triangle refuses a closer
-  // one. Once that edge is split and rounded, a closer point could not be distinguished from a point on it.
+  // one. After a split of that edge and rounding, a closer point might lie on the edge.
   static constexpr std::int64_t kLockClearance = 16;
 
-  // `max_triangle_slots`: the element budget; an operation that would go beyond it changes nothing and fails.
+  // `max_triangle_slots`: most slots of the mesh. An operation that would need more changes nothing and fails.
   explicit MeshEditor(TriangleMesh& mesh, std::int32_t max_triangle_slots = kDefaultMaxSlots);
   ~MeshEditor();
   MeshEditor(const MeshEditor&) = delete;
   MeshEditor& operator=(const MeshEditor&) = delete;
 
   [[nodiscard]] const TriangleMesh& mesh() const { return mesh_; }
-  // Returns true if an operation failed because no slots were left.
+  // Returns true if an operation failed because it needed more slots than max_triangle_slots.
   [[nodiscard]] bool budget_exhausted() const { return budget_exhausted_; }
   [[nodiscard]] bool is_new(PointId p) const { return p >= log_.num_points; }
 
@@ -87,23 +89,16 @@ class MeshEditor {
   //     0-----1           0-----1
   //
   // Returns the new point, or kNone (nothing changed): p is not strictly inside, is closer than kLockClearance to a
-  // locked edge of t, or the budget is exhausted.
+  // locked edge of t, or no slots are left.
   PointId split_triangle(TriangleId t, const LatticePoint& p);
 
-  // Inserts p on, or within rounding of, edge k of t; u = welded_neighbour(t, k):
-  //
-  //        k                 k
-  //       /t\               /|\       t and u keep their corner k+1 of t, two new slots get the corner k+2 of t;
-  //      a---b      ->     a-p-b      both halves inherit the locks of the edge
-  //       \u/               \|/
-  //        m                 m
-  //
-  // p need not lie on the edge exactly: it is enough that all four new triangles are strictly positive. Returns the
-  // new point, or kNone (nothing changed): one would not be, the edge is on the rim, or the budget is exhausted.
+  // p need not lie on the edge exactly, but all four new triangles must be strictly positive. Returns the new point.
+  // Returns kNone and changes nothing if they are not positive or no slots are left. Does the same if the edge is on
+  // the rim of the domain, or p is closer than kLockClearance to another locked edge.
   PointId split_edge(TriangleId t, int k, const LatticePoint& p);
 
-  // Inserts p where it lies: by split_triangle, by split_edge, or not at all if a point is there already (returned as
-  // it is). Returns kNone where these do, or if p is outside the domain.
+  // Inserts p by split_triangle or split_edge, depending on where it lies. Returns a point that is already there as it
+  // is. Returns kNone if the split fails, or if p is outside the domain. `hint`: a slot near p, or kNone.
   PointId insert_point(const LatticePoint& p, TriangleId hint = kNone);
 
   // Swaps the diagonal of the quad around edge k of t; u = welded_neighbour(t, k):
@@ -114,65 +109,65 @@ class MeshEditor {
   //       \u/               \|/
   //        m                 m
   //
-  // Returns false (nothing changed) if the edge is fixed or the quad is not strictly convex. On success the new edge is
-  // the edge opposite the corner a in t, whichever number that has.
+  // Returns false and changes nothing if the edge is fixed or the quad is not strictly convex. On success the new edge
+  // is that of t opposite a; the number of corner a in t stays the same.
   bool flip_edge(TriangleId t, int k);
 
-  // Adds lock bits to edge k of t on both sides. kLockCut also sets kLockFresh where the edge was not cut yet. Returns
-  // false, and changes nothing, for kLockCut on an edge that is not solid on both sides (a border is open already).
+  // Adds lock bits to edge k of t, on both sides. kLockCut also sets kLockFresh if the edge was not cut yet. Returns
+  // false and changes nothing for kLockCut on an edge that is not solid on both sides: a border is open already.
   bool lock_edge(TriangleId t, int k, LockBits bits);
 
-  // Makes solid slots void: they lose region, piece and vertices. Where they meet solid ones the edges become border,
-  // where they meet the void they are unlocked. Each edge between a slot removed and a solid one that stays must be
-  // locked already. open() removes vertices and pieces left without a triangle; it must not have been called before. At
-  // least one solid slot must stay.
+  // Makes solid slots void: they lose region, piece and vertices. Edges to solid slots that stay become border; they
+  // must be locked already. Edges to void slots are unlocked. Must be called before open(), which removes the vertices
+  // and pieces that are left without a triangle. At least one solid slot must stay.
   void remove_triangles(const std::vector<TriangleId>& slots);
 
-  // Moves p, which must exist already, to `to`. Returns false (nothing changed) if p is on a locked edge, on an edge
-  // between regions or on the rim. It does the same if a triangle of its star would not stay strictly positive.
+  // Moves the point p to `to`. Returns false and changes nothing if an edge at p is fixed (see TriangleMesh::is_fixed).
+  // Does the same if a triangle around p would not stay strictly positive, or p would come within kLockClearance of a
+  // locked edge.
   bool move_point(PointId p, const LatticePoint& to);
 
-  // Lawson flips around p until every quad that p is a corner of is locally Delaunay or its edge is fixed. Cocircular
-  // quads are left alone, so an untouched regular grid stays as it is. Returns the number of flips.
+  // Flips edges around p (Lawson's method) until all edges opposite p are fixed or locally Delaunay. Four points on one
+  // circle count as Delaunay, so an untouched regular grid stays as it is. Returns the number of flips.
   int legalise(PointId p);
 
-  // Makes edge pq by flips (Sloan 1993, "A fast algorithm for generating constrained Delaunay triangulations"). Adds
-  // `locks`, if any, as lock_edge does. Then flips those of the edges made on the way that are not locally Delaunay. On
-  // failure some flips may have been done; they are valid, and rolled back with the edit.
+  // Makes the segment pq an edge by flips (Sloan 1993, "A fast algorithm for generating constrained Delaunay
+  // triangulations"). Adds `locks`, if any, as lock_edge does. Then makes the other edges that these flips created
+  // locally Delaunay. Some flips may remain after a failure; they are valid.
   Recovery recover_edge(PointId p, PointId q, LockBits locks);
 
-  // Brings the corner -> vertex map up to date at new points and at the ends of freshly cut edges: one vertex for each
-  // connected sector of solid triangles around a point. Of the sectors that shared a vertex, the one with the lowest
-  // slot keeps it. Then renumbers pieces. All parts of a piece are flood-filled at once (see piece_split.h); the last
-  // one, whose fill is not completed, keeps the piece's number. A piece without material gives up its number, which the
-  // piece with the highest number takes. May be called more than once; commit() calls it for the remaining changes.
+  // Updates the vertices of corners at new points and at the ends of freshly cut edges. Each connected sector of solid
+  // triangles around a point gets one vertex. If several sectors shared a vertex, the sector with the lowest slot keeps
+  // it. Then renumbers pieces. All parts of a piece are flood-filled at once (see piece_split.h); the last one, whose
+  // fill is not completed, keeps the piece's number. A piece without material gives up its number, which the piece with
+  // the highest number takes. May be called more than once; commit() calls it for the remaining changes.
   void open();
 
-  // Ends the edit. Locks that belong to one edit are cleared. Weights in the record are barycentric in the triangle of
-  // the mesh before the edit that holds the vertex's final position. On an edge that was locked before, the vertices of
-  // each side use the two old vertices of that side. A copy of an old vertex that did not move has weight 1 on it. Call
-  // once.
+  // Ends the edit. Locks that belong to one edit are cleared. The record gives each new or moved vertex weights on old
+  // vertices. They are barycentric in the triangle, before the edit, that holds the vertex's final position. A vertex
+  // on an edge locked before the edit uses the two old vertices on its own side of that edge. A copy of an old vertex
+  // that did not move has weight 1 on that vertex. Call once.
   CommittedEdit commit();
 
   // Restores the mesh to what it was before the edit, sizes included.
   void rollback();
 
  private:
-  // Names an edge that was locked before the edit and that holds a new point. It is given by a slot of the mesh before
-  // the edit and the corner opposite.
+  // An edge of the mesh before the edit that was locked and holds a new point. It is named by a slot of that mesh and
+  // the corner opposite.
   struct Lip {
     TriangleId triangle = kNone;  // kNone: the point is not on such an edge
     int corner = 0;
   };
-  // Ancestry of a new vertex, known when it is made; weights follow at commit, from final positions.
+  // The origin of a new vertex, recorded when the vertex is made. commit() computes its weights from final positions.
   struct NewVertex {
     VertexId vertex = kNone;
     VertexId origin = kNone;  // vertex before the edit at the same point, or kNone for a new point
-    Lip lip;                  // on the side of the vertex's sector
+    Lip lip;                  // the locked edge it lies on, seen from the vertex's side
   };
   // A maximal run of solid triangles around a point that no lock separates.
   struct Sector {
-    std::size_t begin = 0, end = 0;  // in the fan around the point, counter-clockwise
+    std::size_t begin = 0, end = 0;  // range in the fan around the point, counter-clockwise
     TriangleId lowest = kNone;
     Lip lip;
   };
@@ -194,7 +189,7 @@ class MeshEditor {
   void legalise_edges(std::vector<Edge>& edges);
 
   void open_point(PointId p);
-  // Sorted by `lowest`. Replaces the contents of `fan`.
+  // Returns the sectors around p, sorted by `lowest`. Replaces the contents of `fan` by the triangles around p.
   [[nodiscard]] std::vector<Sector> sectors_around(PointId p, std::vector<TriangleId>& fan) const;
   [[nodiscard]] std::vector<bool> left_of_lip(PointId p, const Lip& lip, const std::vector<TriangleId>& fan) const;
   void add_vertex(PointId p, const Sector& sector, VertexId held);
@@ -221,15 +216,15 @@ class MeshEditor {
   std::int32_t max_slots_;
   bool budget_exhausted_ = false;
   bool finished_ = false;
-  // Positions of their entries in the log.
+  // For each touched old record, the index of its entry in log_.
   IdMap triangle_entry_, point_entry_, vertex_entry_;
-  std::vector<TriangleId> parents_;       // of new slots: the slot before the edit that they were split from
-  std::vector<Lip> lips_;                 // of new points
-  std::vector<PointId> pending_;          // points to open, may repeat
+  std::vector<TriangleId> parents_;       // for each new slot: the slot before the edit that it was split from
+  std::vector<Lip> lips_;                 // for each new point
+  std::vector<PointId> pending_;          // points whose vertices open() must update, may repeat
   std::vector<PointId> moved_;            // old points that move_point was called on, may repeat
   std::vector<NewVertex> new_vertices_;   // by VertexId - log_.num_vertices
   std::vector<std::int32_t> split_from_;  // see MeshEdit
-  // Vertices and pieces of removed slots, in any order, repeated; then those left without material, see MeshEdit.
+  // Vertices and pieces of slots that were made void, in any order, may repeat.
   std::vector<VertexId> orphaned_vertices_;
   std::vector<std::int32_t> orphaned_pieces_;
   std::vector<VertexId> removed_vertices_;

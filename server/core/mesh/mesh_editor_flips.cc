@@ -1,4 +1,4 @@
-// Flips with a purpose: to make triangles Delaunay around a new point, and to recover an edge.
+// Flips that make triangles Delaunay around a new point, and flips that recover an edge.
 
 #include <deque>
 
@@ -8,7 +8,7 @@
 namespace kerf::mesh {
 namespace {
 
-// Returns true if edge k of t is not locally Delaunay: the corner across lies strictly inside the circumcircle of t.
+// Returns true if edge k of t is not locally Delaunay: the corner beyond it lies strictly inside the circumcircle of t.
 bool is_encroached(const TriangleMesh& mesh, TriangleId t, int k) {
   const PointId across = mesh.points(mesh.welded_neighbour(t, k))[mesh.mirror_corner(t, k)];
   return mesh.is_in_circle(t, mesh.at(across));
@@ -67,8 +67,8 @@ Recovery MeshEditor::recover_edge(PointId p, PointId q, LockBits locks) {
   return result;
 }
 
-// Flips the edges that cross pq until none is left; those made that do not cross it, other than pq itself, go to
-// `made`.
+// Flips the edges that cross pq until none is left. Appends new edges that do not cross pq to `made`, without pq
+// itself. Returns false after too many flips.
 bool MeshEditor::flip_crossed_edges(PointId p, PointId q, const std::vector<Edge>& crossed, std::vector<Edge>& made) {
   std::deque<Edge> queue(crossed.begin(), crossed.end());
   const std::size_t k = queue.size();
@@ -95,8 +95,9 @@ bool MeshEditor::flip_crossed_edges(PointId p, PointId q, const std::vector<Edge
   return true;
 }
 
-// Flips edges of `edges` that are not locally Delaunay, and the edges that replace them, until all are. Ties are not
-// flipped. Each flip therefore lowers the lifted surface, and the loop ends; the budget makes that certain.
+// Flips edges of `edges`, and the edges that replace them, until all are locally Delaunay. Edges with four points on
+// one circle are not flipped, so each flip lowers the surface lifted to the paraboloid, and the loop ends. A limit on
+// the number of flips makes that certain.
 void MeshEditor::legalise_edges(std::vector<Edge>& edges) {
   std::size_t budget = 20 * edges.size() * edges.size() + 200;
   for (bool changed = true; changed;) {

@@ -1,4 +1,4 @@
-// Opening: the corner -> vertex map and the pieces, brought up to date along fresh cuts.
+// Opening: updates the vertices of corners, and the pieces, along fresh cuts.
 
 #include <algorithm>
 #include <functional>
@@ -11,17 +11,17 @@
 
 namespace kerf::mesh {
 
-// Returns the edge before the edit that holds edge k of t, if that was locked then.
+// Returns the edge, locked before the edit, that edge k of t is part of. Returns an empty Lip if there is none.
 MeshEditor::Lip MeshEditor::lip_of_edge(TriangleId t, int k) const {
   const LockBits bits = mesh_.locks(t, k);
   if ((bits & kLocksThatOpen) == 0 || (bits & kLockFresh) != 0) return {};
   for (const PointId end : {mesh_.points(t)[next_corner(k)], mesh_.points(t)[previous_corner(k)]}) {
-    if (is_new(end)) return lips_[end - log_.num_points];  // an old lock ends at a new point only where it was split
+    if (is_new(end)) return lips_[end - log_.num_points];  // old locks end at new points only where they were split
   }
   return old_edge(t, k);
 }
 
-// Finds edge k of t, between two points that are not new and locked before the edit, in the mesh before the edit.
+// Finds edge k of t in the mesh before the edit. It was locked then, and neither of its ends is new.
 MeshEditor::Lip MeshEditor::old_edge(TriangleId t, int k) const {
   const PointId a = mesh_.points(t)[next_corner(k)];
   const PointId b = mesh_.points(t)[previous_corner(k)];
@@ -47,7 +47,7 @@ std::vector<MeshEditor::Sector> MeshEditor::sectors_around(PointId p, std::vecto
   const auto ends_sector = [&](TriangleId t) {
     return (mesh_.locks(t, next_corner(mesh_.corner_of(t, p))) & kLocksThatOpen) != 0;
   };
-  // Rotates the fan so that no sector wraps around the end.
+  // Rotates the fan so that no sector continues from its end to its start.
   const auto last = std::find_if(fan.rbegin(), fan.rend(), ends_sector);
   if (last != fan.rend()) std::rotate(fan.begin(), last.base(), fan.end());
   const Lip lip = is_new(p) ? lips_[p - log_.num_points] : Lip{};
@@ -70,7 +70,7 @@ std::vector<MeshEditor::Sector> MeshEditor::sectors_around(PointId p, std::vecto
   return sectors;
 }
 
-// Returns the same edge from its other side.
+// Returns the locked edge as seen from the triangle on its other side.
 MeshEditor::Lip MeshEditor::across(const Lip& lip) const {
   const TriangleRecord& record = old_record(lip.triangle);
   const TriangleId mirror = record.neighbours[lip.corner];
@@ -79,21 +79,21 @@ MeshEditor::Lip MeshEditor::across(const Lip& lip) const {
   return {mirror, previous_corner(static_cast<int>(at_end - points.begin()))};
 }
 
-// Finds the triangles in the fan of a new point that lie to the left of its edge, which was locked before the edit. The
-// edge's two halves at the point decide, not positions, as the point was rounded. A half is gone, with void in its
-// place, where material was removed on both sides of it. Positions decide where both halves are gone.
+// Says for each triangle around p, a new point on an edge locked before the edit, whether it lies to the left of that
+// edge. The two halves of the edge at p decide, not positions, as p was rounded. A half no longer exists if material
+// was removed on both sides of it. If neither half exists, positions decide.
 std::vector<bool> MeshEditor::left_of_lip(PointId p, const Lip& lip, const std::vector<TriangleId>& fan) const {
   const TriangleRecord& record = old_record(lip.triangle);
   const LatticePoint& a = old_at(record.points[next_corner(lip.corner)]);
   const LatticePoint& b = old_at(record.points[previous_corner(lip.corner)]);
   const std::size_t n = fan.size();
-  std::optional<std::size_t> first, last;  // the left run, cyclically
+  std::optional<std::size_t> first, last;  // of the triangles on the left, in cyclic order
   for (std::size_t i = 0; i < n; ++i) {
     const int c = mesh_.corner_of(fan[i], p);
     const LockBits bits = mesh_.locks(fan[i], next_corner(c));
     if ((bits & kLocksThatOpen) == 0 || (bits & kLockFresh) != 0) continue;
     const LatticePoint& end = mesh_.at(mesh_.points(fan[i])[previous_corner(c)]);
-    // Runs counter-clockwise from the half towards b to the half towards a.
+    // Triangles on the left run counter-clockwise from the half towards b to the half towards a.
     std::optional<std::size_t>& bound = dot(a, b, mesh_.at(p), end) > 0 ? first : last;
     KERF_CHECK(!bound, "a split lock leaves one half on each side");
     bound = &bound == &first ? (i + 1) % n : i;
@@ -108,7 +108,7 @@ std::vector<bool> MeshEditor::left_of_lip(PointId p, const Lip& lip, const std::
     }
     return is_left;
   }
-  // Extends the run to the void if it has only one bound.
+  // If only one half exists, the triangles on the left end at the void.
   for (std::size_t step = 0; step < n; ++step) {
     const std::size_t i = first ? (*first + step) % n : (*last + n - step) % n;
     if (!(first && last) && !mesh_.is_solid(fan[i])) break;
@@ -154,7 +154,7 @@ void MeshEditor::open_point(PointId p) {
   }
 }
 
-// Removes the vertices of removed slots at which no solid slot has a corner any more.
+// Removes vertices of slots that were made void, if no solid slot has a corner there any more.
 void MeshEditor::drop_orphaned_vertices() {
   sort_unique(orphaned_vertices_);
   for (const VertexId v : orphaned_vertices_) {
@@ -190,7 +190,7 @@ void MeshEditor::label_split_pieces(const std::vector<TriangleId>& seeds) {
   }
 }
 
-// Removes pieces that lost all their material. A piece that kept some has a seed where its rest met the removed part.
+// Removes pieces that lost all their material. A piece that kept some has a seed at the border of the removed part.
 void MeshEditor::drop_orphaned_pieces(const std::vector<TriangleId>& seeds) {
   if (orphaned_pieces_.empty()) return;
   std::vector<bool> remains(static_cast<std::size_t>(mesh_.num_pieces()));

@@ -16,7 +16,7 @@ bool is_positive(const LatticePoint& a, const LatticePoint& b, const LatticePoin
 
 }  // namespace
 
-// Redirects the link of slot t from `from` to `to`.
+// Replaces the neighbour `from` of slot t by `to`.
 void MeshEditor::relink(TriangleId t, TriangleId from, TriangleId to) {
   if (t == kNone) return;
   TriangleRecord& record = touch_triangle(t);
@@ -29,7 +29,7 @@ void MeshEditor::relink(TriangleId t, TriangleId from, TriangleId to) {
   KERF_CHECK(false, "adjacency is symmetric");
 }
 
-// Makes slot `to` the one named by point p and vertex v if that was `from`, which has lost its corner there.
+// Slot `from` has lost its corner at point p and vertex v. If p or v names it as its triangle, makes that slot `to`.
 void MeshEditor::move_representative(TriangleId from, TriangleId to, PointId p, VertexId v) {
   if (mesh_.data_.points[p].triangle == from) touch_point(p).triangle = to;
   if (v != kNone && mesh_.data_.vertices[v].triangle == from) touch_vertex(v).triangle = to;

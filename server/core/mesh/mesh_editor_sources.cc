@@ -42,8 +42,9 @@ TriangleId MeshEditor::locate_in_old(const LatticePoint& p, TriangleId start) co
   return nearest;
 }
 
-// Interpolates at points that are not on an old lock, so have material all around. The walk starts from the point's
-// slot, not the vertex's. So all vertices at a point get the same sources, and new lips are equal bit for bit.
+// Interpolates at a vertex that is not on an edge locked before the edit, so had material all around. The walk starts
+// from the slot of the point, not of the vertex. So all vertices at a point get the same sources, and new lips are
+// equal bit for bit.
 VertexSource MeshEditor::interpolate(VertexId v) const {
   const PointRecord& point = mesh_.data().points[mesh_.point(v)];
   const LatticePoint& p = point.at;
@@ -92,8 +93,8 @@ std::vector<VertexSource> MeshEditor::moved_sources() const {
   return sources;
 }
 
-// Returns logged slots that look different from outside, new slots, and the stars of moved points, whose rest shape
-// changed. A change of a piece's number alone does not count.
+// Returns new slots, old slots whose content changed, and slots around moved points, whose rest shape changed. A change
+// of the piece number alone does not count.
 std::vector<TriangleId> MeshEditor::rewritten_triangles() const {
   std::vector<TriangleId> rewritten;
   for (const auto& [t, old] : log_.triangles) {

@@ -22,7 +22,7 @@ void TriangleMesh::build_hints() {
   hints_.clear();
   hint_columns_ = hint_rows_ = 0;
   if (data_.num_solid_triangles == 0) return;
-  // Makes two cells for the square of an average pair of triangles, up to 1024 a side.
+  // Makes about one cell for two triangles of average size, at most 1024 in a row or column.
   const Eigen::Vector2d size = data_.bounds.sizes();
   const double cell = std::max(std::sqrt(2.0 * size.prod() / data_.num_solid_triangles), size.maxCoeff() / 1024.0);
   hint_columns_ = std::max(1, static_cast<std::int32_t>(std::ceil(size.x() / cell)));
@@ -30,7 +30,7 @@ void TriangleMesh::build_hints() {
   hints_.assign(static_cast<std::size_t>(hint_columns_) * static_cast<std::size_t>(hint_rows_), kNone);
   for (TriangleId t = num_triangle_slots() - 1; t >= 0; --t) {
     const std::array<PointId, 3>& p = points(t);
-    // Expects damaged records too, which find_violation() reports.
+    // Records may be damaged here; find_violation() reports them later.
     const auto [low, high] = std::minmax_element(p.begin(), p.end());
     if (!is_solid(t) || *low < 0 || *high >= num_points()) continue;
     const LatticePoint middle{at(p[0]).x / 3 + at(p[1]).x / 3 + at(p[2]).x / 3,
@@ -62,7 +62,7 @@ Location TriangleMesh::locate(const LatticePoint& p, TriangleId hint) const {
   const CurrentMesh view{data_};
   const TriangleId start = hint != kNone ? hint : hint_near(p);
   TriangleId t = walk_to(view, p, start, 4 * static_cast<std::int64_t>(num_triangle_slots()) + 100);
-  for (TriangleId s = 0; t == kNone && s < num_triangle_slots(); ++s) {  // the walk ran out of steps: ask every slot
+  for (TriangleId s = 0; t == kNone && s < num_triangle_slots(); ++s) {  // the walk ran out of steps: try every slot
     const std::array<PointId, 3>& c = points(s);
     if (orient2d(at(c[0]), at(c[1]), p) >= 0 && orient2d(at(c[1]), at(c[2]), p) >= 0 &&
         orient2d(at(c[2]), at(c[0]), p) >= 0) {

@@ -9,9 +9,9 @@
 namespace kerf::mesh {
 namespace {
 
-// Finds the interpolation source of the fields at `p` in the mesh that still has the edit. Only a point that no locked
-// edge ends at is ever moved, and no lock lies in the polygon that it is moved in: the slot that holds `p` is on its
-// side of every lip. Where rounding put it elsewhere the vertex keeps its fields.
+// Finds the source of a moved vertex's fields at its old position `p`, in the mesh that still has the edit. Relaxation
+// moves no point past a locked edge, so the slot that holds `p` is on the vertex's side of every lip. If rounding put
+// `p` in another piece or the void, the vertex keeps its fields.
 VertexSource source_at(const TriangleMesh& mesh, VertexId vertex, const LatticePoint& p) {
   struct View {
     const TriangleMesh& mesh;
@@ -27,7 +27,7 @@ VertexSource source_at(const TriangleMesh& mesh, VertexId vertex, const LatticeP
   return {vertex, mesh.vertices(found), barycentric(mesh.at(points[0]), mesh.at(points[1]), mesh.at(points[2]), p)};
 }
 
-// Finds the sources of restored vertices. Must be made while the mesh still has the edit.
+// Finds the sources of restored vertices. Construct it while the mesh still has the edit.
 class Restoration {
  public:
   Restoration(const TriangleMesh& mesh, const CommittedEdit& edit) : restored_(edit.edit.removed_vertices) {
@@ -39,8 +39,8 @@ class Restoration {
     }
   }
 
-  // Proceeds outwards from the vertices that always had material, so that each restored vertex follows material on its
-  // own side of every lip. `mesh`: with the edit undone.
+  // Returns the sources. Proceeds from vertices that kept material to restored neighbours, so each follows material on
+  // its own side of every lip. `mesh`: with the edit undone.
   [[nodiscard]] std::vector<VertexSource> place(const TriangleMesh& mesh) const {
     std::unordered_map<VertexId, const Patch*> patch_of;  // looked up, never iterated
     std::vector<VertexId> placed;

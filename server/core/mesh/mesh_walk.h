@@ -6,10 +6,10 @@
 
 namespace kerf::mesh {
 
-// Finds p by the remembering stochastic walk of Devillers, Pion and Teillaud (2001). Steps from slot `start` across
-// edges that separate the current slot from p. A hash of slot and step chooses the first edge tried. So the walk ends
-// with probability one in any triangulation and is deterministic. `View` offers triangle(t) and at(point). Returns the
-// slot that holds p, or kNone after `max_steps` or on leaving the domain.
+// Finds p by the remembering stochastic walk of Devillers, Pion and Teillaud (2001). From slot `start` it steps across
+// edges that separate the current slot from p. A hash of slot and step chooses which edge is tried first, so the walk
+// is deterministic, and cycles are practically impossible. `View` offers triangle(t), a TriangleRecord, and at(p), a
+// LatticePoint. Returns the slot that holds p, or kNone after `max_steps` or on leaving the domain.
 template <typename View>
 TriangleId walk_to(const View& view, const LatticePoint& p, TriangleId start, std::int64_t max_steps) {
   TriangleId t = start;
@@ -21,7 +21,7 @@ TriangleId walk_to(const View& view, const LatticePoint& p, TriangleId start, st
     int k = static_cast<int>((hash >> 33) % 3);
     TriangleId next = t;
     for (int tried = 0; tried < 3; ++tried, k = next_corner(k)) {
-      if (record.neighbours[k] == previous && previous != kNone) continue;  // p is strictly on this side of it
+      if (record.neighbours[k] == previous && previous != kNone) continue;  // p is on this side of it
       const LatticePoint& a = view.at(record.points[next_corner(k)]);
       const LatticePoint& b = view.at(record.points[previous_corner(k)]);
       if (orient2d(a, b, p) < 0) {

@@ -50,7 +50,7 @@ class ComponentGrowth {
     std::vector<TriangleId> members;
     std::vector<TriangleId> frontier;  // from `next` on: members whose neighbours are still to be looked at
     std::size_t next;
-    std::int32_t parent;  // itself, or the group it was merged into
+    std::int32_t parent;  // index of this group, or of the group it was merged into
     std::size_t piece;    // index into pieces_
   };
 
@@ -69,7 +69,8 @@ class ComponentGrowth {
   // Visits the neighbours of one slot of the group. Returns the group that the slot belongs to afterwards.
   std::int32_t grow(std::int32_t index) {
     Group& growing = groups_[index];
-    const TriangleId t = growing.frontier[growing.next++];  // breadth first: parts that join around a tip join soon
+    const TriangleId t = growing.frontier[growing.next++];  // breadth first, so that groups on both sides of a tip meet
+                                                            // soon
     for (int k = 0; k < 3; ++k) {
       const TriangleId n = mesh_.neighbour(t, k);
       if (n == kNone) continue;
@@ -100,7 +101,7 @@ class ComponentGrowth {
   IdMap group_of_;  // slot -> group that reached it first; root() gives the group that it belongs to now
   std::vector<Group> groups_;
   std::vector<std::int32_t> active_;
-  std::vector<std::int32_t> pieces_;  // sorted
+  std::vector<std::int32_t> pieces_;  // pieces with a seed, sorted
   std::vector<int> num_open_;         // by index into pieces_: groups that still grow, neither complete nor merged away
 };
 

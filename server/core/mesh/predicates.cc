@@ -9,7 +9,7 @@ namespace {
 
 __extension__ using Uint128 = unsigned __int128;
 
-// Integer of 256 bits in two's complement, as sums of products of two 128-bit integers need.
+// An integer of 256 bits in two's complement, for sums of products of two 128-bit integers.
 struct Int256 {
   Uint128 low = 0;
   Int128 high = 0;

@@ -7,8 +7,8 @@
 
 namespace kerf::mesh {
 
-// Returns the mesh with other regions: labels >= 0, one per slot; those of void slots are not read. Where the rest
-// shape is curved, a facet of several regions becomes one facet for each.
+// Returns a copy of the mesh with other regions. `regions`: one label >= 0 per slot; those of void slots are ignored.
+// If the rest shape is curved, a facet with several of the new regions is divided into one facet for each.
 TriangleMesh with_regions(const TriangleMesh& mesh, std::span<const std::int32_t> regions);
 
 }  // namespace kerf::mesh

@@ -11,12 +11,12 @@ using Eigen::Vector2d;
 
 namespace {
 
-// Two lips face each other if their nearest places lie at least 150 degrees apart as seen from in between. The lips of
-// a corner do so up to 30 degrees; LipCorners treats wider corners.
+// Two lips face each other if their nearest places lie at least 150 degrees apart, seen from the middle of the edge.
+// The lips of a corner of up to 30 degrees do so; LipCorners handles wider corners.
 constexpr double kCosFacing = -0.866;   // -
-constexpr int kCutsOfCrossing = 3;      // lip edges at a point where one cut meets another
-constexpr std::size_t kMaxFound = 256;  // triangles searched for strands
-constexpr double kOnEdge = 2.0;         // lattice units; a place this near to the middle lies on the edge itself
+constexpr int kCutsOfCrossing = 3;      // least number of cut edges at a point where one cut meets another
+constexpr std::size_t kMaxFound = 256;  // most triangles searched for strands
+constexpr double kOnEdge = 2.0;         // lattice units; a place this near to the middle of the edge lies on that edge
 
 }  // namespace
 
@@ -32,7 +32,8 @@ Strands::Place Strands::place_of(TriangleId t, const TriangleShape& shape) {
   return has_strands(t, c, scale * widths_.near) ? Place::kNear : Place::kElsewhere;
 }
 
-// Searches the triangles that are reached from t over edges within reach of the middle, none of them fixed.
+// Searches the triangles reached from t across edges that are not fixed and come within `reach` of the middle of the
+// edge.
 bool Strands::has_strands(TriangleId t, int c, double reach) {
   const LatticePoint& p = mesh_.at(mesh_.points(t)[next_corner(c)]);
   const Vector2d edge = difference(p, mesh_.at(mesh_.points(t)[previous_corner(c)]));

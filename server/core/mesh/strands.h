@@ -9,15 +9,16 @@
 
 namespace kerf::mesh {
 
-// Distances below which strands (lips, or lips and the border, that face each other or cross) count as close. Lengths
-// hold where edges are EdgeLengths::mean long, elsewhere in proportion.
+// Distances below which strands count as close. A strand is a lip or border seen beside another one that it faces or
+// crosses. The distances hold where edges are EdgeLengths::mean long, and scale in proportion elsewhere.
 struct StrandWidths {
-  double near = 0.0;    // lattice units, >= 0; strands closer than this are near each other; 0: none are
-  double narrow = 0.0;  // lattice units, in [0, near]; gaps below this are spanned by needles
+  double near = 0.0;    // lattice units, >= 0; strands closer than this are near each other; 0: no strands are
+  double narrow = 0.0;  // lattice units, in [0, near]; needles may span gaps narrower than this
 };
 
-// Finds the triangles between and beside strands that are much closer than an edge length. The answer depends on lips,
-// border and the triangle alone, and stays the same while lips are split and other triangles refined.
+// Finds the triangles between and beside strands that are much closer to each other than an edge length. The answer
+// depends only on the triangle, lips and border. So it does not change when lips are split or other triangles are
+// refined.
 class Strands {
  public:
   enum class Place {
@@ -29,20 +30,22 @@ class Strands {
     kNarrow,
   };
 
-  // `lengths`: not null where `widths.near` is above 0. It and the mesh must outlive this.
+  // `lengths`: local edge lengths; not null if `widths.near` is above 0. Both `lengths` and the mesh must outlive this.
   Strands(const TriangleMesh& mesh, const StrandWidths& widths, const EdgeLengths* lengths)
       : mesh_(mesh), widths_(widths), lengths_(lengths) {}
 
-  // Place of the solid triangle t, which has this shape.
+  // Classifies the solid triangle t. `shape`: its shape in the rest shape.
   [[nodiscard]] Place place_of(TriangleId t, const TriangleShape& shape);
 
  private:
-  // Returns true if strands face each other closer than `reach` (lattice units) across the middle of an edge, or lips
-  // cross within `reach` of it. The edge is that of t opposite corner c.
+  // Looks at the middle of the edge of t opposite corner c. Returns true if strands face each other across it, closer
+  // than `reach` (lattice units), or lips cross within `reach` of it.
   [[nodiscard]] bool has_strands(TriangleId t, int c, double reach);
-  // Takes note of a point of lips or border at this offset from the middle. True where lips cross in it.
+  // Records a point of lips or border at this offset (lattice units) from the middle of the edge. Returns true if lips
+  // cross there, or another strand faces it.
   bool record_end(PointId p, const Eigen::Vector2d& offset);
-  // Takes note of the place of a lip or border that is nearest to the middle. True where another faces it.
+  // Records the place of a lip or border that is nearest to the middle of the edge. Returns true if a place recorded
+  // before faces it.
   bool record_foot(const Eigen::Vector2d& foot);
 
   const TriangleMesh& mesh_;
@@ -51,7 +54,7 @@ class Strands {
   double reach_ = 0.0;
   std::vector<TriangleId> found_, fan_;
   std::vector<PointId> ends_;
-  std::vector<Eigen::Vector2d> feet_;  // from the middle, lattice units
+  std::vector<Eigen::Vector2d> feet_;  // recorded places, from the middle of the edge, lattice units
 };
 
 }  // namespace kerf::mesh

@@ -18,7 +18,7 @@ void TriangleMesh::triangles_around(VertexId v, std::vector<TriangleId>& ring) c
   const TriangleId start = triangle_at(v);
   if (start == kNone) return;
   TriangleId first = start;
-  for (TriangleId t = start;;) {  // back to the clockwise end
+  for (TriangleId t = start;;) {  // turns clockwise, to the first triangle of an open fan
     t = neighbour(t, previous_corner(corner_of(t, p)));
     if (t == kNone) break;
     first = t;
@@ -54,7 +54,7 @@ void TriangleMesh::fan_around(PointId p, std::vector<TriangleId>& fan) const {
   const TriangleId start = data_.points[p].triangle;
   TriangleId first = start;
   if (std::abs(at(p).x) == Lattice::kHalfDomain &&
-      std::abs(at(p).y) == Lattice::kHalfDomain) {  // open: corner of the domain
+      std::abs(at(p).y) == Lattice::kHalfDomain) {  // the fan is open at a corner of the domain
     for (TriangleId t = start; t != kNone; t = welded_neighbour(t, previous_corner(corner_of(t, p)))) first = t;
   }
   for (TriangleId t = first; t != kNone;) {
@@ -93,7 +93,7 @@ bool TriangleMesh::is_in_circle(TriangleId t, const LatticePoint& p) const {
   const std::array<PointId, 3>& corners = points(t);
   const Facet* const on = facet(t);
   if (on == nullptr) return in_circle(at(corners[0]), at(corners[1]), at(corners[2]), p) > 0;
-  constexpr double kRounding = 1e-10;  // -, of the sum of the terms
+  constexpr double kRounding = 1e-10;  // -; rounding error over the sum of the terms' magnitudes
   const Eigen::Matrix2d stretch = on->stretch();
   std::array<Eigen::Vector2d, 3> offset;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -114,8 +114,7 @@ bool TriangleMesh::is_in_circle(TriangleId t, const LatticePoint& p) const {
 
 TriangleId TriangleMesh::find_edge(PointId p, PointId q, int& corner) const {
   const TriangleId start = data_.points[p].triangle;
-  for (const bool clockwise :
-       {false, true}) {  // the second way round only where the fan is open, at the domain's corners
+  for (const bool clockwise : {false, true}) {  // tries clockwise only if the fan is open, at the domain's corners
     TriangleId t = start;
     do {
       const int c = corner_of(t, p);

@@ -19,7 +19,7 @@ Contour::Contour(std::vector<Vector2d> points, const std::vector<std::size_t>& c
   for (std::size_t i = 0; i < size; ++i) {
     const Vector2d before = points_[i] - points_[(i + size - 1) % size];
     const Vector2d after = points_[(i + 1) % size] - points_[i];
-    // Returns 2 tan(turn / 2) by correctly rounded operations only, so that every machine gets the same bits.
+    // Computes 2 tan(turn / 2) with correctly rounded operations only, so that every machine gets the same bits.
     const double half = before.norm() * after.norm() + before.dot(after);
     const double area = std::abs(before.x() * after.y() - before.y() * after.x());
     turns_[i] = half > 0.0 ? 2.0 * area / half : std::numeric_limits<double>::infinity();

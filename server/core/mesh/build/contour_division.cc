@@ -7,22 +7,23 @@
 namespace kerf::mesh {
 namespace {
 
-constexpr double kSnap = 0.1;  // -; how near a point of the contour is very near, as a fraction of the parts' length
-constexpr int kSteps = 8;      // of the integral of 1 / size along an edge of that size
+constexpr double kSnap = 0.1;  // -; a station moves to a contour point within this fraction of an edge length
+constexpr int kSteps = 8;      // of integration per edge
 
-// Returns the number of edges up to a station.
+// The number of edges, a real number, that the stretch needs up to a station.
 struct Count {
   double station = 0.0;
   double edges = 0.0;
 };
 
-// Returns an empty list if there are more than `most`.
+// Counts the edges that the stretch needs, at stations from its start to its end. Returns an empty list if there are
+// more than `most`.
 std::vector<Count> count_edges(const Contour& contour, const Stretch& stretch, const SizeField& sizes, double most) {
   std::vector<Count> counts{{stretch.from, 0.0}};
   while (counts.back().station < stretch.to) {
     const double at = counts.back().station;
     const std::size_t i = contour.chord_at(at);
-    const double left = std::min(contour.station(i + 1), stretch.to) - at;  // of the chord
+    const double left = std::min(contour.station(i + 1), stretch.to) - at;  // length of the chord that remains
     double step = std::min(left, sizes.at(contour.at(at)) / kSteps);
     if (left < 1.5 * step || at + step <= at) step = left;
     const double turn_of_chord = 0.5 * (contour.turn(i) + contour.turn(i + 1));

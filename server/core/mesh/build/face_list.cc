@@ -11,14 +11,15 @@
 namespace kerf::mesh {
 namespace {
 
-constexpr double kFlatness = 1e-6;  // -, of the size of the sheet; single-precision files round by about 1e-7
+constexpr double kFlatness = 1e-6;  // -; distance from a plane that still counts as flat, over the size of the sheet;
+                                    // single-precision files round by 1e-7
 
 Status too_many(std::size_t limit, const std::string& what) {
   return invalid_argument("TOO_LARGE", "more than " + std::to_string(limit) + " " + what);
 }
 
-// Adds up the triangles' area vectors. Turns over those against the sum so far, as components need not have one
-// orientation.
+// Returns the sum of the triangles' area vectors. Components need not have one orientation, so a vector that points
+// against the sum so far is turned round.
 Eigen::Vector3d total_area(const ImportedSheet& imported) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (Eigen::Index t = 0; t < imported.sheet.triangles.cols(); ++t) {
@@ -105,7 +106,7 @@ Result<ImportedSheet> FaceList::assemble(RestShape rest_shape) const {
   return imported;
 }
 
-// Makes the rest shape of a planar sheet.
+// Computes the material coordinates of a planar sheet.
 Status FaceList::flatten(ImportedSheet& imported) const {
   const Eigen::Vector3d origin = imported.world.col(0);
   const Eigen::Vector3d area = total_area(imported);
@@ -132,7 +133,7 @@ Status FaceList::flatten(ImportedSheet& imported) const {
     imported.sheet.rest = imported.world.topRows<2>();
     return Nothing{};
   }
-  // Takes as rest x axis the axis that is least along the normal, projected into the plane.
+  // The material x axis is the projection into the plane of the world axis that is least along the normal.
   Eigen::Index axis = 0;
   normal.cwiseAbs().minCoeff(&axis);
   const Eigen::Vector3d u = (Eigen::Vector3d::Unit(axis) - normal[axis] * normal).normalized();

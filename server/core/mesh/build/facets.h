@@ -7,9 +7,10 @@
 
 namespace kerf::mesh {
 
-// Makes the rest surface of records that hold only solid triangles so far, with their neighbours. `surface`: 3 x V, m,
-// positions of their vertices. Neighbours of one region share a facet if one affine map from the material plane meets
-// both within kSameFacet of their longest edge; the records' regions become the numbers of the facets. Error:
+// Makes the facets of a curved rest shape: groups of triangles that one affine map takes from the material plane to
+// `surface`. `surface`: 3 x V, m, positions of the vertices. `data` must hold only solid triangles, with their
+// neighbours. A triangle joins the facet of a neighbour of its region if that facet's map meets its corners. The
+// tolerance is kSameFacet times its longest edge. Afterwards TriangleRecord::region is the number of the facet. Error:
 // MESH_DEGENERATE_TRIANGLE (flatter than kMinFlatness on the surface), field = `surface`.
 Status make_facets(const Eigen::Matrix3Xd& surface, MeshData& data);
 

@@ -24,20 +24,20 @@ using Triplet = Eigen::Triplet<double>;
 
 // Least weight of Tutte's embedding, which needs positive ones; cotangents may be negative.
 constexpr double kLeastWeight = 0.05;
-// Ratio of the vector sum of the areas to their sum below which a surface faces no side.
+// A surface faces no side if the sum of its area vectors is shorter than this fraction of its area.  -
 constexpr double kFacesNowhere = 0.05;
-constexpr double kGap = 0.1;  // between components, of the larger side of the next
+constexpr double kGap = 0.1;  // -; gap between two components, over the larger side of the second
 
 Error refuse(std::string reason, std::string message) {
   return invalid_argument(std::move(reason), std::move(message), "surface");
 }
 
-// One connected part, with its own vertex numbers.
+// One connected component of the surface, with its own vertex numbers.
 struct Component {
-  std::vector<int> vertices;                  // by number here: the number in the whole
-  std::vector<std::array<int, 3>> triangles;  // numbers here
+  std::vector<int> vertices;                  // vertex of the whole surface, by number in the component
+  std::vector<std::array<int, 3>> triangles;  // corners, numbers in the component
   std::vector<Eigen::Vector3d> at;            // m
-  std::vector<std::vector<int>> loops;        // borders, with the material on their left
+  std::vector<std::vector<int>> loops;        // borders, each a list of vertices with the material on the left
 };
 
 std::vector<Component> split_components(const Eigen::Matrix3Xd& surface, const Eigen::Matrix3Xi& triangles) {
@@ -73,7 +73,8 @@ std::vector<Component> split_components(const Eigen::Matrix3Xd& surface, const E
   return components;
 }
 
-// Fills the loops. Refuses anything but an orientable surface with a border and without handles.
+// Finds the borders of a component. Refuses surfaces that are closed, not orientable, not manifold, or that have
+// handles.
 Status find_borders(Component& part) {
   std::map<std::pair<int, int>, int> sides;  // directed edge -> triangle
   const auto name = [&](int v) { return std::to_string(part.vertices[v]); };
@@ -128,7 +129,7 @@ double total_area(const Component& part) {
   return area;
 }
 
-// Returns half the cotangent of the angle at each corner.
+// Returns half the cotangent of the angle at each corner of a triangle.
 std::array<double, 3> half_cotangents(const Component& part, const std::array<int, 3>& triangle) {
   std::array<double, 3> half{};
   for (std::size_t k = 0; k < 3; ++k) {
@@ -139,8 +140,9 @@ std::array<double, 3> half_cotangents(const Component& part, const std::array<in
   return half;
 }
 
-// Solves A x = 0 for the unknowns that are not given; A is symmetric and positive definite in them. Returns an empty
-// result if the factorisation breaks down.
+// Solves the rows of A x = 0 that belong to unknowns without a given value. `entries`: A, size x size, symmetric,
+// positive definite in these unknowns. `given`: value by unknown. Returns all of x, or an empty vector if the
+// factorisation fails.
 Eigen::VectorXd solve_for_free(Eigen::Index size, const std::vector<Triplet>& entries,
                                const std::map<Eigen::Index, double>& given) {
   std::vector<Eigen::Index> place(static_cast<std::size_t>(size), -1);
@@ -192,8 +194,8 @@ std::pair<int, int> far_pair(const Component& part) {
   return {first, farthest(first)};
 }
 
-// Minimises the conformal energy: the Dirichlet energy of both coordinates less the area, which is a sum over the
-// borders.
+// Maps by least conformal energy: the Dirichlet energy of both coordinates minus the area of the map. The area is a sum
+// over border edges.
 std::vector<Complex> map_conformally(const Component& part) {
   const auto size = static_cast<int>(part.vertices.size());
   std::vector<Triplet> entries;
@@ -223,7 +225,7 @@ std::vector<Complex> map_conformally(const Component& part) {
   return mapped;
 }
 
-// Spans each inner border by a vertex of its own.
+// Maps by Tutte's embedding. Each inner border (a hole) is filled with one extra vertex, joined to all its vertices.
 std::vector<Complex> map_into_circle(const Component& part) {
   const auto length = [&](const std::vector<int>& loop) {
     double sum = 0.0;
@@ -266,7 +268,8 @@ std::vector<Complex> map_into_circle(const Component& part) {
   return mapped;
 }
 
-// Projects the surface along its mean normal, or along its shortest extent if it faces no side.
+// Projects the surface along its mean normal. A surface that faces no side is projected along the direction in which it
+// extends least.
 std::vector<Complex> project(const Component& part) {
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
   for (const auto& [a, b, c] : part.triangles) {
@@ -292,7 +295,7 @@ Complex mean(const std::vector<Complex>& values) {
   return std::accumulate(values.begin(), values.end(), Complex(0.0, 0.0)) / static_cast<double>(values.size());
 }
 
-// Scales the map to the surface's area, then rotates and moves it towards the surface's projection.
+// Scales the map to the area of the surface. Then rotates and moves it to fit the projection of the surface best.
 Status align(const Component& part, std::vector<Complex>& mapped) {
   double area = 0.0;
   for (const auto& [a, b, c] : part.triangles) {

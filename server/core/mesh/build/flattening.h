@@ -6,23 +6,23 @@
 
 namespace kerf::mesh {
 
-// Vertices of a surface that flatten() takes: a sparse factorisation of twice as many unknowns.
+// Most vertices of a surface that flatten() accepts. It factorises a sparse matrix with two unknowns per vertex.
 inline constexpr Eigen::Index kMaxFlattenedVertices = 50'000;
 
 enum class Flattening {
-  // Least-squares conformal maps (Levy, Petitjean, Ray, Maillot 2002): angles are kept as well as can be, the border is
-  // free. Triangles may overlap where the surface is far from flat.
+  // Least-squares conformal maps (Levy, Petitjean, Ray, Maillot 2002): keeps angles as well as possible, and leaves the
+  // border free. Triangles may overlap where the surface is far from flat.
   kConformal,
-  // Tutte's embedding: the longest border lies on a circle, all other vertices at weighted means of their neighbours.
-  // Weights are cotangents, but at least a twentieth, so that all are positive. Never overlaps (Floater 2003,
-  // "One-to-one piecewise linear mappings over triangulations"); angles are kept less well.
+  // Tutte's embedding: the longest border becomes a circle, and each other vertex is a weighted mean of its neighbours.
+  // Weights are cotangents but at least 0.05, since the proof needs positive ones. Triangles never overlap (Floater
+  // 2003, "One-to-one piecewise linear mappings over triangulations"); angles are kept less well.
   kConvex,
 };
 
-// Returns material coordinates (2 x V, m) for a surface in space. surface: 3 x V, m, finite; triangles: 3 x T, vertex
-// ids in range, all vertices used. Each component keeps its area. It is rotated and moved to lie as near as possible to
-// its own projection along its mean normal. The x axis of the projection lies along world x (or y, where the component
-// faces x). Several components lie side by side. Errors, field = `surface`:
+// Returns material coordinates (2 x V, m) for a surface in space. `surface`: 3 x V, m, finite. `triangles`: 3 x T,
+// vertex ids in range, every vertex used. Each component keeps its area. It is rotated and moved to lie as near as
+// possible to its own projection along its mean normal. The x axis of the projection is that of world x, or of world y
+// if the mean normal points nearly along x. Several components lie side by side. Errors, field = `surface`:
 //   MESH_NON_MANIFOLD_VERTEX, MESH_INCONSISTENT_ORIENTATION (or more than two triangles at an edge),
 //   MESH_DEGENERATE_TRIANGLE: a triangle of the surface has no area,
 //   MESH_NOT_FLATTENABLE: closed (no border), with handles, of no area, or no map was found,

@@ -17,9 +17,11 @@ namespace {
 
 using Eigen::Vector2d;
 
-// Largest circumradius of a triangle over the circumradius of an equilateral triangle of the wanted size. -
+// A triangle is small enough if its circumradius is at most this many times that of an equilateral triangle of the
+// wanted size.  -
 constexpr double kSmallEnough = 1.3;
-// Least distance of a new point from others and from fixed edges, as a fraction of the size wanted. -
+// Least distance of a new point from other points (kLeastDistance) and from fixed edges (kLeastHeight), over the size
+// wanted there.  -
 constexpr double kLeastDistance = 0.6;
 constexpr double kLeastHeight = 0.45;
 constexpr std::size_t kMaxFrontCavity = 256;
@@ -51,7 +53,7 @@ class FrontFill {
       return a.order > b.order;
     }
   };
-  // The size of a slot's triangle, as long as it has these corners.
+  // The value of excess() for a slot, valid while its triangle has these corners.
   struct Known {
     std::array<PointId, 3> points{kNone, kNone, kNone};
     double excess = 0.0;
@@ -106,7 +108,8 @@ class FrontFill {
     const Vector2d edge = difference(a, b), to_apex = difference(a, apex);
     const double length = edge.norm();
     const Vector2d inward = Vector2d(-edge.y(), edge.x()) / length;
-    // Height of the circumcentre over the edge: (apex - a) . (apex - b) / (2 * doubled area) of its length.
+    // Height of the circumcentre above the edge. Over the edge length it is (apex - a) . (apex - b) / (2 * doubled
+    // area).
     const double circumcentre = length * to_apex.dot(to_apex - edge) / (2.0 * to_double(doubled_area(a, b, apex)));
     if (circumcentre <= 0.0) return false;
     const auto size_at = [&](double height) {
@@ -132,8 +135,8 @@ class FrontFill {
     return true;
   }
 
-  // Returns true if no point and no fixed edge of the cavity of `at` (the triangles whose circumcircles contain it) is
-  // too close.
+  // Returns true if a new point at `at` is far enough from points and fixed edges. Checks its cavity: the triangles
+  // whose circumcircles contain it. `size`: edge length wanted there, lattice units.
   bool has_room(TriangleId start, const LatticePoint& at, double size) {
     cavity_.assign(1, start);
     for (std::size_t i = 0; i < cavity_.size() && i < kMaxFrontCavity; ++i) {

@@ -42,8 +42,8 @@ Eigen::Matrix2Xd grid_positions(const GridConfig& config) {
   return rest;
 }
 
-// Makes the Delaunay triangles between the given positions and keeps border edges. Each triangle begins with its lowest
-// vertex; their order is lexicographic.
+// Returns the Delaunay triangles of the given positions inside the rectangle; the border edges of the grid are kept.
+// Each triangle begins with its lowest vertex, and triangles are in lexicographic order.
 std::vector<std::array<VertexId, 3>> triangulate_rectangle(const GridConfig& config, const Eigen::Matrix2Xd& rest) {
   const Lattice lattice =
       Lattice::for_bounds(Eigen::AlignedBox2d(Eigen::Vector2d::Zero(), Eigen::Vector2d(config.width, config.height)));
@@ -72,7 +72,7 @@ std::vector<std::array<VertexId, 3>> triangulate_rectangle(const GridConfig& con
   for (TriangleId t = 0; t < domain.num_triangle_slots(); ++t) {
     std::array<VertexId, 3> corners{};
     for (int k = 0; k < 3; ++k) corners[k] = vertex[domain.points(t)[k]];
-    // A rectangle is convex: what lies outside has a corner of the domain.
+    // A rectangle is convex, so every triangle outside it has a corner of the domain (kNone).
     if (std::min({corners[0], corners[1], corners[2]}) == kNone) continue;
     std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
     triangles.push_back(corners);

@@ -20,8 +20,9 @@ struct GridConfig {
 // height.
 Result<TriangleMesh> make_grid(const GridConfig& config);
 
-// Makes a Delaunay mesh of the vertices of make_grid(). Each inner vertex is displaced at random by up to 0.3 of the
-// cell in x and in y, chosen by `seed`. Triangles are in the order of their lowest vertex.
+// Makes a Delaunay mesh of the vertices of make_grid(), with each inner vertex displaced at random. `seed` chooses the
+// displacements, up to 0.3 of a cell in x and in y. Triangles are sorted by their lowest vertex. Errors as of
+// make_grid().
 Result<TriangleMesh> make_jittered_grid(const GridConfig& config, std::uint64_t seed);
 
 }  // namespace kerf::mesh

@@ -17,7 +17,7 @@
 namespace kerf::mesh {
 namespace {
 
-// Side `corner` (opposite it) of a triangle, from one end to the other. Ends are vertices or points.
+// The edge of a triangle opposite its corner `corner`, directed. The ends are vertices or points.
 struct Side {
   std::int32_t from = kNone;
   std::int32_t to = kNone;
@@ -31,8 +31,8 @@ std::string id(std::int64_t number) {
   return std::to_string(number);
 }
 
-// Returns the ratio (-) of the height to the longest edge, to a few roundings; 0 for a triangle without area. The area
-// is exact.
+// Returns the least height of a triangle over its longest edge (-); 0 if it has no area. Correct to a few roundings, as
+// the area is exact.
 double flatness(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c) {
   const double longest = static_cast<double>(std::max({dot(a, b, a, b), dot(b, c, b, c), dot(c, a, c, a)}));
   return longest == 0.0 ? 0.0 : std::abs(static_cast<double>(doubled_area(a, b, c))) / longest;
@@ -60,7 +60,7 @@ class SheetImport {
     return mesh;
   }
 
-  // Checks the arrays by themselves, before anything is built.
+  // Checks only the arrays, and builds nothing.
   Status check() {
     return check_arrays();
   }
@@ -142,7 +142,7 @@ class SheetImport {
     return Nothing{};
   }
 
-  // Rounds positions to lattice points; vertices at the same one share a point.
+  // Rounds positions to lattice points. Vertices at the same lattice point share a mesh point.
   Status quantise() {
     const Eigen::AlignedBox2d box(input_.rest.rowwise().minCoeff(), input_.rest.rowwise().maxCoeff());
     if (box.sizes().maxCoeff() < 1e-9) {
@@ -171,7 +171,8 @@ class SheetImport {
     return Nothing{};
   }
 
-  // Lists all sides, grouped by their two ends, and by triangle within a group.
+  // Lists the sides of all triangles, sorted by their two ends and then by triangle. `by_point`: ends are points, else
+  // vertices.
   [[nodiscard]] std::vector<Side> sorted_sides(bool by_point) const {
     std::vector<Side> sides;
     sides.reserve(3 * data_.triangles.size());
@@ -188,7 +189,7 @@ class SheetImport {
     return sides;
   }
 
-  // Takes the triangles as given, and turns over the components that are clockwise throughout.
+  // Takes over the triangles, and reverses components that are clockwise throughout.
   Status orient() {
     std::vector<int> sign(static_cast<std::size_t>(num_triangles()));
     for (TriangleId t = 0; t < num_triangles(); ++t) {
@@ -231,7 +232,8 @@ class SheetImport {
             "triangles");
       }
     }
-    for (TriangleId t = 0; t < num_triangles(); ++t) {  // neighbours have equal signs, so whole components turn
+    for (TriangleId t = 0; t < num_triangles(); ++t) {  // neighbours have equal signs, so this reverses whole
+                                                        // components
       if (sign[t] > 0) continue;
       std::swap(data_.triangles[t].points[1], data_.triangles[t].points[2]);
       std::swap(data_.triangles[t].vertices[1], data_.triangles[t].vertices[2]);
@@ -270,7 +272,7 @@ class SheetImport {
     return Nothing{};
   }
 
-  // Checks that each vertex has one fan.
+  // Checks that the triangles around each vertex form one fan.
   Status check_vertices() {
     std::vector<std::int32_t> num_corners(data_.vertices.size(), 0);
     for (TriangleId t = num_triangles() - 1; t >= 0; --t) {
@@ -334,10 +336,11 @@ class SheetImport {
   std::vector<BorderSide> border_;
 };
 
-// Makes material coordinates for a surface without any, by the first of the ways that gives a sheet.
+// Computes material coordinates for a surface without any. Tries the conformal map first, then the convex one, which
+// never overlaps.
 Result<TriangleMesh> import_surface(const IndexedMesh& input) {
   IndexedMesh with_rest = input;
-  with_rest.rest = Eigen::Matrix2Xd::Zero(2, input.surface.cols());  // for the checks of what does not depend on it
+  with_rest.rest = Eigen::Matrix2Xd::Zero(2, input.surface.cols());  // placeholder, for checks that do not depend on it
   KERF_TRY(SheetImport(with_rest).check());
   const auto import_flattened = [&](Flattening method) -> Result<TriangleMesh> {
     KERF_TRY_ASSIGN(with_rest.rest, flatten(input.surface, input.triangles, method));

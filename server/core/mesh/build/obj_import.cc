@@ -35,7 +35,7 @@ class ObjReader {
   [[nodiscard]] Error here(Error error) const {
     error.reason = "OBJ_" + error.reason;
     error.field = "obj";
-    if (line_number_ == 0) return error;  // about the file as a whole
+    if (line_number_ == 0) return error;  // the error concerns the file as a whole
     const std::string line = std::to_string(line_number_);
     error.message = "line " + line + ": " + error.message;
     error.field += ":" + line;
@@ -78,7 +78,7 @@ class ObjReader {
     return added(faces_.add_texture(uv));
   }
 
-  // Parses "3", or "-1" for the latest one so far, as an index from 0.
+  // Converts an index of the file to one from 0. "1" is the first of `count` entries, "-1" the latest one so far.
   static bool resolve(std::string_view word, std::size_t count, std::int32_t& index) {
     if (!parse_number(word, index)) return false;
     const auto size = static_cast<std::int32_t>(count);
@@ -107,8 +107,8 @@ class ObjReader {
     return added(faces_.add_face(corners));
   }
 
-  std::string_view text_;         // what is left of it
-  std::int64_t line_number_ = 0;  // 0: about the file as a whole
+  std::string_view text_;         // the part that is not read yet
+  std::int64_t line_number_ = 0;  // 0: errors concern the file as a whole
   FaceList faces_{1};
 };
 

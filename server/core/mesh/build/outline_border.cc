@@ -14,8 +14,8 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kMinSize = 1e-9;  // m; of an outline
-constexpr int kBisections = 50;    // halve a station's interval to its rounding
+constexpr double kMinSize = 1e-9;  // m; least size of an outline
+constexpr int kBisections = 50;    // enough to reduce an interval of stations to rounding
 
 Vector2d as_vector(const LatticePoint& p) {
   return difference({}, p);
@@ -32,7 +32,7 @@ std::string place_of(const Lattice& lattice, const LatticePoint& at) {
 bool meet(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c, const LatticePoint& d) {
   const int ac = orient2d(a, b, c), ad = orient2d(a, b, d), ca = orient2d(c, d, a), cb = orient2d(c, d, b);
   if (ac != 0 || ad != 0 || ca != 0 || cb != 0) return ac * ad <= 0 && ca * cb <= 0;
-  // Handles four points on one line.
+  // All four points lie on one line: compares the intervals.
   return std::max(std::min(a, b), std::min(c, d)) <= std::min(std::max(a, b), std::max(c, d));
 }
 
@@ -58,7 +58,7 @@ bool surrounds(const std::vector<LatticePoint>& polygon, const LatticePoint& at)
   return inside;
 }
 
-// Returns the contour on the lattice, or a contour of fewer than three points.
+// A contour rounded to the lattice.
 struct Quantised {
   std::vector<Vector2d> points;
   std::vector<std::size_t> corners;
@@ -194,8 +194,8 @@ LatticePoint OutlineBorder::at(std::int32_t contour, double station) const {
   return lattice_.nearest(contours_[contour].at(station));
 }
 
-// Returns true if an edge may replace this part of a contour: nothing else lies between the two, and the part turns
-// little enough.
+// Returns true if one straight edge may replace this part of a contour. No other contour may lie between the edge and
+// the part, and the part may not turn too much.
 bool OutlineBorder::can_be_one_edge(const Span& span) const {
   const Contour& contour = contours_[span.contour];
   const std::size_t first = contour.chord_at(span.from);
@@ -206,7 +206,7 @@ bool OutlineBorder::can_be_one_edge(const Span& span) const {
   double turn = 0.0;
   for (std::size_t i = first + 1; i <= last; ++i) {
     turn += contour.turn(i);
-    // Allows for contours divided evenly, whose edges sometimes turn by a little more.
+    // Even divisions keep kMaxTurnOfEdge on average only, so single edges may turn a little more.
     if (turn > 1.5 * kMaxTurnOfEdge) return false;
     region.push_back(lattice_.nearest(contour.point(i)));
   }
@@ -227,7 +227,8 @@ bool OutlineBorder::can_be_one_edge(const Span& span) const {
   });
 }
 
-// Appends the vertices at the start of a part and inside it.
+// Appends the vertex at the start of a part of a contour. Halves the part, and appends vertices inside it, until edges
+// can replace all parts.
 bool OutlineBorder::append(const Span& span, std::int64_t max_vertices) {
   const double middle = 0.5 * (span.from + span.to);
   if (can_be_one_edge(span) || middle <= span.from || middle >= span.to) {
@@ -295,7 +296,8 @@ void OutlineBorder::follow(const Lattice& mesh_lattice) {
   for (std::size_t v = 0; v < vertices_.size(); ++v) vertex_of_[v] = static_cast<std::int32_t>(v);
 }
 
-// Returns the station of `to`, which follows `from`. Adds the length of the contour if its end lies in between.
+// Returns the station of `to`, which follows `from` on the contour. Adds the length of the contour if station 0 lies in
+// between.
 double OutlineBorder::station_after(const Vertex& from, const Vertex& to) const {
   return to.station > from.station ? to.station : to.station + contours_[from.contour].length();
 }

@@ -19,43 +19,44 @@
 
 namespace kerf::mesh {
 
-// The contours of an outline and the places of their vertices. Follows the refinement of the border of a mesh whose
-// first points are these vertices, in order.
+// The contours of an outline and the vertices that divide them. While a mesh with these vertices as its first points is
+// refined, it places the points that split border edges on the contours.
 class OutlineBorder : public BorderCurves {
  public:
   struct Vertex {
     std::int32_t contour = 0;
-    double station = 0.0;  // m, along it
-    LatticePoint at;       // on lattice()
+    double station = 0.0;  // m, along the contour
+    LatticePoint at;       // nearest lattice point, on lattice()
   };
 
-  // Without vertices. Errors: OUTLINE_DEGENERATE, OUTLINE_CROSSES, see outline_mesh.h.
+  // Makes a border that has no vertices yet. Errors: OUTLINE_DEGENERATE, OUTLINE_CROSSES, see outline_mesh.h.
   static Result<OutlineBorder> make(const std::vector<OutlineContour>& contours);
 
   [[nodiscard]] const Lattice& lattice() const { return lattice_; }
-  // m; of contour 0.
+  // Bounding box of contour 0, the outer border. m
   [[nodiscard]] const Eigen::AlignedBox2d& bounds() const { return bounds_; }
   // Returns the area of contour 0 less the areas of all others, m^2. Does not check that these lie inside it.
   [[nodiscard]] double area() const;
   [[nodiscard]] const std::string& field(std::int32_t contour) const { return fields_[contour]; }
-  // Contour by contour, each in order.
+  // All vertices. After divide() and renew() they are in order: contour by contour, by station. add() appends.
   [[nodiscard]] const std::vector<Vertex>& vertices() const { return vertices_; }
-  // The vertex that follows on the same contour.
+  // Returns the next vertex on the same contour, in the direction of growing station.
   [[nodiscard]] std::int32_t next(std::int32_t vertex) const { return next_[vertex]; }
 
-  // Chooses vertices: corners, and between them as divide_stretch() does, but so that nothing lies between an edge and
-  // the curve that it stands for. So edges cross no more than the contours do. Returns false if there would be more
-  // than `max_vertices`.
+  // Chooses the vertices: the corners, and stations between them as divide_stretch() finds them. Adds more where
+  // another part of a contour lies between an edge and its piece of curve. So edges do not cross if the contours do
+  // not. Returns false if more than `max_vertices` would be needed.
   bool divide(const SizeField& sizes, std::int64_t max_vertices);
 
-  // Starts to follow the refinement of a mesh on this lattice, whose points 0..n-1 are the vertices.
+  // Call before the refinement of a mesh whose points 0..n-1 are the vertices, in order. `mesh_lattice`: lattice of
+  // that mesh.
   void follow(const Lattice& mesh_lattice);
   [[nodiscard]] LatticePoint between(PointId p, PointId q, double distance) override;
   void add(PointId p, PointId q, PointId added) override;
   void miss(PointId p, PointId q) override;
   [[nodiscard]] bool has_missed() const { return !missed_.empty(); }
-  // Adds the places reported by add() and miss() since follow() to the vertices, in order. Returns false if there would
-  // be more than `max_vertices`.
+  // Makes vertices of the places reported by add() and miss() since follow(), and sorts all of them. Returns false if
+  // there would be more than `max_vertices`.
   bool renew(std::int64_t max_vertices);
 
  private:
@@ -90,9 +91,9 @@ class OutlineBorder : public BorderCurves {
   std::vector<Vertex> vertices_;
   std::vector<std::int32_t> next_;  // by vertex
   Lattice mesh_lattice_;
-  std::vector<std::int32_t> vertex_of_;  // by PointId
-  double proposed_ = 0.0;                // the station of the last place given
-  std::vector<Vertex> missed_;           // places that did not become points, one an edge
+  std::vector<std::int32_t> vertex_of_;  // index into vertices_, by PointId
+  double proposed_ = 0.0;                // station of the place that between() returned last
+  std::vector<Vertex> missed_;           // places that did not become points, at most one per edge
   std::set<std::array<PointId, 2>> missed_edges_;
 };
 

@@ -21,17 +21,18 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kDefaultEdges = 32.0;     // along the larger side of the border
-constexpr double kGradingOfBorder = 0.25;  // growth away from edges of contours that are shorter than requested
-// Edges of contours at least this long, as a fraction of the requested size, count as long enough. -
+constexpr double kDefaultEdges = 32.0;     // edges along the larger side of the border, if no edge length is given
+constexpr double kGradingOfBorder = 0.25;  // -; growth of the edge length away from short edges of contours
+// An edge of a contour is short if its length is below this fraction of the size requested there. -
 constexpr double kAsAsked = 0.8;
 constexpr double kWellShaped = 0.96;      // quality, see relaxation.h  -
-constexpr double kEstimateMargin = 1.15;  // of max_vertices; a larger estimate is refused before the mesh is made  -
-constexpr double kAreaOfVertex = 0.8660254037844386;  // of squared edges: two equilateral triangles  -
-// Number of times that the inside is filled. It is filled again if the border needs vertices for which the triangles
-// beside it leave no place.
+constexpr double kEstimateMargin = 1.15;  // factor on max_vertices; outlines with a higher estimate are refused at once
+                                          // -
+constexpr double kAreaOfVertex = 0.8660254037844386;  // area over squared edge length: two triangles -
+// Most times that the inside is filled. It is filled again if the border needs more vertices and the triangles beside
+// it leave no room for them.
 constexpr int kMaxRounds = 5;
-constexpr double kShortest = 4096.0;  // lattice units; edges this short are not refined around
+constexpr double kShortest = 4096.0;  // lattice units; triangles with a shorter edge are not refined
 
 double size_of(const Eigen::AlignedBox2d& box) {
   return box.sizes().maxCoeff();
@@ -45,7 +46,7 @@ Error too_fine(std::int32_t max_vertices) {
       "edge_length");
 }
 
-// Adds up the vertices that triangles of the sizes wanted take, until there are more than `limit`.
+// Estimates how many vertices a mesh of the wanted sizes needs; stops once the total is above `limit`.
 class VertexEstimate {
  public:
   VertexEstimate(const SizeField& sizes, double limit) : sizes_(sizes), limit_(limit) {}
@@ -137,7 +138,8 @@ class OutlineMesher {
 
   [[nodiscard]] SizeField sizes() const { return {edge_length_, requested_sources()}; }
 
-  // Returns the sizes with the contours' own edges, where these are shorter than requested.
+  // Returns the sizes for the inside: the requested ones, reduced around edges of contours that are shorter than
+  // requested.
   [[nodiscard]] SizeField sizes_inside() const {
     const SizeField asked = sizes();
     std::vector<SizeSource> sources = requested_sources();
@@ -151,7 +153,7 @@ class OutlineMesher {
     return {edge_length_, std::move(sources)};
   }
 
-  // Makes the constrained Delaunay triangles inside, between the vertices of the contours alone.
+  // Makes a mesh of the inside with the vertices of the contours only: the constrained Delaunay triangulation.
   Result<TriangleMesh> triangulate() {
     std::vector<LatticePoint> points;
     for (const OutlineBorder::Vertex& vertex : border_.vertices()) points.push_back(vertex.at);
@@ -182,7 +184,8 @@ class OutlineMesher {
     return import_mesh(indexed);
   }
 
-  // Floods the domain from outside, contour by contour.
+  // Returns the triangles inside the border and outside the holes. Floods the domain from outside, one level of nested
+  // contours after the other.
   [[nodiscard]] Result<std::vector<TriangleId>> find_inside(const TriangleMesh& domain) const {
     std::vector<TriangleId> inside, level{domain.triangle_at_point(0)}, beyond;
     std::vector<bool> is_reached(static_cast<std::size_t>(domain.num_triangle_slots()));
@@ -211,7 +214,8 @@ class OutlineMesher {
     return inside;
   }
 
-  // Checks a contour that is nested inside `depth` others.
+  // Refuses a contour at a wrong level: holes must lie inside exactly one other contour. `depth`: number of contours
+  // around it.
   [[nodiscard]] Status check_nesting(std::int32_t contour, int depth) const {
     const std::string& field = border_.field(contour);
     if (contour == 0 || depth == 1) return Nothing{};
@@ -236,7 +240,8 @@ class OutlineMesher {
     return !refine(editor, all, refinement).stopped && !editor.budget_exhausted();
   }
 
-  // Returns false if there would be too many vertices.
+  // Fills the inside with triangles of the wanted sizes, relaxes and refines them. Returns false if there would be too
+  // many vertices.
   bool fill(MeshEditor& editor) {
     const TriangleMesh& mesh = editor.mesh();
     const SizeField wanted = sizes_inside();
@@ -304,7 +309,7 @@ class OutlineMesher {
   const OutlineConfig& config_;
   OutlineBorder border_;
   double edge_length_;                   // m
-  std::vector<std::int32_t> vertex_at_;  // of border_, by point of the domain last triangulated
+  std::vector<std::int32_t> vertex_at_;  // index into border_.vertices(), by point of the domain triangulated last
 };
 
 }  // namespace

@@ -19,8 +19,8 @@ inline constexpr double kMaxOutlineAngle = 28.0;  // degrees
 // A closed curve of an outline as a fine polygon.
 struct OutlineContour {
   std::vector<Eigen::Vector2d> points;  // m, |coordinate| <= kMaxRestCoordinate; the last joins the first
-  std::vector<std::size_t> corners;     // indices of those that become vertices, sorted
-  std::string field;                    // what errors name
+  std::vector<std::size_t> corners;     // indices of points that must become vertices, sorted
+  std::string field;                    // path of the contour in the request, for errors
 };
 
 // An edge length wanted at a point, or along the segments between several: `length` there, and away from it
@@ -29,26 +29,26 @@ struct OutlineSize {
   std::vector<Eigen::Vector2d> points;  // m, at least 1
   double length = 0.0;                  // m, edge length; >= kMinOutlineEdge times the larger side of the outline
   double growth = 0.25;                 // -, >= 0, increase of the edge length per distance
-  std::string field;                    // what errors name
+  std::string field;                    // path of the size in the request, for errors
 };
 
 struct OutlineConfig {
-  std::vector<OutlineContour> contours;  // the sheet's border, then its holes; however oriented
-  double edge_length = 0.0;              // m; the longest wanted. 0: 1/32 of the larger side of the border
+  std::vector<OutlineContour> contours;  // the sheet's border, then its holes, in any orientation
+  double edge_length = 0.0;              // m, largest edge length; 0: 1/32 of the larger side of the border
   std::vector<OutlineSize> sizes;
   double min_angle_deg = 25.0;               // degrees, in (0, kMaxOutlineAngle]
   std::int32_t max_vertices = kMaxVertices;  // at least 3
 };
 
 // Meshes what lies inside the border and outside the holes. Vertices on the contours lie on the given polygons, spaced
-// as the sizes require, and closer where contours come near each other. A full turn has at least 16 of them. Triangles
-// are as large as requested, graded away from shorter edges by 0.25 of the distance, and near equilateral. No angle is
-// below min_angle_deg except where the outline forces one. It does so at its own corners, and where it is too narrow
-// for floating point to resolve. The result is deterministic.
+// as the sizes require, and closer together where contours come near each other. A full circle has at least 16
+// vertices. Triangles are as large as requested, graded away from shorter edges by 0.25 of the distance, and near
+// equilateral. No angle is below min_angle_deg except where the outline forces one. The outline forces one at its own
+// sharp corners, and where it is too narrow for floating point to resolve. The result is deterministic.
 //
 // Steps: 1. The contours are divided. 2. The inside is triangulated (constrained Delaunay) and refined (refinement.h),
-// to find how much closer the vertices of the contours must be for the angle. 3. It is triangulated again and filled
-// from the contours inwards (front_fill.h). 4. Points inside move to where the worst triangle around them is best
+// which shows where contours need more vertices for the smallest angle. 3. It is triangulated again and filled from the
+// contours inwards (front_fill.h). 4. Points inside move to where the worst triangle around them is best
 // (relaxation.h). 5. Triangles still below the angle are refined.
 //
 // Errors: kInvalidArgument OUTLINE_DEGENERATE (fewer than three different points, or smaller than 1e-9 m),

@@ -170,7 +170,7 @@ class HeaderReader {
     return Nothing{};
   }
 
-  // Reports the errors below at the header's last line.
+  // Decides which property of the file is which coordinate. Errors name the last line of the header.
   Status assign_roles() {
     PlyElement* const vertex = find_named(header_.elements, "vertex");
     PlyElement* const face = find_named(header_.elements, "face");
@@ -213,7 +213,7 @@ class HeaderReader {
     return Nothing{};
   }
 
-  std::string_view& file_;  // what is left of it
+  std::string_view& file_;  // the part that is not read yet
   std::int64_t line_ = 0;
   bool has_format_ = false;
   PlyHeader header_;

@@ -18,13 +18,13 @@ enum class PlyType { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat32, 
 // Bytes of a number of this type.
 std::size_t size_of(PlyType type);
 
-// Use that a sheet makes of a property.
+// Meaning of a property for the sheet; kCorners is the list of a face's vertices.
 enum class PlyRole { kSkipped, kX, kY, kZ, kTextureX, kTextureY, kCorners };
 
 struct PlyProperty {
   std::string name;
   PlyType type = PlyType::kInt8;
-  std::optional<PlyType> count_type;  // of a list; an integer
+  std::optional<PlyType> count_type;  // type of the length, if the property is a list; an integer
   PlyRole role = PlyRole::kSkipped;
 };
 
@@ -37,14 +37,14 @@ struct PlyElement {
 struct PlyHeader {
   PlyFormat format = PlyFormat::kAscii;
   std::vector<PlyElement> elements;  // in the order of the file; one is "vertex" and one "face"
-  char line_end = '\n';              // or '\r'; a '\r' before '\n' is a blank
+  char line_end = '\n';              // or '\r'; with '\n', a '\r' before it counts as a blank
   std::int64_t num_lines = 0;
   std::int64_t num_vertices = 0;  // <= kMaxVertices
   bool has_texture = false;
 };
 
-// Takes the header off the front of `file`. Errors as of parse_ply, with reason and place complete: PLY_HEADER,
-// PLY_TOO_LARGE (vertices).
+// Reads the header and removes it from the front of `file`. Errors as of parse_ply, with reason and place complete:
+// PLY_HEADER, PLY_TOO_LARGE (more than kMaxVertices vertices).
 Result<PlyHeader> read_ply_header(std::string_view& file);
 
 }  // namespace kerf::mesh

@@ -15,7 +15,7 @@
 namespace kerf::mesh {
 namespace {
 
-// Reads a number from its bytes, most significant first if the file is big-endian.
+// Converts the bytes of a number. The most significant byte comes first if the file is big-endian, else last.
 double decode(PlyType type, std::string_view bytes, bool is_big_endian) {
   std::uint64_t bits = 0;
   for (std::size_t i = 0; i < bytes.size(); ++i) {
@@ -59,7 +59,7 @@ class PlyReader {
     KERF_TRY_ASSIGN(header_, read_ply_header(file_));
     line_ = header_.num_lines;
     for (const PlyElement& element : header_.elements) {
-      if (element.properties.empty()) continue;  // takes no room in the file, however many there are
+      if (element.properties.empty()) continue;  // takes no space in the file, whatever its count
       element_ = &element;
       for (row_ = 0; row_ < element.count; ++row_) {
         interruption_point();
@@ -83,7 +83,7 @@ class PlyReader {
   [[nodiscard]] Error here(Error error) const {
     error.reason = "PLY_" + error.reason;
     error.field = "ply";
-    if (element_ == nullptr) return error;  // about the file as a whole
+    if (element_ == nullptr) return error;  // the error concerns the file as a whole
     const std::string number = std::to_string(row_);
     if (is_text()) {
       error.field += ":" + std::to_string(line_);
@@ -124,7 +124,7 @@ class PlyReader {
     return added(faces_.add_position(position));
   }
 
-  // Returns the next line that is not blank.
+  // Sets row_text_ to the next line that is not blank.
   Status find_line() {
     row_text_ = {};
     while (!file_.empty()) {
@@ -212,10 +212,10 @@ class PlyReader {
                   "the file ends within it; the header promises " + std::to_string(element_->count) + " of them");
   }
 
-  std::string_view file_;      // what is left of it
-  std::string_view row_text_;  // what is left of the line
+  std::string_view file_;      // the part that is not read yet
+  std::string_view row_text_;  // the part of the line that is not read yet
   PlyHeader header_;
-  const PlyElement* element_ = nullptr;  // being read
+  const PlyElement* element_ = nullptr;  // the element being read
   std::int64_t row_ = 0;
   std::int64_t line_ = 0;
   std::vector<FaceList::Corner> corners_;

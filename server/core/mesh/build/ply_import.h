@@ -14,12 +14,13 @@ inline constexpr std::size_t kMaxPlyHeaderLineBytes = 4096;
 // ended by LF, CR LF or CR. From element "vertex" it takes x, y, z of any type. From element "face" it takes the list
 // vertex_indices or vertex_index of an integer type; polygons are split as fans. Other elements and properties, lists
 // too, are skipped. s and t, u and v, or texture_u and texture_v of vertices are texture coordinates; for the rest
-// shape see FaceList::assemble. Elements may come in any order; a row of text is a line, blank lines do not count.
-// Errors name the line of the header or text in message and field ("ply:17"), in binary files the element
+// shape see FaceList::assemble. Elements may come in any order; in ascii files each row is one line, and blank lines
+// are skipped. Errors name the line of the header or text in message and field ("ply:17"), in binary files the element
 // ("ply:vertex[3]", from 0):
-//   PLY_TOO_LARGE, PLY_HEADER (what the header must say and how, its two limits above), PLY_TRUNCATED (the file ends
-//   within an element), PLY_TRAILING (more follows after the last one), PLY_VALUES (a line has more or fewer values
-//   than the header says, a list no size), PLY_NUMBER, PLY_INDEX, PLY_FACE, PLY_EMPTY, PLY_NOT_PLANAR.
+//   PLY_TOO_LARGE, PLY_HEADER (the header is incomplete, malformed or beyond its two limits above), PLY_TRUNCATED (the
+//   file ends within an element), PLY_TRAILING (more follows after the last one), PLY_VALUES (a line has more or fewer
+//   values than the header says, or the length of a list is not a whole number), PLY_NUMBER, PLY_INDEX, PLY_FACE,
+//   PLY_EMPTY, PLY_NOT_PLANAR.
 Result<ImportedSheet> parse_ply(std::string_view file, RestShape rest_shape = RestShape::kAutomatic);
 
 }  // namespace kerf::mesh

@@ -6,14 +6,14 @@
 #include <string>
 #include <string_view>
 
-// Words of the text that mesh files are made of.
+// Splits the text of mesh files into lines, words and numbers.
 namespace kerf::mesh {
 
 inline bool is_blank(char c) {
   return c == ' ' || c == '\t' || c == '\r';
 }
 
-// Cuts the next word off the front of `line`; empty at its end.
+// Removes the next word from the front of `line` and returns it. Returns an empty word at the end of the line.
 inline std::string_view next_token(std::string_view& line) {
   while (!line.empty() && is_blank(line.front())) line.remove_prefix(1);
   std::size_t length = 0;
@@ -23,7 +23,7 @@ inline std::string_view next_token(std::string_view& line) {
   return word;
 }
 
-// Cuts the next line off the front of `text`, which is not empty; without its end.
+// Removes the next line from the front of `text`, which is not empty. Returns the line without its end character.
 inline std::string_view next_line(std::string_view& text, char end) {
   const std::size_t length = std::min(text.find(end), text.size());
   const std::string_view line = text.substr(0, length);
@@ -39,7 +39,7 @@ bool parse_number(std::string_view word, Number& value) {
   return code == std::errc{} && end == word.data() + word.size() && !word.empty();
 }
 
-// For messages: in quotes, at most 40 characters, ? for what is not printable ASCII.
+// Returns a word in quotes, for messages: at most 40 characters, with ? for those that are not printable ASCII.
 inline std::string quoted(std::string_view word) {
   std::string shown = "\"";
   for (const char c : word.substr(0, 40)) shown += c >= ' ' && c <= '~' ? c : '?';

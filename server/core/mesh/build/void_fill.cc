@@ -35,7 +35,7 @@ class VoidFill {
 
   static Ends key(const BorderSide& side) { return {side.from, side.to}; }
 
-  // Returns the border side from -> to (ids of the sheet), or null.
+  // Returns the border side from -> to (points of the sheet), or null.
   [[nodiscard]] const BorderSide* find_side(PointId from, PointId to) const {
     const auto at = std::lower_bound(by_ends_.begin(), by_ends_.end(), std::pair<Ends, std::int32_t>{{from, to}, 0});
     return at != by_ends_.end() && at->first == Ends{from, to} ? &border_[at->second] : nullptr;
@@ -164,12 +164,12 @@ class VoidFill {
 
   MeshData& data_;
   std::span<const BorderSide> border_;
-  TriangleMesh domain_;  // the border alone, triangulated
+  TriangleMesh domain_;  // the triangulation of the border's points, with its edges
   std::vector<std::pair<Ends, std::int32_t>> by_ends_;
   std::vector<PointId> sheet_point_;   // point of domain_ -> point of the sheet; kNone for the domain's corners
-  std::vector<PointId> domain_point_;  // the other way
+  std::vector<PointId> domain_point_;  // point of the sheet -> point of domain_
   std::vector<std::array<LockBits, 3>> locked_;  // by slot of domain_: which edges are border
-  std::vector<int> winding_;                     // by slot of domain_
+  std::vector<int> winding_;                     // winding number of the border around each slot of domain_
 };
 
 }  // namespace

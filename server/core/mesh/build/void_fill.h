@@ -8,17 +8,18 @@
 
 namespace kerf::mesh {
 
-// A side of a solid triangle with no solid triangle beyond it; the sheet lies to the left of from -> to.
+// An edge of a solid triangle with no solid triangle beyond it. The sheet lies to the left of from -> to.
 struct BorderSide {
   PointId from = kNone;
   PointId to = kNone;
   TriangleId triangle = kNone;
-  int corner = 0;  // opposite
+  int corner = 0;  // corner of the triangle opposite the edge
 };
 
-// Completes `records` to a tiling of the whole domain. On entry it holds the sheet alone: points, solid triangles in
-// all slots, adjacency, cut locks. Adds the domain's corners as points and void triangles as slots; joins and locks the
-// border. The void is the constrained Delaunay triangulation of the border. `border`: every border side once.
+// Completes `data` to a tiling of the whole domain. On entry it holds only the sheet: points, solid triangles in all
+// slots, adjacency, cut locks. Adds the domain's corners as points and void triangles as slots; makes neighbours across
+// the border and locks its edges. The void is the constrained Delaunay triangulation of the border. `border`: every
+// border side once.
 //
 // Error: MESH_OVERLAP if the sheet covers a place twice or has a point inside a border side. The test is exact, as the
 // number of triangles over a place is the winding number of the border about it. So it is enough that no two border

@@ -11,7 +11,7 @@
 
 namespace kerf::mesh {
 
-// Finds those of many boxes that meet a given one: O(log n + answers) where they are spread out.
+// Finds the boxes of a set that intersect a given box. Costs O(log n + number found) if the boxes are spread out.
 class BoxTree {
  public:
   explicit BoxTree(std::vector<Eigen::AlignedBox2d> boxes) : boxes_(std::move(boxes)), order_(boxes_.size()) {
@@ -29,8 +29,8 @@ class BoxTree {
  private:
   struct Node {
     Eigen::AlignedBox2d box;
-    std::int32_t begin = 0, end = 0;  // of order_
-    std::int32_t right = -1;          // the left child is the next node; -1: a leaf
+    std::int32_t begin = 0, end = 0;  // range in order_, the whole branch
+    std::int32_t right = -1;          // index of the right child, -1 in a leaf; the left child is the next node
   };
   static constexpr std::int32_t kLeafBoxes = 8;
 

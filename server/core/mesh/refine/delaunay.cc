@@ -32,7 +32,8 @@ std::uint64_t hilbert_index(const LatticePoint& p) {
 
 namespace {
 
-// Random rounds of doubling size, each along the Hilbert curve.
+// Shuffles the points into rounds, each as large as all before it together, and sorts each round along the Hilbert
+// curve.
 std::vector<std::size_t> insertion_order(std::span<const LatticePoint> points) {
   std::vector<std::size_t> order(points.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;

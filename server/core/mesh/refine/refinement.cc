@@ -22,12 +22,12 @@ using Eigen::Vector2d;
 
 namespace {
 
-constexpr std::size_t kMaxCavity = 256;  // triangles searched for fixed edges that a new point encroaches on
-// Pulls Ungor's off-centre in by 5 % (the factor of Shewchuk's Triangle 1.6). So rounding does not leave the new
-// triangle just below the angle.
+constexpr std::size_t kMaxCavity = 256;  // most triangles searched for fixed edges that a new point encroaches on
+// Half of Ungor's factor 1, less 5 % as in Shewchuk's Triangle 1.6. The off-centre is a little nearer, so that rounding
+// does not leave the new triangle just below the angle.
 constexpr double kOffCentreFactor = 0.475;
-// Least distance of a new point from a lip that it encroaches on and that must not be split. The unit is the shortest
-// edge of the triangle that the point is to remove. -
+// Least distance of a new point from a lip that must not be split although the point encroaches on it. It is a fraction
+// of the shortest edge of the triangle to remove. -
 constexpr double kLeastRoom = 0.3;
 
 // An ill-shaped triangle in the queue. It is stale if the slot holds other corners now.
@@ -81,8 +81,8 @@ class Refinement {
   }
 
  private:
-  // Stages of refinement, in order: all triangles except those that a sharp corner forces; those between the lips of
-  // sharp corners, beyond the first ring.
+  // Stages of refinement, in order. kPlain: all triangles except those that a sharp corner forces. kWedges: those
+  // between the lips of sharp corners, except the first at the corner.
   enum class Stage { kPlain, kWedges };
 
   // A triangle left for a later stage. It is stale if the slot holds other corners now.
@@ -91,8 +91,8 @@ class Refinement {
     std::array<PointId, 3> points{};
   };
 
-  // Refines between the lips of sharp corners, where triangles must be as narrow as the gap. The sharper the corner,
-  // the more it takes. Their number stays bounded, as lips are not split at the corner any more.
+  // Refines between the lips of sharp corners, where triangles must be as narrow as the gap between the lips. Sharper
+  // corners need more of them. Their number is bounded, since lip edges that end at the corner are no longer split.
   void refine_wedges() {
     stage_ = Stage::kWedges;
     for (const Deferred& deferred : wedges_) {
@@ -110,7 +110,7 @@ class Refinement {
         counts_.stopped = true;
         break;
       }
-      // Queues the triangle again if the insertion left it.
+      // Queues the triangle again if it still exists after the insertion.
       if (improve(next.triangle)) consider(next.triangle);
     }
   }
@@ -150,7 +150,8 @@ class Refinement {
     return (shape.cos_smallest > cos_limit || is_too_large(t, shape)) && insert_against(t, c, shape, cos_limit);
   }
 
-  // Inserts the off-centre of t for the angle wanted, or splits the fixed edge in its way.
+  // Inserts the off-centre of t for the angle wanted, or splits a fixed edge in its way. Returns false if it can do
+  // neither.
   bool insert_against(TriangleId t, int c, const TriangleShape& shape, double cos_angle) {
     const LatticePoint target = off_centre(t, c, cos_angle);
     Location location;
@@ -167,8 +168,8 @@ class Refinement {
     return true;
   }
 
-  // Flips an edge of t that is not Delaunay, and returns true if there was one. There is one if the place for a new
-  // point is taken. A sheet as built need not be Delaunay, and moved points can leave edges that are not.
+  // Flips an edge of t that is not Delaunay. Returns true if there was one. Called when the place of the off-centre is
+  // already a point, which shows that t is not Delaunay. Sheets as built and moved points can have such edges.
   bool flip_away(TriangleId t) {
     for (int k = 0; k < 3; ++k) {
       if (mesh_.is_fixed(t, k)) continue;
@@ -201,15 +202,15 @@ class Refinement {
     return rounded(p, facet != nullptr ? Vector2d(facet->stretch().inverse() * offset) : offset);
   }
 
-  // Returns the factor on the lengths of the configuration at p.
+  // Returns the factor by which lengths of the configuration scale at p.
   [[nodiscard]] double scale_at(PointId p) const {
     const EdgeLengths& lengths = *config_.lengths;
     return lengths.is_uniform() ? 1.0 : lengths.at(mesh_.point_position(p)) / lengths.mean;
   }
 
-  // Finds the fixed edge on the border of the cavity of `at` (the triangles whose circumcircles contain it) whose
-  // diametral circle contains it deepest. One that must not be split any more does not count if it is farther than
-  // `room` from it.
+  // Finds the fixed edge that a point at `at` encroaches on most: its diametral circle contains the point deepest.
+  // Searches the border of the cavity, which is the triangles whose circumcircles contain the point. Leaves out edges
+  // that must not be split and are farther than `room` (lattice units) from the point.
   std::optional<MeshSide> find_encroached(TriangleId start, const LatticePoint& at, double room) {
     std::optional<MeshSide> worst;
     double worst_cos = 0.0;
@@ -239,8 +240,9 @@ class Refinement {
     if (mesh_.is_in_circle(t, at)) cavity_.push_back(t);
   }
 
-  // Splits a fixed edge at the foot of a point of another lip that faces it across a narrow gap: halving it instead
-  // would make each new point call for one on the other side, and so on down to the width of the gap.
+  // Splits a fixed edge opposite a point of another lip that faces it across a narrow gap. Splits at the middle would
+  // make each new point require one on the other lip, down to the width of the gap. Returns false if no such point
+  // faces the edge.
   bool split_opposite(const MeshSide& edge) {
     const PointId facing = mesh_.points(edge.triangle)[edge.corner];
     const LatticePoint& at = mesh_.at(facing);
@@ -280,8 +282,8 @@ class Refinement {
     return true;
   }
 
-  // Returns a place on the fixed edge ab of this length, about this fraction from a to b; at a sharp corner exactly as
-  // far from it.
+  // Returns the place to split the fixed edge ab, at about `fraction` of its `length` from a. If one end is a sharp
+  // corner, the distance from that end is exact.
   [[nodiscard]] LatticePoint split_place(PointId a, PointId b, double fraction, double length) {
     if (config_.border == nullptr) return rounded(mesh_.at(a), fraction * difference(mesh_.at(a), mesh_.at(b)));
     if (fraction != 0.5 && corners_.is_sharp(b)) return config_.border->between(b, a, (1.0 - fraction) * length);

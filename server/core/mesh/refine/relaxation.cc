@@ -16,18 +16,19 @@ using Eigen::Vector2d;
 namespace {
 
 constexpr int kSweeps = 3;
-constexpr double kFirstStep = 0.35;  // -; reach of the first sweep, as a fraction of the mean ring radius; halves
+constexpr double kFirstStep = 0.35;  // -; length of a trial step over the mean distance of the neighbours; halves with
+                                     // each sweep
 constexpr double kLeastImprovement = 0.02;  // -; in quality; smaller gains are not worth a changed rest position
 
 // The ring around a free point, counter-clockwise, seen from the point. Lattice units.
 struct Star {
   std::vector<Vector2d> ring;
   std::vector<double> rim;       // squared lengths of the ring's edges, from each of its points to the next
-  std::vector<Vector2d> spokes;  // the ring, and again its first point, from where the point is tried
-  std::size_t critical = 0;      // the triangle that ended the last comparison, and is likely to end the next one
+  std::vector<Vector2d> spokes;  // the ring and again its first point, relative to the trial place
+  std::size_t critical = 0;      // index of the triangle that ended the last comparison, and is likely to end the next
 
-  // Returns the quality of the worst triangle with the point at p; at most 0 if one is not positive. For places no
-  // better than `enough` it may be any value up to that.
+  // Returns the quality of the worst triangle if the point moves to p; at most 0 if a triangle is not positive. May
+  // return any value up to `enough` if the quality is not above `enough`.
   [[nodiscard]] double worst_quality(const Vector2d& p, double enough) {
     const std::size_t size = ring.size();
     spokes.resize(size + 1);
@@ -54,7 +55,7 @@ Vector2d rounded(const Vector2d& p) {
   return {std::nearbyint(p.x()), std::nearbyint(p.y())};
 }
 
-// Returns places to try: the centre of the ring, and eight directions around the point.
+// Returns the places to try: the centre of the ring, and steps in eight directions from the point.
 std::array<Vector2d, 9> trial_places(const Star& star, double reach) {
   Vector2d centre(0.0, 0.0);
   double radius = 0.0;

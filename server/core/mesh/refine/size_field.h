@@ -9,8 +9,8 @@
 
 namespace kerf::mesh {
 
-// Edge length wanted near the segment from a to b (a point if both are equal): length on it, and length + growth *
-// distance away from it. Any unit of length, the same for all.
+// The edge length wanted near the segment from a to b, or near a point if both are equal. It is length + growth *
+// (distance from the segment). All lengths of a field have the same unit, any.
 struct SizeSource {
   Eigen::Vector2d a{0.0, 0.0};
   Eigen::Vector2d b{0.0, 0.0};
@@ -18,9 +18,10 @@ struct SizeSource {
   double growth = 0.0;  // -, >= 0
 };
 
-// Local edge lengths: at each place the least of those wanted by the sources, and at most `largest`. With all growths
-// up to g it is Lipschitz with constant g, so that neighbouring edges differ little. A query descends a tree of boxes
-// around the sources, best-bounded branches first: O(log n) where sources are of similar length.
+// A field of edge lengths: at each place the least of the lengths that the sources want, and at most `largest`. Along
+// any path it changes by at most the largest growth per distance, so that neighbouring edges differ little. A query
+// descends a tree of boxes around the sources, the branch with the lower bound first. It costs O(log n) if sources have
+// similar lengths.
 class SizeField {
  public:
   SizeField(double largest, std::vector<SizeSource> sources);
@@ -35,8 +36,8 @@ class SizeField {
     Eigen::AlignedBox2d box;
     double least_length = 0.0;
     double least_growth = 0.0;
-    std::int32_t begin = 0, end = 0;  // of sources_; the whole branch
-    std::int32_t right = -1;          // the left child is the next node; -1: a leaf
+    std::int32_t begin = 0, end = 0;  // range in sources_, the whole branch
+    std::int32_t right = -1;          // index of the right child, -1 in a leaf; the left child is the next node
   };
 
   std::int32_t build(std::int32_t begin, std::int32_t end);

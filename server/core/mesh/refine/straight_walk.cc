@@ -10,7 +10,7 @@
 namespace kerf::mesh {
 namespace {
 
-constexpr int kMaxWalk = 512;  // triangles on the way
+constexpr int kMaxWalk = 512;  // most triangles on the way
 
 bool holds(const TriangleMesh& mesh, TriangleId t, const LatticePoint& at) {
   const std::array<LatticePoint, 3> p = corners_of(mesh, t);
@@ -24,7 +24,7 @@ std::optional<MeshSide> find_wall(const TriangleMesh& mesh, TriangleId t, const 
   const std::array<LatticePoint, 3> at = corners_of(mesh, t);
   const Eigen::Vector2d to_middle = (difference(at[0], at[1]) + difference(at[0], at[2])) / 3.0;
   const LatticePoint middle = rounded(at[0], to_middle);
-  int entered = kNone;  // the edge of t the walk came in by
+  int entered = kNone;  // edge by which the walk entered t
   location = Location{};
   for (int step = 0; step < kMaxWalk; ++step) {
     int exit = kNone;

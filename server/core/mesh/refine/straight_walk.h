@@ -6,14 +6,15 @@
 
 namespace kerf::mesh {
 
-// Edge `corner`, the one opposite that corner, of a triangle.
+// The edge of a triangle opposite its corner `corner`.
 struct MeshSide {
   TriangleId triangle = kNone;
   int corner = 0;
 };
 
-// Walks straight from the middle of t to the target. Returns the first fixed edge on the way, or fills `location`
-// (kOutside if the walk lost its way, which rounding may cause in a needle).
+// Walks straight from the middle of triangle t to the target. Returns the first fixed edge on the way, if there is one.
+// Otherwise sets `location` to the place of the target. This is kOutside if the walk did not find it, which rounding
+// may cause in a needle.
 std::optional<MeshSide> find_wall(const TriangleMesh& mesh, TriangleId t, const LatticePoint& target,
                                   Location& location);
 
