@@ -25,30 +25,29 @@ using mesh::TriangleMesh;
 
 namespace {
 
-constexpr double kSpacing = 0.8;  // -; longest stretch of path without a point, as a fraction of the edge length
+constexpr double kSpacing = 0.8;  // -; longest stretch of path without a point, over the edge length
 constexpr double kNoSpacing =
-    std::numeric_limits<double>::infinity();  // edges of elements space the path by themselves
+    std::numeric_limits<double>::infinity();  // the edges of the crossed elements already divide the path
 
-// Quality (mesh::TriangleShape::quality) that is good enough: an old vertex stays where it is if the worst triangle
-// around it has at least this. Moving it would only cost time. A right triangle with equal legs has 0.87, one with a
-// leg half as long 0.69. kWellShapedFine is for cuts with a larger minimum angle than the default: larger angles take
-// more room.
+// Relaxation leaves an old vertex in place if the worst triangle around it has at least this
+// mesh::TriangleShape::quality. A right triangle with equal legs has 0.87, one with a leg half as long 0.69.
+// kWellShapedFine is for cuts with a larger min_angle_deg than the default.
 constexpr double kWellShaped = 0.6;
 constexpr double kWellShapedFine = 0.8;
 
-// Refinement steps that a cut may take: some for each point of the path, and a fixed number for the tips, corners and
-// loops of small cuts. They are about ten times those seen. Beyond them the quality is given up, not the cut.
+// Most insertions in refinement: some for each path point, and a fixed number for tips, corners and loops of small
+// cuts. They are about ten times what cuts have needed. If they are used up, the cut is still made, with lower quality.
 constexpr std::int64_t kInsertionsPerPathPoint = 60;
 constexpr std::int64_t kInsertionsBeside = 2'000;
 
-constexpr double kLengthFloor = 0.25;  // -; as a fraction of the snap distance, see RefinementConfig
-// Insertions around a tip, for a gradient of 1 and edges as long as wanted.
+constexpr double kLengthFloor = 0.25;  // -; RefinementConfig::length_floor over the snap distance
+// Most insertions around a tip, for gradient 1 and edges that have the wanted length already.
 constexpr double kInsertionsPerTip = 400.0;
-// Radius of the search for graded triangles, in edge lengths of the sheet.
+// The search for triangles to grade ends where the grading allows edges of this many local edge lengths. -
 constexpr double kGradedReach = 3.0;
 
-constexpr int kCloserAttempts = 2;    // see needs_less_snapping
-constexpr double kCloserSnap = 0.01;  // -; by which each multiplies the snap distance
+constexpr int kCloserAttempts = 2;    // most further attempts, see needs_less_snapping()
+constexpr double kCloserSnap = 0.01;  // -; factor on the snap distance in each further attempt
 
 class Cutter {
  public:
@@ -109,7 +108,7 @@ class Cutter {
 
   [[nodiscard]] bool has_width() const { return plan_.options.width_m.has_value(); }
 
-  // Returns the area (m^2) of a strip whose outline is everywhere as far out as the tolerance allows.
+  // Returns an upper bound on the area (m^2) of the strip, with its outline as far out as the tolerance allows.
   [[nodiscard]] double max_strip_area() const {
     double length = 0.0;
     for (const Stroke& stroke : plan_.outline) {
@@ -120,14 +119,14 @@ class Cutter {
     return plan_.strip_area_m2 + 2.0 * length * kToleranceOfWidth * *plan_.options.width_m;
   }
 
-  // Removes the strip before anything is refined, as it may be far narrower than the triangles beside it.
+  // Removes the strip. This comes before refinement, as the strip may be far narrower than the triangles beside it.
   void remove_strip(CutReport& report) {
     report.removed_triangles = static_cast<std::int32_t>(strip_.size());
     for (const TriangleId t : strip_) report.removed_area_m2 += mesh_.area(t);
     editor_.remove_triangles(strip_);
   }
 
-  // Returns the deviation by snapping as a share of that allowed to the distance between the two sides of a strip.
+  // Returns the deviation by snapping over what the width of a strip allows to each side; 0 without a width.
   [[nodiscard]] double deviation_of_width() const {
     return has_width() ? insertion_.counts().deviation * spacing_ / (0.5 * kToleranceOfWidth * *plan_.options.width_m)
                        : 0.0;
@@ -159,8 +158,8 @@ class Cutter {
     return on_path(p) || std::binary_search(corridor_.begin(), corridor_.end(), p);
   }
 
-  // Adds the solid triangles that inserting the path has rewritten: those with a corner on it, and those made in a
-  // corridor that was cleared for it.
+  // Adds the solid triangles that the insertion of the path has changed: those with a corner on the path, and those in
+  // corridors where edges were flipped.
   void add_touched(mesh::IdMap& touched) const {
     std::vector<TriangleId> fan;
     for (const PointId p : path_) {
@@ -245,20 +244,20 @@ class Cutter {
     return grading;
   }
 
-  // Allows about ten times the triangles that fill the area around the tips at the lengths there.
+  // Returns most insertions for the grading: about ten times the triangles that fill the area around the tips at the
+  // graded lengths.
   [[nodiscard]] std::int64_t insertions_around(const mesh::TipGrading& grading) const {
     const double growth = std::log(std::max(plan_.edge_length_m / spacing_ / grading.length, 1.0));
     const double per_tip = kInsertionsPerTip * (1.0 + growth) / (grading.gradient * grading.gradient);
     return grading.tips.empty() ? 0 : std::llround(static_cast<double>(grading.tips.size()) * per_tip);
   }
 
-  // Adds the solid triangles around tips, out to where the grading allows edges of kGradedReach times the sheet's edge
-  // length.
+  // Adds the solid triangles around tips, out to where the grading allows edges of kGradedReach local edge lengths.
   void add_graded(const mesh::TipGrading& grading, mesh::IdMap& seeds) const {
     std::vector<TriangleId> found;
     mesh::IdMap seen;
     for (const LatticePoint& tip : grading.tips) {
-      // Takes a triangle that depends on the point alone, not the one where the search ended.
+      // Takes a triangle that depends only on the point, not on how the search found it.
       const mesh::Location location = mesh_.locate(tip);
       found.push_back(location.point != kNone ? mesh_.triangle_at_point(location.point) : location.triangle);
     }
@@ -313,18 +312,18 @@ class Cutter {
   TriangleMesh& mesh_;
   const CutPlan& plan_;
   PhaseObserver* observer_;
-  double spacing_;  // m a lattice unit
+  double spacing_;  // m per lattice unit
   PathScale scale_;
   mesh::MeshEditor editor_;
-  OutlineEdges outline_edges_;  // of a cut with a width
+  OutlineEdges outline_edges_;  // edges of the strip's outline, for a cut with a width
   PathInsertion insertion_;
-  std::vector<TriangleId> strip_;                 // of a cut with a width
+  std::vector<TriangleId> strip_;                 // triangles of the strip, for a cut with a width
   std::vector<PointId> path_, corridor_, moved_;  // sorted, unique
 };
 
-// Returns true if the cut should be tried again with less snapping. Among dense older lips a path can be snapped to one
-// lip and from there to the next, ever farther from its place. It can also run into a corner without any lattice point
-// to round to.
+// Returns true if the cut should be tried again with a shorter snap distance. Among dense older lips a path can be
+// moved to one lip and from there to the next, farther and farther from its place. It can also run into a corner that
+// has no lattice point to round to.
 bool needs_less_snapping(const Result<CutOutcome>& outcome) {
   return !outcome.ok() && outcome.error().code == ErrorCode::kFailedPrecondition &&
          outcome.error().reason != "STRIP_COVERS_SHEET";

@@ -12,7 +12,7 @@ using Eigen::Vector2d;
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 constexpr double kQuarterTurn = 1.57079632679489661923;  // rad
 
-// Limits the length (m) to which a semi-axis may be stretched.
+// Largest length (m) to which a semi-axis may be lengthened.
 constexpr double kMaxSemiAxisM = 1.0e9;
 
 // Turns a vector counter-clockwise by `quarters` times 90 degrees, exactly.
@@ -55,7 +55,8 @@ struct EllipseFrame {
   }
 };
 
-// Makes the arc from u to v, unit vectors less than 90 degrees apart up to rounding.
+// Makes the part of the ellipse that is the image of the unit arc from u to v. These are unit vectors at most 90
+// degrees apart, up to rounding. `end`: the image of v as it is to be stored, bit for bit.
 QuadraticTo unit_arc(const EllipseFrame& frame, const Vector2d& u, const Vector2d& v, const Vector2d& end) {
   const double cosine = u.dot(v);
   return {frame((u + v) / (1.0 + cosine)), end, {1.0, std::sqrt(0.5 * (1.0 + cosine)), 1.0}};
@@ -65,8 +66,8 @@ double reach(const EllipseFrame& frame) {
   return frame.centre.cwiseAbs().maxCoeff() + 2.0 * frame.semi_axes.maxCoeff();
 }
 
-// Returns true if one piece of an arc can lead from u to v, both unit vectors. The angle between them, in the direction
-// `turn` (+-1), is then at most a quarter turn, or slightly negative by rounding. It must not exceed half a turn.
+// Returns true if one piece can go from u to v, both unit vectors: the angle in the direction `turn` (+-1) is at most
+// 90 degrees. Rounding may make it slightly negative. Angles above 180 degrees are not allowed.
 bool within_quarter(const Vector2d& u, const Vector2d& v, int turn) {
   const double cross = turn * (u.x() * v.y() - u.y() * v.x());
   const double cosine = u.dot(v);
@@ -104,14 +105,14 @@ ArcPieces arc_pieces(const Vector2d& start, const ArcTo& arc) {
   ArcPieces result;
   if (start == arc.end) return result;
   EllipseFrame frame{{0.0, 0.0}, arc.semi_axes, unit_vector(arc.rotation)};
-  // Half the chord, seen from its middle, in the frame of the unit circle.
+  // Half the chord from start to end, in coordinates in which the ellipse is the unit circle.
   const Vector2d half = 0.5 * (start - arc.end);
   const Vector2d along(frame.direction.x() * half.x() + frame.direction.y() * half.y(),
                        frame.direction.x() * half.y() - frame.direction.y() * half.x());
   Vector2d p = along.cwiseQuotient(frame.semi_axes);
   double length = p.norm();
   const bool lengthened = length > 1.0 + 8.0 * kEpsilon;
-  if (!(length <= 1.0)) {  // also NaN: nothing by nothing
+  if (!(length <= 1.0)) {  // also true for NaN (0 / 0)
     if (!(length * frame.semi_axes.maxCoeff() <= kMaxSemiAxisM)) {
       result.segments.push_back({0.5 * start + 0.5 * arc.end, arc.end, {1.0, 1.0, 1.0}});
       return result;
@@ -120,8 +121,8 @@ ArcPieces arc_pieces(const Vector2d& start, const ArcTo& arc) {
     p /= length;
     length = 1.0;
   }
-  // Finds the centre across the chord. It is ill-conditioned where chord and diameter are nearly equal, as the root of
-  // a rounded difference.
+  // Distance of the centre from the chord. It is the root of a rounded difference, so inaccurate if the chord is nearly
+  // a diameter.
   const double across = std::sqrt(std::max(0.0, (1.0 - length) * (1.0 + length)));
   const double side = arc.large != arc.counter_clockwise ? across : -across;
   const Vector2d c = length > 0.0 ? Vector2d(Vector2d(p.y(), -p.x()) * (side / length)) : Vector2d(0.0, -side);
@@ -132,7 +133,7 @@ ArcPieces arc_pieces(const Vector2d& start, const ArcTo& arc) {
   frame.centre = frame(c);
 
   const int turn = arc.counter_clockwise ? 1 : -1;
-  const int at_least = arc.large ? 2 : 0;  // whole quarters; what is left then is half a turn at most
+  const int at_least = arc.large ? 2 : 0;  // whole quarters to make first; after them at most half a turn is left
   Vector2d from = u;
   for (int quarter = 0; quarter < at_least || (quarter < at_least + 2 && !within_quarter(from, v, turn)); ++quarter) {
     const Vector2d to = turned(from, turn);

@@ -19,13 +19,13 @@ using mesh::TriangleId;
 namespace {
 
 constexpr double kMaxEdgeRatio = 3.0;   // -; longest / shortest edge
-constexpr double kMinAreaRatio = 0.03;  // -; of the area of the elements there
+constexpr double kMinAreaRatio = 0.03;  // -; area over that of an element of the local edge length
 
 void lock_element(mesh::MeshEditor& editor, TriangleId t) {
   for (int k = 0; k < 3; ++k) editor.lock_edge(t, k, mesh::kLockOriginal);
 }
 
-// A triangle of the container; stale where the slot holds other corners now.
+// An ill-shaped triangle in the queue. It is stale if the slot holds other corners now.
 struct Waiting {
   TriangleId triangle = kNone;
   std::array<PointId, 3> points{};
@@ -67,7 +67,7 @@ class Bisection {
     const mesh::TriangleShape shape = shape_of(corners_of(mesh_, t));
     if (shape.longest <= kMaxEdgeRatio * shape.shortest || shape.longest <= 2.0 * config_.length_floor) return false;
     const double length = scale_.edge_length(mesh_.point_position(mesh_.points(t)[0])) / mesh_.lattice().spacing;
-    return shape.longest * shape.smallest_height > kMinAreaRatio * length * length;  // both twice an area
+    return shape.longest * shape.smallest_height > kMinAreaRatio * length * length;  // twice the areas
   }
 
   void bisect(TriangleId t) {
@@ -81,7 +81,8 @@ class Bisection {
       longest = k;
     }
     const TriangleId across = mesh_.welded_neighbour(t, longest);
-    // Locks the edges of an element that the path does not cross before it is bisected, so that it stays one by itself.
+    // The triangle beyond may be an element that the path does not cross. Locks its edges, so that its new triangles
+    // stay inside it.
     if (is_untouched(across)) lock_element(editor_, across);
     const LatticePoint& a = mesh_.at(mesh_.points(t)[next_corner(longest)]);
     const LatticePoint& b = mesh_.at(mesh_.points(t)[previous_corner(longest)]);

@@ -7,24 +7,25 @@
 #include "server/core/mesh/mesh_editor.h"
 #include "server/core/mesh/refine/refinement.h"
 
-// The source's remeshing: element by element.
+// Method::kElement: remeshing inside each element (triangle before the cut) by itself.
 namespace kerf::cut {
 
-// Locks the edges of the elements in `crossed` and of those that share a corner with one: the path may be laid on a
-// nearby point. So points inserted later are triangulated inside their element only. Lawson's flips make the
-// triangulation that the cavity of Bowyer and Watson (1981) makes, each new point by itself.
+// Locks the edges of the elements in `crossed`, and of those that share a corner with one: the path may be moved to a
+// nearby point. So points inserted later are triangulated inside their element only. For each point, Lawson's flips
+// give the same triangulation as the cavity of Bowyer and Watson (1981).
 void lock_elements(mesh::MeshEditor& editor, std::span<const mesh::TriangleId> crossed);
 
 struct BisectionConfig {
-  double length_floor = 0.0;  // lattice units; edges up to twice as long are not bisected
+  double length_floor = 0.0;  // lattice units; edges of at most twice this length are not bisected
   std::int64_t max_insertions = 0;
 };
 
-// Adapted constrained Delaunay method: bisects the longest edge of each ill-shaped triangle, and with it the triangle
-// across. Then restores the Delaunay property inside the element; repeats until none is left. A triangle is ill-shaped
-// if longest / shortest edge is above 3 and its area above 3 % of that of the sheet's elements there. The second
-// condition ends the loop, as each bisection halves an area. Flat caps, whose edges are alike, are not seen. Elements
-// must have been locked. Error: as of cut::apply(), where the editor's budget is exhausted.
+// The "adapted constrained Delaunay method" (ACDM). Bisects the longest edge of an ill-shaped triangle, which divides
+// the triangle beyond it too. Then restores the Delaunay property inside the element, and repeats until no triangle is
+// ill-shaped. A triangle is ill-shaped if its longest edge is above 3 times its shortest and its area above 3 % of that
+// of an element there. The second condition ends the loop, as each bisection halves an area. Flat caps, obtuse
+// triangles with edges of similar length, do not count. Call lock_elements() before. Error: CUT_ELEMENT_BUDGET as of
+// cut::apply(), if the editor has no slots left.
 Result<mesh::RefinementCounts> bisect_ill_shaped(mesh::MeshEditor& editor, std::span<const mesh::TriangleId> seeds,
                                                  const PathScale& scale, const BisectionConfig& config);
 

@@ -16,10 +16,11 @@ using mesh::TriangleId;
 
 namespace {
 
-constexpr int kMaxCrossings = 1'000'000;  // triangles one segment may run through
+constexpr int kMaxCrossings = 1'000'000;  // most triangles that one segment may run through
 
-// Appends the triangles from `t`, which holds a, towards b, up to the one that holds b, and returns the last. Across
-// the edge that separates b from the triangle and that line ab passes; through an exact point over either edge there.
+// Appends the solid triangles along the segment ab, from `t`, which holds a, up to the one that holds b, and returns
+// that one. Leaves a triangle by the edge that separates it from b and that line ab passes. At an exact point it may be
+// either edge there.
 TriangleId append_crossed(const mesh::TriangleMesh& mesh, TriangleId t, const LatticePoint& a, const LatticePoint& b,
                           std::vector<TriangleId>& crossed) {
   TriangleId previous = kNone;

@@ -139,7 +139,7 @@ Status check(const ArcTo& arc, const std::string& path) {
   return check_rotation(arc.rotation, field + ".rotation_rad");
 }
 
-// Returns true if a segment leaves the point it starts from.
+// Returns true if a segment has a point other than its start.
 bool moves(const Vector2d& from, const Segment& segment) {
   return std::visit(
       [&from](const auto& each) {
@@ -153,7 +153,7 @@ bool moves(const Vector2d& from, const Segment& segment) {
       segment);
 }
 
-// `moving`: set where the subpath has two distinct points.
+// Checks a subpath. Sets `moving` to true if it has two distinct points.
 Status check(const Subpath& subpath, const std::string& path, bool& moving) {
   KERF_TRY(check_point(subpath.start, path + ".start"));
   if (subpath.segments.empty()) {

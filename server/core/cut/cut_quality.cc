@@ -51,8 +51,8 @@ std::vector<TriangleId> two_rings(const mesh::TriangleMesh& mesh, PointId p) {
   return rings;
 }
 
-// Lists the sharp corners within two rings of the triangles `below` (sorted) and returns those that they excuse,
-// sorted.
+// Lists the sharp corners near the triangles `below` (sorted). Returns those of `below` that lie within two rings of
+// such a corner, sorted.
 std::vector<TriangleId> list_corners(const mesh::TriangleMesh& mesh, std::span<const TriangleId> below,
                                      CutQuality& quality) {
   std::vector<PointId> candidates;
@@ -86,8 +86,8 @@ std::vector<TriangleId> list_corners(const mesh::TriangleMesh& mesh, std::span<c
   return excused;
 }
 
-// Counts a triangle with this smallest angle (degrees), below min_angle_deg, where it lies, and returns the angle asked
-// for there.
+// Counts a triangle whose smallest angle, `angle` (degrees), is below min_angle_deg, at its place. Returns the least
+// angle allowed at that place, degrees.
 double count_below(mesh::Strands::Place place, double angle, double min_angle_deg, CutQuality& quality) {
   StrandQuality& strands = quality.strands;
   if (place == mesh::Strands::Place::kElsewhere) {
@@ -108,8 +108,8 @@ double count_below(mesh::Strands::Place place, double angle, double min_angle_de
 
 std::vector<TriangleId> new_triangles(const mesh::TriangleMesh& mesh, const mesh::UndoLog& undo,
                                       std::span<const TriangleId> rewritten, std::span<const PointId> moved) {
-  // Most new triangles have a corner that is new or was moved. Others are old if they kept their slots, or are among
-  // the old triangles that left theirs.
+  // A triangle with a new or moved corner is new. Any other is old if it kept its slot, or is one of the old triangles
+  // that changed slots.
   const auto is_made = [&](PointId p) {
     return p >= undo.num_points || std::binary_search(moved.begin(), moved.end(), p);
   };

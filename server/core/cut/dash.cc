@@ -24,7 +24,7 @@ class Dasher {
     double into = std::fmod(offset, period);
     if (into < 0.0) into += period;
     while (first_ < cycle_.size() && into >= cycle_[first_]) into -= cycle_[first_++];
-    if (first_ == cycle_.size()) {  // rounding only: the end of the cycle is its start
+    if (first_ == cycle_.size()) {  // only by rounding: the end of the cycle is its start
       first_ = 0;
       into = 0.0;
     }
@@ -46,7 +46,7 @@ class Dasher {
     const double length = (b - a).norm();
     double done = 0.0;
     Vector2d at = a;
-    // Ends: each turn uses up an entry of the pattern, and dashed() has limited their number.
+    // The loop ends: each pass uses up one entry of the pattern, and dashed() has limited their number.
     while (length - done > left_ + slack_) {
       done += left_;
       const Vector2d next = a + done / length * (b - a);
@@ -62,7 +62,7 @@ class Dasher {
     left_ = std::max(0.0, left_ - (length - done));
   }
   void add_stretch(const Vector2d& from, const Vector2d& to) {
-    if (entry_ % 2 != 0) return;  // a gap
+    if (entry_ % 2 != 0) return;  // odd entries are gaps
     if (dash_.points.empty()) dash_.points.push_back(from);
     if (dash_.points.back() != to) dash_.points.push_back(to);
   }
@@ -71,12 +71,13 @@ class Dasher {
     dash_ = Stroke{};
   }
 
-  const std::vector<double>& cycle_;  // of even length
-  double slack_;                      // m; no dash begins that near to the end of a segment: it would be rounding
-  std::size_t first_ = 0;             // entry in which a stroke begins
-  double into_first_ = 0.0;           // m
+  const std::vector<double>& cycle_;  // an even number of lengths: cut, gap, cut, ...
+  double slack_;                      // m; no dash begins this near to the end of a segment, where only rounding would
+                                      // make it
+  std::size_t first_ = 0;             // entry of the cycle in which each stroke begins
+  double into_first_ = 0.0;           // m, from the start of that entry
   std::size_t entry_ = 0;
-  double left_ = 0.0;  // m, of the entry
+  double left_ = 0.0;  // m, remaining length of entry `entry_`
   Stroke dash_;
   std::vector<Stroke> dashes_;
   double rounding_ = 0.0;

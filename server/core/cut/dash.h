@@ -5,12 +5,12 @@
 
 namespace kerf::cut {
 
-// Returns the parts of the strokes that are cut, by arc length along the polylines, through their corners. Each stroke
-// restarts the pattern at its own start. So does a closed one, whose last dash and first dash meet at the seam if both
-// reach it. A pattern without lengths cuts everything. Corners inside dashes are kept bit for bit. Ends of dashes lie
-// on their segments up to rounding, by which the bound grows. The bound then holds between each dash and the stretch of
-// curve it stands for.
-// Error: kResourceExhausted TOO_MANY_DASHES, before anything is made of it.
+// Returns the dashes: the parts of the strokes that are cut, measured by arc length along the polylines. Each stroke
+// starts the pattern again. So does a closed one: its last and first dash touch at the seam if both reach it. A pattern
+// without lengths cuts everything. Corners inside dashes are kept bit for bit. Ends of dashes lie on their segments up
+// to rounding, which is added to deviation_m. The result's deviation_m bounds the distance between each dash and its
+// stretch of the curve.
+// Error: kResourceExhausted TOO_MANY_DASHES, found before any dash is made.
 Result<FlatCurve> dashed(const FlatCurve& curve, const DashPattern& pattern);
 
 }  // namespace kerf::cut

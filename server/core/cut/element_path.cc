@@ -19,7 +19,7 @@ using mesh::TriangleId;
 
 namespace {
 
-constexpr int kMaxSegmentTriangles = 1'000'000;  // triangles one segment may run through
+constexpr int kMaxSegmentTriangles = 1'000'000;  // most triangles that one segment may run through
 
 // Divides one stroke at the edges of the mesh.
 class Crossings {
@@ -47,7 +47,7 @@ class Crossings {
   }
 
  private:
-  // Continues the path straight to `to`, over the edges in between.
+  // Continues the path straight to `to`, and adds the crossings with edges on the way.
   void follow(const Vector2d& to) {
     const LatticePoint target = mesh_.lattice().nearest(to);
     TriangleId previous = kNone;
@@ -71,7 +71,7 @@ class Crossings {
     at_ = target;
   }
 
-  // Ends a chord at the last point, on edge `exit` of the triangle or inside it.
+  // Ends a chord at the last point. `exit`: the edge of triangle_ on which that point lies; kNone: it lies inside.
   void keep_here(int exit) {
     const std::size_t first = kept_.back();
     const std::size_t last = points_.size() - 1;
@@ -88,7 +88,7 @@ class Crossings {
     return (points_[last] - points_[first]).norm() > (middle(exit) - middle(entry_)).norm();
   }
 
-  // Keeps the point of the curve with the largest curvature strictly between the two, if it bends there.
+  // Keeps the point of largest curvature strictly between two points of the curve, if the curve bends there.
   void keep_sharpest_bend(std::size_t first, std::size_t last) {
     std::size_t sharpest = first;
     double largest = 0.0;
@@ -106,11 +106,11 @@ class Crossings {
 
   const mesh::TriangleMesh& mesh_;
   std::vector<Vector2d> points_;
-  std::vector<std::size_t> kept_;   // ends of chords
-  std::vector<std::size_t> bends_;  // and points of largest curvature
+  std::vector<std::size_t> kept_;   // indices of the ends of chords
+  std::vector<std::size_t> bends_;  // indices of the points of largest curvature that were added
   LatticePoint at_;
   TriangleId triangle_ = kNone;
-  int entry_ = kNone;  // the edge of the triangle by which the path came in
+  int entry_ = kNone;  // the edge by which the path entered triangle_
 };
 
 }  // namespace

@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-// Scales about one point, which then moves to another.
+// Scales a curve about the point `from`, and moves this point to `to`.
 class Placing {
  public:
   Placing(const Vector2d& from, const Vector2d& to, double scale) : from_(from), to_(to), scale_(scale) {}
@@ -64,8 +64,8 @@ class Placing {
   double scale_;
 };
 
-// Returns true if an inner control point lies outside the box along `axis`. If none does, the piece, in the convex hull
-// of its control points, lies inside.
+// Returns true if an inner control point lies outside the box along `axis`. If none does and the ends are inside, the
+// whole piece is, as it lies in the convex hull of its control points.
 bool has_control_point_outside(const Eigen::AlignedBox2d& box, const RationalPiece& piece, int axis) {
   for (int i = 1; i < piece.degree; ++i) {
     const double at = projected(piece.points[static_cast<std::size_t>(i)])[axis];

@@ -5,12 +5,13 @@
 
 namespace kerf::cut {
 
-// Returns the smallest axis-aligned box around a valid curve, from its ends and the places at which its pieces turn
-// back in x or y.
+// Returns the smallest axis-aligned box around a valid curve. It is found from the ends of pieces and the places where
+// x or y has an extremum.
 Box extent(const Curve& curve);
 
 // Scales the curve equally in both directions and centres it in the box. Its extent then touches two opposite sides of
-// the box from inside. `box`: m, each side > 0. Error: CURVE_DEGENERATE where the extent is below kMinFitExtentM.
+// the box from inside. `box`: m, each side > 0. Error: kInvalidArgument CURVE_DEGENERATE if both sides of the extent
+// are below kMinFitExtentM.
 Status fit_into(const Box& box, Curve& curve);
 
 }  // namespace kerf::cut

@@ -11,7 +11,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr int kMaxChords = 4096;  // chords a Bezier piece or an eighth of a circle may become
+constexpr int kMaxChords = 4096;  // most chords of a Bezier piece, or of an eighth of a circle
 
 // Bounds the rounding of a point computed in a few operations from coordinates of this size.
 double rounding_bound(double coordinate) {
@@ -40,7 +40,8 @@ Vector2d evaluate(const Piece& p, double t) {
   return s * abc + t * bcd;
 }
 
-// Appends the real roots in (0, 1) of a t^2 + b t + c, at most 2, by the form without cancellation.
+// Appends the real roots of a t^2 + b t + c, at most 2, by the formula without cancellation. A slightly negative
+// discriminant counts as 0.
 void append_roots(double a, double b, double c, std::vector<double>& roots) {
   const double discriminant = std::max(b * b - 4.0 * a * c, 0.0);
   const double q = -0.5 * (b + std::copysign(std::sqrt(discriminant), b));
@@ -48,8 +49,8 @@ void append_roots(double a, double b, double c, std::vector<double>& roots) {
   if (q != 0.0) roots.push_back(c / q);
 }
 
-// Returns the parameters in (0, 1) where the hodograph B'(t) vanishes: cusps, and turning points of a curve folded onto
-// a line.
+// Returns the parameters in (0, 1) where the derivative B'(t) vanishes: at cusps, and where a curve on a straight line
+// turns back.
 std::vector<double> cusps(const Piece& p) {
   const Vector2d d0 = p[1] - p[0];
   const Vector2d d1 = p[2] - p[1];
@@ -69,7 +70,7 @@ std::vector<double> cusps(const Piece& p) {
   return found;
 }
 
-// Returns the proven deviation of the chords from the piece.
+// Appends the chords of a piece to `stroke`. Returns the proven bound on their distance from the piece, m.
 double flatten_piece(const Piece& p, double tolerance, Stroke& stroke) {
   const double second = std::max((p[0] - 2.0 * p[1] + p[2]).norm(), (p[1] - 2.0 * p[2] + p[3]).norm());
   const double wanted = std::ceil(std::sqrt(0.75 * second / tolerance));
@@ -79,7 +80,7 @@ double flatten_piece(const Piece& p, double tolerance, Stroke& stroke) {
   append(stroke, p[0]);
   for (int i = 1; i <= chords; ++i) {
     const double t = static_cast<double>(i) / chords;
-    // Adds extra points, which only shorten chords in parameter and so keep the bound.
+    // Cusps are extra points: they only shorten the parameter range of a chord, so the bound holds.
     for (; cusp != cusp_parameters.end() && *cusp < t; ++cusp) append(stroke, evaluate(p, *cusp));
     append(stroke, i == chords ? p[3] : evaluate(p, t));
   }

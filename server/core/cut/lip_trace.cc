@@ -14,7 +14,7 @@ using mesh::TriangleId;
 
 namespace {
 
-constexpr std::size_t kMaxVisits = 2048;  // points of one leg
+constexpr std::size_t kMaxVisits = 2048;  // most points visited for one leg
 
 }  // namespace
 
@@ -73,7 +73,7 @@ void LipTrace::visit_neighbours(std::size_t of, const Leg& leg) {
   mesh_.fan_around(centre, fan_);
   for (const TriangleId t : fan_) {
     const int k = mesh_.corner_of(t, centre);
-    // Looks at the edge from the centre to the next corner. The fan is closed, so each edge comes up once.
+    // Looks at the edge from the centre to the next corner of t. The fan is closed, so each edge is looked at once.
     const mesh::LockBits locks = mesh_.locks(t, previous_corner(k));
     if ((locks & mesh::kLocksThatOpen) == 0) continue;
     if ((locks & mesh::kLockBorder) != 0) visits_[of].on_border = true;
@@ -82,8 +82,8 @@ void LipTrace::visit_neighbours(std::size_t of, const Leg& leg) {
   }
 }
 
-// Uses the largest of three snap distances, as they jump where the edge length does. So a lip that was snapped from far
-// at one end is still on the path where snapping reaches less far.
+// Uses the largest of three snap distances, since they jump with the local edge length. So a lip that the path snapped
+// to at a place with a large snap distance is still followed where that distance is small.
 bool LipTrace::is_along(PointId point, const Leg& leg) const {
   const LatticePoint& at = mesh_.at(point);
   return distance_to_segment(at, leg.start, leg.end) <

@@ -7,9 +7,8 @@
 
 namespace kerf::cut {
 
-// Finds where the path runs along existing lips, or the border. A line that was cut once must be found again, however
-// many other lips are near. Chains that it follows lie closer to the path than the snap distance. Keeps scratch between
-// legs.
+// Finds chains of existing lips or border edges along which the path runs. A line that was cut once must be found
+// again, however many other lips are near. All points of a chain are closer to the path than the snap distance.
 class LipTrace {
  public:
   LipTrace(const mesh::TriangleMesh& mesh, const PathScale& scale) : mesh_(mesh), scale_(scale) {}
@@ -19,21 +18,23 @@ class LipTrace {
     mesh::LatticePoint start, end;
   };
 
-  // Each of these looks for a chain of lips and border edges from `from` along the leg; returns true if there is one,
-  // see chain(). This one leads to the nearest point closer to the end of the leg than the snap distance.
+  // The three functions below look for a chain of lips and border edges from `from` along the leg. They return true if
+  // there is one; chain() then has it.
+
+  // Looks for a chain to the point nearest to the end of the leg, which must be closer to it than the snap distance.
   bool find(mesh::PointId from, const Leg& leg);
-  // Leads to `to`.
+  // Looks for a chain to the point `to`.
   bool find(mesh::PointId from, mesh::PointId to, const Leg& leg);
-  // Leads to the point of the border that is nearest to the end of the leg, and nearer than `from`.
+  // Looks for a chain to the border point nearest to the end of the leg, which must be nearer to it than `from` is.
   bool find_border(mesh::PointId from, const Leg& leg);
 
-  // Points of the chain found last, `from` not among them, its end the last; empty where that is `from`.
+  // Points of the chain found last, in order, without `from`. Empty if the chain ends at `from` itself.
   [[nodiscard]] const std::vector<mesh::PointId>& chain() const { return chain_; }
 
  private:
   struct Visit {
     mesh::PointId point = mesh::kNone;
-    std::size_t came_from = 0;  // into visits_
+    std::size_t came_from = 0;  // index into visits_ of the point before it
     bool on_border = false;
   };
 

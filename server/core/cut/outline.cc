@@ -18,22 +18,23 @@ namespace {
 using Eigen::Vector2d;
 using std::numbers::pi;
 
-// Share of the outline's deviation that arcs at corners and ends may use; leaving out points may use the rest.
+// Fraction of the tolerance for the chords of arcs at corners and ends; the rest is for leaving out points. -
 constexpr double kArcShare = 0.4;
 
-// Factor on the distance of a chord from its arc: Clipper rounds the number of chords to nearest, so one may replace
-// one and a half. -
+// Factor on the distance of a chord from its arc. Clipper rounds the number of chords, so one chord may span 1.5 times
+// the angle, which makes its distance 1.5^2 times as large.  -
 constexpr double kChordRounding = 2.25;
 
-// Clipper rounds offset points and crossings to its grid; chords are straightened by as much before.  grid units
+// Bound on Clipper's rounding of offset points and crossings to its grid, and tolerance for straightening chords
+// before.  grid units
 constexpr double kGridRounding = 2.0;
-// Largest coordinates that Clipper multiplies in 64 bits.  grid units
+// Largest coordinates for which Clipper's products fit into 64 bits.  grid units
 constexpr double kGridExtent = 1 << 29;
 
-// Limits the number of pairs of chords, with strips that overlap in y, that are examined in total.
+// Most pairs of chords to examine: those whose strips overlap in y.
 constexpr std::int64_t kMaxPairsLookedAt = 50'000'000;
 
-// The grid that Clipper works on. It covers all that the strip may reach.
+// The grid of integers that Clipper works on. It covers everything that the strip may reach.
 class Grid {
  public:
   Grid(const FlatCurve& curve, double radius) {
@@ -57,14 +58,14 @@ class Grid {
   double spacing_ = 1.0;
 };
 
-// Chords one after another on the grid.
+// Consecutive chords on the grid.
 struct Chain {
   ClipperLib::Path points;
-  bool is_closed = false;  // its first point follows the last
+  bool is_closed = false;  // a chord joins the last point to the first
 };
 
-// Puts chords on the grid, each once. Clipper would lose parts of strips whose sides nearly coincide, as with retraced
-// chords and with points that rounding moves off a straight line.
+// Puts the chords of strokes on the grid, each chord only once. Clipper would lose parts of strips whose sides nearly
+// coincide. These occur at retraced chords, and at points that rounding moves off a straight line.
 class ChordsOnGrid {
  public:
   explicit ChordsOnGrid(const Grid& grid) : grid_(grid) {}
@@ -96,7 +97,8 @@ class ChordsOnGrid {
     const auto [low, high] = std::minmax({Point(a.X, a.Y), Point(b.X, b.Y)});
     return outline_edges_.insert({low, high}).second;
   }
-  // Keeps a stroke that is a single point as a chord: Clipper leaves a gap in the circle around a point.
+  // Ends a chain. A stroke that has become a single point is made a short chord, as Clipper leaves a gap in the circle
+  // around a point.
   void end(ClipperLib::Path& chain, bool is_whole) {
     if (is_whole && chain.size() == 1) chain.emplace_back(chain.front().X + 1, chain.front().Y);
     const bool is_closed = is_whole && chain.size() > 3 && chain.front() == chain.back();
@@ -110,8 +112,8 @@ class ChordsOnGrid {
   std::set<std::pair<Point, Point>> outline_edges_;
 };
 
-// Returns the angle, radians, by which the chain turns at the end of chord i, where the outline has an arc.
-// It is pi where the chain ends.
+// Returns the angle by which the chain turns at the end of chord i, where the outline has an arc; pi at the end of an
+// open chain.  rad
 double turn_after(const std::vector<Vector2d>& points, bool is_closed, std::size_t i) {
   const bool is_last = i + 2 == points.size();
   if (is_last && !is_closed) return pi;
@@ -121,8 +123,8 @@ double turn_after(const std::vector<Vector2d>& points, bool is_closed, std::size
 }
 
 struct Chord {
-  Vector2d low, high;     // of the strip around it
-  double outline_points;  // that it gives the outline, before strips are united
+  Vector2d low, high;     // corners of the box of the strip around the chord
+  double outline_points;  // points of the outline of this strip, before strips are united
 };
 
 std::vector<Chord> strips_of_chords(const std::vector<Chain>& chains, const Grid& grid, double radius,
@@ -144,8 +146,8 @@ std::vector<Chord> strips_of_chords(const std::vector<Chain>& chains, const Grid
   return chords;
 }
 
-// Returns true if boxes of strips overlap in more than kMaxStripPairs pairs, or in pairs with more than kMaxStripPoints
-// points of the outline.
+// Returns true if more than kMaxStripPairs pairs of boxes of strips overlap, or these pairs have more than
+// kMaxStripPoints outline points.
 bool exceeds_work_budget(std::vector<Chord> chords) {
   std::sort(chords.begin(), chords.end(), [](const Chord& a, const Chord& b) { return a.low.y() < b.low.y(); });
   std::int64_t pairs = 0, looked_at = 0;
@@ -191,7 +193,7 @@ Result<Outline> outline(const FlatCurve& curve, double width, double tolerance) 
             " points of their outlines; make it narrower, the tolerance larger, or split the cut into several",
         "cut.width_m");
   }
-  const double rounded = arc_tolerance + 2.0 * kGridRounding * grid.spacing();  // of chords, and of what Clipper makes
+  const double rounded = arc_tolerance + 2.0 * kGridRounding * grid.spacing();  // bound on arc and rounding errors
   double moved = 0.0;
   for (const ClipperLib::Path& loop : offset(laid.chains(), radius, arc_tolerance, grid)) {
     std::vector<Vector2d> points;
@@ -217,7 +219,7 @@ bool contains(const std::vector<Stroke>& outline, const Vector2d& at) {
       const Vector2d a = stroke.points[i] - at;
       const Vector2d b = stroke.points[i + 1] - at;
       if ((a.y() <= 0.0) == (b.y() <= 0.0)) continue;
-      const bool is_left = a.x() * b.y() - b.x() * a.y() > 0.0;  // of the segment, going up
+      const bool is_left = a.x() * b.y() - b.x() * a.y() > 0.0;  // `at` is on the left of the segment from a to b
       if (a.y() <= 0.0 && is_left) ++winding;
       if (b.y() <= 0.0 && !is_left) --winding;
     }

@@ -14,10 +14,11 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr int kEndOfList = -1;
-constexpr int kMaxDepth = 64;       // splits of one chord; 2^-64 of a piece is below any rounding
-constexpr double kNoise = 1.0e-14;  // -, of the largest coordinate
+constexpr int kMaxDepth = 64;       // most halvings of a piece down to one chord; 2^-64 of a piece is below any
+                                    // rounding
+constexpr double kNoise = 1.0e-14;  // -; size of a loop that is only rounding, over the largest coordinate
 
-// All pieces of a curve as lists of chords that are refined together.
+// All pieces of a curve as linked lists of chords, one list per subpath. The chords of all lists are refined together.
 class ChordLists {
  public:
   explicit ChordLists(double tolerance) : tolerance_(tolerance) {}
@@ -51,8 +52,8 @@ class ChordLists {
       flat.deviation_m = std::max(flat.deviation_m, chord.deviation);
       deepest = std::max(deepest, chord.depth);
     }
-    // Bounds rounding: a level of de Casteljau rounds numerator and weight by at most 3 epsilon of the largest,
-    // projecting by 3 more.
+    // Adds a bound on rounding. Each level of de Casteljau rounds numerator and weight by at most 3 epsilon of the
+    // largest coordinate, and the projection by 3 more.
     const double levels = 8.0 * (deepest + 2);
     flat.deviation_m += levels * std::numeric_limits<double>::epsilon() * largest_ + rounding_;
     for (const int head : heads_) {
@@ -70,8 +71,8 @@ class ChordLists {
  private:
   struct Chord {
     RationalPiece piece;
-    double deviation = 0.0;  // m; bound
-    int depth = 0;           // splits so far
+    double deviation = 0.0;  // m; bound on the distance between chord and piece
+    int depth = 0;           // number of splits that led to this chord
     int next = kEndOfList;
   };
 
@@ -101,8 +102,8 @@ class ChordLists {
     chord.piece = piece;
     chord.depth = depth;
     chord.deviation = deviation_bound(piece);
-    // Divides a loop even if it deviates less than the tolerance, because its chord is a single point. A loop as small
-    // as rounding is left whole.
+    // A piece that ends where it starts has a single point as chord, so it is divided even within the tolerance. A loop
+    // as small as rounding is not divided.
     const bool loop = piece.start == piece.end && chord.deviation > kNoise * largest_;
     if (chord.deviation > tolerance_ || loop) worst_.emplace(chord.deviation, at);
   }
@@ -111,11 +112,11 @@ class ChordLists {
   std::vector<Chord> chords_;
   std::vector<int> heads_;
   std::priority_queue<std::pair<double, int>> worst_;
-  double largest_ = 0.0;   // m, coordinate of a control point
-  double rounding_ = 0.0;  // m, of arcs
+  double largest_ = 0.0;   // m, largest coordinate of a control point
+  double rounding_ = 0.0;  // m, bound on the rounding of arcs
 };
 
-// A subpath that is being flattened.
+// Collects the rational pieces of a subpath.
 class Pieces {
  public:
   explicit Pieces(const Vector2d& start) : at_(start) {}

@@ -5,14 +5,13 @@
 
 namespace kerf::cut {
 
-// Flattens the alternatives of a Curve that are made of rational pieces; see flatten(). Chords are halved where they
-// are farthest from their piece, so that long flat stretches take few and tight bends take many; cusps become points
+// Flatten the alternatives of Curve that consist of rational pieces; see flatten(). They halve the chord farthest from
+// its piece, again and again. So long flat stretches take few chords and tight bends take many. Cusps become points
 // first.
 FlatCurve flatten_ellipse(const Ellipse& ellipse, double tolerance);
 FlatCurve flatten_path(const Path& path, double tolerance);
 
-// Returns every piece of a subpath in order, the closing line included. `rounding_m`: bound on the rounding error of
-// arcs.
+// All pieces of a subpath in order, including the closing line. `rounding_m`: bound on the rounding error of arcs, m.
 struct SubpathPieces {
   std::vector<RationalPiece> pieces;
   double rounding_m = 0.0;

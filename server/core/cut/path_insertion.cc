@@ -21,11 +21,11 @@ using mesh::TriangleId;
 
 namespace {
 
-constexpr std::int64_t kMaxLegs = 2'000'000;        // straight legs of one cut
-constexpr std::size_t kMaxSnapNeighbourhood = 512;  // triangles searched for something to snap to, or for a lip
+constexpr std::int64_t kMaxLegs = 2'000'000;        // most straight legs of one cut
+constexpr std::size_t kMaxSnapNeighbourhood = 512;  // most triangles searched for something to snap to, or for a lip
 
-// Offsets of the lattice point wanted and of its neighbours, nearest first. Rounding can put a point on the wrong side
-// of an edge of a very flat triangle; a neighbour may then be inside.
+// Offsets from the lattice point wanted to itself and its neighbours, nearest first. Rounding can put a point outside
+// of a very flat triangle; a neighbour may then be inside.
 constexpr std::array<std::array<std::int64_t, 2>, 9> kRoundings{
     {{0, 0}, {1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, 1}, {1, -1}, {-1, -1}}};
 
@@ -113,7 +113,7 @@ bool PathInsertion::is_tip(PointId point) const {
          }) == 1;
 }
 
-// Continues the path from the start of the current segment to its end.
+// Continues the path along the current segment, with points in between, to its end.
 Status PathInsertion::insert_segment(PathPosition& position) {
   const Eigen::Vector2d along = difference(segment_start_, segment_end_);
   const mesh::Lattice& lattice = mesh_.lattice();
@@ -159,16 +159,16 @@ void PathInsertion::count_merged_segment() {
   ++counts_.merged_segments;
 }
 
-// Counts a gap closed by snapping to a lip or border. `width`: their distance from the path, lattice units; 0 where the
-// path met it exactly.
+// Counts a gap that was closed by moving the path onto a lip or border. `width`: its distance from the path, lattice
+// units; 0: the path met it exactly, so there was no gap.
 void PathInsertion::record_gap(double width) {
   if (width <= 0.0) return;
   ++counts_.closed_gaps;
   counts_.widest_gap = std::max(counts_.widest_gap, width);
 }
 
-// Returns true if `at`, on the current segment, lies on an edge with both ends on the segment too, all within the snap
-// distance.
+// Returns true if an edge runs along the current segment at `at`. The place `at` must be within the snap distance of
+// the edge, and both ends of the edge within that of the segment.
 bool PathInsertion::runs_along_edge(const LatticePoint& at) const {
   const TriangleId t = mesh_.locate(at, hint_).triangle;
   for (int k = 0; k < 3; ++k) {
@@ -182,8 +182,8 @@ bool PathInsertion::runs_along_edge(const LatticePoint& at) const {
   return false;
 }
 
-// Returns true if a lip of an earlier cut is closer to `at` than half the spacing. The crossing with it spaces the path
-// already, and a point that near would only make short edges.
+// Returns true if a lip of an earlier cut is closer to `at` than half the spacing. The path gets a point where it
+// crosses that lip, and another one so near would only make short edges.
 bool PathInsertion::is_near_older_lip(const LatticePoint& at) const {
   const double reach = 0.5 * spacing_ * scale_.edge_length(mesh_.lattice().position(at)) / mesh_.lattice().spacing;
   std::vector<TriangleId> found{mesh_.locate(at, hint_).triangle};
@@ -202,8 +202,8 @@ bool PathInsertion::is_near_older_lip(const LatticePoint& at) const {
   return false;
 }
 
-// Searches outwards from the triangle that holds the place. This finds everything within the snap distance, as it is
-// reached over edges within it.
+// Searches outwards from the triangle that holds the place, across edges within the snap distance. This finds every
+// point and edge within that distance.
 PathInsertion::Snap PathInsertion::find_snap(const LatticePoint& at, TriangleId start) const {
   Snap best;
   double best_point = snap_;
@@ -240,7 +240,7 @@ Result<PathPosition> PathInsertion::place(const LatticePoint& at) {
   hint_ = location.triangle;
   use_scale_at(at);
   if (location.kind == Location::Kind::kPoint) {
-    // Between the ends of the segment `at` is rounded, so the segment itself may miss this point of the mesh.
+    // A place between the ends of the segment is rounded, so the segment itself may miss this mesh point.
     if (at != segment_end_ && location.point != last_point_) record_passed_point(location.point);
     record_point(location.point);
     return PathPosition{at, location.point, kNone};

@@ -21,30 +21,32 @@ struct InsertionCounts {
   std::int32_t snapped_points = 0;
   std::int32_t closed_gaps = 0;
   std::int32_t merged_segments = 0;
-  double widest_gap = 0.0;  // of those closed
-  double deviation = 0.0;   // largest distance between the strokes and the chain of edges that stands for them
-  double deviation_of_tolerance = 0.0;  // -; largest ratio of that distance to the tolerance at the place
+  double widest_gap = 0.0;              // largest distance of a closed gap
+  double deviation = 0.0;               // largest distance between the strokes and the edges that they became
+  double deviation_of_tolerance = 0.0;  // -; largest ratio of that distance to the local tolerance
 };
 
-// Lays strokes into the mesh: incremental constrained Delaunay on the mesh itself. Each point of a stroke is put on a
-// point or a fixed edge closer than the snap distance, or becomes a point; each segment is recovered by flips, passing
-// through points closer than the snap distance. A segment splits the fixed edges that it crosses (older lips, the
-// border, its own earlier edges, region borders) at the rounded crossing. The edges it becomes are locked as cut; in
-// the void nothing is inserted or locked. Segments longer than the spacing get points in between, except where the mesh
-// has edges along them already: a long straight lip would drag needles as long as itself across the sheet. Of these
-// points, those near lips of earlier cuts are left out, never two in a row.
+// Puts strokes into the mesh: incremental constrained Delaunay triangulation on the mesh itself. Each point of a stroke
+// is moved to a point or fixed edge within the snap distance, or becomes a new point. Each segment is made a chain of
+// edges by flips, which passes through points within the snap distance. A segment splits the fixed edges that it
+// crosses at the rounded crossing. These are older lips, the border, region borders, and its own earlier edges. The
+// edges that it becomes are locked as cut. In the void nothing is inserted or locked.
+//
+// Segments longer than the spacing get points in between, since a long straight lip would force needles as long as
+// itself. Stretches that have edges along them already get none. Points near lips of earlier cuts are left out too, but
+// never two in a row.
 class PathInsertion {
  public:
-  // `spacing`: longest stretch of path without a point, as a fraction of the edge length there. `outline_edges`:
-  // receives the edges that the strokes become; null if not needed.
+  // `spacing`: longest stretch of path without a point, over the local edge length. `outline_edges`: receives the edges
+  // that the strokes become; null if not needed.
   PathInsertion(mesh::MeshEditor& editor, const PathScale& scale, double spacing,
                 OutlineEdges* outline_edges = nullptr);
 
-  // Lays one stroke. Errors: those of cut::apply(); the editor must be rolled back then.
+  // Puts one stroke into the mesh. Errors: those of cut::apply(). After an error the editor must be rolled back.
   Status insert(const Stroke& stroke);
 
-  // Splits at its middle each new lip edge that meets no other lip and no border. Both its ends are tips, which stay
-  // one vertex each, so it could not open otherwise. Call once, after the last stroke. Errors as of insert().
+  // Splits each new lip edge that meets no other lip and no border at its middle. Both its ends are tips, which stay
+  // one vertex each, so the unsplit edge could not open. Call once, after the last stroke. Errors as of insert().
   Status split_lone_edges();
 
   [[nodiscard]] const InsertionCounts& counts() const { return counts_; }
@@ -59,7 +61,7 @@ class PathInsertion {
  private:
   struct Snap {
     mesh::PointId point = mesh::kNone;        // nearest point within the snap distance, or
-    mesh::TriangleId triangle = mesh::kNone;  // nearest fixed edge within it
+    mesh::TriangleId triangle = mesh::kNone;  // nearest fixed edge within the snap distance
     int corner = 0;
   };
 
@@ -94,16 +96,17 @@ class PathInsertion {
   const PathScale& scale_;
   double spacing_;               // -
   OutlineEdges* outline_edges_;  // may be null
-  double snap_ = 0.0;            // lattice units, where the path is
+  double snap_ = 0.0;            // snap distance where the path is now, lattice units
   PathWalk walk_;
   LipTrace trace_;
   InsertionCounts counts_;
   mesh::TriangleId hint_ = mesh::kNone;
-  mesh::PointId last_point_ = mesh::kNone;          // where the stroke is
-  mesh::LatticePoint segment_start_, segment_end_;  // of the stroke's segment being inserted
+  mesh::PointId last_point_ = mesh::kNone;          // point at which the stroke has arrived
+  mesh::LatticePoint segment_start_, segment_end_;  // ends of the segment of the stroke that is being inserted
   std::vector<mesh::PointId> path_points_;
   std::vector<mesh::PointId> corridor_points_;
-  std::vector<std::array<mesh::PointId, 2>> lip_edges_;  // new ones, by their ends; some have been split since
+  std::vector<std::array<mesh::PointId, 2>> lip_edges_;  // edges locked as cut, by their ends; some have been split
+                                                         // since
   std::int64_t legs_ = 0;
 };
 

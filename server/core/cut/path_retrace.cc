@@ -1,4 +1,4 @@
-// Implements the part of PathInsertion that leads the path along existing lips instead of cutting beside them.
+// The part of PathInsertion that runs the path along existing lips instead of cutting beside them.
 #include <algorithm>
 
 #include "server/core/cut/path_insertion.h"
@@ -11,9 +11,9 @@ using mesh::LatticePoint;
 using mesh::Location;
 using mesh::PointId;
 
-// Follows existing lips, or the border, from `position` to the point nearest to `at` within the snap distance. If a
-// point of the mesh lies exactly at `at`, they must lead to that one. Returns false, and changes nothing, if none lead
-// there.
+// Runs the path along existing lips or the border, from `position` to the point nearest to `at` within the snap
+// distance. If a mesh point lies exactly at `at`, they must lead to that point. Returns false and changes nothing if
+// none lead there.
 bool PathInsertion::retrace(PathPosition& position, const LatticePoint& at) {
   if (position.point == kNone) return false;
   const Location location = mesh_.locate(at, hint_);
@@ -23,7 +23,7 @@ bool PathInsertion::retrace(PathPosition& position, const LatticePoint& at) {
   if (!found) return false;
   run_along_chain(position.point);
   if (!trace_.chain().empty()) position = {mesh_.at(trace_.chain().back()), trace_.chain().back(), kNone};
-  // Counts the rest of the segment, or all of it, as merged.
+  // If the chain does not reach `at`, the rest of the segment is shorter than the snap distance and counts as merged.
   const LatticePoint reached = mesh::rounded_projection(segment_start_, segment_end_, position.at);
   if (trace_.chain().empty() || reached != at) count_merged_segment();
   if (position.at != at) ++counts_.snapped_points;
@@ -31,8 +31,9 @@ bool PathInsertion::retrace(PathPosition& position, const LatticePoint& at) {
   return true;
 }
 
-// Leads a leg, or the part of it inside the sheet, along existing lips. Traces a leg from the void backwards from its
-// end: the point where it enters the sheet becomes the next target, and the result is false.
+// Runs the leg from `from` to the last of `targets`, or its part inside the sheet, along existing lips. Returns true if
+// it did. A leg that starts in the void is traced backwards from its end. The point where it enters the sheet then
+// becomes the next target, and the result is false.
 bool PathInsertion::follow_lips(PathPosition& from, std::vector<PathPosition>& targets) {
   const PathPosition target = targets.back();
   if (from.point == kNone) {
@@ -56,8 +57,8 @@ bool PathInsertion::follow_lips(PathPosition& from, std::vector<PathPosition>& t
   return true;
 }
 
-// Returns the part of the current segment between the projections of two places. So places that were moved onto lips do
-// not lead to lips farther away.
+// Returns the part of the current segment between the projections of two places. So a place that was moved onto a lip
+// does not lead to lips that are even farther from the path.
 LipTrace::Leg PathInsertion::leg_to(const LatticePoint& from, const LatticePoint& to) const {
   return {mesh::rounded_projection(segment_start_, segment_end_, from),
           mesh::rounded_projection(segment_start_, segment_end_, to)};

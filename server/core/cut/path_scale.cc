@@ -6,12 +6,12 @@
 namespace kerf::cut {
 namespace {
 
-// Least snap distance: two clearances of the lattice, so that a point that did not snap to a lip can be inserted beside
-// it. lattice units
+// Least snap distance: twice the clearance of a new point from locked edges, so that a point that did not snap to a lip
+// can be inserted. lattice units
 constexpr double kLeastSnapUnits = 2.0 * static_cast<double>(mesh::MeshEditor::kLockClearance);
 
-constexpr double kSnapShare = 0.1;  // -; most of the tolerance that snapping may use
-constexpr int kMaxSamples = 4096;   // of the edge length along one segment
+constexpr double kSnapShare = 0.1;  // -; largest fraction of the tolerance that snapping may use
+constexpr int kMaxSamples = 4096;   // most samples of the edge length along one segment
 
 }  // namespace
 
@@ -34,7 +34,8 @@ double PathScale::representable_tolerance() const {
 
 double PathScale::flattening_for(double edge_length) const {
   const double tolerance = tolerance_for(edge_length);
-  // Assumes the most that snapping may use where one tolerance holds for all lengths: longer edges snap from farther.
+  // The snap distance grows with the local edge length. If the tolerance does not grow with it, this reserves the
+  // largest fraction that snapping may use.
   const double snap = options_.tolerance_m && !is_uniform() ? kSnapShare * tolerance : snap_for(edge_length);
   return std::max(tolerance - snap, kSnapShare * tolerance);
 }
@@ -42,7 +43,8 @@ double PathScale::flattening_for(double edge_length) const {
 std::vector<double> PathScale::divisions(const Eigen::Vector2d& a, const Eigen::Vector2d& along,
                                          double fraction) const {
   const double length = along.norm();
-  // Edge lengths that go into the segment up to each of its samples; one where the edge length does not change.
+  // `counted`: number of parts (edge lengths times `fraction`) from the start of the segment to each sample. One sample
+  // is enough if the edge length is constant.
   const int samples =
       static_cast<int>(std::clamp(std::ceil(2.0 * length / lengths_.resolution()), 1.0, double{kMaxSamples}));
   std::vector<double> counted{0.0};

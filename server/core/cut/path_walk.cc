@@ -15,7 +15,7 @@ using mesh::TriangleId;
 
 namespace {
 
-constexpr int kMaxLegTriangles = 1'000'000;  // triangles one leg may cross
+constexpr int kMaxLegTriangles = 1'000'000;  // most triangles that one leg may cross
 
 Encounter met_point(PointId point, bool solid) {
   return {Encounter::Kind::kPoint, kNone, 0, point, false, solid};
@@ -130,8 +130,8 @@ Encounter PathWalk::follow(const PathPosition& from, const PathPosition& to) {
     }
     const int side = orient2d(from_.at, to_.at, mesh_.at(apex));
     if (side == 0 || is_met(apex)) return met_point(apex, solid);
-    // In u the crossed edge runs from left (corner j + 1) to right (corner j + 2). With the apex on the left the leg
-    // continues between right and apex, opposite left.
+    // In u the crossed edge runs from left (corner j + 1) to right (corner j + 2). If the apex is on the left of the
+    // leg, the leg leaves by the edge between right and apex, opposite left.
     exit = {u, side > 0 ? next_corner(j) : previous_corner(j)};
   }
   return {};

@@ -17,16 +17,19 @@
 namespace kerf::cut {
 namespace {
 
-constexpr double kMaxPathPoints = 1.0e6;  // points of a spaced path; more cannot fit in any element budget
+constexpr double kMaxPathPoints = 1.0e6;  // most points of a path after spacing; more would exceed any limit on
+                                          // triangles
 
-// Largest share of the room around the sheet that clipping leaves to a curve, without the snap distance. That distance
-// is at most a tenth of the edge length, and the edge length at most sqrt(2) times the room. -
+// The curve is clipped at most this fraction of Lattice::room() outside the sheet, plus the snap distance. The domain
+// is large enough for both: the snap distance is at most a tenth of the edge length, which is at most sqrt(2) times the
+// room. -
 constexpr double kClipRoom = 0.25;
 
-// Share of the tolerance for the curve of a cut with a width; the outline has the rest. -
+// Fraction of the tolerance for flattening the curve of a cut with a width; the rest is for its outline. -
 constexpr double kWidthFlattening = 0.5;
 
-// Factor by which the curve is flattened finer for Method::kElement, which chooses its chords among these. -
+// Factor on the flattening tolerance for Method::kElement, which chooses the ends of its chords among the points of a
+// finer polyline. -
 constexpr double kElementFlattening = 0.25;
 
 Status check_range(double value, double low, double high, const std::string& field) {
@@ -93,10 +96,10 @@ Error curve_too_long(double achieved) {
                           "cut.curve");
 }
 
-// Leaves out points of a path laid on the sheet from a picture, as far as the tolerance allows; the path has one on
-// every edge that it crosses. Triangles seen nearly edge-on can make the path's own deviation more than half of what is
-// allowed. That deviation is then kept apart in `beside`, and the strokes count as exact. `flatness` (m), for cuts with
-// a width: total deviation allowed to the strokes, as the outline needs the rest of the tolerance.
+// Leaves out points of a path that comes from a picture, as far as the tolerance allows; the path has a point on every
+// edge that it crosses. Triangles seen nearly edge-on can make its deviation more than half of the tolerance. Then that
+// deviation is returned in `beside` (m), and the strokes count as exact. `flatness`: for cuts with a width, the
+// deviation allowed to the strokes, m; the outline needs the rest of the tolerance.
 FlatCurve leave_out_points(FlatCurve path, const PathScale& scale, std::optional<double> flatness, double& beside) {
   constexpr double kShareOfPicture = 0.5;  // of the tolerance
   if (path.deviation_m > kShareOfPicture * flatness.value_or(scale.least_tolerance())) {
@@ -115,7 +118,7 @@ FlatCurve leave_out_points(FlatCurve path, const PathScale& scale, std::optional
   return path;
 }
 
-// Makes the outline of the part of the strip that may reach into `room`.
+// Makes the outline of a strip, of the part that may reach into the box `room`.
 Result<Outline> outline_near(const FlatCurve& curve, double width, const PathScale& scale, const Box& room) {
   const double of_width = kToleranceOfWidth * width;
   if (of_width < scale.representable_tolerance()) {
@@ -181,8 +184,8 @@ Result<CutPlan> plan(const mesh::TriangleMesh& mesh, const CutRequest& request) 
   }
   KERF_TRY_ASSIGN(const FlatCurve flat, dashed(whole, plan.options.dash));
   const Eigen::AlignedBox2d& bounds = mesh.bounding_box();
-  // Leaves ends outside at most this far: an edge length keeps them clear of the border, but can lead out of the domain
-  // on a sheet of few triangles.
+  // Clips the curve this far outside the sheet. An edge length keeps its ends clear of the border, but could lead out
+  // of the domain on a sheet of few triangles.
   const double clearance = std::min(plan.edge_length_m, kClipRoom * mesh.lattice().room());
   const Eigen::Vector2d margin = Eigen::Vector2d::Constant(clearance + plan.snap_m);
   const Box room{bounds.min() - margin, bounds.max() + margin};

@@ -11,13 +11,13 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr int kMaxCoefficients = 6;  // of a derivative's numerator: degree 2 * 3 - 1
-constexpr int kMaxSearched = 256;    // intervals looked at for the sign changes of one polynomial
-// -, length of the parameter intervals at which the search for a sign change stops. Where a derivative vanishes, what
-// is left of it is the square of this length.
+constexpr int kMaxCoefficients = 6;  // coefficients of a derivative's numerator of degree 2 * 3 - 1
+constexpr int kMaxSearched = 256;    // most intervals searched for the sign changes of one polynomial
+// -; length of the parameter interval at which the search for a sign change stops. At a double root the derivative is
+// then about the square of this length.
 constexpr double kFinest = 1.0e-9;
-// -, of the largest coefficient; a derivative below it is zero. Rounding displaces its double roots by the square root
-// of the machine's precision.
+// -; a derivative below this times its largest coefficient counts as zero. Rounding displaces double roots by about the
+// square root of the machine's precision.
 constexpr double kVanishing = 1.0e-7;
 
 // Represents a polynomial on [0, 1] by its Bernstein coefficients, of which the first degree + 1 are in use.
@@ -44,8 +44,9 @@ Vector3d homogeneous(const Vector2d& point, double weight) {
   return {weight * point.x(), weight * point.y(), weight};
 }
 
-// x' W - x W' of a piece, x and W the numerator and the weight: the derivative of x / W times W^2 / n, so of its sign.
-// The product of Bernstein polynomials of degrees n - 1 and n has degree 2 n - 1.
+// Returns (x' W - x W') / n for a piece with numerator x, weight W and degree n. This is the derivative of x / W times
+// W^2 / n, so it has the sign of the derivative. The product of Bernstein polynomials of degrees n - 1 and n has degree
+// 2 n - 1.
 Polynomial derivative_numerator(const RationalPiece& piece, int axis) {
   const int n = piece.degree;
   std::array<double, 4> x{};
@@ -124,7 +125,8 @@ bool is_clear_of_zero(const Polynomial& polynomial, double margin) {
 
 // Returns the sorted parameters where the polynomial changes its sign and `other` may be within `margin` of zero.
 // Intervals without a sign change among the coefficients have no root (Descartes' rule in Bernstein form); the others
-// are halved down to kFinest. Counted, so that a polynomial that is nothing but rounding costs no more than another.
+// are halved down to kFinest. The number of intervals is limited, as a polynomial that is only rounding noise would
+// need very many.
 std::vector<double> sign_change_parameters(const Polynomial& polynomial, const Polynomial& other, double margin) {
   struct Interval {
     double from;
@@ -145,7 +147,7 @@ std::vector<double> sign_change_parameters(const Polynomial& polynomial, const P
     }
     const auto [left, right] = halves(interval.on);
     const auto [other_left, other_right] = halves(interval.other);
-    // Adds a root in the very middle, which shows in neither half.
+    // Adds a root exactly in the middle, which causes no sign change in either half.
     if (right.coefficients[0] == 0.0) found.push_back(middle);
     open.push_back({middle, interval.to, right, other_right});
     open.push_back({interval.from, middle, left, other_left});
@@ -198,7 +200,8 @@ std::pair<RationalPiece, RationalPiece> split(const RationalPiece& piece, double
 
 double balanced_parameter(const RationalPiece& piece) {
   const double ratio = piece.points[0].z() / piece.points[static_cast<std::size_t>(piece.degree)].z();
-  // The parameter is to (1 - t) as the n-th root of the ratio is to 1; a third by two square roots more, roughly.
+  // t / (1 - t) is the n-th root of the ratio. The cube root is replaced by the power 5/16, which takes square roots
+  // only.
   const double fourth = std::sqrt(std::sqrt(ratio));
   const double root = piece.degree == 2 ? std::sqrt(ratio) : fourth * std::sqrt(std::sqrt(fourth));
   return std::clamp(root / (1.0 + root), 1.0e-3, 1.0 - 1.0e-3);

@@ -24,14 +24,14 @@
 //   point of the curve, which is no farther than that bound.
 namespace kerf::cut {
 
-// A point of the plane is carried as (w x, w y, w), w > 0.
+// A rational Bezier segment. Control point (x, y) with weight w > 0 is stored as (w x, w y, w).
 struct RationalPiece {
   int degree = 1;  // 1..3
   std::array<Eigen::Vector3d, 4> points{Eigen::Vector3d(0.0, 0.0, 0.0), Eigen::Vector3d(0.0, 0.0, 0.0),
                                         Eigen::Vector3d(0.0, 0.0, 0.0),
-                                        Eigen::Vector3d(0.0, 0.0, 0.0)};  // the first degree + 1 count
-  Eigen::Vector2d start{0.0, 0.0};  // m; the ends as given, which dividing by a weight would round
-  Eigen::Vector2d end{0.0, 0.0};    // m
+                                        Eigen::Vector3d(0.0, 0.0, 0.0)};  // the first degree + 1 are used
+  Eigen::Vector2d start{0.0, 0.0};  // m; the start as given, since division by its weight would round
+  Eigen::Vector2d end{0.0, 0.0};    // m; the end as given
 };
 
 RationalPiece piece_of(const Eigen::Vector2d& start, const LineTo& line);
@@ -40,21 +40,21 @@ RationalPiece piece_of(const Eigen::Vector2d& start, const CubicTo& cubic);
 
 Eigen::Vector2d projected(const Eigen::Vector3d& homogeneous);
 
-// Both parts of a piece, divided at parameter t in (0, 1).
+// Returns both parts of a piece, divided at parameter t in (0, 1).
 std::pair<RationalPiece, RationalPiece> split(const RationalPiece& piece, double t);
 
-// The parameter at which splitting evens out the weights of the ends: 1/2 where they are equal. For quadratics that
-// makes the weights of repeated splits converge to one another as square roots do, whatever they were.
+// Returns the parameter at which a split makes the weights of both ends more equal; 1/2 if they are equal. For
+// quadratics, repeated splits bring the weights together as repeated square roots would, whatever they were.
 double balanced_parameter(const RationalPiece& piece);
 
 // Returns a proven bound (m) on the distance between piece and chord, both ways (see above), up to rounding.
 double deviation_bound(const RationalPiece& piece);
 
-// Parameters in (0, 1), sorted, where the derivative of x (axis 0) or y (axis 1) changes its sign.
+// Returns the parameters in (0, 1), sorted, where the derivative of x (axis 0) or y (axis 1) changes its sign.
 std::vector<double> turning_parameters(const RationalPiece& piece, int axis);
 
-// Parameters in (0, 1), sorted, where the derivatives of x and y both vanish. They are cusps, or turning points of a
-// curve that is folded onto a line.
+// Returns the parameters in (0, 1), sorted, where the derivatives of x and y both vanish: at cusps, and where a curve
+// on a straight line turns back.
 std::vector<double> cusp_parameters(const RationalPiece& piece);
 
 }  // namespace kerf::cut

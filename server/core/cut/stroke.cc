@@ -11,7 +11,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-// Bounds the distance from a point a + t (b - a), as computed, to the segment ab.
+// Returns a bound on the distance from the computed point a + t (b - a) to the segment ab.
 double interpolation_error(const Vector2d& a, const Vector2d& b) {
   const double largest = std::max(a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff());
   return 8.0 * std::numeric_limits<double>::epsilon() * largest;
@@ -60,7 +60,7 @@ class Clipper {
     current_ = Stroke{};
   }
 
-  // Bounds the distance (m) of clipped ends from their segments.
+  // Returns a bound on the distance (m) of clipped ends from their segments.
   [[nodiscard]] double rounding() const { return rounding_; }
   [[nodiscard]] std::vector<Stroke> take_strokes() { return std::move(strokes_); }
 

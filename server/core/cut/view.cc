@@ -16,15 +16,17 @@
 namespace kerf::cut {
 namespace {
 
-constexpr double kRigid = 1.0e-6;            // -; of the entries of view^T view - 1
+constexpr double kRigid = 1.0e-6;            // -; largest entry of R^T R - 1, R the rotation of the view
 constexpr double kFirstFlatnessPx = 0.25;    // px
 constexpr double kLeastFlatnessPx = 1.0e-3;  // px
-constexpr double kFlatnessShare = 0.4;       // of the tolerance; the rest is for leaving points out in rest space
+constexpr double kFlatnessShare = 0.4;       // -; fraction of the tolerance for flattening; the rest is for leaving out
+                                             // points
 constexpr int kMaxFlattenings = 3;
-// Rounding of the picture to its lattice, and the least extent of triangles that are not lines. px
+// Bound on the rounding of vertices and curve to the lattice of Screen, with its jitter. px
 constexpr double kScreenErrorPx = 2.0 * (Screen::kJitter + 1) / Screen::kUnitsPerPx;
 
-// Bounds the distance (m) of a curve's image on the sheet from that of a polyline within `px` of the curve.
+// Returns a bound (m) on the distance between the images on the sheet of a curve and of a polyline within `px` pixels
+// of it.
 double bound_on_sheet(const std::vector<ViewStretch>& stretches, double px) {
   double bound = 0.0;
   for (const ViewStretch& stretch : stretches) {

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kNobody = static_cast<std::size_t>(-1);
 
-// Numbers of ends: interval i begins at end 2 i and ends at end 2 i + 1.
+// Returns the node of an end of an interval. Ends have numbers: interval i begins at end 2 i and ends at end 2 i + 1.
 const ViewNode& node_of(const std::vector<ViewInterval>& intervals, std::size_t end) {
   const ViewInterval& interval = intervals[end / 2];
   return end % 2 == 0 ? interval.begin : interval.end;
@@ -22,15 +22,14 @@ std::size_t opposite(std::size_t end) {
   return end ^ 1U;
 }
 
-// Finds for each end of an interval the end of another interval that it meets, or kNobody.
+// Returns for each end of an interval the end of another interval that it meets, or kNobody.
 std::vector<std::size_t> find_partners(const std::vector<ViewInterval>& intervals) {
   using Key = std::tuple<int, std::int32_t, std::int32_t, std::int32_t, std::size_t>;
   std::vector<Key> keys;
   for (std::size_t end = 0; end < 2 * intervals.size(); ++end) {
     const ViewNode& node = node_of(intervals, end);
     if (node.kind == ViewNode::Kind::kFree) continue;
-    // Two ends meet on an edge, which a segment crosses once, or at a joint, where one segment ends and the next
-    // begins.
+    // Two ends meet on an edge, which a segment crosses once, or at a joint between two segments of the curve.
     const bool on_edge = node.kind == ViewNode::Kind::kEdge;
     keys.emplace_back(on_edge ? 0 : 1, node.low, node.high, on_edge ? intervals[end / 2].segment : 0, end);
   }

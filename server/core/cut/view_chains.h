@@ -8,15 +8,15 @@
 
 namespace kerf::cut {
 
-// Intervals joined end to end.
+// View intervals joined end to end: one connected stretch of a cut on a picture.
 struct ViewChain {
-  std::vector<Eigen::Vector2d> points;  // m, rest space; closed where the last equals the first, bit for bit
+  std::vector<Eigen::Vector2d> points;  // m, material coordinates; closed if the last equals the first, bit for bit
   mesh::TriangleId first_triangle = mesh::kNone;
-  ViewLayer layer;  // its lengths and depths
+  ViewLayer layer;  // only length and depths are set
 };
 
-// Joins intervals at the nodes that two of them share: across edges, around folds, and at the points of the curve.
-// Chains are in the order of their first intervals.
+// Joins intervals at nodes that two of them share: on edges, also around folds, and at points of the curve. Chains are
+// sorted by their lowest interval.
 std::vector<ViewChain> link(const std::vector<ViewInterval>& intervals);
 
 }  // namespace kerf::cut

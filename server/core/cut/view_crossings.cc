@@ -20,9 +20,9 @@ using mesh::VertexId;
 
 namespace {
 
-constexpr double kFarthestPx = 1 << 30;  // from the picture's corner
+constexpr double kFarthestPx = 1 << 30;  // px; farthest that a vertex may be from the picture's corner
 constexpr int kGridSide = 64;
-constexpr std::int64_t kMaxPairs = 50'000'000;  // of a triangle and a segment looked at
+constexpr std::int64_t kMaxPairs = 50'000'000;  // most pairs of a triangle and a segment to examine
 
 int sign(Int128 value) {
   return value > 0 ? 1 : (value < 0 ? -1 : 0);
@@ -50,7 +50,7 @@ int side_of_edge(const LatticePoint& a, const LatticePoint& b, const LatticePoin
   return first != 0 ? first : sign_of(b.x - a.x);
 }
 
-// |area of one side| / (both sides), in [0, 1].
+// Returns |first| / (|first| + |second|), in [0, 1]; 0.5 if both are 0.
 double share_of(Int128 first, Int128 second) {
   const double a = std::abs(static_cast<double>(first));
   const double b = std::abs(static_cast<double>(second));
@@ -78,7 +78,7 @@ std::vector<ScreenSegment> segments_of(const std::vector<Stroke>& strokes) {
   return segments;
 }
 
-// Boxes of the picture with the segments that may pass through them.
+// A grid of cells over the curve's part of the picture, each with the segments that may pass through it.
 class SegmentGrid {
  public:
   explicit SegmentGrid(const std::vector<ScreenSegment>& segments) : last_query_(segments.size(), -1) {
@@ -97,7 +97,7 @@ class SegmentGrid {
     }
   }
 
-  // Calls visit(i) once for each segment whose box may meet the box of three points.
+  // Calls visit(i) once for each segment i whose box may meet the box of three points.
   template <typename Visit>
   void visit_near(const std::array<LatticePoint, 3>& corners, const Visit& visit) {
     const Vector2d a = difference({}, corners[0]);
@@ -139,7 +139,7 @@ class SegmentGrid {
   std::int64_t query_ = 0;
 };
 
-// One triangle on the picture.
+// One triangle as seen in the picture.
 class Facet {
  public:
   Facet(const mesh::TriangleMesh& mesh, const Screen& screen, TriangleId triangle) : triangle_(triangle) {
@@ -153,7 +153,7 @@ class Facet {
     area_ = mesh::doubled_area(at(0), at(1), at(2));
   }
 
-  // Returns true if all of the triangle is seen, and not just as a line.
+  // Returns true if all three vertices are seen and the triangle is not just a line.
   [[nodiscard]] bool is_seen() const { return seen_ && area_ != 0; }
   [[nodiscard]] std::array<LatticePoint, 3> picture() const { return {at(0), at(1), at(2)}; }
 
@@ -201,8 +201,8 @@ class Facet {
   [[nodiscard]] const Corner& corner(int k) const { return corners_[static_cast<std::size_t>(k)]; }
   [[nodiscard]] const LatticePoint& at(int k) const { return corner(k).seen.at; }
 
-  // Returns the two ends of the edge opposite corner k, the lower vertex first, so that both triangles at an edge get
-  // the same.
+  // Returns the two ends of the edge opposite corner k, the lower vertex first. So both triangles at an edge compute
+  // the same crossing.
   [[nodiscard]] std::array<int, 2> edge(int k) const {
     const int a = next_corner(k);
     const int b = previous_corner(k);

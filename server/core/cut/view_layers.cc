@@ -14,8 +14,8 @@ namespace kerf::cut {
 namespace {
 
 constexpr double kSameDepth = 1.0e-9;      // -; relative difference below which two layers lie on each other
-constexpr int kMaxHalvings = 24;           // of a stretch in which layers pass through each other
-constexpr double kShortestStretch = 1e-9;  // -, of a segment
+constexpr int kMaxHalvings = 24;           // most halvings of a stretch in which layers pass through each other
+constexpr double kShortestStretch = 1e-9;  // -; fraction of a segment below which a stretch is not halved
 
 // Returns the point of the interval at parameter `at` of its segment, begin.at <= at <= end.at.
 ViewNode node_at(const ViewInterval& interval, double at) {
@@ -31,7 +31,8 @@ ViewNode node_at(const ViewInterval& interval, double at) {
   return node;
 }
 
-// Returns the part of the interval from `from` to `to`; at the interval's ends it has the interval's nodes.
+// Returns the part of the interval from `from` to `to` (parameters of its segment). At the interval's own ends it keeps
+// the interval's nodes.
 ViewInterval part_of(const ViewInterval& interval, double from, double to) {
   ViewInterval part = interval;
   if (from > interval.begin.at) part.begin = node_at(interval, from);
@@ -48,7 +49,8 @@ class NearestLayer {
  public:
   explicit NearestLayer(std::vector<ViewInterval>& seen) : seen_(seen) {}
 
-  // Intervals of one segment, by begin.at.
+  // Appends the nearest layer along one segment to `seen`. `first` to `last`: the intervals of the segment, sorted by
+  // begin.at.
   void run(const ViewInterval* first, const ViewInterval* last) {
     std::vector<double> stops;
     for (const ViewInterval* i = first; i != last; ++i) {
@@ -68,8 +70,8 @@ class NearestLayer {
   }
 
  private:
-  // Returns the active interval that is seen at `at`. Among coincident layers it is the one seen so far, so that
-  // rounding does not make the cut jump to and fro.
+  // Returns the active interval that is seen at `at`. Among coincident layers it is the one seen just before, so that
+  // rounding does not make the cut jump between them.
   [[nodiscard]] const ViewInterval* nearest(double at) const {
     double least = std::numeric_limits<double>::infinity();
     for (const ViewInterval* i : active_) least = std::min(least, node_at(*i, at).depth);
@@ -114,8 +116,8 @@ class NearestLayer {
   std::vector<const ViewInterval*> active_;
 };
 
-// Adds intervals that continue one that is seen, however short. Beside a vertex the curve may run through triangles in
-// stretches too short for a double: they hide nothing, but join the intervals on either side.
+// Adds intervals of no length that continue one that is seen. Beside a vertex the curve may run through triangles in
+// stretches too short for a double. They hide nothing, but they join the intervals on both sides.
 void add_points(const std::vector<ViewInterval>& intervals, std::vector<ViewInterval>& seen) {
   using Key = std::tuple<std::int32_t, std::int32_t, std::int32_t>;
   std::multimap<Key, const ViewInterval*> points;
@@ -129,7 +131,7 @@ void add_points(const std::vector<ViewInterval>& intervals, std::vector<ViewInte
     }
   }
   if (points.empty()) return;
-  for (std::size_t s = 0; s < seen.size(); ++s) {  // grows
+  for (std::size_t s = 0; s < seen.size(); ++s) {  // `seen` grows meanwhile
     const ViewInterval from = seen[s];
     for (const ViewNode* node : {&from.begin, &from.end}) {
       if (node->kind != ViewNode::Kind::kEdge) continue;

@@ -7,8 +7,8 @@
 
 namespace kerf::cut {
 
-// Applies the view's layer rule to the intervals, in the order of ViewCrossings. Returns the rest in the same order,
-// shortened where only a part is left.
+// Returns the intervals that the view's layer rule selects, shortened if it selects only a part. `intervals`: in the
+// order of ViewCrossings, which the result has too.
 std::vector<ViewInterval> select_layers(const mesh::TriangleMesh& mesh, const View& view,
                                         std::vector<ViewInterval> intervals);
 
