@@ -72,7 +72,8 @@ double sign_of(double value) {
   return value < 0.0 ? -1.0 : 1.0;
 }
 
-// Returns a unit vector at right angles to `direction` (not zero): across its smallest component, the first of equals.
+// Returns a unit vector at right angles to `direction` (not zero) and to the axis of its smallest component, the first
+// of equals.
 Eigen::Vector3d perpendicular(const Eigen::Vector3d& direction) {
   int smallest = 0;
   for (int k = 1; k < 3; ++k) {
@@ -82,8 +83,8 @@ Eigen::Vector3d perpendicular(const Eigen::Vector3d& direction) {
   return across.stableNormalized();
 }
 
-// Returns the proximity of a point at `offset` from the axis or centre of a round body. The normal is `fallback` if the
-// offset is zero.
+// Returns the distance and normal of a point at `offset` from the axis or centre of a round body. The normal is
+// `fallback` if the offset is zero.
 Proximity round_proximity(const Eigen::Vector3d& offset, double radius, const Eigen::Vector3d& fallback) {
   const double length = offset.stableNorm();
   if (length == 0.0) return {-radius, fallback};
@@ -150,14 +151,15 @@ Proximity PreparedCollider::query(const Eigen::Vector3d& point) const {
 
 Proximity PreparedCollider::query_box(const Eigen::Vector3d& point) const {
   const Eigen::Vector3d local = rotation_.transpose() * (point - origin_);
-  const Eigen::Vector3d excess = local.cwiseAbs() - vector_;  // > 0: outside the slab of that axis
+  const Eigen::Vector3d excess = local.cwiseAbs() - vector_;  // m, how far the point is outside the box along each of
+                                                              // its axes; below 0 inside
   if (excess.maxCoeff() > 0.0) {
     Eigen::Vector3d outward = excess.cwiseMax(0.0);
     for (int k = 0; k < 3; ++k) outward[k] *= sign_of(local[k]);
     const double distance = outward.stableNorm();
     return {distance, rotation_ * (outward / distance)};
   }
-  int nearest = 0;  // face; the first of equals
+  int nearest = 0;  // axis of the nearest face, the first of equals
   for (int k = 1; k < 3; ++k) {
     if (excess[k] > excess[nearest]) nearest = k;
   }

@@ -15,7 +15,7 @@ using mesh::kVertexLanes;
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
-// Squared sine of the angle between two walls; walls below it count as parallel.
+// Two walls count as parallel if the squared sine of the angle between them is below this.  -
 constexpr double kLeastSineSquared = 1.0e-6;
 
 void stop_approach(const Eigen::Vector3d& n, Eigen::Vector3d& v) {
@@ -66,7 +66,7 @@ void ContactSolver::begin(double thickness, std::span<const std::uint8_t> fixed,
   std::fill_n(has_inside_.begin(), num_blocks_, std::uint8_t{0});
   std::fill_n(block_due_.begin(), num_blocks_, kNever);
   const double radius = 0.5 * (high - low).matrix().norm();
-  if (!(radius >= 0.0)) return;  // nothing is free
+  if (!(radius >= 0.0)) return;  // no vertex is free
   for (std::size_t c = 0; c < colliders_.size(); ++c) {
     const double distance = colliders_[c].query(0.5 * (low + high).matrix()).distance;
     collider_due_[c] = distance - radius - thickness - kTouching;
@@ -224,7 +224,8 @@ void ContactSolver::leave_notch(double thickness, Eigen::Vector3d& x, Eigen::Vec
     if (sine_squared < kLeastSineSquared) return;
     x += second.depth / sine_squared * along;
     stop_approach(second.normal, v);
-    if (v.dot(first.normal) < 0.0) {  // The impulse at one wall sends it into the other: only motion along both stays.
+    if (v.dot(first.normal) < 0.0) {  // The impulse at one wall sends it into the other, so only motion along both
+                                      // walls stays.
       v -= v.dot(along) / sine_squared * along;
       v -= v.dot(first.normal) * first.normal;
     }

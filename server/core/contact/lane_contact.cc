@@ -51,7 +51,7 @@ HWY_INLINE V dot(const Vec3& a, const Vec3& b) {
 HWY_INLINE Vec3 times(const Vec3& a, V s) {
   return {hn::Mul(a.x, s), hn::Mul(a.y, s), hn::Mul(a.z, s)};
 }
-// a + b s
+// Returns a + s b.
 HWY_INLINE Vec3 plus(const Vec3& a, const Vec3& b, V s) {
   return {hn::Add(a.x, hn::Mul(b.x, s)), hn::Add(a.y, hn::Mul(b.y, s)), hn::Add(a.z, hn::Mul(b.z, s))};
 }
@@ -59,10 +59,10 @@ HWY_INLINE Vec3 choose(hn::Mask<D> mask, const Vec3& yes, const Vec3& no) {
   return {hn::IfThenElse(mask, yes.x, no.x), hn::IfThenElse(mask, yes.y, no.y), hn::IfThenElse(mask, yes.z, no.z)};
 }
 
-constexpr double kTinySquare = 1e-30;  // m^2: a shorter vector has no direction
+constexpr double kTinySquare = 1e-30;  // m^2; a vector with a smaller square has no direction
 
-// Returns 1 / sqrt(q), accurate to 1e-7, for q >= kTinySquare. Float root and quotient take a third of the time of
-// doubles.
+// Returns 1 / sqrt(q), accurate to 1e-7, for q >= kTinySquare. Root and quotient of floats take a third of the time of
+// those of doubles.
 HWY_INLINE V coarse_inverse_root(V q) {
   const hn::Rebind<float, D> narrow;
   return hn::PromoteTo(D(), hn::Div(hn::Set(narrow, 1.0F), hn::Sqrt(hn::DemoteTo(narrow, q))));
@@ -78,7 +78,7 @@ struct Near {
   Vec3 normal;  // -
 };
 
-// Returns the proximity of points at `offset` from the axis or centre of a round body.
+// Returns the distance and normal of points at `offset` from the axis or centre of a round body.
 HWY_INLINE Near round(const Vec3& offset, double radius, const Eigen::Vector3d& fallback) {
   const V square = dot(offset, offset);
   const auto has_direction = hn::Ge(square, set(kTinySquare));
@@ -111,7 +111,7 @@ HWY_INLINE Near near_box(const PreparedCollider& box, const Vec3& x) {
   const Vec3 offset = minus(x, set(box.origin()));
   const std::array<Vec3, 3> axes{set(box.rotation().col(0)), set(box.rotation().col(1)), set(box.rotation().col(2))};
   std::array<V, 3> sign{set(1.0), set(1.0), set(1.0)};
-  std::array<V, 3> excess{set(0.0), set(0.0), set(0.0)};  // m, > 0: outside the slab of that axis
+  std::array<V, 3> excess{set(0.0), set(0.0), set(0.0)};  // m, distance outside the box along each axis; below 0 inside
   for (std::size_t k = 0; k < 3; ++k) {
     const V local = dot(offset, axes[k]);
     sign[k] = hn::IfThenElse(hn::Lt(local, set(0.0)), set(-1.0), set(1.0));
@@ -154,7 +154,7 @@ HWY_INLINE Near near_one(const PreparedCollider& collider, const Vec3& x) {
   }
 }
 
-// Returns the fraction, -, in [0, 1], that friction leaves of a tangential vector when it shortens it by `limit`.
+// Returns the fraction (-, in [0, 1]) that is left of a tangential vector when friction shortens it by `limit`.
 HWY_INLINE V share_left(const Vec3& tangential, V limit) {
   const V square = hn::Max(dot(tangential, tangential), set(kTinySquare));
   return hn::Max(hn::Sub(set(1.0), hn::Mul(limit, coarse_inverse_root(square))), set(0.0));
@@ -177,7 +177,7 @@ HWY_NOINLINE LanePush push_of(const PreparedCollider& collider, const ThicknessL
   LanePush result;
   V least_gap = set(std::numeric_limits<double>::infinity());
   V deepest = hn::Zero(d);
-  V most_lost = hn::Zero(d);  // m^2, of tangential displacements
+  V most_lost = hn::Zero(d);  // m^2, largest square of a tangential displacement that friction took away
   const double friction = collider.friction();
   for (std::size_t l = 0; l < mesh::kVertexLanes; l += hn::Lanes(d)) {
     Vec3 x = load(vertices.x, l);

@@ -6,13 +6,13 @@
 
 namespace kerf::contact {
 
-// Signed distance and normal of a point relative to a shape.
+// Signed distance of a point from the surface of a shape, and the normal there.
 struct Proximity {
   double distance = 0.0;                  // m; true Euclidean distance to the surface, < 0 inside
   Eigen::Vector3d normal{0.0, 0.0, 1.0};  // -, unit; direction in which `distance` grows fastest
 };
 
-// A shape prepared for many queries: its normals have length one, its rotation is a matrix.
+// A collider prepared for many queries: normals have length one, and rotations are matrices.
 class PreparedCollider {
  public:
   enum class Kind { kPlane, kSphere, kBox, kCapsule };
@@ -20,20 +20,20 @@ class PreparedCollider {
   // `collider` must be valid.
   explicit PreparedCollider(const Collider& collider);
 
-  // Returns the distance and normal at `point`, exact up to rounding. A fixed rule picks one surface point where the
-  // nearest is not unique: at the centre of a sphere, equally far from several faces of a box, or on the axis of a
-  // capsule.
+  // Returns the distance and normal at `point`, exact up to rounding. If several surface points are nearest, a fixed
+  // rule picks one. This happens at the centre of a sphere, equally far from several faces of a box, and on the axis of
+  // a capsule.
   [[nodiscard]] Proximity query(const Eigen::Vector3d& point) const;
 
   [[nodiscard]] Kind kind() const { return kind_; }
   [[nodiscard]] double friction() const { return friction_; }
-  // m; the plane's point, the centre of a sphere or box, or the capsule's end a.
+  // Returns the plane's point, the centre of a sphere or box, or the capsule's end a.  m
   [[nodiscard]] const Eigen::Vector3d& origin() const { return origin_; }
-  // The plane's normal (-), the half extents of a box (m), or b - a of a capsule (m).
+  // Returns the plane's unit normal (-), the half extents of a box (m), or b - a of a capsule (m).
   [[nodiscard]] const Eigen::Vector3d& vector() const { return vector_; }
-  [[nodiscard]] const Eigen::Matrix3d& rotation() const { return rotation_; }  // world from box
+  [[nodiscard]] const Eigen::Matrix3d& rotation() const { return rotation_; }  // box to world
   [[nodiscard]] double radius() const { return radius_; }                      // m
-  // -, unit vector at right angles to the capsule; its normal at points on its axis.
+  // Returns a unit vector at right angles to the capsule's axis; it is the normal at points on the axis.  -
   [[nodiscard]] const Eigen::Vector3d& across() const { return across_; }
 
  private:
