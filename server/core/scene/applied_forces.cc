@@ -30,7 +30,8 @@ std::vector<VertexId> vertices_of(const mesh::TriangleMesh& mesh, Region region)
   return find_vertices(mesh, region, "").value();
 }
 
-// -, unit, world: of the sheet as it starts, in its plane, away from the material.
+// Returns the outward normal of a border edge: a unit vector in the world, in the plane of the sheet as it starts, away
+// from the material.
 Eigen::Vector3d outward_normal(const mesh::TriangleMesh& mesh, const BorderEdge& edge, const BuiltMesh& initial) {
   const std::array<VertexId, 3>& corner = mesh.vertices(edge.slot);
   const Eigen::Vector2d centroid =
@@ -48,8 +49,8 @@ struct Place {
   bool is_border = false;
 };
 
-// Returns the region on which a load acts, with the name of its field, and whether its border edges carry the load. A
-// PointForce has none.
+// Finds the region on which a load acts, the name of its field, and whether border edges carry the load. A PointForce
+// has no region.
 struct FindPlace {
   Place operator()(const PointForce&) const { return {}; }
   Place operator()(const EdgeForce& load) const { return {&load.region, "edge", true}; }
@@ -141,7 +142,7 @@ void AppliedForces::follow(const EdgeForce& load, const mesh::TriangleMesh& mesh
     Eigen::Vector3d force = load.force;
     if (load.normal) force = *load.normal * outward_normal(mesh, edge, initial);
     for (std::size_t k = 0; k < 2; ++k) {
-      double integral = 0.5 * edge.length;  // m, of factor and linear shape function
+      double integral = 0.5 * edge.length;  // m, integral along the edge of the factor times the linear shape function
       if (load.factor) {
         const double here = load.factor->at(mesh.rest_position(edge.ends[k]));
         const double there = load.factor->at(mesh.rest_position(edge.ends[1 - k]));
@@ -181,7 +182,7 @@ void AppliedForces::set(const Instant& now, const mesh::TriangleMesh& mesh, cons
   loads.external_forces.setZero();
   loads.pressure.clear();
   loads.edge_moments.clear();
-  std::map<std::pair<mesh::TriangleId, int>, double> moments;  // by slot and edge: of all loads, as the edge gives way
+  std::map<std::pair<mesh::TriangleId, int>, double> moments;  // by slot and edge, N m per m: the sum over all loads
   for (std::size_t i = 0; i < shares_.size(); ++i) {
     const double factor = config_->loads[i].history.at(now.time, now.absent);
     for (const Share& share : shares_[i].forces) loads.external_forces.col(share.vertex) += factor * share.force;

@@ -15,44 +15,46 @@
 
 namespace kerf::sheet {
 
-// Distributes a sheet's loads over its vertices, triangles and edges; follows its cuts. Without loads it does nothing.
+// Distributes the loads of a scene over the vertices, triangles and edges of its sheet, and follows cuts. Without loads
+// it does nothing.
 class AppliedForces {
  public:
-  // Errors: kInvalidArgument UNKNOWN_VERTEX, POINT_OUTSIDE, NOTHING_LOADED. The last is for a load on borders whose
-  // region has no border edge, unless cuts are scheduled, which may bring one. It is also for a load on triangles whose
-  // region has none.
+  // Errors: kInvalidArgument UNKNOWN_VERTEX, POINT_OUTSIDE, NOTHING_LOADED. The last means that the region of a load on
+  // triangles has no triangle, or that of a load on border edges no such edge. A region without border edges is allowed
+  // if cuts are scheduled, which may bring some.
   static Result<AppliedForces> create(std::shared_ptr<const SheetConfig> config, const BuiltMesh& initial);
 
   [[nodiscard]] bool empty() const { return shares_.empty(); }
-  // Returns true if any load changes with time. last_change(): the time (s) after which none does; -infinity if none
-  // ever does.
+  // Returns true if any load changes with time. last_change(): the time (s) after which no load changes; -infinity if
+  // none ever changes.
   [[nodiscard]] bool varies() const { return last_change() > -kForever; }
   [[nodiscard]] double last_change() const;
 
-  // Follows cuts, or the undo of some: regions and points are looked up again. A load without a place left stops
-  // acting; a force on a vertex that is gone acts where the vertex was.
+  // Call after cuts and undos: finds regions and points on `mesh` again. A load whose place no longer exists stops
+  // acting. A force on a vertex that no longer exists acts at the material point where the vertex was. `initial`: the
+  // sheet as built.
   void follow(const mesh::TriangleMesh& mesh, const BuiltMesh& initial);
 
-  // Overwrites the external forces, pressure and edge moments of `loads`. `model`: of the mesh, with the clamps in
-  // force.
+  // Overwrites the external forces, pressure and edge moments of `loads` by those at `now`. `model`: that of `mesh`,
+  // with the present clamps.
   void set(const Instant& now, const mesh::TriangleMesh& mesh, const fem::Model& model, fem::Loads& loads) const;
 
  private:
   struct Share {
     mesh::VertexId vertex = mesh::kNone;
-    Eigen::Vector3d force = Eigen::Vector3d::Zero();  // N, at factor 1
+    Eigen::Vector3d force = Eigen::Vector3d::Zero();  // N, when the factor of the load's history is 1
   };
   struct EdgeShare {
     mesh::TriangleId slot = mesh::kNone;
-    int edge = 0;         // opposite that corner
-    double moment = 0.0;  // N m per m, at factor 1
+    int edge = 0;         // edge of the slot opposite this corner
+    double moment = 0.0;  // N m per m, when the factor of the load's history is 1
   };
-  // The shares of one load.
+  // The parts of one load on vertices, triangles and edges.
   struct Shares {
     std::vector<Share> forces;
-    std::vector<mesh::TriangleId> pressed;  // slots
+    std::vector<mesh::TriangleId> pressed;  // slots on which a Pressure acts
     std::vector<EdgeShare> moments;
-    Eigen::Vector2d place = Eigen::Vector2d::Zero();  // m, of a PointForce, where it acts
+    Eigen::Vector2d place = Eigen::Vector2d::Zero();  // m, material coordinates where a PointForce acts
   };
 
   explicit AppliedForces(std::shared_ptr<const SheetConfig> config) : config_(std::move(config)) {}
@@ -64,7 +66,7 @@ class AppliedForces {
   static void follow(const Pressure& load, const mesh::TriangleMesh& mesh, const BuiltMesh& initial, Shares& shares);
   static void follow(const EdgeMoment& load, const mesh::TriangleMesh& mesh, const BuiltMesh& initial, Shares& shares);
 
-  std::vector<Shares> shares_;  // of each load
+  std::vector<Shares> shares_;  // by index into SheetConfig::loads
 };
 
 }  // namespace kerf::sheet

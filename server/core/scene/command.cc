@@ -10,7 +10,7 @@ namespace kerf::sheet {
 
 namespace {
 
-// degrees, least CutOptions::min_angle_deg of a Cut; 0 would refine nothing, and leave slivers that shorten every step
+// degrees, least CutOptions::min_angle_deg of a Cut; 0 would leave slivers, which shorten every step
 constexpr double kMinCutAngle = 5.0;
 
 Status check_grab_id(const std::string& grab_id, const std::string& field) {

@@ -9,9 +9,9 @@ namespace kerf::sheet {
 
 namespace {
 
-constexpr double kRegionFlatness = 0.01;  // -, of the reach; distance of the chords from the curve
+constexpr double kRegionFlatness = 0.01;  // -; distance of the chords from the curve, over its reach
 constexpr double kNoLength = std::numeric_limits<double>::min();
-constexpr double kTie = 1.0e-9;  // -, relative; chords this alike in distance meet at a joint
+constexpr double kTie = 1.0e-9;  // -; chords whose distances differ relatively by less may meet at a joint
 
 std::vector<mesh::SizeSource> chords_of(const MaterialCurve& curve, const mesh::TriangleMesh& mesh) {
   const double reach = curve.within > 0.0 ? curve.within : kCurveTolerance * mesh.edge_lengths().least();

@@ -16,7 +16,7 @@ std::string text(double value) {
   return out.str();
 }
 
-// Returns an error of cut::validate() with "cut.curve", as it calls every curve, replaced by `field`.
+// Returns an error of cut::validate() with its path "cut.curve" replaced by `field`.
 Error renamed(Error error, const std::string& field) {
   constexpr std::string_view kCurve = "cut.curve";
   for (std::string* text : {&error.field, &error.message}) {

@@ -22,7 +22,7 @@ bool is_over(const Constraint& constraint, const Instant& now) {
   return constraint.until && now.time >= *constraint.until;
 }
 
-// In the plane x[component] = const that all vertices start in.
+// Returns the component k (0 to 2) of a plane x[k] = const in which all vertices start, or -1 if there is none.
 int find_plane(const mesh::TriangleMesh& mesh, const Eigen::Matrix3Xd& x) {
   const double slack = kRegionTolerance * mesh.bounding_box().sizes().maxCoeff();
   for (int k = 2; k >= 0; --k) {
@@ -53,7 +53,8 @@ Result<HeldVertices> HeldVertices::create(std::shared_ptr<const SheetConfig> con
       group[i].material = initial.mesh.rest_position(group[i].vertex);
       group[i].displacement = constraint.displacement;
       place(constraint, initial, group[i]);
-      group[i].x = initial.positions.col(group[i].vertex);  // to the last bit
+      group[i].x = initial.positions.col(group[i].vertex);  // the given start position, without rounding by
+                                                            // interpolation
     }
     if (constraint.displacements.cols() > 0) {
       const auto& listed = std::get<std::vector<VertexId>>(constraint.region);
@@ -85,7 +86,7 @@ bool HeldVertices::has_slopes() const {
   return std::any_of(constraints().begin(), constraints().end(), [](const Constraint& c) { return c.slope; });
 }
 
-// Adds vertices everything that they come from is held of.
+// Adds the new vertices of an edit all of whose sources are held.
 void HeldVertices::inherit(const mesh::MeshEdit& edit, Group& group) {
   const std::size_t num_before = group.size();
   const auto find = [&](VertexId v) -> const Start* {
@@ -103,7 +104,7 @@ void HeldVertices::inherit(const mesh::MeshEdit& edit, Group& group) {
       all = source != nullptr;
       if (all) start.displacement += added.weights[k] * source->displacement;
     }
-    if (all) group.push_back(start);  // ids are consecutive beyond all old ones, so the order holds
+    if (all) group.push_back(start);  // new ids are higher than all old ones, so the order is kept
   }
 }
 
@@ -117,7 +118,7 @@ void HeldVertices::follow(const mesh::TriangleMesh& mesh, std::span<const mesh::
       std::erase_if(group,
                     [&](const Start& s) { return s.vertex >= mesh.num_vertices() || !mesh.has_material(s.vertex); });
     } else {
-      // Regions of places name no vertex that might be missing.
+      // These regions name places, so no vertex can be unknown.
       Group known;
       known.swap(group);
       auto at = known.begin();
@@ -132,7 +133,7 @@ void HeldVertices::follow(const mesh::TriangleMesh& mesh, std::span<const mesh::
     }
     for (Start& start : group) {
       const Eigen::Vector2d material = mesh.rest_position(start.vertex);
-      if (start.material == material && start.vertex < initial.mesh.num_vertices()) continue;  // as it was at first
+      if (start.material == material && start.vertex < initial.mesh.num_vertices()) continue;  // unchanged
       start.material = material;
       place(constraint, initial, start);
     }
@@ -223,7 +224,7 @@ std::vector<fem::Clamp> HeldVertices::clamps(const Instant& now) const {
     if (constraint.rotation) R = turn(*constraint.rotation, constraint.history.at(now.time, now.absent));
     for (const Start& start : groups_[c]) clamps.push_back({start.vertex, R * start.gradient});
   }
-  // Keeps the last of several clamps that hold a vertex, as for its position.
+  // If several clamps hold a vertex, the last one counts, as for positions.
   std::stable_sort(clamps.begin(), clamps.end(),
                    [](const fem::Clamp& a, const fem::Clamp& b) { return a.vertex < b.vertex; });
   std::vector<fem::Clamp> last;

@@ -68,7 +68,7 @@ fem::IntegratorOptions integrator_options(const IntegratorSettings& settings, do
   options.linear_solver = settings.solver;
   options.max_linear_iterations = settings.max_linear_iterations;
   options.covariance_root = settings.covariance_root;
-  // A dense solve takes up to seconds: not 2^halvings of them.
+  // A dense solve takes up to seconds, so a step is not divided, which would need up to 2^max_halvings solves.
   if (fem::name_of(settings.solver).solves_different_system) options.max_halvings = 0;
   return options;
 }

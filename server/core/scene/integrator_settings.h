@@ -8,11 +8,11 @@
 
 namespace kerf::sheet {
 
-// Ranges; fields are named as in kerf.v1.Scene ("integrator.max_substeps").
+// Checks ranges. Fields are named as in kerf.v1.Scene ("integrator.max_substeps").
 Status validate(const IntegratorSettings& settings);
 
-// vertex_limit() returns the most vertices that a sheet can have with these settings, cuts included.
-// check_vertex_limit() fails beyond: kResourceExhausted SOLVER_TOO_DENSE.
+// vertex_limit() returns the most vertices that a sheet with these settings may have, at the start and after cuts.
+// check_vertex_limit() refuses more: kResourceExhausted SOLVER_TOO_DENSE.
 std::int32_t vertex_limit(const IntegratorSettings& settings);
 Status check_vertex_limit(const IntegratorSettings& settings, std::int32_t num_vertices);
 

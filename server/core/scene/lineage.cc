@@ -9,7 +9,7 @@ namespace kerf::sheet {
 
 namespace {
 
-// Several pieces as one.
+// Returns the sum of several pieces, as one piece without label.
 Piece sum_of(const std::vector<Piece>& parts, const PieceBirth& birth) {
   Piece sum;
   sum.birth = birth;
@@ -39,7 +39,8 @@ LineageChange Lineage::split(const std::vector<std::int32_t>& split_from, const 
   LineageChange change;
   change.num_pieces_before = static_cast<std::int32_t>(pieces_.size());
   change.num_pieces_after = change.num_pieces_before + static_cast<std::int32_t>(split_from.size());
-  std::map<std::int32_t, std::vector<std::int32_t>> parts;  // by the label of what fell apart
+  std::map<std::int32_t, std::vector<std::int32_t>> parts;  // labels of all parts, by label of the piece that fell
+                                                            // apart
   for (std::size_t i = 0; i < split_from.size(); ++i) {
     std::vector<std::int32_t>& labels = parts[split_from[i]];
     if (labels.empty()) labels.push_back(split_from[i]);

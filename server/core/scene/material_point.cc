@@ -12,7 +12,7 @@ double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return a.x() * b.y() - a.y() * b.x();
 }
 
-// The solid slot that has the location, the lowest of several; kNone in the void.
+// Returns the lowest solid slot at the location; kNone in the void.
 mesh::TriangleId solid_triangle(const mesh::TriangleMesh& mesh, const mesh::Location& location) {
   using Kind = mesh::Location::Kind;
   std::vector<mesh::TriangleId> candidates;
@@ -29,7 +29,7 @@ mesh::TriangleId solid_triangle(const mesh::TriangleMesh& mesh, const mesh::Loca
   return lowest;
 }
 
-// The point of edge k of t nearest to `at`.
+// Returns the point of edge k of t that is nearest to `at`.
 MaterialPoint nearest_on_edge(const mesh::TriangleMesh& mesh, mesh::TriangleId t, int k, const Eigen::Vector2d& at) {
   MaterialPoint point;
   point.vertices = {mesh.vertices(t)[mesh::next_corner(k)], mesh.vertices(t)[mesh::previous_corner(k)],
@@ -58,9 +58,6 @@ std::optional<MaterialPoint> find_material_point(const mesh::TriangleMesh& mesh,
   return found;
 }
 
-// Finds the material point nearest to `at`, which a cut may have left in the void. A border edge that a cut splits is
-// rounded to the lattice and may bow inwards by half a unit. So material that lay exactly on it is then outside. The
-// lowest slot wins among equally near points.
 MaterialPoint nearest_material_point(const mesh::TriangleMesh& mesh, const Eigen::Vector2d& at) {
   MaterialPoint nearest;
   double least = std::numeric_limits<double>::infinity();
@@ -71,7 +68,7 @@ MaterialPoint nearest_material_point(const mesh::TriangleMesh& mesh, const Eigen
       const double distance = (point.weights[0] * mesh.rest_position(point.vertices[0]) +
                                point.weights[1] * mesh.rest_position(point.vertices[1]) - at)
                                   .squaredNorm();
-      if (!(distance < least)) continue;  // also where the ends of a tiny edge round to one position, and it is NaN
+      if (!(distance < least)) continue;  // also false for NaN: the ends of a tiny edge may round to one position
       least = distance;
       nearest = point;
     }

@@ -10,12 +10,12 @@
 
 namespace kerf::sheet {
 
-// A point of the sheet as a mean of the corners of one triangle.
+// A point of the sheet as a weighted mean of the corners of one triangle.
 struct MaterialPoint {
   std::array<mesh::VertexId, 3> vertices{mesh::kNone, mesh::kNone, mesh::kNone};
   Eigen::Vector3d weights{1.0, 0.0, 0.0};  // -, >= 0, sum 1
 
-  // Interpolates a field (3 x V) at the point.
+  // Interpolates a field (3 x V) at this point.
   template <typename Field>
   [[nodiscard]] Eigen::Vector3d of(const Field& field) const {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -26,13 +26,13 @@ struct MaterialPoint {
   }
 };
 
-// Finds the triangle that holds `at` (m, material coordinates); nothing where there is no material. On a lip, which has
-// two sides, the side of the lower slot is taken.
+// Finds the point of the sheet at `at` (m, material coordinates). Returns nothing if there is no material. On a lip,
+// where two triangles have the point, it is in the one with the lower slot.
 std::optional<MaterialPoint> find_material_point(const mesh::TriangleMesh& mesh, const Eigen::Vector2d& at);
 
-// Finds the material point nearest to `at`, which a cut may have left in the void. A border edge that a cut splits is
-// rounded to the lattice and may bow inwards by half a unit. So material that lay exactly on it is then outside. The
-// lowest slot wins among equally near points.
+// Finds the point of the sheet nearest to `at` (m, material coordinates), which may be in the void. Even a point on the
+// border can end up there: when a cut splits a border edge, rounding may move the split inwards by half a lattice unit.
+// Among equally near points that in the lowest slot wins.
 MaterialPoint nearest_material_point(const mesh::TriangleMesh& mesh, const Eigen::Vector2d& at);
 
 }  // namespace kerf::sheet

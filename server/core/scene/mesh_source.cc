@@ -42,8 +42,8 @@ Result<BuiltMesh> build(const GridSource& grid, const Placement& placement, std:
   return BuiltMesh{std::move(built).value(), std::move(positions)};
 }
 
-// Builds a mesh from a file that was read. Its positions are within the limits of the world, because the reader's
-// limits are tighter.
+// Builds a mesh from the content of a file. Positions need no check against the limits of the world, as those of the
+// reader are tighter.
 Result<BuiltMesh> build(Result<mesh::ImportedSheet> parsed, const std::string& field) {
   if (!parsed.ok()) return with_field(parsed.error(), field);
   Result<mesh::TriangleMesh> built = mesh::import_mesh(parsed->sheet);

@@ -11,20 +11,20 @@
 
 namespace kerf::sheet {
 
-// An undeformed mesh and the start positions of its vertices in the world.
+// A mesh and the start positions of its vertices in the world.
 struct BuiltMesh {
   mesh::TriangleMesh mesh;
   Eigen::Matrix3Xd positions;  // 3 x V, m
 
-  // Finds a material point (m) on the mesh, or the nearest point of the mesh.
+  // Returns the point of the mesh at, or nearest to, `material` (m, material coordinates).
   [[nodiscard]] MaterialPoint at(const Eigen::Vector2d& material) const;
   // Returns the gradient (-) of the start position by material coordinates, in the triangle that holds the point.
   [[nodiscard]] Eigen::Matrix<double, 3, 2> gradient_at(const MaterialPoint& point) const;
 };
 
-// Builds what a valid source describes. Errors: those of the mesh importers and of outline_source.h, the field named as
-// in kerf.v1.Scene. An outline is not meshed beyond `max_vertices`; for other sources the caller checks the number of
-// vertices.
+// Builds the mesh of a valid source. Errors: those of the mesh importers and of outline_source.h, with the field as in
+// kerf.v1.Scene. An outline with more than `max_vertices` vertices is refused; for other sources the caller checks
+// their number.
 Result<BuiltMesh> build_mesh(const MeshSource& source, const Placement& placement, std::int32_t max_vertices);
 
 }  // namespace kerf::sheet

@@ -20,12 +20,13 @@ constexpr double kMinGrowth = 0.01;        // -
 constexpr double kMaxGrowth = 10.0;        // -
 constexpr double kMinOutlineAngle = 5.0;   // degrees
 
-// Distance of curves from their chords, as a fraction of the shortest edge length wanted; of small curves, which have
-// shorter edges, as a fraction of a tenth of their size; at least that of the border's size.  -
+// Largest distance of curves from their chords, as a fraction (kFlatness) of the shortest edge length wanted. For a
+// small curve it is that fraction of kShareOfCurve times its size, if that is less. But it is at least kLeastFlatness
+// times the border's larger side.  -
 constexpr double kFlatness = 2.0e-5;
 constexpr double kLeastFlatness = 1.0e-9;
 constexpr double kShareOfCurve = 0.1;
-// Distance, as for kFlatness, of curves that only say how long edges are.  -
+// The same for curves along which an edge length is wanted, as a fraction of that length.  -
 constexpr double kFlatnessOfSizes = 0.05;
 
 Status check_sizing(const OutlineSizing& sizing, const std::string& field) {
@@ -38,7 +39,7 @@ Status check_sizing(const OutlineSizing& sizing, const std::string& field) {
   return check_number(sizing.growth, kMinGrowth, kMaxGrowth, field + ".growth");
 }
 
-// Ends of pieces, in order: where vertices must be.
+// Returns the ends of the pieces of a curve, in order. They must become vertices.
 std::vector<Vector2d> joints_of(const cut::CubicBezier& bezier) {
   std::vector<Vector2d> joints;
   for (std::size_t i = 0; i < bezier.points.size(); i += 3) joints.push_back(bezier.points[i]);
@@ -64,7 +65,7 @@ std::vector<Vector2d> joints_of(const cut::Path& path) {
   return joints;
 }
 
-// Curves of one line each, where they are of several.
+// Splits a curve of several lines into curves of one line each.
 std::vector<cut::Curve> lines_of(const cut::Curve& curve) {
   const auto* path = std::get_if<cut::Path>(&curve);
   if (path == nullptr) return {curve};
@@ -143,7 +144,7 @@ class OutlineFlattening {
     auto at = contour.points.begin();
     for (const Vector2d& joint : joints) {
       const auto found = std::find(at, contour.points.end(), joint);
-      if (found == contour.points.end()) continue;  // the last, which is the first
+      if (found == contour.points.end()) continue;  // the last joint, which is the first point
       const auto index = static_cast<std::size_t>(found - contour.points.begin());
       if (contour.corners.empty() || contour.corners.back() != index) contour.corners.push_back(index);
       at = found;
@@ -175,8 +176,8 @@ class OutlineFlattening {
 
   const OutlineSource& source_;
   mesh::OutlineConfig config_;
-  double side_ = 0.0;      // m
-  double shortest_ = 0.0;  // m
+  double side_ = 0.0;      // m, larger side of the border
+  double shortest_ = 0.0;  // m, shortest edge length requested
   std::size_t num_chords_ = 0;
 };
 

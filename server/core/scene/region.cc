@@ -108,7 +108,7 @@ Status add_listed(const mesh::TriangleMesh& mesh, const std::vector<mesh::Vertex
   return Nothing{};
 }
 
-// Returns true if the material around v lies towards `left` of it.
+// Returns true if the material around v lies on the side of v to which the vector `left` points.
 bool is_on_left(const mesh::TriangleMesh& mesh, mesh::VertexId v, const Eigen::Vector2d& left,
                 std::vector<mesh::TriangleId>& fan) {
   double sum = 0.0;
@@ -165,7 +165,7 @@ Eigen::Vector2d centroid(const mesh::TriangleMesh& mesh, mesh::TriangleId slot) 
   return (mesh.rest_position(corner[0]) + mesh.rest_position(corner[1]) + mesh.rest_position(corner[2])) / 3.0;
 }
 
-// Returns true if a place is on or along a line, in a sheet of `size`, m.
+// Returns true if a place is within reach of a line and on its wanted side. `size`: larger side of the sheet, m.
 bool holds(const MaterialLine& line, const Eigen::Vector2d& at, double size) {
   if (distance_to(line, at) > reach_of(line, size)) return false;
   const Eigen::Vector2d along = line.b - line.a;
@@ -173,7 +173,7 @@ bool holds(const MaterialLine& line, const Eigen::Vector2d& at, double size) {
   return line.side == MaterialLine::Side::kBoth || (line.side == MaterialLine::Side::kLeft) == (left > 0.0);
 }
 
-// The triangles whose centroid `holds` has.
+// Returns the solid slots for whose centroid holds() is true, ascending.
 template <typename Holds>
 std::vector<mesh::TriangleId> triangles_where(const mesh::TriangleMesh& mesh, const Holds& holds) {
   std::vector<mesh::TriangleId> found;
@@ -192,7 +192,7 @@ std::vector<mesh::TriangleId> triangles_along(const mesh::TriangleMesh& mesh, co
   });
 }
 
-// `path`: of the region.
+// Appends the vertices of a region, with repeats. `path`: the path of the region.
 Status add_region(const mesh::TriangleMesh& mesh, const Region& region, const std::string& path,
                   std::vector<mesh::VertexId>& found) {
   const auto add_all = [&found](const std::vector<mesh::VertexId>& vertices) {
@@ -358,7 +358,7 @@ void inherit_pins(const mesh::MeshEdit& edit, std::vector<mesh::VertexId>& pinne
     for (int k = 0; k < 3; ++k) {
       if (added.weights[k] > 0.0 && !was_pinned(added.sources[static_cast<std::size_t>(k)])) all = false;
     }
-    if (all) pinned.push_back(added.vertex);  // ids are consecutive beyond all old ones, so the order holds
+    if (all) pinned.push_back(added.vertex);  // new ids are higher than all old ones, so the order is kept
   }
   std::erase_if(pinned, [&](mesh::VertexId v) {
     return std::binary_search(edit.removed_vertices.begin(), edit.removed_vertices.end(), v);

@@ -10,44 +10,43 @@
 #include "server/core/mesh/triangle_mesh.h"
 #include "server/core/scene/conditions.h"
 
-// Finds what a Region names on a mesh.
+// Finds the vertices, edges and triangles of a Region on a mesh.
 namespace kerf::sheet {
 
-// Returns the vertices that a region names on the mesh as it is now, perhaps none: sorted, unique. `region` must be
-// valid. Errors: kInvalidArgument UNKNOWN_VERTEX with the path below `field`.
+// Returns the vertices of a region on the mesh as it is now, sorted, unique; there may be none. `region` must be valid.
+// Error: kInvalidArgument UNKNOWN_VERTEX, with a path that begins with `field`.
 Result<std::vector<mesh::VertexId>> find_vertices(const mesh::TriangleMesh& mesh, const Region& region,
                                                   const std::string& field);
-// Returns the vertices of all regions together. Error: REGION_EMPTY if one of them names none. `field`: the path of the
-// list.
+// Returns the vertices of all regions together, sorted, unique. Errors: those of find_vertices(), and REGION_EMPTY if a
+// region has none. `field`: the path of the list.
 Result<std::vector<mesh::VertexId>> find_pins(const mesh::TriangleMesh& mesh, const std::vector<Region>& regions,
                                               const std::string& field);
-// Makes the error kInvalidArgument REGION_EMPTY of a region that names no vertex.
+// Returns the error kInvalidArgument REGION_EMPTY for a region without vertices. `field`: its path.
 Error no_vertex_in(const std::string& field);
 
-// A border edge of the opened mesh, lips among them, both ends of which are in a region.
+// An edge of the border or of a lip.
 struct BorderEdge {
   mesh::TriangleId slot = mesh::kNone;
-  int edge = 0;  // opposite that corner
+  int edge = 0;  // edge of the slot opposite this corner
   std::array<mesh::VertexId, 2> ends{mesh::kNone, mesh::kNone};
-  double length = 0.0;  // m, undeformed
+  double length = 0.0;  // m, in material coordinates
 };
 
-// `region`: sorted vertices.
+// Returns the border edges and lips with both ends in `region`, which is a sorted list of vertices.
 std::vector<BorderEdge> edges_in(const mesh::TriangleMesh& mesh, const std::vector<mesh::VertexId>& region);
-// Returns the solid slots all corners of which are in the region.
+// Returns the solid slots with all corners in `region`, which is a sorted list of vertices.
 std::vector<mesh::TriangleId> triangles_in(const mesh::TriangleMesh& mesh, const std::vector<mesh::VertexId>& region);
-// Returns the solid slots that a region names by itself, ascending. For a box, a line or a curve these are the ones
-// whose centroid is in it, on its side; for listed vertices, the ones with all corners listed. Errors: those of
-// find_vertices, and kInvalidArgument REGION_WITHOUT_TRIANGLES for edges of the bounding box, a border and a nearest
-// vertex.
+// Returns the solid slots of a region, ascending. For a box, line or curve these are the slots whose centroid is in it
+// and on the wanted side. For listed vertices they are those with all corners listed. Errors: those of find_vertices().
+// kInvalidArgument REGION_WITHOUT_TRIANGLES for edges of the bounding box, a border and a nearest vertex.
 Result<std::vector<mesh::TriangleId>> find_triangles(const mesh::TriangleMesh& mesh, const Region& region,
                                                      const std::string& field);
-// m^2, in material coordinates, of a solid slot.
+// Returns the area of a solid slot in material coordinates, m^2.
 double rest_area(const mesh::TriangleMesh& mesh, mesh::TriangleId slot);
 
-// Updates pins after an edit: a new vertex is pinned if all its sources of positive weight are. So are both copies of a
-// split vertex, and a new vertex on an edge between two pinned ones. Vertices left without material are unpinned.
-// `pinned`: sorted, unique; stays so.
+// Updates pins after an edit. A new vertex is pinned if all its sources with positive weight are: a copy of a pinned
+// vertex, or a vertex on an edge between two pinned ones. Vertices left without material are unpinned. `pinned`:
+// sorted, unique, before and after.
 void inherit_pins(const mesh::MeshEdit& edit, std::vector<mesh::VertexId>& pinned);
 
 }  // namespace kerf::sheet

@@ -12,9 +12,10 @@ namespace kerf::sheet {
 
 namespace {
 
-constexpr std::int32_t kMaxGridSide = 1000;  // vertices
-constexpr double kMinExtent = 1.0e-6;        // m
-constexpr double kAxisTolerance = 1.0e-6;    // -, on length and angle of the placement's axes
+constexpr std::int32_t kMaxGridSide = 1000;  // most vertices along x, and along y
+constexpr double kMinExtent = 1.0e-6;        // m, least side of a grid
+constexpr double kAxisTolerance = 1.0e-6;    // -; tolerance of the length of the placement's axes, and of the cosine
+                                             // between them
 constexpr std::size_t kMaxDescriptionBytes = 1000;
 constexpr std::int64_t kMaxTicks = 10'000'000;
 

@@ -22,18 +22,20 @@
 // units throughout; right-handed world, +z up. Nothing changes a SheetConfig after Sheet::create.
 namespace kerf::sheet {
 
-// Limits on what a scene may hold (table of limits in server/README.md).
+// Limits of a scene (see server/request-limits.md).
 using mesh::kMaxMeshFileBytes;
 using mesh::kMaxVertices;
 using mesh::RestShape;
-inline constexpr std::size_t kMaxOutlineHoles = 1024;  // curves
+inline constexpr std::size_t kMaxOutlineHoles = 1024;  // most curves of holes
 inline constexpr std::size_t kMaxOutlineSizes = 1024;
-inline constexpr std::size_t kMaxOutlineChords = 1'000'000;  // of all curves of an outline, flattened
+inline constexpr std::size_t kMaxOutlineChords = 1'000'000;  // most chords of all curves of an outline, after
+                                                             // flattening
 inline constexpr std::size_t kMaxSheetIdBytes = 63;
 inline constexpr std::size_t kMaxColliders = 64;
 inline constexpr std::size_t kMaxScheduledCommands = 10'000;
 
-// Accuracy of a sheet that is too stiff for its tick: kRealTime softens the membrane, see fem::choose_softening.
+// Says what to do if a sheet is too stiff for real time: kExact computes it as it is, kRealTime softens the membrane
+// (see fem::choose_softening).
 enum class Fidelity { kExact, kRealTime };
 
 enum class GridPattern { kUniformDiagonals, kJitteredDelaunay };
@@ -45,7 +47,7 @@ struct GridSource {
   double width = 1.0;         // m, > 0, <= 1e4
   double height = 1.0;        // m, > 0, <= 1e4
   GridPattern pattern = GridPattern::kUniformDiagonals;
-  std::uint32_t seed = 0;  // of the jitter
+  std::uint32_t seed = 0;  // seed of the jitter, for kJitteredDelaunay
 };
 
 // Wavefront OBJ; see core/mesh/build/obj_import.h. The positions in the text place the sheet; Placement is ignored.
@@ -63,54 +65,56 @@ struct PlySource {
 
 // A mesh given by its arrays.
 struct ArraySource {
-  Eigen::Matrix2Xd material_positions;  // 2 x V, m; or 2 x 0 where there are rest_positions: they are made
+  Eigen::Matrix2Xd material_positions;  // 2 x V, m; or 2 x 0 if there are rest_positions: then they are computed
   Eigen::Matrix3Xi triangles;           // 3 x T, vertex ids in 0..V-1
-  Eigen::Matrix3Xd positions;           // 3 x V, m, world; or 3 x 0: rest_positions, or without those Placement
-  Eigen::Matrix3Xd rest_positions;      // 3 x V, m, the rest shape in space; or 3 x 0: it is flat
+  Eigen::Matrix3Xd positions;           // 3 x V, m, start in the world; or 3 x 0: rest_positions, or without these the
+                                        // Placement
+  Eigen::Matrix3Xd rest_positions;      // 3 x V, m, the rest shape in space; or 3 x 0 if it is flat
 
   [[nodiscard]] Eigen::Index num_vertices() const {
     return rest_positions.cols() > 0 ? rest_positions.cols() : material_positions.cols();
   }
 };
 
-// Edge length wanted near a place: edge_length at it, and edge_length + growth * distance around it.
+// The edge length wanted near a place: edge_length + growth * (distance from the place).
 struct OutlineSizing {
-  std::variant<Eigen::Vector2d, cut::Curve> place = Eigen::Vector2d(0.0, 0.0);  // m; a point, or all along a curve
+  std::variant<Eigen::Vector2d, cut::Curve> place = Eigen::Vector2d(0.0, 0.0);  // m; a point, or a whole curve
   double edge_length = 0.0;                                                     // m, 1e-9..1e4
   double growth = 0.25;                                                         // -, 0.01..10
 };
 
 // A flat sheet of any outline; see core/mesh/build/outline_mesh.h.
 struct OutlineSource {
-  cut::Curve boundary;               // one closed line
-  std::vector<cut::Curve> holes;     // of closed lines; at most kMaxOutlineHoles
-  double edge_length = 0.0;          // m, 1e-9..1e4; 0: 1/32 of the larger side
+  cut::Curve boundary;               // the border, one closed line
+  std::vector<cut::Curve> holes;     // each of one or more closed lines; at most kMaxOutlineHoles
+  double edge_length = 0.0;          // m, largest edge length, 1e-9..1e4; 0: 1/32 of the border's larger side
   std::vector<OutlineSizing> sizes;  // at most kMaxOutlineSizes
   double min_angle_deg = 25.0;       // degrees, 5..28
 };
 
 using MeshSource = std::variant<GridSource, ObjSource, PlySource, ArraySource, OutlineSource>;
 
-// World position of material point (x, y): origin + x * x_axis + y * y_axis.
+// Start position in the world of material point (x, y): origin + x * x_axis + y * y_axis.
 struct Placement {
   Eigen::Vector3d origin{0.0, 0.0, 0.0};  // m
   Eigen::Vector3d x_axis{1.0, 0.0, 0.0};  // -, unit (1e-6)
   Eigen::Vector3d y_axis{0.0, 0.0, 1.0};  // -, unit (1e-6), perpendicular to x_axis (1e-6)
 };
 
-// Takes effect at the start of `tick`: in the step that leads from tick - 1 to tick, before commands from outside.
+// A command that the scene itself gives. It takes effect at the start of the step from tick - 1 to tick, before
+// commands from outside.
 struct ScheduledCommand {
   std::int64_t tick = 1;  // >= 1
   Command command;
 };
 
-// A part of the sheet of another material.
+// A part of the sheet with another material.
 struct RegionMaterial {
   Region region;  // see find_triangles
   fem::Material material;
 };
 
-// Selects the integrator of a sheet and limits its work.
+// The integrator of a sheet.
 enum class IntegratorKind {
   kAutomatic,         // see fem::AutomaticIntegrator
   kExplicitLeapfrog,  // stable substeps
@@ -121,22 +125,24 @@ enum class IntegratorKind {
 };
 using fem::EigenvalueNorm;
 using fem::LinearSolverKind;
-enum class Precision { kDouble, kMixed };  // explicit: see fem::Precision
+enum class Precision { kDouble, kMixed };  // of explicit steps, see fem::Precision
 
 struct IntegratorSettings {
   IntegratorKind kind = IntegratorKind::kAutomatic;
-  std::int32_t max_substeps = 20000;   // explicit: a tick, 1..100000
-  std::int32_t newton_iterations = 2;  // implicit: a solve, 1..100
-  double solver_tolerance = 1.0e-4;    // implicit: relative residual of the linear solver, 1e-14..0.1; below 1e-4 of
-                                       // Newton's method as well
-  LinearSolverKind solver = LinearSolverKind::kBlockJacobiCg;  // implicit; kAutomatic chooses for itself
-  std::int32_t max_linear_iterations = 1000;                   // implicit: of a solve by conjugate gradients, 1..100000
+  std::int32_t max_substeps = 20000;   // explicit: most substeps per tick, 1..100000
+  std::int32_t newton_iterations = 2;  // implicit: most iterations per solve, 1..100
+  double solver_tolerance = 1.0e-4;    // implicit: relative residual of the linear solver, 1e-14..0.1; if below 1e-4,
+                                       // also that of Newton's method
+  LinearSolverKind solver = LinearSolverKind::kBlockJacobiCg;  // implicit; kind kAutomatic chooses the solver itself
+  std::int32_t max_linear_iterations = 1000;                   // implicit: most iterations of a solve by conjugate
+                                                               // gradients, 1..100000
   fem::CovarianceRootOptions covariance_root{};                // power 0.01..2, newton_schulz_iterations 1..50
   double highest_mode_damping = 0.05;                          // explicit: -, 0..0.5, see fem::IntegratorOptions
   Precision precision = Precision::kMixed;
 };
 
-// Analyses and measurements that can be asked for: kerf.v1.Analysis and Probe. They have no effect on a running sheet.
+// Analyses and measurements that a request may have: kerf.v1.Analysis and Probe. They have no effect on a running
+// sheet.
 inline constexpr std::size_t kMaxProbes = 64;
 inline constexpr std::size_t kMaxProbeNameBytes = 63;
 inline constexpr std::size_t kMaxProbePoints = 1024;
@@ -148,24 +154,25 @@ inline constexpr std::int32_t kMaxModes = 200;
 inline constexpr std::int64_t kMaxAnalyzedTicks = 100'000;
 inline constexpr std::int32_t kMaxMeasureEvery = 10'000'000;
 
-// Steps in time.
+// Steps the sheet in time.
 struct DynamicAnalysis {
-  std::int64_t ticks = 0;          // 0..kMaxAnalyzedTicks; of a scene 0: SheetConfig::ticks
-  std::int32_t measure_every = 1;  // ticks, 1..kMaxMeasureEvery; the start and the end are measured anyway
+  std::int64_t ticks = 0;          // 0..kMaxAnalyzedTicks; in a scene 0 means SheetConfig::ticks
+  std::int32_t measure_every = 1;  // ticks from one measurement to the next, 1..kMaxMeasureEvery; the start and the end
+                                   // are always measured
 };
 
-// Equilibria under a load that grows from 0 to 1.
+// Finds equilibria under a load that grows from 0 to 1; histories take it as their time.
 struct StaticAnalysis {
-  std::vector<double> loads{1.0};     // (0, 1], ascending
+  std::vector<double> loads{1.0};     // -, loads at which to find an equilibrium, in (0, 1], ascending
   double tolerance = 1.0e-9;          // -, kMinResidual..kMaxResidual; see fem::EquilibriumStats::residual
-  std::int32_t max_iterations = 300;  // Newton steps a load, 1..kMaxStaticIterations
+  std::int32_t max_iterations = 300;  // most Newton steps per load, 1..kMaxStaticIterations
 };
 
-// The lowest vibrations about a state.
+// Finds the vibrations of lowest frequency about a state.
 struct ModalAnalysis {
-  std::int32_t count = 10;              // 1..kMaxModes
-  std::optional<StaticAnalysis> about;  // its last equilibrium; absent: the state that the scene begins with, after the
-                                        // commands of tick 1
+  std::int32_t count = 10;              // number of modes, 1..kMaxModes
+  std::optional<StaticAnalysis> about;  // the state is the last equilibrium of this; absent: the state at the start of
+                                        // the scene, after the commands of tick 1
 };
 
 using Analysis = std::variant<DynamicAnalysis, StaticAnalysis, ModalAnalysis>;
@@ -187,77 +194,82 @@ enum class Quantity {
 
 enum class Reduce { kEach, kMean, kSum, kMin, kMax };
 
-// Value of strain or stress at a vertex; see fem::Recovery.
+// Way to find strain or stress at a vertex from the triangles; see fem::Recovery.
 enum class Recovery {
   kMean,   // mean of the triangles around it
   kPatch,  // superconvergent patch recovery
 };
 
-// Measure of stress; see fem::MembraneField.
+// Definition of stress; see fem::MembraneField.
 enum class StressMeasure {
-  kBiot,    // force by undeformed area
-  kCauchy,  // force by area as it is
+  kBiot,    // force per undeformed area
+  kCauchy,  // force per deformed area
 };
 
-// A measurement made after each tick, or at each load. See kerf.v1.Probe.
+// A measurement that an analysis makes again and again, at ticks or loads. See kerf.v1.Probe.
 struct Probe {
   std::string name;  // [a-z][a-z0-9_]{0,62}, unique
   Quantity quantity = Quantity::kDisplacement;
-  std::vector<Eigen::Vector2d> points;  // m, material; at most kMaxProbePoints
+  std::vector<Eigen::Vector2d> points;  // m, material coordinates; at most kMaxProbePoints
   std::optional<Region> region;
   Reduce reduce = Reduce::kEach;
-  std::optional<Eigen::Vector2d> side;           // m, material: of a cut, the side of this point
-  Recovery recovery = Recovery::kMean;           // of strain and stress; kMean where a place is no vertex: triangles
-  StressMeasure measure = StressMeasure::kBiot;  // of stress
+  std::optional<Eigen::Vector2d> side;           // m, material coordinates: measures on that side of a cut on which
+                                                 // this point lies
+  Recovery recovery = Recovery::kMean;           // for strain and stress; with kMean, a point that is no vertex takes
+                                                 // the value of its triangle
+  StressMeasure measure = StressMeasure::kBiot;  // for kStress
 };
 
 struct SheetConfig {
-  std::string sheet_id;  // for the owner: [a-z][a-z0-9-]{0,62} or empty; no effect on the simulation
+  std::string sheet_id;  // name for users: [a-z][a-z0-9-]{0,62} or empty; no effect on the simulation
   MeshSource mesh;
   fem::Material material;
-  std::vector<RegionMaterial> materials;  // at most kMaxRegions; over `material`, a later one over those before
-  fem::MembraneLaw membrane_law = fem::MembraneLaw::kCorotational;  // of all of them
-  Fidelity fidelity = Fidelity::kExact;                             // of a dynamic analysis; others are always exact
+  std::vector<RegionMaterial> materials;  // at most kMaxRegions; each replaces `material`, and earlier ones, in its
+                                          // region
+  fem::MembraneLaw membrane_law = fem::MembraneLaw::kCorotational;  // law of all materials
+  Fidelity fidelity = Fidelity::kExact;                             // for steps in time; static and modal analyses are
+                                                                    // always exact
   Placement placement;
   std::vector<Region> pins;                  // at most kMaxRegions
   Eigen::Vector3d gravity{0.0, 0.0, -9.81};  // m/s^2, |.| <= 1e4
-  Wind wind;                                 // default: no air at all
+  Wind wind;                                 // default: no air
   std::vector<contact::Collider> colliders;  // at most kMaxColliders
   double tick_rate_hz = 60.0;                // 1..1000; a tick is 1 / tick_rate_hz seconds
   IntegratorSettings integrator;
-  std::int32_t max_vertices = kMaxVertices;  // 3..kMaxVertices; a cut that would lead beyond it is refused
-  std::vector<Constraint> constraints;       // at most kMaxConstraints; over the pins
+  std::int32_t max_vertices = kMaxVertices;  // 3..kMaxVertices; a cut that would need more is refused
+  std::vector<Constraint> constraints;       // at most kMaxConstraints; they replace pins of the same component
   std::vector<Load> loads;                   // at most kMaxLoads
-  History gravity_history;                   // factor on gravity; default 1
-  bool planar = false;                       // keeps to the plane it starts in, perpendicular to x, y or z, and does
-                                             // not bend: see fem::without_bending
+  History gravity_history;                   // factor on gravity; without times 1
+  bool planar = false;                       // the sheet stays in the plane it starts in, perpendicular to x, y or z,
+                                             // without bending stiffness
   std::optional<InitialVelocity> initial_velocity;  // default: at rest
-  std::vector<ScheduledCommand> commands;  // at most kMaxScheduledCommands; equal ticks are done in the given order
-  std::int64_t ticks = 0;                  // for `kerf run`: 0..1e7, 0 means 600; no effect on the simulation
-  bool rest_damping = true;                // a calm sheet is damped until it rests, see RestWatch
-  std::int64_t repeat_after = 0;  // ticks, 0..1e7, 0: never; for the owner: see kerf.v1.Scene.repeat_after_ticks
-  Analysis analysis;              // what `kerf run` does; no effect on the simulation
-  std::vector<Probe> probes;      // what it measures; at most kMaxProbes
-  std::string description;        // for people; at most 1000 bytes; no effect on the simulation
+  std::vector<ScheduledCommand> commands;  // at most kMaxScheduledCommands; those of the same tick are done in the
+                                           // given order
+  std::int64_t ticks = 0;                  // number of ticks that `kerf run` makes: 0..1e7, 0 means 600; no effect on
+                                           // the simulation
+  bool rest_damping = true;                // true: a calm sheet is damped until it rests, see RestWatch
+  std::int64_t repeat_after = 0;           // ticks after which the owner of the sheet resets it, 0..1e7; 0: never. See
+                                           // kerf.v1.Scene.repeat_after_ticks
+  Analysis analysis;                       // the analysis that `kerf run` makes; no effect on the simulation
+  std::vector<Probe> probes;               // what the analysis measures; at most kMaxProbes
+  std::string description;                 // for people; at most 1000 bytes; no effect on the simulation
 };
 
-// Strain or stress: constant in each triangle.
+// Returns true for strain and stress, which are constant in each triangle.
 [[nodiscard]] bool is_in_plane(Quantity quantity);
 
 // Check ranges; fields are named as in kerf.v1.Scene ("analysis.static.loads[2]", "probes[1].points[0].x").
 Status validate(const Analysis& analysis);
 Status validate(const std::vector<Probe>& probes);
 
-// Returns true if the scene schedules cuts. They may bring vertices and lips, the sides of cuts, to a region that has
-// none at the start.
+// Returns true if the scene schedules cuts, which may bring vertices and lips to a region that has none at the start.
 bool schedules_cuts(const SheetConfig& config);
 
 // Returns true if `id` matches [a-z][a-z0-9-]{0,62}.
 bool is_valid_sheet_id(std::string_view id);
 
-// Checks everything that can be checked without building the mesh; Sheet::create calls it and then checks the rest.
-// Fields are named as in kerf.v1.Scene ("grid.columns", "colliders[2].sphere.radius_m",
-// "commands[0].command.grab.target.x").
+// Checks everything that can be checked without a mesh. Sheet::create() calls it and then checks the rest. Fields are
+// named as in kerf.v1.Scene ("grid.columns", "colliders[2].sphere.radius_m", "commands[0].command.grab.target.x").
 Status validate(const SheetConfig& config);
 
 }  // namespace kerf::sheet

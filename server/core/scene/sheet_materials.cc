@@ -24,7 +24,7 @@ std::string part_name(std::size_t entry) {
   return entry == 0 ? "the sheet's own material" : "part " + std::to_string(entry - 1);
 }
 
-// The number of a material in the list, to which it is appended where it is new.
+// Returns the index of a material in `known`. Appends it if it is not there.
 std::int32_t number_of(const fem::Material& material, std::vector<fem::Material>& known) {
   const auto at = std::find(known.begin(), known.end(), material);
   if (at != known.end()) return static_cast<std::int32_t>(at - known.begin());
@@ -67,7 +67,7 @@ Result<SheetMaterials> assign_materials(SheetConfig& config, mesh::TriangleMesh&
   std::vector<fem::Material> given{config.material};
   SheetMaterials assigned;
   assigned.entries = materials_of(config);
-  assigned.region_of = {0};  // numbers in `given` at first
+  assigned.region_of = {0};  // indices into `given` at first
   std::vector<std::int32_t> numbers(static_cast<std::size_t>(mesh.num_triangle_slots()), 0);
   for (std::size_t i = 0; i < config.materials.size(); ++i) {
     const std::string field = path_of(i) + ".region";
