@@ -14,7 +14,7 @@
 
 namespace kerf::sheet {
 
-// All that decides how a MovingSheet moves on, apart from grabs.
+// Everything that determines how a MovingSheet continues to move, except grabs.
 struct MovingState {
   mesh::TriangleMesh mesh;
   fem::State state;
@@ -26,16 +26,16 @@ struct MovingState {
   bool is_frozen = false;
 };
 
-// Holds all that decides how a sheet moves on, apart from grabs and the tick. A Reset goes back to one, its undo to
-// another.
+// Everything that determines how a sheet continues, except grabs and the tick. A Reset restores the checkpoint of the
+// start; its undo restores that before the Reset.
 struct Checkpoint {
   MovingState moving;
   ScenePlace place;
   std::vector<PieceBirth> pieces;
-  std::int64_t beginning = 0;  // see CommandReply
+  std::int64_t beginning = 0;  // see CommandReply::beginning
 };
 
-// Estimates its memory, bytes.
+// Returns an estimate of the memory of a checkpoint, bytes.
 std::size_t bytes_of(const Checkpoint& checkpoint);
 
 }  // namespace kerf::sheet

@@ -27,7 +27,7 @@ void ContactBridge::enforce(double dt, fem::State& state) {
 
 std::size_t ContactBridge::find_gaps(int vertex, const Eigen::Vector3d& x, double reach,
                                      std::array<fem::SurfaceGap, kMaxGaps>& gaps) const {
-  // The thickness of excluded vertices is minus infinity, so that their gaps are beyond any reach.
+  // The thickness of excluded vertices is minus infinity, so their gaps are infinite.
   const double thickness = solver_.thickness(static_cast<std::size_t>(vertex));
   std::size_t found = 0;
   const std::span<const contact::PreparedCollider> colliders = solver_.colliders();

@@ -15,15 +15,16 @@
 
 namespace kerf::sheet {
 
-// Contact as the integrators call it: fem and contact do not know each other. Copyable.
+// Connects ContactSolver to the interface through which integrators call contact, since fem and contact may not include
+// each other. Copyable.
 class ContactBridge : public fem::ContactConstraint {
  public:
   void set_colliders(std::span<const contact::Collider> colliders) { solver_.set_colliders(colliders); }
-  // m, >= 0, the distance that the sheet's middle surface keeps from a collider.
+  // Sets the least distance of the sheet's middle surface from colliders, m, >= 0.
   void set_half_thickness(double half_thickness) { half_thickness_ = half_thickness; }
   void set_calm(bool is_calm) { is_calm_ = is_calm; }
-  // After every change of pins or topology; `pinned`, and `removed` without material, are left alone. O(both and new
-  // vertices). Allocates.
+  // Must be called after every change of pins or topology. `pinned` vertices, and `removed` ones, which have no
+  // material, are left alone. O(pinned + removed + new vertices). Allocates memory.
   void set_vertices(std::int32_t num_vertices, const std::vector<mesh::VertexId>& pinned,
                     const std::vector<mesh::VertexId>& removed);
 
@@ -49,8 +50,8 @@ class ContactBridge : public fem::ContactConstraint {
   double half_thickness_ = 0.0;
   bool is_calm_ = false;
   std::vector<mesh::VertexId> excluded_;
-  std::vector<std::uint8_t> is_excluded_;  // length V
-  mesh::VertexField x_before_;             // m, when the present substep began
+  std::vector<std::uint8_t> is_excluded_;  // by vertex: 1 if contact leaves it alone
+  mesh::VertexField x_before_;             // m, positions at the start of the present substep
 };
 
 }  // namespace kerf::sheet

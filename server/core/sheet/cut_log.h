@@ -14,25 +14,26 @@
 
 namespace kerf::sheet {
 
-// Numbers the applied cuts of a sheet, keeps the family tree of its pieces, and the history for undo and redo.
+// Numbers the applied cuts of a sheet. Keeps the family tree of its pieces and the history for undo and redo.
 class CutLog {
  public:
   explicit CutLog(std::int32_t num_pieces) : lineage_(num_pieces) {}
 
-  // Adds cuts that the mesh has made, as one step to undo. Fills in the number and the split pieces of the replies with
-  // status kApplied: one for each cut, in order. `mesh`, `x` (3 x V, m): after the cuts. `materials`: by region of it.
+  // Adds cuts that the mesh has made, as one undo step. Sets number and split pieces of the replies with status
+  // kApplied, of which there is one for each cut, in order. `mesh`, `x` (3 x V, m): after the cuts. `materials`: by
+  // region of the mesh.
   void add(std::vector<DoneCut> cuts, const mesh::TriangleMesh& mesh, const mesh::VertexField& x,
            const std::vector<fem::Material>& materials, std::vector<CutReply>& replies);
-  // Notes that the mesh has undone cuts, or made them again.
+  // Must be called after the mesh has undone these cuts, or made them again.
   void undo(const std::vector<DoneCut>& cuts);
   void redo(const std::vector<DoneCut>& cuts);
 
   [[nodiscard]] UndoHistory& history() { return history_; }
   [[nodiscard]] const UndoHistory& history() const { return history_; }
-  // Cuts applied since the sheet was made, those made again included.
+  // Returns the number of cuts applied since the sheet was made; a redo counts again.
   [[nodiscard]] std::int64_t num_cuts() const { return num_cuts_; }
   [[nodiscard]] const std::vector<PieceBirth>& pieces() const { return lineage_.pieces(); }
-  // Goes back to earlier pieces; ids and numbers given since are not given again.
+  // Returns to earlier pieces. Ids and numbers used since then are not used again.
   void restore_pieces(std::vector<PieceBirth> pieces) { lineage_.restore(std::move(pieces)); }
 
  private:

@@ -15,9 +15,9 @@ Error unknown_grab(const std::string& grab_id, const std::string& field) {
   return not_found("GRAB_NOT_FOUND", "the sheet has no grab \"" + grab_id + "\"", field);
 }
 
-// Returns the stiffness (N/m) that holds the whole sheet against an acceleration of 1 mm a tick squared with 1 mm of
-// stretch. It is no stiffer than the membrane, nor than kMaxGrabStiffness. So a jump of the target stretches the spring
-// and not only the triangles it is tied to.
+// Returns mass of the sheet / dt^2 (N/m): the spring gives the whole sheet an acceleration of 1 mm per tick^2 for 1 mm
+// of stretch. But it is no stiffer than the membrane, nor than kMaxGrabStiffness. So a jump of the target stretches the
+// spring too, and not only the triangles at the point.
 double default_stiffness(const mesh::TriangleMesh& mesh, const fem::Model& model, mesh::VertexId vertex, double dt) {
   const double hold = model.masses().total() / (dt * dt);
   const Eigen::Matrix3d& membrane = model.elements().law(mesh.triangle_at(vertex)).membrane;
@@ -120,7 +120,7 @@ void GrabSet::set(const fem::Integrator& integrator, const fem::Model& model, do
     to.target = from.target;
     to.velocity = (from.target - from.previous_target) / dt;
     to.stiffness = from.stiffness;
-    // Damps the held point's own mass critically.
+    // Critical damping for the mass that moves with the held point.
     const double mobility = integrator.mobility(model, to);
     to.damping = mobility > 0.0 ? 2.0 * std::sqrt(from.stiffness / mobility) : 0.0;
   }

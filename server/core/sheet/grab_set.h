@@ -16,12 +16,12 @@
 
 namespace kerf::sheet {
 
-// The points of a sheet that users hold, in the order they were made; follows the sheet's cuts. A grab of a vertex
-// stays with it while it has material. All others hold a material point, whichever vertices are around it.
+// The grabs of a sheet, in the order in which they were made; it follows cuts. A grab of a vertex stays at this vertex
+// while it has material. Other grabs hold a material point, whichever vertices are around it.
 class GrabSet {
  public:
-  // `x`: 3 x V, m. `model`: of the mesh. dt: s. Errors: kAlreadyExists GRAB_EXISTS; kResourceExhausted TOO_MANY_GRABS;
-  // kInvalidArgument UNKNOWN_VERTEX, POINT_OUTSIDE.
+  // Adds a grab. `x`: positions, 3 x V, m. `model`: of the mesh. `dt`: length of a tick, s. Errors: kAlreadyExists
+  // GRAB_EXISTS; kResourceExhausted TOO_MANY_GRABS; kInvalidArgument UNKNOWN_VERTEX, POINT_OUTSIDE.
   Status add(const Grab& grab, const mesh::TriangleMesh& mesh, const fem::Model& model, const mesh::VertexField& x,
              double dt);
   // Move or end a grab. Error: kNotFound GRAB_NOT_FOUND.
@@ -29,20 +29,22 @@ class GrabSet {
   Status release(const Release& release);
   void clear() { grabs_.clear(); }
 
-  // Recomputes the default stiffness from the new material, for grabs that were given no stiffness of their own.
+  // Computes the stiffness of grabs without a given stiffness again, after a change of material.
   void follow_material(const mesh::TriangleMesh& mesh, const fem::Model& model, double dt);
-  // Moves grabs from vertices that an undo takes away to their ancestors, or to the material point where there are
-  // none. Must be called before the mesh is reverted.
+  // Moves grabs from vertices that an undo removes to the ancestors of these, or else to the material point. Must be
+  // called before the mesh is reverted.
   void leave_new_vertices(const VertexAncestry& ancestry, const mesh::TriangleMesh& mesh);
-  // Finds the held points in a mesh that was edited. A point without material moves to the nearest one with some.
+  // Finds the held material points in a mesh that was edited. A point that lost its material moves to the nearest
+  // material.
   void follow(const mesh::TriangleMesh& mesh);
 
-  // Overwrites `loads` with the springs of a step of dt (s), during which the targets move to where they are now.
+  // Overwrites `loads` with the springs for a step of dt (s), in which targets move from GrabState::previous_target to
+  // target.
   void set(const fem::Integrator& integrator, const fem::Model& model, double dt, std::vector<fem::Grab>& loads) const;
-  // Makes the targets those from which the next step moves.
+  // Call after a step: the next one starts from the present targets.
   void end_step();
 
-  // Inserts the vertices that grabs hold into `vertices`, which stays sorted.
+  // Inserts vertices held by grabs of vertices into `vertices`, which stays sorted.
   void add_vertices_to(std::vector<mesh::VertexId>& vertices) const;
   void add_to(StateHash& hash) const;
   [[nodiscard]] const std::vector<GrabState>& all() const { return grabs_; }

@@ -15,7 +15,7 @@
 
 namespace kerf::sheet {
 
-// A sheet as it begins, and as a Reset restores it.
+// The state of a sheet at the start, to which a Reset returns.
 struct InitialState {
   std::shared_ptr<const SheetConfig> config;
   BuiltMesh built;
@@ -26,7 +26,8 @@ struct InitialState {
   AppliedForces applied_forces;
 };
 
-// Checks the config and builds what it describes. Errors: those of Sheet::create(), except SHEET_TOO_STIFF.
+// Checks the config, and builds the mesh and all that depends on it. Errors: those of Sheet::create(), except
+// SHEET_TOO_STIFF.
 Result<InitialState> make_initial_state(SheetConfig config);
 
 }  // namespace kerf::sheet

@@ -16,25 +16,26 @@
 
 namespace kerf::sheet {
 
-// The materials of a sheet, and how its membrane is softened so that its steps fit into a tick. A value that is cheap
-// to copy. All functions take the config that it was made with.
+// The materials of a sheet, and the softening of its membrane (Fidelity::kRealTime). A value that is cheap to copy. All
+// functions must get the config with which it was made.
 class MaterialSetup {
  public:
-  // Chooses the softening for the uncut mesh; none where the scene is exact or not stepped in time.
+  // Chooses the softening for the uncut mesh. There is none if the fidelity is kExact or the analysis is not
+  // DynamicAnalysis.
   MaterialSetup(SheetMaterials materials, const SheetConfig& config, const mesh::TriangleMesh& uncut);
 
-  // Returns the setup with another material in one part, or in all. Errors: those of with_material().
+  // Returns the setup with the material of one part, or of all parts, replaced. Errors: those of with_material().
   [[nodiscard]] Result<MaterialSetup> with(const SetMaterial& change, const SheetConfig& config,
                                            const mesh::TriangleMesh& uncut) const;
 
-  // Makes the model that steps a mesh of these materials.
+  // Makes the model of a mesh with these materials, softened if there is a softening.
   [[nodiscard]] fem::Model make_model(const SheetConfig& config, const mesh::TriangleMesh& mesh) const;
 
   [[nodiscard]] const SheetMaterials& materials() const { return *materials_; }
   [[nodiscard]] const std::vector<fem::Material>& by_region() const { return materials_->by_region; }
   [[nodiscard]] const std::optional<fem::Softening>& softening() const { return softening_; }
   [[nodiscard]] double half_thickness() const { return 0.5 * greatest_thickness(by_region()); }  // m
-  // Returns true if any material has damping of its own.
+  // Returns true if any material has mass or stiffness damping.
   [[nodiscard]] bool is_damped() const;
 
  private:
@@ -42,11 +43,11 @@ class MaterialSetup {
   std::optional<fem::Softening> softening_;
 };
 
-// Refuses a sheet that is to move and that double precision cannot move: kInvalidArgument SHEET_TOO_STIFF. `prefix`:
-// path of the material ("material").
+// Refuses a sheet to be stepped in time whose steps double precision cannot solve: kInvalidArgument SHEET_TOO_STIFF.
+// `prefix`: path of the material in the error ("material").
 Status check_condition(const SheetConfig& config, const fem::Model& model, const std::string& prefix);
 
-// Returns the mass (kg) of the mesh. O(slots).
+// Returns the mass (kg) of all solid triangles. O(slots).
 double rest_mass(const mesh::TriangleMesh& mesh, const std::vector<fem::Material>& by_region);
 
 }  // namespace kerf::sheet

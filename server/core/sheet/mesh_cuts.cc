@@ -22,8 +22,8 @@ std::string millimetres(double metres) {
   return text.data();
 }
 
-// `remarks` come first. Closed gaps and merged segments are below the cut's tolerance, so that the report alone has
-// them.
+// Returns the warnings of a reply; `remarks` come first. Closed gaps and merged segments cause none, as they are below
+// the cut's tolerance.
 std::vector<std::string> warnings_of(const cut::CutReport& report, const std::vector<std::string>& remarks) {
   std::vector<std::string> warnings = remarks;
   if (report.triangles_behind > 0) {
@@ -37,7 +37,7 @@ std::vector<std::string> warnings_of(const cut::CutReport& report, const std::ve
   return warnings;
 }
 
-// mass_before: mass of the sheet before the cut (kg); used only when it has several materials.
+// Makes the reply to a cut. `mass_before`: mass of the sheet before the cut, kg; used only if it has several materials.
 CutReply reply_of(const cut::CutOutcome& outcome, const Cut& cut, const mesh::TriangleMesh& mesh,
                   const std::vector<fem::Material>& materials, double mass_before) {
   CutReply reply;
@@ -64,7 +64,7 @@ Result<cut::CutOutcome> plan_and_apply(const cut::CutRequest& request, mesh::Tri
 Result<MeshCuts> cut_mesh(std::span<const Cut> cuts, bool is_batch, const CutSurroundings& around,
                           mesh::TriangleMesh& mesh, PhaseObserver* observer) {
   MeshCuts made;
-  // Pins and positions as they are before each cut. Positions matter only to cuts on a picture.
+  // Pins and positions before each cut of a batch. Positions are needed only for cuts on a picture.
   std::vector<mesh::VertexId> pins = around.pins.vertices();
   mesh::VertexField positions;
   const bool has_view = std::any_of(cuts.begin(), cuts.end(), [](const Cut& cut) { return cut.view.has_value(); });

@@ -16,9 +16,9 @@
 
 namespace kerf::sheet {
 
-// The sheet around a mesh, as it is before its cuts.
+// The parts of a sheet, apart from the mesh, that cuts need. As they are before the cuts.
 struct CutSurroundings {
-  std::int32_t max_vertices = 0;  // that the mesh may have
+  std::int32_t max_vertices = 0;  // most vertices that the mesh may have
   const PinSet& pins;
   const GrabSet& grabs;
   const mesh::VertexField& positions;           // 3 x V, m, world
@@ -26,12 +26,12 @@ struct CutSurroundings {
 };
 
 struct MeshCuts {
-  std::vector<CutReply> replies;  // of all cuts; those in `done` still without number and split pieces
-  std::vector<DoneCut> done;      // applied ones, still without number and lineage
+  std::vector<CutReply> replies;  // replies to all cuts; number and split pieces are not set yet
+  std::vector<DoneCut> done;      // the applied cuts; number and lineage are not set yet
 };
 
-// Cuts the mesh and nothing else, one cut after another. If a cut is refused, the mesh is as it was. Errors: those of
-// cut::plan() and cut::apply(); with `is_batch` they name the cut.
+// Cuts only the mesh, one cut after another. If a cut is refused, the mesh returns to its state before all cuts.
+// Errors: those of cut::plan() and cut::apply(); with `is_batch` they name the cut.
 Result<MeshCuts> cut_mesh(std::span<const Cut> cuts, bool is_batch, const CutSurroundings& around,
                           mesh::TriangleMesh& mesh, PhaseObserver* observer);
 

@@ -94,7 +94,7 @@ Status MovingSheet::set_material(const SetMaterial& change) {
   stepper_.forget_counts();
   stepper_.contact().set_half_thickness(materials_.half_thickness());
   grabs_.follow_material(mesh_, model_, dt_);
-  conditions_.mark_changed();  // moments at edges are those of the model
+  conditions_.mark_changed();  // edge moments were computed with the old model
   rebuild();
   return Nothing{};
 }
@@ -130,7 +130,7 @@ void MovingSheet::restore(const MovingState& to) {
 }
 
 fem::TickCost MovingSheet::expected_cost() const {
-  constexpr double kTouchingShare = 0.3;  // of a sheet that is to fall on bodies
+  constexpr double kTouchingShare = 0.3;  // -; assumed fraction of vertices that touch bodies, before the first tick
   const double blocks = static_cast<double>(mesh_.num_vertices()) / static_cast<double>(mesh::kVertexLanes);
   const Wind& wind = conditions().wind;
   const bool has_wind = wind.air_density > 0.0 && wind.drag_coefficient > 0.0;

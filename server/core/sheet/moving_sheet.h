@@ -20,23 +20,24 @@
 
 namespace kerf::sheet {
 
-// The sheet as a body: mesh, model and state, what acts on it, and the stepper that moves it. It knows neither ticks
-// nor the commands and cuts that came before. Copies need rebuild_integrator() before their first step.
+// The sheet as a mechanical body: mesh, model, state, pins, grabs, loads, and the stepper that moves it. It does not
+// know the tick, or earlier commands and cuts. After a copy, rebuild_integrator() must be called before the first step.
 class MovingSheet {
  public:
   MovingSheet(std::shared_ptr<const InitialState> initial, IntegratorFactory make_integrator);
 
-  // Sets constraints and loads for a step of `duration` (s, 0: at once) that ends at `end`; does nothing if none
-  // changed.
+  // Sets constraints and loads for a step of `duration` (s) that ends at `end`. Duration 0 sets them at once, without
+  // velocities. Does nothing if none changed.
   void set_conditions(const Instant& end, double duration);
-  // Sets them again for the present instant if they were changed.
+  // Sets constraints and loads again for the present instant, if a command or cut has changed them.
   void refresh_conditions();
-  // Sets all loads for a step of a tick that ends at `time` (s).
+  // Sets all loads, including grabs, for a step of one tick that ends at `time` (s).
   void set_loads(double time);
-  // Advances by a tick, under the loads set before it. An interrupted step leaves state and conditions as they were at
+  // Advances by one tick under the loads set before. An interrupted step leaves state and conditions as they were at
   // `before`.
   StepOutcome step(const StopConditions& stop, const Instant& before);
-  // Watches for rest after a step. more_to_come: commands of the scene are still to come.
+  // Must be called after each step: detects rest, and damps a calm sheet, see RestWatch. `more_to_come`: true if
+  // commands of the scene are still to come.
   void watch_rest(bool more_to_come);
   void disturb() { stepper_.disturb(); }
   void prepare() { stepper_.prepare(); }
@@ -46,7 +47,7 @@ class MovingSheet {
   fem::EquilibriumStats settle(double load, const fem::EquilibriumOptions& options, const fem::EquilibriumWatch& watch);
   void bend_by_angles() { model_.bend_by_angles(mesh_); }
 
-  // Commands. Each changes everything it should, or nothing.
+  // Commands. Each is done as a whole, or returns an error and changes nothing.
   Status grab(const Grab& grab) { return grabs_.add(grab, mesh_, model_, state_.x, dt_); }
   Status drag(const Drag& drag) { return grabs_.drag(drag); }
   Status release(const Release& release) { return grabs_.release(release); }
@@ -55,22 +56,23 @@ class MovingSheet {
   void set_wind(const Wind& value);
   Status set_material(const SetMaterial& change);
 
-  // The mesh, for an edit. follow() or revert() must come next.
+  // Returns the mesh, for an edit. follow() or revert() must be called next.
   [[nodiscard]] mesh::TriangleMesh& mesh_to_edit() { return mesh_; }
-  // Brings everything else up to date with edits that the mesh has made. Returns true if other vertices are pinned.
-  // `rewritten`: slots that they rewrote; sorted, unique.
+  // Updates everything else after edits of the mesh. Returns true if the set of pinned vertices changed. `rewritten`:
+  // slots that the edits rewrote, sorted, unique.
   bool follow(std::span<const mesh::MeshEdit* const> edits, const std::vector<mesh::TriangleId>& rewritten,
               PhaseObserver* observer);
-  // Moves grabs off the vertices that an undo takes away. Must be called before the mesh is reverted.
+  // Moves grabs away from vertices that an undo removes. Must be called before the mesh is reverted.
   void leave_new_vertices(const VertexAncestry& ancestry) { grabs_.leave_new_vertices(ancestry, mesh_); }
-  // Brings everything else up to date with an undo of edits. Returns true if other vertices are pinned. A vertex that a
-  // pinned one joins is held where that was; one that was pinned itself, where it was. `lost`: pins to put back.
+  // Updates everything else after the undo of edits. Returns true if the set of pinned vertices changed. A vertex that
+  // was pinned stays held where it was. A vertex that the undo joins with a pinned copy is held where the copy was.
+  // `lost`: pins to put back.
   bool revert(std::span<const mesh::RevertedEdit> reverted, const VertexAncestry& ancestry,
               const std::vector<mesh::TriangleId>& rewritten, std::span<const fem::Pin> lost, PhaseObserver* observer);
 
   [[nodiscard]] MovingState save() const;
   [[nodiscard]] MovingState initial_state() const;
-  // Goes back to another state, without grabs.
+  // Returns to another state, without grabs.
   void restore(const MovingState& to);
 
   [[nodiscard]] const SheetConfig& config() const { return *initial_->config; }
@@ -84,16 +86,18 @@ class MovingSheet {
   [[nodiscard]] const PinSet& pins() const { return pins_; }
   [[nodiscard]] const GrabSet& grabs() const { return grabs_; }
   [[nodiscard]] const TimeStepper& stepper() const { return stepper_; }
-  [[nodiscard]] const std::vector<mesh::VertexId>& removed() const { return removed_; }  // without material; sorted
+  [[nodiscard]] const std::vector<mesh::VertexId>& removed() const { return removed_; }  // without material
   [[nodiscard]] fem::TickCost expected_cost() const;
-  // Hashes mesh, positions, velocities, pins, grabs, loads, and materials that are not the initial ones.
+  // Hashes mesh, positions, velocities, held vertices, grabs, gravity, wind, and materials if they are not the initial
+  // ones.
   void add_to(StateHash& hash) const;
 
  private:
-  // Holds `vertices` (sorted, unique) where they are now.
+  // Pins exactly `vertices` (sorted, unique), each where it is now.
   void pin(std::vector<mesh::VertexId> vertices);
   void rebuild();
-  // Updates everything else once mesh, model and state have the same topology again.
+  // Updates everything else after an edit, when mesh, model and state have the same topology again. Returns true if the
+  // set of pinned vertices changed.
   bool finish_edit(std::vector<mesh::VertexId> now_pinned, std::span<const mesh::MeshEdit* const> edits,
                    PhaseObserver* observer);
 

@@ -1,4 +1,4 @@
-// Edits of the mesh of a moving sheet, and of what is derived from it.
+// Edits of the mesh of a moving sheet, and updates of everything derived from it.
 
 #include <algorithm>
 #include <utility>
@@ -21,7 +21,7 @@ bool MovingSheet::follow(std::span<const mesh::MeshEdit* const> edits, const std
   fem::transfer_state(edits, model_, change, state_);
   std::vector<mesh::VertexId> inherited = pins_.vertices();
   for (const mesh::MeshEdit* edit : edits) inherit_pins(*edit, inherited);
-  // Old pins keep their targets: nothing may have moved them. The new ones are held where they are.
+  // Old pins keep their targets, whatever the transfer did. New pins are held where they are.
   for (const fem::Pin& p : pins_.holds()) {
     if (mesh_.has_material(p.vertex)) state_.x.col(p.vertex) = p.target;
   }
@@ -35,7 +35,8 @@ bool MovingSheet::revert(std::span<const mesh::RevertedEdit> reverted, const Ver
   enter_phase(observer, "state");
   fem::revert_state(reverted, model_, change, state_);
   std::vector<mesh::VertexId> still_pinned;
-  for (auto p = pins_.holds().rbegin(); p != pins_.holds().rend(); ++p) {  // the ids that remain last
+  for (auto p = pins_.holds().rbegin(); p != pins_.holds().rend(); ++p) {  // backwards: vertices that remain come after
+                                                                           // their copies
     const mesh::VertexId vertex = ancestry.ancestor(p->vertex);
     if (vertex == mesh::kNone) continue;
     state_.x.col(vertex) = p->target;

@@ -8,8 +8,8 @@
 
 namespace kerf::sheet {
 
-// An integrator that is copied by making a new one of the same kind, to be rebuilt before its first step. Nothing is
-// lost: integrators keep no history.
+// An integrator that can be copied: a copy is a new integrator of the same kind, which must be rebuilt before its first
+// step. Integrators keep no history, so nothing is lost.
 class OwnedIntegrator {
  public:
   OwnedIntegrator(IntegratorFactory make, const fem::IntegratorOptions& options)

@@ -44,7 +44,7 @@ Result<ReplayReport> replay(const Recording& recording) {
     if (entry.tick == sheet.tick()) {
       sheet.apply(entry.commands);
     } else {
-      // Steps a sheet that freezes on the way in vain; its tick then differs.
+      // If the sheet freezes on the way, these steps do not advance it, and its tick then differs.
       for (std::int64_t t = sheet.tick() + 1; t < entry.tick; ++t) sheet.step({});
       sheet.step(entry.commands);
     }

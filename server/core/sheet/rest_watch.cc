@@ -8,7 +8,8 @@ namespace kerf::sheet {
 
 void MotionWindow::make_room(Eigen::Index num_vertices) {
   if (num_vertices <= start_.cols()) return;
-  const Eigen::Index room = num_vertices + num_vertices / 4;  // so that cuts seldom allocate what grows with the sheet
+  const Eigen::Index room = num_vertices + num_vertices / 4;  // extra room, so that cuts seldom allocate memory in
+                                                              // proportion to the sheet
   for (Eigen::Matrix3Xd* field : {&start_, &last_, &low_, &high_}) field->resize(3, room);
   for (Eigen::Matrix3Xd& sum : sums_) sum.resize(3, room);
 }
@@ -24,7 +25,7 @@ void MotionWindow::begin(const Eigen::Matrix3Xd& x) {
 
 bool MotionWindow::add(const Eigen::Matrix3Xd& x, double dt) {
   time_ += dt;
-  // Fills every third, even with long ticks.
+  // Gives every third at least one tick, even if ticks are long.
   const auto begun = static_cast<std::size_t>(std::ranges::find(num_ticks_, 0) - num_ticks_.begin());
   const auto third =
       std::min(static_cast<std::size_t>(std::clamp(3.0 * (time_ - 0.5 * dt) / length_, 0.0, 2.0)), begun);
@@ -41,7 +42,7 @@ bool MotionWindow::add(const Eigen::Matrix3Xd& x, double dt) {
 }
 
 double MotionWindow::expected_motion(double horizon, bool slows) const {
-  constexpr double kSlowing = 0.95;  // -, what keeps more of its pace from third to third is not slowing down
+  constexpr double kSlowing = 0.95;  // -; a drift that keeps more than this from third to third is not slowing down
   constexpr double kSafety = 1.5;    // -, factor on the estimate of the motion to come
   const double steps = horizon / (length_ / 3.0);
   double expected = 0.0;
@@ -77,7 +78,7 @@ void RestWatch::after_tick(const fem::Model& model, const Tick& tick, fem::State
   energy_ = calm_time_ == 0.0 ? kinetic : energy_ + std::min(tick.dt / kMeanOver, 1.0) * (kinetic - energy_);
   calm_time_ += tick.dt;
   const double calm_energy = kCalmHeight * size_ * model.masses().total() * tick.gravity;
-  // Counts every sheet as slow if it has no weight, which gives the scale for speeds.
+  // The weight gives the scale for speeds. Without weight every sheet counts as slow.
   const bool is_slow = tick.gravity == 0.0 || energy_ < calm_energy;
   if (!is_slow) {
     is_calm_ = is_measuring_ = is_at_rest_ = false;
@@ -97,7 +98,7 @@ void RestWatch::after_tick(const fem::Model& model, const Tick& tick, fem::State
   for (std::size_t k = 0; k < windows_.size(); ++k) {
     MotionWindow& window = windows_[k];
     if (!window.add(state.x, tick.dt)) continue;
-    // Requires two windows, as noise may look like slowing down in one.
+    // Requires two successive windows, as noise may look like slowing down in one.
     const bool settled =
         std::exchange(settles_[k], is_calm_ && window.length() * std::sqrt(tick.gravity / size_) >= kSwing &&
                                        window.expected_motion(kHorizon, true) <= kTolerance);

@@ -9,73 +9,78 @@
 
 namespace kerf::sheet {
 
-// Measures the travel of every vertex in a window of time. Also measures the motion of its mean position from each
-// third of the window to the next. A vertex that trembles in place hardly moves its mean.
+// Measures the motion of all vertices in a window of time: the extent of each vertex's path, and its mean position in
+// each third of the window. The mean position of a vertex that trembles in place hardly moves.
 class MotionWindow {
  public:
-  // `length`: s, > 0
+  // `length`: length of the window, s, > 0.
   explicit MotionWindow(double length) : length_(length) {}
 
   void make_room(Eigen::Index num_vertices);
   void begin(const Eigen::Matrix3Xd& x);
-  // Takes positions (3 x V, m) `dt` (s) after those before. True: the window is complete; begin() another.
+  // Adds positions `x` (3 x V, m), `dt` (s) after the last ones. Returns true if the window is complete; then call
+  // expected_motion() and begin().
   bool add(const Eigen::Matrix3Xd& x, double dt);
-  // Estimates, in m, how far a vertex may be from its last place within `horizon` (s): as far as it has been from
-  // there, and what it goes further if it keeps its pace. One that slowed down from the first two thirds to the last
-  // two slows down further at that rate if `slows` is true.
+  // Estimates how far any vertex may get from its last place within `horizon` (s), m. This is as far as it has been
+  // from there in the window, plus its drift: the motion of its mean position at the present rate. If `slows` is true,
+  // a drift that became slower during the window is taken to slow down further at that rate.
   [[nodiscard]] double expected_motion(double horizon, bool slows) const;
   [[nodiscard]] double length() const { return length_; }
 
  private:
   double length_;
-  double time_ = 0.0;                     // s
-  Eigen::Index num_vertices_ = 0;         // arrays have room for more
-  Eigen::Matrix3Xd start_;                // m
-  std::array<int, 3> num_ticks_{};        // of each third
-  std::array<Eigen::Matrix3Xd, 3> sums_;  // m, of places less start_ in each third
-  Eigen::Matrix3Xd last_, low_, high_;    // m, less start_: the last places, and the bounds of all
+  double time_ = 0.0;                     // s, time without disturbance after which a sheet may be calm
+  Eigen::Index num_vertices_ = 0;         // number of vertices; the arrays may have room for more
+  Eigen::Matrix3Xd start_;                // m, largest expected motion of a sheet at rest
+  std::array<int, 3> num_ticks_{};        // ticks in each third
+  std::array<Eigen::Matrix3Xd, 3> sums_;  // m, sum over the ticks of each third of positions minus start_
+  Eigen::Matrix3Xd last_, low_, high_;    // m, minus start_: the last positions, and least and greatest coordinates in
+                                          // the window
 };
 
-// Brings a sheet that nothing disturbs any more to rest, and detects when it is at rest.
+// Damps a sheet that nothing disturbs any more, and detects when it is at rest.
 //
-// Cloth in air swings itself still within seconds, by losses that a material's Rayleigh damping hardly has at low
-// frequencies. So a calm sheet is damped a little: its velocities decay at up to kDampingRate times the rate of a
-// pendulum of its size. A sheet is calm if nothing has disturbed it for kCalmAfter seconds and its kinetic energy is
-// low. That is, the mean over about a second is below the energy that lifts it by kCalmHeight times its size. Other
-// sheets are not damped.
+// Real cloth in air stops swinging within seconds, by losses that the Rayleigh damping of a material hardly has at low
+// frequencies. So a calm sheet is damped a little: its velocities decay at up to kDampingRate * sqrt(g / size), the
+// rate of a pendulum of its size. A sheet is calm if nothing has disturbed it for kCalmAfter seconds and its kinetic
+// energy is low. The mean energy over about a second must be below the energy that lifts the sheet by kCalmHeight times
+// its size. Other sheets are not damped.
 //
-// A sheet is at rest if no vertex is expected to move by more than kTolerance in the next minute. Either of two windows
-// can show that. A sheet that grows still soon passes the short one; the long one is for sheets that tremble. A damped
-// sheet that slows down in two successive windows of one length, each about a swing or longer, is taken to slow down
-// further. Speeds are a poorer measure: a vertex that a body holds has some within each substep, and stays where it is.
+// A sheet is at rest if no vertex is expected to move by more than kTolerance within kHorizon. Either of two windows
+// can show that: the short one for sheets that soon come to a stop, the long one for sheets that tremble. If a damped
+// sheet slows down in two successive windows of one length, it is taken to slow down further; such windows must last
+// about a swing or longer. Speeds are a poorer measure: a vertex held by a body has some within each substep, but stays
+// in place.
 class RestWatch {
  public:
   static constexpr double kCalmAfter = 5.0;      // s
-  static constexpr double kCalmHeight = 4.0e-5;  // -, of the size
-  static constexpr double kDampingRate = 0.8;    // -, of sqrt(g / size)
+  static constexpr double kCalmHeight = 4.0e-5;  // -, over the size of the sheet
+  static constexpr double kDampingRate = 0.8;    // -, largest decay rate of velocities over sqrt(g / size)
   static constexpr double kShortWindow = 2.0;    // s
   static constexpr double kLongWindow = 8.0;     // s
   static constexpr double kHorizon = 60.0;       // s
-  static constexpr double kSwing = 6.0;          // -, least window over sqrt(size / g) to separate slowing and swinging
+  static constexpr double kSwing = 6.0;          // -, least length of a window over sqrt(size / g), to tell slowing
+                                                 // down from swinging
   static constexpr double kTolerance = 9.0e-5;   // m
 
   struct Tick {
     double gravity = 0.0;  // m/s^2, >= 0
     double dt = 0.0;       // s
-    bool damps = true;     // the sheet may be damped
+    bool damps = true;     // true if the sheet may be damped
   };
 
-  // `size`: m, the larger side of the sheet as built.
+  // `size`: larger side of the sheet as built, m.
   explicit RestWatch(double size) : size_(size) {}
 
-  // Allocates what after_tick() needs.
+  // Allocates the memory that after_tick() needs.
   void make_room(Eigen::Index num_vertices);
-  // Notes that something other than the sheet's own motion changed it, or may change it.
+  // Must be called when something other than its own motion has changed the sheet, or may change it: the wait for calm
+  // begins again.
   void disturb();
-  // Must be called after each tick, with the state that it made. Damps the state if the sheet is calm.
+  // Must be called after each tick, with its result `state`. Damps the velocities if the sheet is calm.
   void after_tick(const fem::Model& model, const Tick& tick, fem::State& state);
 
-  // Returns true if nothing has disturbed the sheet for kCalmAfter, it is slow for its weight, and it is damped.
+  // Returns true if the sheet is calm, as explained above, and is damped.
   [[nodiscard]] bool is_calm() const { return is_calm_; }
   [[nodiscard]] bool is_at_rest() const { return is_at_rest_; }
 
@@ -87,7 +92,8 @@ class RestWatch {
   bool is_measuring_ = false;
   bool is_at_rest_ = false;
   std::array<MotionWindow, 2> windows_{MotionWindow(kShortWindow), MotionWindow(kLongWindow)};
-  std::array<bool, 2> settles_{};  // by window: the last one predicted rest, if slowing continues
+  std::array<bool, 2> settles_{};  // by window: true if the last one predicted rest under the assumption that slowing
+                                   // down continues
 };
 
 }  // namespace kerf::sheet

@@ -164,8 +164,8 @@ std::shared_ptr<const Snapshot> Sheet::snapshot(const RunStats& stats, bool with
   auto snapshot = std::make_shared<Snapshot>();
   snapshot->tick = tick();
   snapshot->positions = state().x;
-  // Vertices without material stay where they were when they lost it; viewers get them at the place of a vertex that
-  // has some, so that the material alone determines the extent of the sheet.
+  // Vertices without material stay where they were when they lost it. Viewers get them at the place of a vertex with
+  // material, so that only material determines the extent of the sheet.
   if (const std::vector<mesh::VertexId>& removed = impl_->moving.removed(); !removed.empty()) {
     mesh::TriangleId solid = 0;
     while (!mesh().is_solid(solid)) ++solid;

@@ -12,7 +12,7 @@ Result<CommandReply> Sheet::Impl::do_command(const Command& command, const Comma
     KERF_TRY(done);
     return plain_reply();
   };
-  // Replies to a command that changes settings, which viewers are sent.
+  // Replies to a command that changes settings, of which viewers are notified by settings_version.
   const auto setting = [&](const Status& done) -> Result<CommandReply> {
     if (done.ok()) ++settings_version;
     return plain(done);

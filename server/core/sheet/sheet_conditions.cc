@@ -7,7 +7,7 @@ namespace kerf::sheet {
 
 namespace {
 
-// Skin friction beside pressure drag: the ratio of fem's default coefficients for cloth.
+// Ratio of tangential to normal drag, that of the default coefficients of fem for cloth.  -
 constexpr double kTangentialShare = 1.0 / 60.0;
 
 }  // namespace
@@ -42,7 +42,7 @@ bool SheetConditions::hold_slopes(const mesh::TriangleMesh& mesh, fem::Model& mo
   std::vector<mesh::VertexId> vertices;
   for (const fem::Clamp& clamp : clamps) vertices.push_back(clamp.vertex);
   model.set_clamps(mesh, std::move(clamps));
-  // The integrator's matrix depends on the clamped vertices; their slopes change only forces.
+  // The integrator's matrix depends on which vertices are clamped; their slopes only change forces.
   if (vertices == clamped_) return false;
   clamped_ = std::move(vertices);
   return true;

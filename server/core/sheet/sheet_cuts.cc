@@ -1,4 +1,4 @@
-// Cuts, batches of cuts, undo and redo: changes of the mesh, and of everything that follows it.
+// Cuts, batches of cuts, undo and redo: changes of the mesh, and updates of everything that depends on it.
 
 #include <algorithm>
 #include <utility>

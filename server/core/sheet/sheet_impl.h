@@ -15,7 +15,7 @@
 
 namespace kerf::sheet {
 
-// Wires the parts of a sheet together: a tick, and the commands that more than one part must follow.
+// Connects the parts of a sheet: runs a tick, and commands that concern more than one part.
 struct Sheet::Impl {
   Impl(std::shared_ptr<const InitialState> initial, IntegratorFactory make_integrator)
       : clock(initial->config), moving(initial, std::move(make_integrator)), cuts(moving.mesh().num_pieces()) {}
@@ -24,16 +24,17 @@ struct Sheet::Impl {
   TickReport run(std::span<const Command> commands, StageObserver* observer, bool advance, const StopConditions& stop);
   TickReport begin_load_step();
   void drain_commands(std::span<const Command> commands, StageObserver* observer, bool scheduled, TickReport& report);
-  // Does the scene's commands that are due; `number` counts the tick's commands.
+  // Does the scheduled commands that are due. `number`: number of the next command of the tick, for the observer; it is
+  // counted up.
   void drain_schedule(StageObserver* observer, std::int32_t& number, TickReport& report);
   void advance(StageObserver* observer, const StopConditions& stop, TickReport& report);
-  // Fills in the state of the sheet at the end of the report's step.
+  // Sets tick, hash and flags of the report, from the state at the end of the step.
   void fill_report(TickReport& report) const;
   [[nodiscard]] std::uint64_t state_hash() const;
 
-  // Commands (sheet_commands.cc). Each changes everything it should, or nothing.
+  // Commands (sheet_commands.cc). Each is done as a whole, or returns an error and changes nothing.
   Result<CommandReply> do_command(const Command& command, const CommandContext& context);
-  [[nodiscard]] CommandReply plain_reply() const;  // of a command that answers nothing of its own
+  [[nodiscard]] CommandReply plain_reply() const;  // reply to a command that has no special reply
 
   // Cuts (sheet_cuts.cc).
   Result<CommandReply> cut(const Cut& cut, const CommandContext& context);
@@ -41,7 +42,7 @@ struct Sheet::Impl {
   Result<std::vector<CutReply>> do_cuts(std::span<const Cut> wanted, bool is_batch, const CommandContext& context);
   Result<CommandReply> undo_cut(const CommandContext& context);
   Result<CommandReply> redo_cut(const CommandContext& context);
-  // Brings everything that is derived from the mesh up to date with cuts of it.
+  // Updates everything derived from the mesh after cuts of it.
   void follow(const std::vector<DoneCut>& done, PhaseObserver* observer);
   void redo(const std::vector<DoneCut>& done, const CommandContext& context);
   void revert(const std::vector<DoneCut>& done, const CommandContext& context);
@@ -60,7 +61,7 @@ struct Sheet::Impl {
   LazyTopology topology;
   std::int32_t topology_version = 1;
   std::int32_t settings_version = 0;
-  std::int64_t beginning = 0;  // see CommandReply
+  std::int64_t beginning = 0;  // see CommandReply::beginning
   std::int64_t last_beginning = 0;
 };
 

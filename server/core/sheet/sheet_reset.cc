@@ -47,7 +47,7 @@ void Sheet::Impl::redo_reset(const UndoStep& step) {
   restart(number);
 }
 
-// Begins the scene again as its run of that number.
+// Begins the scene again. `number`: see CommandReply::beginning.
 void Sheet::Impl::restart(std::int64_t number) {
   const std::int32_t num_pieces = moving.initial().built.mesh.num_pieces();
   restore({moving.initial_state(), {}, Lineage(num_pieces).pieces(), number});

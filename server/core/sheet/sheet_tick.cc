@@ -20,7 +20,7 @@ TickReport Sheet::Impl::run(std::span<const Command> commands, StageObserver* ob
   return report;
 }
 
-// Counts a load of a static analysis as a tick.
+// A load of a static analysis counts as a tick.
 TickReport Sheet::Impl::begin_load_step() {
   TickReport report;
   const std::int32_t version_before = topology_version;
@@ -42,7 +42,7 @@ void Sheet::Impl::drain_commands(std::span<const Command> commands, StageObserve
   for (const Command& command : commands) {
     report.replies.push_back(do_command(command, {observer, number++}));
   }
-  if (scheduled) drain_schedule(observer, number, report);  // of a scene that a Reset has just begun again
+  if (scheduled) drain_schedule(observer, number, report);  // of a scene that a Reset has begun again
   if (topology_version == version_before) return;
   const StageScope scope(Stage::kModelUpdate, {observer, -1});
   moving.prepare();
@@ -53,7 +53,7 @@ void Sheet::Impl::drain_schedule(StageObserver* observer, std::int32_t& number, 
     const SchedulePlace place = clock.schedule_place();
     const Command& command = moving.config().commands[*index].command;
     report.scheduled.push_back({*index, do_command(command, {observer, number++})});
-    // A Reset by the scene itself does not repeat the schedule, which might never end.
+    // A scheduled Reset does not repeat the schedule, which might never end.
     clock.set_schedule_place(place);
   }
 }
@@ -66,7 +66,7 @@ void Sheet::Impl::advance(StageObserver* observer, const StopConditions& stop, T
   }
   {
     const StageScope scope(Stage::kIntegrate, {observer, -1});
-    // A recording has no place for scheduled commands whose tick does not follow.
+    // In an interrupted tick, scheduled commands would be done without their tick, which a recording cannot express.
     const StopCondition* end_early = report.scheduled.empty() ? stop.end_early : nullptr;
     const StepOutcome outcome = moving.step({end_early, stop.give_up}, before);
     report.stats = outcome.stats;

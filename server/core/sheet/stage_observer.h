@@ -8,21 +8,21 @@ namespace kerf::sheet {
 
 // The parts of a tick, in the order in which they run.
 enum class Stage {
-  kCut,          // plan, apply, local remesh of one cut
-  kModelUpdate,  // model, state, pins and grabs of the slots a cut touched
-  kLoads,        // gravity, wind, pins and grabs handed to the integrator
-  kIntegrate,    // the integrator's substeps, contact among them
+  kCut,          // planning and applying one cut, with local remeshing
+  kModelUpdate,  // update of model, state, pins and grabs where a cut changed the mesh
+  kLoads,        // setting gravity, wind, pins and grabs for the integrator
+  kIntegrate,    // the integrator's substeps, including contact
 };
 
-// Receives the beginning and the end of each stage, so that the owner can time them: the sheet itself reads no clock.
+// Receives the beginning and end of each stage, so that the owner can time them. The sheet itself reads no clock.
 class StageObserver : public PhaseObserver {
  public:
-  // `command`: which of the commands of this step() or apply(), in the order in which they are done: scheduled ones
-  // first, then those given, then what falls due as one of these was a Reset; -1 where the stage serves none of them
-  // (loads, integration).
+  // `command`: number of the command, in the order in which this step() or apply() does them, from 0. Scheduled
+  // commands come first, then the given ones, then those that are due because one of these was a Reset. -1: the stage
+  // belongs to no command (loads, integration).
   virtual void begin(Stage stage, std::int32_t command) = 0;
   virtual void end(Stage stage, std::int32_t command) = 0;
-  // The parts of kCut and kModelUpdate, as they begin.
+  // Called when a part of kCut or kModelUpdate begins.
   void enter(const char* /*phase*/) override {}
 };
 

@@ -6,13 +6,13 @@
 
 namespace kerf::sheet {
 
-// Origin of a command: the observer of its stages, and its number there.
+// The observer of a command's stages, and the command's number as in StageObserver::begin().
 struct CommandContext {
   StageObserver* observer = nullptr;
   std::int32_t index = -1;
 };
 
-// Notifies an observer, if there is one, of the beginning and the end of a stage.
+// Reports a stage to an observer, if there is one: its constructor the beginning, its destructor the end.
 class StageScope {
  public:
   StageScope(Stage stage, const CommandContext& context) : stage_(stage), context_(context) {

@@ -25,7 +25,7 @@ void TimeStepper::rebuild(const fem::Model& model, const std::optional<fem::Soft
 
 void TimeStepper::follow(const fem::Model& model, const std::optional<fem::Softening>& softening,
                          Eigen::Index num_vertices, bool rebuilds) {
-  if (rebuilds || is_frozen_) {  // a step may have left the integrator half-done
+  if (rebuilds || is_frozen_) {  // the last step may have left the integrator in an intermediate state
     integrator_->rebuild(model);
   } else {
     integrator_->follow(model);
@@ -115,7 +115,7 @@ void TimeStepper::restore(std::int32_t failed_steps, bool is_frozen) {
 
 fem::TickCost TimeStepper::expected_cost(const fem::Model& model, const fem::TickCounts& first) const {
   fem::TickCounts counts = last_counts_ ? *last_counts_ : first;
-  // The next tick may be that of a sheet that is not calm any more.
+  // If the sheet is no longer calm, the next tick is not like the last one.
   if (last_counts_ && contact_.is_calm() && !rest_.is_calm()) counts.more_substeps = counts.more_kicks = 1.0;
   return integrator_->expected_cost(model, dt_, counts);
 }

@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::array<mesh::VertexId, 3> kVoid{mesh::kNone, mesh::kNone, mesh::kNone};
 
-// Copies everything except the versions of slots and vertices.
+// Sets everything in `topology` except versions.
 void copy_mesh(const mesh::TriangleMesh& mesh, Topology& topology) {
   const auto num_slots = static_cast<std::size_t>(mesh.num_triangle_slots());
   topology.num_triangles = mesh.num_solid_triangles();
@@ -33,8 +33,8 @@ void LazyTopology::add_edits(std::span<const mesh::MeshEdit* const> edits) {
     rewritten_.insert(rewritten_.end(), edit->rewritten_triangles.begin(), edit->rewritten_triangles.end());
     for (const mesh::VertexSource& moved : edit->moved_vertices) moved_.push_back(moved.vertex);
   }
-  // Bounds the lists of a sheet without viewers. Once they hold more than twice the number of triangle slots, the
-  // topology may as well be sent whole.
+  // Limits the lists of a sheet without viewers. If they have more than twice as many entries as there are slots, a
+  // full topology costs no more than a patch.
   if (rewritten_.size() + moved_.size() > 2 * latest_->triangles.size()) replace();
 }
 

@@ -11,13 +11,13 @@
 
 namespace kerf::sheet {
 
-// Makes the topology of a sheet for viewers on demand, so that a cut without viewers costs nothing here. Versions that
-// were never requested are skipped.
+// Makes the topology of a sheet for viewers when it is requested, so that cuts without viewers cost nearly nothing
+// here. Versions that were never requested are skipped.
 class LazyTopology {
  public:
-  // Notes edits that the mesh has made.
+  // Must be called after edits of the mesh.
   void add_edits(std::span<const mesh::MeshEdit* const> edits);
-  // Notes that the mesh was replaced: no patch leads to it from a topology that viewers have.
+  // Must be called after the mesh was replaced or an edit undone: viewers need the next topology in full.
   void replace();
 
   // Returns the topology at `version`, which must grow with each call of the functions above. Returns the same object
@@ -26,9 +26,9 @@ class LazyTopology {
   [[nodiscard]] std::shared_ptr<const Topology> at(const mesh::TriangleMesh& mesh, std::int32_t version) const;
 
  private:
-  mutable std::shared_ptr<const Topology> latest_;   // null: to be made in full
-  mutable std::vector<mesh::TriangleId> rewritten_;  // since then; may repeat
-  mutable std::vector<mesh::VertexId> moved_;        // since then; may repeat
+  mutable std::shared_ptr<const Topology> latest_;   // null: the next topology is made in full
+  mutable std::vector<mesh::TriangleId> rewritten_;  // slots rewritten since latest_, may repeat
+  mutable std::vector<mesh::VertexId> moved_;        // vertices moved since latest_, may repeat
 };
 
 }  // namespace kerf::sheet

@@ -12,33 +12,35 @@ namespace kerf::sheet {
 
 struct Checkpoint;
 
-// Holds what one UndoCut undoes: the applied cuts of a Cut or CutBatch, in the order of their making, or a Reset. Never
-// changes.
+// The step that one UndoCut undoes: the applied cuts of a Cut or CutBatch, in order, or a Reset. Immutable.
 struct UndoStep {
   std::vector<DoneCut> cuts;
-  std::shared_ptr<const Checkpoint> before_reset;  // null: a step of cuts
-  std::int64_t beginning = 0;                      // of a Reset: the number that it gave, see CommandReply
-  std::size_t bytes = 0;                           // of memory, approximately
+  std::shared_ptr<const Checkpoint> before_reset;  // the state before the Reset; null if this is a step of cuts
+  std::int64_t beginning = 0;                      // for a Reset: CommandReply::beginning after it
+  std::size_t bytes = 0;                           // approximate memory
 };
 
-// Steps done and steps undone. Bounded: the oldest steps done are forgotten first. A plain value that is cheap to copy.
+// The steps that can be undone ("done") and redone ("undone"). Their number and memory are limited: the oldest done
+// steps are forgotten first. A plain value that is cheap to copy.
 class UndoHistory {
  public:
-  static constexpr std::size_t kMaxSteps = 1000;                   // that can be undone
-  static constexpr std::size_t kMaxBytes = std::size_t{32} << 20;  // of the steps done and those undone together
+  static constexpr std::size_t kMaxSteps = 1000;                   // most done steps
+  static constexpr std::size_t kMaxBytes = std::size_t{32} << 20;  // most memory of done and undone steps together
 
-  // Adds a new cut, after which nothing can be redone. A step that alone is beyond kMaxBytes is forgotten at once, and
-  // with it all steps before it.
+  // Adds new cuts as one step, after which nothing can be redone. A step that needs more than kMaxBytes by itself is
+  // forgotten at once, with all steps before it.
   void add(std::vector<DoneCut> cuts);
-  // Adds a new Reset; the same holds.
+  // Adds a new Reset as a step, as add() does. `before`: the state before it.
   void add_reset(std::shared_ptr<const Checkpoint> before, std::int64_t beginning);
-  // Adds a Reset, taken from the undone steps, that was done again from `before`.
+  // Must be called after take_undone() has returned a Reset that is done again: replaces its state before the Reset by
+  // `before`.
   void redo_reset(std::shared_ptr<const Checkpoint> before);
   void clear();
 
-  // Errors: kFailedPrecondition NOTHING_TO_UNDO, UNDO_FORGOTTEN.
+  // Moves the last done step to the undone steps, and returns it. Errors: kFailedPrecondition NOTHING_TO_UNDO,
+  // UNDO_FORGOTTEN.
   Result<std::shared_ptr<const UndoStep>> take_done();
-  // Error: kFailedPrecondition NOTHING_TO_REDO.
+  // Moves the step undone last back to the done steps, and returns it. Error: kFailedPrecondition NOTHING_TO_REDO.
   Result<std::shared_ptr<const UndoStep>> take_undone();
 
   [[nodiscard]] std::size_t num_done() const { return done_.size(); }
@@ -51,9 +53,9 @@ class UndoHistory {
   void keep(UndoStep step);
 
   Steps done_;    // oldest first
-  Steps undone_;  // that undone last at the end
+  Steps undone_;  // the step undone last is at the end
   std::size_t bytes_ = 0;
-  bool forgotten_ = false;  // a step before done_ was dropped
+  bool forgotten_ = false;  // true if a step older than done_ was forgotten
 };
 
 }  // namespace kerf::sheet

@@ -8,13 +8,14 @@ namespace kerf::sheet {
 
 namespace {
 
-constexpr double kImbalance = 1.0e-9;  // -, of a sum of forces over that of their magnitudes
+constexpr double kImbalance = 1.0e-9;  // -; a sum of forces counts as zero if it is below this times the sum of their
+                                       // magnitudes
 
 struct Balance {
   std::array<bool, 3> held{false, false, false};
   bool is_pressed = false;
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();        // N
-  Eigen::Vector3d magnitude = Eigen::Vector3d::Zero();  // N, of the magnitudes
+  Eigen::Vector3d magnitude = Eigen::Vector3d::Zero();  // N, sum of the magnitudes
   Eigen::Vector2d material{0.0, 0.0};                   // m
 };
 

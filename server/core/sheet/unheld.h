@@ -10,18 +10,18 @@
 
 namespace kerf::sheet {
 
-// A piece that is pushed where nothing holds it: it has no equilibrium.
+// A piece without equilibrium: forces push it along an axis along which nothing holds it.
 struct UnheldPiece {
   std::int32_t piece = 0;
   Eigen::Vector2d material{0.0, 0.0};  // m, one of its vertices
-  int component = 0;                   // 0..2, of the world
-  double force = 0.0;                  // N, gravity and dead forces on it along that, in all
+  int component = 0;                   // axis x, y or z of the world, 0..2
+  double force = 0.0;                  // N, sum of gravity and external forces on it along that axis
 };
 
-// Returns the first piece that dead forces push along an axis (x, y or z) along which no vertex of it is held. Forces
-// that cancel up to rounding do not count. Pieces under pressure, which turns with them, are left to the equilibrium
-// search; so are moments.
-// `loads`: pins, gravity and external forces in force.
+// Returns the first piece that gravity and external forces push along an axis (x, y or z) along which none of its
+// vertices is held. Forces that cancel up to rounding do not count. Pieces under pressure are left out, as it turns
+// with them and may balance; moments are not considered.
+// `loads`: present pins, gravity, external forces and pressure.
 std::optional<UnheldPiece> find_unheld(const mesh::TriangleMesh& mesh, const fem::Model& model,
                                        const fem::Loads& loads);
 

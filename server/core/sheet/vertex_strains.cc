@@ -13,7 +13,7 @@ std::vector<float> dominant_strains(const fem::Model& model, const mesh::VertexF
   std::vector<float> dominant;
   dominant.reserve(of_vertices.size());
   for (const Eigen::Vector3d& strain : of_vertices) {
-    // (e11, e22, 2 e12)
+    // `strain` is (e11, e22, 2 e12).
     const double mean = 0.5 * (strain[0] + strain[1]);
     const double radius = std::hypot(0.5 * (strain[0] - strain[1]), 0.5 * strain[2]);
     dominant.push_back(static_cast<float>(mean < 0.0 ? mean - radius : mean + radius));
