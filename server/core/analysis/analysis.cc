@@ -21,7 +21,7 @@ namespace kerf::analysis {
 
 namespace {
 
-// Smallest load step, as a fraction of the distance between two requested loads; below it a load is given up.
+// Smallest load step, over the distance between two requested loads. If even this step fails, the analysis ends.  -
 constexpr double kSmallestStep = 1.0 / 4096.0;
 
 std::string text(const char* format, double a, double b) {
@@ -36,7 +36,7 @@ Table table_of(const Probes& probes, const std::string& first) {
   return table;
 }
 
-// Keeps the answers; the error of the first that is one.
+// Appends the replies to `kept`. Returns the error of the first reply that is an error.
 Status keep(std::vector<sheet::ScheduledReply> scheduled, std::vector<sheet::ScheduledReply>& kept) {
   for (sheet::ScheduledReply& answer : scheduled) {
     if (!answer.reply.ok()) {
@@ -73,7 +73,8 @@ std::vector<std::string> left_out_of(const sheet::Sheet& sheet) {
   return names;
 }
 
-// From one load to the next, in smaller steps where need be. False: not to the end, or stopped.
+// Leads a sheet from one requested load to the next, in smaller steps if necessary. advance() returns false if the load
+// was not reached, or `watch` ended the work.
 class LoadPath {
  public:
   LoadPath(sheet::Sheet& sheet, const sheet::StaticAnalysis& analysis, const Watch& watch, StaticStats& stats)
@@ -86,7 +87,7 @@ class LoadPath {
     const double from = stats_.load;
     double step = to - from;
     while (stats_.load < to && !stopped_) {
-      // The last step ends exactly where it should.
+      // The last step ends exactly at `to`.
       const double target = stats_.load + 1.0001 * step >= to ? to : stats_.load + step;
       if (solve(target)) {
         step *= 2.0;
@@ -161,7 +162,7 @@ Result<Outcome> run_dynamic(sheet::Sheet& sheet, const sheet::DynamicAnalysis& a
     ++stats.ticks;
     stats.simulated += report.stats.simulated;
     fem::count_flags(report.stats.flags, stats.flagged_ticks);
-    // Velocities of other vertices say nothing of the acceleration of these.
+    // If the vertices changed in this tick, the old velocities give no accelerations.
     const bool is_same = version == sheet.topology_version();
     if (measures_now) measure(v_before, is_same ? report.stats.simulated : 0.0);
     progress = {static_cast<double>(i) / static_cast<double>(analysis.ticks),
@@ -207,7 +208,8 @@ Result<Outcome> run_modes(sheet::Sheet& sheet, const sheet::ModalAnalysis& analy
     KERF_TRY_ASSIGN(outcome, run_static(sheet, *analysis.about, probes, watch));
     if (outcome.stopped || !outcome.statics->converged) return outcome;
   } else if (!is_live) {
-    // A live sheet is taken as it is; a scene's cuts are its shape.
+    // A sheet that runs is analysed as it is. For a scene that has not begun, its first commands, such as cuts, are
+    // done before.
     sheet::TickReport report = sheet.begin_load_step();
     KERF_TRY(keep(std::move(report.scheduled), outcome.scheduled));
   }
@@ -222,7 +224,7 @@ Result<Outcome> run_modes(sheet::Sheet& sheet, const sheet::ModalAnalysis& analy
                                 std::to_string(num_free) + " free components, and as many modes",
                             "analysis.modes.count");
   }
-  // A live sheet is in balance with the forces of its steps.
+  // A sheet that runs is in balance with the bending forces of steps in time, not with those by angles.
   if (!is_live) sheet.bend_by_angles();
   const fem::Modes modes = fem::find_modes(sheet.model(), sheet.loads(), sheet.state().x, analysis.count, [&watch] {
     return watch && !watch({0.75, "searching"});

@@ -9,9 +9,10 @@ namespace kerf::analysis {
 
 namespace {
 
-constexpr double kReach = 1.0e-3;  // -, of the larger side of the material bounding box
+constexpr double kReach = 1.0e-3;  // -, over the larger side of the bounding box in material coordinates
 
-// Returns true if the lip runs to the right or, where it is vertical, up. A lip has its material on the left.
+// Returns true if an edge with this direction runs to the right, or up if it is vertical. Edges of lips have their
+// material on the left.
 bool goes_right(const Eigen::Vector2d& along) {
   return along.x() != 0.0 ? along.x() > 0.0 : along.y() > 0.0;
 }
@@ -26,7 +27,7 @@ std::optional<LipPair> find_lips(const mesh::TriangleMesh& mesh, const Eigen::Ve
   for (mesh::TriangleId t = 0; t < mesh.num_triangle_slots(); ++t) {
     if (!mesh.is_solid(t)) continue;
     for (std::size_t k = 0; k < 3; ++k) {
-      // A lip has material across it in the welded mesh, a border has none.
+      // In the welded mesh there is material beyond a lip, and void beyond the border.
       const mesh::TriangleId across = mesh.welded_neighbour(t, static_cast<int>(k));
       if (mesh.neighbour(t, static_cast<int>(k)) != mesh::kNone || across == mesh::kNone || !mesh.is_solid(across)) {
         continue;

@@ -11,28 +11,28 @@
 
 namespace kerf::analysis {
 
-// A point of a lip: on edge k of triangle t, from vertex a to b with the material on its left.
+// A point of a lip. It lies on the edge of a triangle from vertex a to vertex b, with the material on its left.
 struct LipPoint {
   mesh::VertexId a = mesh::kNone;
   mesh::VertexId b = mesh::kNone;
   mesh::VertexId opposite = mesh::kNone;
-  double share = 0.0;  // -, 0..1: of b
+  double share = 0.0;  // -, 0..1, weight of b in the position; that of a is 1 - share
 
   [[nodiscard]] Eigen::Vector3d at(const mesh::VertexField& x) const {
     return (1.0 - share) * x.col(a) + share * x.col(b);
   }
 };
 
-// The two lips of a cut at a material point: [0] on the left of the direction in which the cut goes right (of a
-// vertical one: up), [1] on its right.
+// The two lips of a cut at a material point. The cut is taken to run to the right in material coordinates, or up if it
+// is vertical. Lip [0] bounds the material on its left, lip [1] that on its right.
 using LipPair = std::array<LipPoint, 2>;
 
-// Finds the two lips nearest to `at` (m, material). Nothing if one of the two is farther away than a thousandth of the
-// sheet's size.
+// Finds the two lips nearest to `at` (m, material coordinates). Returns nothing if one of them is farther away than a
+// thousandth of the sheet's larger side.
 std::optional<LipPair> find_lips(const mesh::TriangleMesh& mesh, const Eigen::Vector2d& at);
 
-// Returns the displacement (m) of lip [0] from lip [1]: along the normal and the tangent of the cut, and along the
-// normal of the sheet. The frame is the mean of those of both lips at positions x (3 x V, m).
+// Returns the displacement (m) of lip [0] relative to lip [1]: along the normal of the cut, along its tangent, and
+// along the normal of the sheet. These directions are means for both lips at positions x (3 x V, m).
 Eigen::Vector3d opening(const LipPair& lips, const mesh::VertexField& x);
 
 }  // namespace kerf::analysis

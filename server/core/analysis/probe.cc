@@ -22,11 +22,11 @@ namespace {
 using sheet::Probe;
 using sheet::Quantity;
 using sheet::Reduce;
-using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 5, 1>;  // of the components of a quantity
+using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 5, 1>;  // the components of a quantity, at most 5
 
 // Distance by which the point of a probe is moved towards Probe::side, so that the lookup finds that side of a cut.
-constexpr double kNudge = 1.0e-7;  // -, of the larger side of the material bounding box
-// A point counts as at a vertex if its barycentric coordinate there is nearer to 1 than this.
+constexpr double kNudge = 1.0e-7;  // -, over the larger side of the bounding box in material coordinates
+// A point counts as at a vertex if its weight there is above 1 minus this.  -
 constexpr double kAtVertex = 1.0e-6;
 
 std::vector<std::string> components_of(Quantity quantity) {
@@ -43,7 +43,7 @@ std::vector<std::string> components_of(Quantity quantity) {
   }
 }
 
-// The solid slot with these corners.
+// Returns the solid slot with the corners of `point`.
 mesh::TriangleId slot_of(const fem::Model& model, const mesh::TriangleMesh& mesh, const sheet::MaterialPoint& point) {
   for (const mesh::TriangleId slot : model.elements().incident_slots().row(point.vertices[0])) {
     const auto& corner = mesh.vertices(slot);
@@ -53,7 +53,7 @@ mesh::TriangleId slot_of(const fem::Model& model, const mesh::TriangleMesh& mesh
   return mesh::kNone;
 }
 
-// m, material.
+// Returns the material coordinates of a point of the mesh, m.
 Eigen::Vector2d rest_of(const mesh::TriangleMesh& mesh, const sheet::MaterialPoint& point) {
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   for (std::size_t k = 0; k < 3; ++k) {
@@ -63,7 +63,7 @@ Eigen::Vector2d rest_of(const mesh::TriangleMesh& mesh, const sheet::MaterialPoi
   return sum;
 }
 
-// Length of border around each vertex of the region between two of its vertices, m.
+// Returns for each vertex of a region half the length of the border edges at it that have both ends in the region, m.
 std::vector<double> border_lengths(const mesh::TriangleMesh& mesh, const std::vector<mesh::VertexId>& region) {
   std::vector<double> lengths(region.size(), 0.0);
   for (const sheet::BorderEdge& edge : sheet::edges_in(mesh, region)) {
@@ -75,7 +75,8 @@ std::vector<double> border_lengths(const mesh::TriangleMesh& mesh, const std::ve
   return lengths;
 }
 
-// Area of the triangles that have all corners in the region, m^2, shared out among its vertices.
+// Returns for each vertex of a region a third of the area of the triangles at it that have all corners in the region,
+// m^2.
 std::vector<double> areas_around(const mesh::TriangleMesh& mesh, const std::vector<mesh::VertexId>& region) {
   std::vector<double> areas(region.size(), 0.0);
   for (const mesh::TriangleId t : sheet::triangles_in(mesh, region)) {
@@ -91,7 +92,7 @@ bool is_zero(const std::vector<double>& weights) {
   return std::all_of(weights.begin(), weights.end(), [](double weight) { return weight == 0.0; });
 }
 
-// Accumulates the sum, mean or extreme of rows of equal length.
+// Accumulates the sum, weighted mean, minimum or maximum of vectors of equal length.
 class Reduction {
  public:
   Reduction(Reduce how, Eigen::Index size) : how_(how), sum_(Vector::Zero(size)) {
@@ -121,7 +122,7 @@ class Reduction {
   int count_ = 0;
 };
 
-// N, 3 x V: see fem::find_reactions.
+// Returns the reactions of all vertices, N, 3 x V; see fem::find_reactions.
 mesh::VertexField reactions(const sheet::Sheet& sheet, const mesh::VertexField& v_before, double dt) {
   mesh::VertexField reaction(sheet.model().num_vertices());
   if (dt > 0.0) {
@@ -137,7 +138,7 @@ fem::Recovery recovery_of(sheet::Recovery recovery) {
   return recovery == sheet::Recovery::kPatch ? fem::Recovery::kPatch : fem::Recovery::kMean;
 }
 
-// Components xx, yy, xy of strain or stress along material x and y, in a triangle or at a vertex.
+// Computes components xx, yy, xy of strain or stress along material x and y, in a triangle or at a vertex.
 class InPlane {
  public:
   explicit InPlane(fem::MembraneField field) : field_(field) {}
@@ -156,7 +157,7 @@ class InPlane {
     }
     return tensor(recovered[static_cast<std::size_t>(vertex)]);
   }
-  // Between vertices.
+  // Interpolates the values of patch recovery at the corners of a triangle.
   Vector by_patches(const sheet::Sheet& sheet, const sheet::MaterialPoint& point) {
     Vector sum = Vector::Zero(3);
     for (std::size_t k = 0; k < 3; ++k) {
@@ -167,14 +168,14 @@ class InPlane {
   }
 
  private:
-  // The third of a strain is the shear angle, twice the tensor's component.
+  // The third component of a strain in Voigt form is the shear angle, twice the tensor's component.
   [[nodiscard]] Vector tensor(const Eigen::Vector3d& voigt) const {
     const double share = field_ == fem::MembraneField::kBiotStrain ? 0.5 : 1.0;
     return Eigen::Vector3d(voigt[0], voigt[1], share * voigt[2]);
   }
 
   fem::MembraneField field_;
-  std::vector<Eigen::Vector3d> of_slots_, of_vertices_, by_patches_;  // empty until they are needed
+  std::vector<Eigen::Vector3d> of_slots_, of_vertices_, by_patches_;  // each empty until it is needed
 };
 
 Vector of_whole_sheet(const sheet::Sheet& sheet, Quantity quantity) {
@@ -205,7 +206,7 @@ bool is_global(const Probe& probe) {
 
 }  // namespace
 
-// Holds the inputs for measuring one row, shared by all probes.
+// The inputs for measuring one row, shared by all probes.
 struct Probes::Context {
   const sheet::Sheet& sheet;
   const mesh::VertexField& v_before;
@@ -302,7 +303,7 @@ Probes::Place Probes::place_at(const sheet::Sheet& sheet, const Probe& probe, co
     lookup += kNudge * mesh.bounding_box().sizes().maxCoeff() * (*probe.side - at).normalized();
   }
   const double reach = 2.0 * kNudge * mesh.bounding_box().sizes().maxCoeff();
-  // A point of the border may lie outside by rounding alone.
+  // A point of the border may lie outside only by rounding.
   const std::optional<sheet::MaterialPoint> found = sheet::find_material_point(mesh, lookup);
   place.point = found ? *found : sheet::nearest_material_point(mesh, lookup);
   const Eigen::Vector2d there = rest_of(mesh, place.point);

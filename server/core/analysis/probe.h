@@ -15,39 +15,38 @@
 
 namespace kerf::analysis {
 
-// Measures the probes of a scene on its sheet; follows its cuts.
+// Measures the probes of a scene on its sheet, and follows cuts.
 class Probes {
  public:
-  // `requests`: valid. Errors: kInvalidArgument with the field of kerf.v1.Scene: POINT_OUTSIDE, UNKNOWN_VERTEX,
-  // REGION_EMPTY. A point of an opening may lie on a cut still to come. A region may get its vertices from a scheduled
-  // cut.
+  // `requests` must be valid. Errors: kInvalidArgument POINT_OUTSIDE, UNKNOWN_VERTEX, REGION_EMPTY, with the field of
+  // kerf.v1.Scene. A point of Quantity::kOpening may be on a cut that is not made yet. A region may be empty if cuts
+  // are scheduled, which may bring vertices.
   static Result<Probes> create(std::vector<sheet::Probe> requests, const sheet::Sheet& sheet);
 
-  // "name.x", "name[3].xx", ...; as many as measure() appends.
+  // Returns the names of the columns, such as "name.x" or "name[3].xx": one for each number that measure() appends.
   static std::vector<std::string> columns_of(const std::vector<sheet::Probe>& requests);
   [[nodiscard]] const std::vector<std::string>& columns() const { return columns_; }
 
-  // Appends the values measured on the sheet as it is. v_before: 3 x V, m/s, velocities dt (s) earlier, for the forces
-  // that accelerate held vertices; dt 0: without these forces. NaN where a place has no material any more, or an
-  // opening no lips.
+  // Measures the sheet as it is, and appends the values to `row`. `v_before`: velocities dt (s) earlier, 3 x V, m/s.
+  // They give the acceleration of held vertices, for reactions; with dt = 0 it counts as zero. A value is NaN if its
+  // place has no material any more, or an opening no lips.
   void measure(const sheet::Sheet& sheet, const mesh::VertexField& v_before, double dt, std::vector<double>& row);
 
  private:
-  // Location of one point on the mesh of a topology version.
+  // The place of one point of a probe on the present mesh.
   struct Place {
     sheet::MaterialPoint point;
-    mesh::TriangleId slot = mesh::kNone;              // of strain and stress; or
-    mesh::VertexId vertex = mesh::kNone;              // where the point is one
-    Eigen::Vector3d start = Eigen::Vector3d::Zero();  // m, world
+    mesh::TriangleId slot = mesh::kNone;              // triangle that holds the point, for strain and stress
+    mesh::VertexId vertex = mesh::kNone;              // the vertex at the point, if there is one
+    Eigen::Vector3d start = Eigen::Vector3d::Zero();  // m, position at the start in the world
     std::optional<LipPair> lips;
     bool exists = false;
   };
-  // Represents a vertex of the probe's region. For strains and stresses with Recovery::kMean it is a triangle of the
-  // region instead.
+  // A vertex of the probe's region; for strain and stress with Recovery::kMean, a triangle of the region.
   struct Member {
     std::int32_t id = 0;
-    double weight = 0.0;                              // in the mean, relative to the other weights
-    Eigen::Vector3d start = Eigen::Vector3d::Zero();  // m, world
+    double weight = 0.0;                              // weight in Reduce::kMean, relative to the other members
+    Eigen::Vector3d start = Eigen::Vector3d::Zero();  // m, position of a vertex at the start in the world
   };
   struct Located {
     std::vector<Place> places;
