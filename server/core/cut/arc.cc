@@ -46,7 +46,7 @@ Vector2d series(double angle) {
 struct EllipseFrame {
   Vector2d centre;
   Vector2d semi_axes;
-  Vector2d direction;  // of the first semi-axis, unit
+  Vector2d direction;  // unit vector along the first semi-axis
 
   [[nodiscard]] Vector2d operator()(const Vector2d& unit) const {
     const Vector2d scaled = semi_axes.cwiseProduct(unit);

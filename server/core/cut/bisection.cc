@@ -94,7 +94,7 @@ class Bisection {
     for (const TriangleId u : fan_) consider(u);
   }
 
-  // Returns true if t is an element as it was before the cut and has an edge that is not fixed.
+  // Returns true if t is an element from before the cut that lock_element() has not locked yet.
   [[nodiscard]] bool is_untouched(TriangleId t) const {
     if (t == kNone || !mesh_.is_solid(t)) return false;
     const std::array<PointId, 3>& p = mesh_.points(t);

@@ -50,7 +50,8 @@ struct CutPlan {
   std::vector<Stroke> outline;     // for a cut with a width: the whole outline of the strip
   double strip_area_m2 = 0.0;      // m^2; for a cut with a width: the area inside the outline
   double curve_deviation_m = 0.0;  // m; proven bound on the distance between curve and strokes
-  double curve_deviation_of_tolerance = 0.0;  // -; the largest ratio of that distance to the tolerance at its place
+  double curve_deviation_of_tolerance = 0.0;  // -; largest ratio of the distance between curve and strokes to the local
+                                              // tolerance
   double edge_length_m = 0.0;                 // m; the sheet's mean edge length
   double snap_m = 0.0;  // m; snap distance where edges are edge_length_m long; elsewhere it is in proportion
   CutOptions options;

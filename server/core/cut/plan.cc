@@ -101,7 +101,7 @@ Error curve_too_long(double achieved) {
 // deviation is returned in `beside` (m), and the strokes count as exact. `flatness`: for cuts with a width, the
 // deviation allowed to the strokes, m; the outline needs the rest of the tolerance.
 FlatCurve leave_out_points(FlatCurve path, const PathScale& scale, std::optional<double> flatness, double& beside) {
-  constexpr double kShareOfPicture = 0.5;  // of the tolerance
+  constexpr double kShareOfPicture = 0.5;  // -, fraction of the tolerance
   if (path.deviation_m > kShareOfPicture * flatness.value_or(scale.least_tolerance())) {
     beside = path.deviation_m;
     path.deviation_m = 0.0;

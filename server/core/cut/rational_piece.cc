@@ -215,7 +215,7 @@ double deviation_bound(const RationalPiece& piece) {
     farthest = std::max(farthest, distance_to_segment(projected(piece.points[i]), piece.start, piece.end));
     inner = std::max(inner, piece.points[i].z());
   }
-  const double pull = piece.degree == 2 ? inner : 3.0 * inner;  // k W
+  const double pull = piece.degree == 2 ? inner : 3.0 * inner;  // k W of the proof in the header
   return pull / (std::min(piece.points[0].z(), piece.points[degree].z()) + pull) * farthest;
 }
 

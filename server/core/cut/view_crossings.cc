@@ -31,8 +31,8 @@ int sign_of(std::int64_t value) {
   return value > 0 ? 1 : (value < 0 ? -1 : 0);
 }
 
-// Sides with respect to the curve shifted by (e, e^2), e > 0 infinitesimal. Neither is 0 unless its two points
-// coincide.
+// Sides with respect to the curve shifted by (e, e^2), where e > 0 is infinitesimal. A side is 0 only if the ends of
+// its segment or edge coincide.
 
 // Returns the side of the segment pq, shifted, that the point a is on.
 int side_of_segment(const LatticePoint& p, const LatticePoint& q, const LatticePoint& a) {
@@ -173,8 +173,9 @@ class Facet {
     return true;
   }
 
-  // With b the barycentrics on the picture, linear there, a point is r = sum_i r_i b_i / w_i / sum_j b_j / w_j in rest
-  // space, so dr = sum_i (r_i - r) db_i / w_i / sum_j b_j / w_j.
+  // Bounds the derivative of the map from picture to material space. Let b_i be the barycentric coordinates in the
+  // picture, which are linear there, and w_i the clip w of the corners. The image is r = sum_i r_i b_i / w_i / sum_j
+  // b_j / w_j, so dr = sum_i (r_i - r) db_i / w_i / sum_j b_j / w_j.
   [[nodiscard]] ViewStretch stretch() const {
     ViewStretch stretch;
     double sum = 0.0;

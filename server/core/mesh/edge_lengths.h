@@ -19,7 +19,7 @@ struct Lattice;
 struct EdgeLengths {
   Eigen::AlignedBox2d bounds;          // m
   double mean = 0.0;                   // m, > 0; mean of sqrt(2 area) over all triangles of the sheet
-  std::int32_t columns = 0, rows = 0;  // 0 where `mean` holds everywhere
+  std::int32_t columns = 0, rows = 0;  // number of cells in x and y; 0 if one length holds everywhere
   std::vector<std::int8_t> exponents;  // rows x columns, row by row from the lower left: length = mean * 2^exponent
   std::int8_t least_exponent = 0;      // least of `exponents`; 0 if there are none
 

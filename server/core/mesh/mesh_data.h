@@ -44,7 +44,7 @@ struct TriangleRecord {
   std::array<TriangleId, 3> neighbours{kNone, kNone, kNone};  // in the welded mesh, across edge k; kNone at the rim of
                                                               // the domain only
   std::array<VertexId, 3> vertices{kNone, kNone, kNone};      // in the opened mesh; kNone in the void
-  std::array<LockBits, 3> locks{0, 0, 0};                     // of edge k
+  std::array<LockBits, 3> locks{0, 0, 0};                     // locks of edge k
   // Number of a part of the sheet whose borders flips do not cross. It is the label given at import, >= 0; if the rest
   // shape is curved, the number of the facet. kNone = void.
   std::int32_t region = kNone;
@@ -55,8 +55,8 @@ struct TriangleRecord {
 // All that a TriangleMesh holds.
 struct MeshData {
   Lattice lattice;
-  Eigen::AlignedBox2d bounds;                  // of the sheet as built, m
-  EdgeLengths lengths;                         // of the sheet as built
+  Eigen::AlignedBox2d bounds;                  // m, bounding box of the sheet as built
+  EdgeLengths lengths;                         // local edge lengths of the sheet as built
   std::shared_ptr<const RestSurface> surface;  // null: the rest shape is flat, the material plane itself
   std::vector<PointRecord> points;             // by PointId
   std::vector<VertexRecord> vertices;          // by VertexId

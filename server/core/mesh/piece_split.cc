@@ -48,7 +48,7 @@ class ComponentGrowth {
  private:
   struct Group {
     std::vector<TriangleId> members;
-    std::vector<TriangleId> frontier;  // from `next` on: members whose neighbours are still to be looked at
+    std::vector<TriangleId> frontier;  // from index `next` on: members whose neighbours were not visited yet
     std::size_t next;
     std::int32_t parent;  // index of this group, or of the group it was merged into
     std::size_t piece;    // index into pieces_

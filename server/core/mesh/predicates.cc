@@ -46,7 +46,7 @@ Int256 multiply(Int128 a, Int128 b) {
   return (a < 0) != (b < 0) ? product.negated() : product;
 }
 
-// round(value * numerator / denominator), ties away from zero; 0 <= numerator <= denominator, denominator > 0,
+// Returns round(value * numerator / denominator), ties away from zero; 0 <= numerator <= denominator, denominator > 0,
 // |value| <= 2^53. Starts from a floating-point guess (relative error < 2^-50, so off by a few units at most) and walks
 // to the exact answer: the integer q with |2 (value * numerator - q * denominator)| <= denominator.
 std::int64_t rounded_share(std::int64_t value, Int128 numerator, Int128 denominator) {
@@ -104,7 +104,7 @@ int in_circle_exact(const LatticePoint& a, const LatticePoint& b, const LatticeP
 }
 
 int in_circle(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c, const LatticePoint& d) {
-  // Differences are exact in double (at most 53 bits), as Shewchuk's bound A requires them to be no worse than rounded.
+  // Differences are exact in double (at most 53 bits). Shewchuk's bound A would even allow rounded ones.
   const double adx = static_cast<double>(a.x - d.x), ady = static_cast<double>(a.y - d.y);
   const double bdx = static_cast<double>(b.x - d.x), bdy = static_cast<double>(b.y - d.y);
   const double cdx = static_cast<double>(c.x - d.x), cdy = static_cast<double>(c.y - d.y);

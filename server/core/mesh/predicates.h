@@ -8,8 +8,8 @@ namespace kerf::mesh {
 
 __extension__ using Int128 = __int128;
 
-// A point of rest space on the mesh's lattice (see Lattice). |x|, |y| <= 2^52, so that every difference of two
-// coordinates is exact in a double and has at most 54 bits with its sign.
+// A point in material coordinates, on the lattice of the mesh (see Lattice). |x|, |y| <= 2^52, so that every difference
+// of two coordinates is exact in a double and has at most 54 bits with its sign.
 struct LatticePoint {
   std::int64_t x = 0;  // lattice units
   std::int64_t y = 0;  // lattice units
@@ -22,7 +22,7 @@ inline constexpr std::int64_t kMaxCoordinate = std::int64_t{1} << 52;
 // All predicates below are exact for every pair of valid points. Signs are -1, 0 or 1. Bits, with differences |d| <=
 // 2^53: orient2d |2A| <= 2^107 (128 bits suffice); in_circle <= 3 * 2^107 * 2^107 < 2^216 (256 bits suffice).
 
-// Twice the signed area of (a, b, c), lattice units squared; > 0 <=> counter-clockwise.
+// Returns twice the signed area of (a, b, c), lattice units squared; > 0 if counter-clockwise.
 inline Int128 doubled_area(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c) {
   return static_cast<Int128>(b.x - a.x) * (c.y - a.y) - static_cast<Int128>(b.y - a.y) * (c.x - a.x);
 }

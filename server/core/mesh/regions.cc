@@ -12,7 +12,7 @@ TriangleMesh with_regions(const TriangleMesh& mesh, std::span<const std::int32_t
   KERF_CHECK(regions.size() == static_cast<std::size_t>(mesh.num_triangle_slots()), "one region a slot");
   MeshData data = mesh.data();
   RestSurface surface;
-  std::map<std::pair<std::int32_t, std::int32_t>, std::int32_t> facet_of;  // by old facet and region
+  std::map<std::pair<std::int32_t, std::int32_t>, std::int32_t> facet_of;  // new facet, by old facet and new region
   for (std::size_t t = 0; t < regions.size(); ++t) {
     TriangleRecord& record = data.triangles[t];
     if (record.region == kNone) continue;

@@ -10,7 +10,7 @@
 namespace kerf::mesh {
 
 TriangleShape shape_of(const std::array<LatticePoint, 3>& corners) {
-  std::array<double, 3> squared{};  // of the edge opposite each corner
+  std::array<double, 3> squared{};  // squared length of the edge opposite each corner
   for (int k = 0; k < 3; ++k) {
     squared[k] = squared_distance(corners[next_corner(k)], corners[previous_corner(k)]);
   }

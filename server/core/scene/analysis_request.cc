@@ -30,7 +30,7 @@ Status validate(const StaticAnalysis& analysis, const std::string& path) {
   return check_integer(analysis.max_iterations, 1, kMaxStaticIterations, path + ".max_iterations");
 }
 
-// Returns true if the quantity is one of the whole sheet.
+// Returns true if the quantity belongs to the whole sheet, not to a place.
 bool is_global(Quantity quantity) {
   switch (quantity) {
     case Quantity::kEnergy:
@@ -68,7 +68,7 @@ Status validate_place(const Probe& probe, const std::string& path) {
   return Nothing{};
 }
 
-// Choices that only some quantities have.
+// Refuses choices that do not apply to the quantity of the probe.
 Status validate_field(const Probe& probe, const std::string& path) {
   if (probe.recovery != Recovery::kMean && !is_in_plane(probe.quantity)) {
     return invalid_argument("RECOVERY_UNUSED", path + ".recovery applies to STRAIN and STRESS only; leave it out",

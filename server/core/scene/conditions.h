@@ -95,7 +95,7 @@ inline constexpr double kMaxSpeed = 1.0e6;          // m/s and rad/s, largest |c
 
 // A factor over time: linear between the given times, constant before the first and after the last.
 struct History {
-  std::vector<double> times;    // ascending
+  std::vector<double> times;    // s, or -, loads of a static analysis; ascending
   std::vector<double> factors;  // as many as times
 
   // Returns the factor at a time, or `absent` if there are no times.

@@ -117,7 +117,7 @@ struct RegionMaterial {
 // The integrator of a sheet.
 enum class IntegratorKind {
   kAutomatic,         // see fem::AutomaticIntegrator
-  kExplicitLeapfrog,  // stable substeps
+  kExplicitLeapfrog,  // explicit, with as many substeps per tick as stability requires
   kImplicitEuler,     // Newton iterations; first order, strongly damped
   kTrapezoidal,       // Newton iterations; second order, damps nothing
   kBdf2,              // Newton iterations; second order, damps unresolved frequencies
@@ -181,15 +181,15 @@ enum class Quantity {
   kDisplacement,     // m, x y z
   kPosition,         // m, x y z
   kVelocity,         // m/s, x y z
-  kReaction,         // N, x y z
+  kReaction,         // N, force that pins and constraints exert, x y z
   kStrain,           // -, xx yy xy in material coordinates, co-rotational; xy: half the shear angle
-  kStress,           // Pa, xx yy xy: of Probe::measure
+  kStress,           // Pa, xx yy xy of the stress that Probe::measure selects
   kEnergy,           // J, kinetic, membrane, bending, gravity, total
   kMomentum,         // kg m/s, x y z
   kAngularMomentum,  // kg m^2/s, x y z about the centre of mass
   kCentreOfMass,     // m, x y z
-  kOpening,          // m, normal sliding lateral
-  kExtent,           // m, x y z
+  kOpening,          // m, distance of a cut's lips: normal, sliding, lateral
+  kExtent,           // m, size of the bounding box in the world, x y z
 };
 
 enum class Reduce { kEach, kMean, kSum, kMin, kMax };

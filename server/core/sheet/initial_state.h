@@ -21,7 +21,7 @@ struct InitialState {
   BuiltMesh built;
   MaterialSetup materials;
   Eigen::Matrix3Xd velocities;         // 3 x V, m/s
-  std::vector<mesh::VertexId> pinned;  // sorted, unique
+  std::vector<mesh::VertexId> pinned;  // vertices of SheetConfig::pins, sorted, unique
   HeldVertices held_vertices;
   AppliedForces applied_forces;
 };

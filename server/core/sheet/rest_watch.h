@@ -29,9 +29,9 @@ class MotionWindow {
 
  private:
   double length_;
-  double time_ = 0.0;                     // s, time without disturbance after which a sheet may be calm
+  double time_ = 0.0;                     // s, since begin()
   Eigen::Index num_vertices_ = 0;         // number of vertices; the arrays may have room for more
-  Eigen::Matrix3Xd start_;                // m, largest expected motion of a sheet at rest
+  Eigen::Matrix3Xd start_;                // m, positions at begin()
   std::array<int, 3> num_ticks_{};        // ticks in each third
   std::array<Eigen::Matrix3Xd, 3> sums_;  // m, sum over the ticks of each third of positions minus start_
   Eigen::Matrix3Xd last_, low_, high_;    // m, minus start_: the last positions, and least and greatest coordinates in
@@ -53,15 +53,15 @@ class MotionWindow {
 // in place.
 class RestWatch {
  public:
-  static constexpr double kCalmAfter = 5.0;      // s
+  static constexpr double kCalmAfter = 5.0;      // s, time without disturbance after which a sheet may be calm
   static constexpr double kCalmHeight = 4.0e-5;  // -, over the size of the sheet
   static constexpr double kDampingRate = 0.8;    // -, largest decay rate of velocities over sqrt(g / size)
-  static constexpr double kShortWindow = 2.0;    // s
-  static constexpr double kLongWindow = 8.0;     // s
-  static constexpr double kHorizon = 60.0;       // s
+  static constexpr double kShortWindow = 2.0;    // s, length of the short MotionWindow
+  static constexpr double kLongWindow = 8.0;     // s, length of the long MotionWindow
+  static constexpr double kHorizon = 60.0;       // s, time for which the motion is predicted
   static constexpr double kSwing = 6.0;          // -, least length of a window over sqrt(size / g), to tell slowing
                                                  // down from swinging
-  static constexpr double kTolerance = 9.0e-5;   // m
+  static constexpr double kTolerance = 9.0e-5;   // m, largest expected motion of a sheet at rest
 
   struct Tick {
     double gravity = 0.0;  // m/s^2, >= 0

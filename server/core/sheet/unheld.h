@@ -13,7 +13,7 @@ namespace kerf::sheet {
 // A piece without equilibrium: forces push it along an axis along which nothing holds it.
 struct UnheldPiece {
   std::int32_t piece = 0;
-  Eigen::Vector2d material{0.0, 0.0};  // m, one of its vertices
+  Eigen::Vector2d material{0.0, 0.0};  // m, material coordinates of one of its vertices
   int component = 0;                   // axis x, y or z of the world, 0..2
   double force = 0.0;                  // N, sum of gravity and external forces on it along that axis
 };

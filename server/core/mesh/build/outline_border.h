@@ -89,7 +89,7 @@ class OutlineBorder : public BorderCurves {
   std::vector<Chord> chords_;  // contour by contour
   BoxTree tree_;               // of chords_, in lattice units
   std::vector<Vertex> vertices_;
-  std::vector<std::int32_t> next_;  // by vertex
+  std::vector<std::int32_t> next_;  // the next vertex on the same contour, by vertex
   Lattice mesh_lattice_;
   std::vector<std::int32_t> vertex_of_;  // index into vertices_, by PointId
   double proposed_ = 0.0;                // station of the place that between() returned last

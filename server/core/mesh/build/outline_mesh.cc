@@ -25,7 +25,7 @@ constexpr double kDefaultEdges = 32.0;     // edges along the larger side of the
 constexpr double kGradingOfBorder = 0.25;  // -; growth of the edge length away from short edges of contours
 // An edge of a contour is short if its length is below this fraction of the size requested there. -
 constexpr double kAsAsked = 0.8;
-constexpr double kWellShaped = 0.96;      // quality, see relaxation.h  -
+constexpr double kWellShaped = 0.96;      // -; `well_shaped` of relax()
 constexpr double kEstimateMargin = 1.15;  // factor on max_vertices; outlines with a higher estimate are refused at once
                                           // -
 constexpr double kAreaOfVertex = 0.8660254037844386;  // area over squared edge length: two triangles -

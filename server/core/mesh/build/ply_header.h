@@ -15,7 +15,7 @@ enum class PlyFormat { kAscii, kLittleEndian, kBigEndian };
 
 enum class PlyType { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat32, kFloat64 };
 
-// Bytes of a number of this type.
+// Returns the size of a number of this type, bytes.
 std::size_t size_of(PlyType type);
 
 // Meaning of a property for the sheet; kCorners is the list of a face's vertices.

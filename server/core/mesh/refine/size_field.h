@@ -28,7 +28,7 @@ class SizeField {
 
   [[nodiscard]] double at(const Eigen::Vector2d& position) const;
   [[nodiscard]] double largest() const { return largest_; }
-  // Largest growth of all sources; 0 without any.
+  // Returns the largest growth of all sources; 0 if there are none.
   [[nodiscard]] double steepest_growth() const { return steepest_growth_; }
 
  private:
