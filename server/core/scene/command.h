@@ -71,7 +71,8 @@ struct Grab {
                                                         // sheet's other grabs
   std::variant<mesh::VertexId, Eigen::Vector2d> point;  // an existing vertex, or a material point of the sheet (m)
   std::optional<Eigen::Vector3d> target;                // m, world; absent: where the point is now
-  double stiffness = 0.0;                               // N/m, 0..kMaxGrabStiffness; 0: the largest that is stable
+  double stiffness = 0.0;                               // N/m, 0..kMaxGrabStiffness; 0: chosen from the mass and the
+                                                        // material of the sheet
 };
 
 struct Drag {

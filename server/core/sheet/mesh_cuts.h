@@ -16,7 +16,7 @@
 
 namespace kerf::sheet {
 
-// The parts of a sheet, apart from the mesh, that cuts need. As they are before the cuts.
+// The parts of a sheet, apart from the mesh, that cuts need, as they are before the cuts.
 struct CutSurroundings {
   std::int32_t max_vertices = 0;  // most vertices that the mesh may have
   const PinSet& pins;
