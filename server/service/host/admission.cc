@@ -9,7 +9,8 @@ namespace kerf::host {
 
 namespace {
 
-constexpr double kNewestWeight = 1.0 / 16.0;  // Weight in the running mean, -; one slow first tick counts little.
+// -, weight of the newest tick in the running mean; one slow tick counts little.
+constexpr double kNewestWeight = 1.0 / 16.0;
 
 }  // namespace
 

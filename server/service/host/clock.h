@@ -7,7 +7,7 @@
 
 namespace kerf::host {
 
-// Time since an arbitrary start that is the same for all readings of one clock; never decreases.
+// Represents a time, counted from an arbitrary start that is fixed for each clock, or the length of a span of time.
 using Nanoseconds = std::chrono::nanoseconds;
 
 inline double seconds(Nanoseconds time) {
@@ -23,6 +23,7 @@ enum class TimerId : std::uint64_t {};
 class Clock {
  public:
   virtual ~Clock() = default;
+  // Returns the present time, which never decreases.
   [[nodiscard]] virtual Nanoseconds now() const = 0;
   // Microseconds since 1970, for display only: it jumps when the machine's clock is set.
   [[nodiscard]] virtual std::int64_t unix_us() const = 0;

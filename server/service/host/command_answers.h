@@ -15,14 +15,15 @@
 
 namespace kerf::host {
 
-// Returns the results of all commands of a tick: first those of report.scheduled, then those of `pending`, each in
-// order. `began`: when the tick began. Estimates of tick times are left at 0.
+// Returns the results of all commands of a tick: first those of report.scheduled, which are the scene's own commands,
+// then those of `pending`, each in order. `began`: time at which the tick began. `timer`: has timed the tick's cuts.
+// CommandTimings::tick_before_us, tick_after_us and budget_us are left at 0.
 std::vector<Result<CommandResult>> command_results(const sheet::TickReport& report,
                                                    const std::vector<PendingCommand>& pending, Nanoseconds began,
                                                    const StageTimer& timer);
 
-// Answers each command of a tick once, in order. The destructor answers those left with kResourceExhausted
-// OUT_OF_MEMORY, since later work may find them half done.
+// Answers each command of a tick once, in order. The destructor answers commands that have no answer yet with
+// kResourceExhausted OUT_OF_MEMORY, because the tick has then run out of memory.
 class CommandAnswers {
  public:
   // `pending` must outlive this; its commands may have been moved out.
@@ -31,8 +32,8 @@ class CommandAnswers {
   CommandAnswers(const CommandAnswers&) = delete;
   CommandAnswers& operator=(const CommandAnswers&) = delete;
 
-  // Answers each command, or passes it to `listener` (may be null), before the next one. `commands`: those of the
-  // pending ones, in order. `results`: see command_results().
+  // Answers each command, or passes it to `listener` (may be null), before the next one. `commands`: the commands of
+  // the pending ones, in the same order. `results`: see command_results().
   void answer_all(const std::string& sheet_id, const sheet::SheetConfig& config, const sheet::TickReport& report,
                   const std::vector<sheet::Command>& commands, const std::vector<Result<CommandResult>>& results,
                   const CommandListener* listener);
@@ -41,7 +42,7 @@ class CommandAnswers {
   void answer_next(const Result<CommandResult>& result);
 
   const std::vector<PendingCommand>& pending_;
-  std::size_t next_ = 0;
+  std::size_t next_ = 0;  // Index of the pending command to be answered next.
 };
 
 }  // namespace kerf::host

@@ -14,23 +14,24 @@
 
 namespace kerf::host {
 
-// A command on its way into a tick.
+// Holds a command that waits for a tick, or that a tick is doing.
 struct PendingCommand {
   sheet::Command command;
   Callback<CommandResult> done;  // Empty if the listener gets the outcome instead.
   Nanoseconds queued_at{0};      // Time of push(); 0 for a command that was never queued.
   ScheduleId schedule_id{};      // Zeros for a command that was never scheduled.
-  bool is_repeat = false;        // The sheet's own Reset.
+  bool is_repeat = false;        // A Reset by the sheet itself, to repeat its scene.
 };
 
-// Holds the commands of one sheet that wait: the queued ones for the next tick boundary, the scheduled ones for a tick.
+// Holds the waiting commands of one sheet. Queued commands wait for the next tick boundary, scheduled ones for a given
+// tick.
 //
 // Invariants:
 //   1. At most `max_queued` commands are queued, not counting those of push_release(), and at most `max_scheduled` are
 //      scheduled.
 //   2. HostMetrics::queued_commands counts the queued ones.
 //   3. has_revert() is true exactly while an UndoCut or Reset is queued.
-//   4. Scheduled commands are sorted by tick, those of one tick by number. Numbers are 1, 2, ... and never used twice.
+//   4. Scheduled commands are sorted by tick, and within a tick by number. Numbers are 1, 2, ... and never used twice.
 //
 // Functions for queued commands are thread-safe. Those for scheduled commands are for one thread at a time.
 class CommandQueue {
@@ -38,20 +39,21 @@ class CommandQueue {
   // `max_queued`, `max_scheduled`: >= 1. `board` must outlive this.
   CommandQueue(std::int32_t max_queued, std::int32_t max_scheduled, MetricsBoard& board);
 
-  // Queues a command at time `now`. On kResourceExhausted QUEUE_FULL `done` is left unmoved.
+  // Queues a command at time `now`. If the queue is full, returns kResourceExhausted QUEUE_FULL and leaves `done`
+  // unmoved, so that the caller can still call it.
   Status push(sheet::Command command, Callback<CommandResult>& done, Nanoseconds now);
-  // Queues a release even if the queue is full, without an answer to anyone.
+  // Queues a Release of a grab even if the queue is full. Neither a caller nor the listener gets its outcome.
   void push_release(std::string grab_id, Nanoseconds now);
   // Removes all queued commands and returns them in the order they came.
   std::vector<PendingCommand> take_queued();
-  // True if a queued command takes back what the tick in progress computes: an UndoCut or Reset.
+  // True if an UndoCut or Reset is queued: it will discard the result of the tick in progress.
   [[nodiscard]] bool has_revert() const { return has_revert_; }
 
-  // Schedules a command for `at_tick` and returns its number. `tick`: the last one that the sheet has done.
+  // Schedules a command for `at_tick` and returns its number. `tick`: the last tick that the sheet has done.
   // kFailedPrecondition TICK_PAST unless at_tick > tick; kResourceExhausted TOO_MANY_SCHEDULED.
   Result<std::int64_t> schedule(sheet::Command command, std::int64_t at_tick, std::int64_t tick);
-  // Removes a scheduled command and returns it. kNotFound SCHEDULED_CUTS_NOT_FOUND for a number never given;
-  // kFailedPrecondition SCHEDULED_CUTS_SETTLED for a command that no longer waits.
+  // Removes a scheduled command and returns it. kNotFound SCHEDULED_CUTS_NOT_FOUND for a number that schedule() never
+  // returned; kFailedPrecondition SCHEDULED_CUTS_SETTLED for a command that no longer waits.
   Result<ScheduledCommand> cancel(std::int64_t number);
   // Removes the commands scheduled for `tick` or before it and returns them in order.
   std::vector<PendingCommand> pop_due(std::int64_t tick);
@@ -67,7 +69,7 @@ class CommandQueue {
   std::vector<PendingCommand> queued_;   // guarded by mutex_
   std::atomic<bool> has_revert_{false};  // Written with mutex_ held.
   std::vector<ScheduledCommand> scheduled_;
-  std::int64_t num_scheduled_ = 0;  // Total so far.
+  std::int64_t num_scheduled_ = 0;  // Commands scheduled so far, and so the last number returned.
 };
 
 }  // namespace kerf::host

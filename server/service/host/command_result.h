@@ -9,18 +9,19 @@
 
 namespace kerf::host {
 
-// Called exactly once: on a worker thread, or within the call if it is refused at once. Must not block.
+// Receives the result of a call of Host. Called exactly once: on a worker thread, or within the call if that is refused
+// at once. Must not block.
 template <typename T>
 using Callback = std::function<void(Result<T>)>;
 
 struct CommandTimings {
   double queued_us = 0.0;  // From submit() to the tick boundary; 0 for a scheduled command.
-  double cut_us = 0.0;     // Plan, apply, remesh.
-  double update_us = 0.0;  // Update of model and state.
-  // Expected time of a tick before and after the commands of this boundary; see TickEstimate.
+  double cut_us = 0.0;     // Planning and applying a cut, and remeshing.
+  double update_us = 0.0;  // Updating the mechanical model and the state after a cut.
+  // Expected time of a tick before and after all commands of the same tick boundary; see TickEstimate.
   double tick_before_us = 0.0;
   double tick_after_us = 0.0;
-  double budget_us = 0.0;  // a tick's period on the wall clock
+  double budget_us = 0.0;  // Wall time between ticks; a longer tick is late.
 };
 
 struct CommandResult {
@@ -30,8 +31,8 @@ struct CommandResult {
 
 // Identifies a command that is scheduled for a tick.
 struct ScheduleId {
-  std::int64_t at_tick = 0;  // 0: at the next tick boundary.
-  std::int64_t number = 0;   // Number of the call of schedule(): 1, 2, ... per sheet; 0 for commands of a scene.
+  std::int64_t at_tick = 0;  // Tick at whose start the command is done; 0: the next tick boundary.
+  std::int64_t number = 0;   // As returned by Host::schedule(): 1, 2, ... per sheet; 0 for commands of a scene.
 };
 
 struct ScheduledCommand {

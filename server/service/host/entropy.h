@@ -7,8 +7,8 @@
 
 namespace kerf::host {
 
-// Provides the server's only randomness: names of sheets and of the server's run. Never part of a simulation.
-// Thread-safe.
+// Provides the server's only randomness, for the names of sheets and the id of each start of the server. Never part of
+// a simulation. Thread-safe.
 class Entropy {
  public:
   virtual ~Entropy() = default;

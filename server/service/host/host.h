@@ -37,11 +37,11 @@ namespace kerf::host {
 
 class SheetRunner;
 
-// Is the only owner of sheets, and the only class that runs them in real time. Each sheet has its own strand of one
-// thread pool and ticks at the absolute deadlines t0 + k * dt / speed. A late sheet catches up by at most
-// kMaxCatchUpTicks; the remaining time is given up, counted and reported. A sheet at rest has no timer until it is
-// changed. Without viewers no snapshot is built. All functions are thread-safe and return at once, except stop() and
-// wait_idle().
+// Is the only owner of sheets, and the only class that runs them in real time. Each sheet has a strand: a queue whose
+// work runs on one thread pool, one piece at a time. A tick simulates the time dt, and tick k is due at t0 + k * dt /
+// speed. A late sheet catches up by at most kMaxCatchUpTicks; the remaining time is given up, counted and reported. A
+// sheet at rest sleeps: it does not tick until it is changed or its scene repeats. A snapshot is built only while a
+// sink wants one. All functions are thread-safe and return at once, except stop() and wait_idle().
 //
 // Errors, beside those named at each function: kNotFound SHEET_NOT_FOUND, kUnavailable HOST_STOPPING, and kAborted
 // SHEET_DELETED for calls that were waiting when the sheet was deleted.
@@ -50,15 +50,16 @@ class Host {
   static constexpr std::int64_t kMaxCatchUpTicks = 2;
   static constexpr double kMinSpeed = 0.01;
   static constexpr double kMaxSpeed = 4.0;
-  // Ticks that take longer are long: status() does not wait for them, and more calls may interrupt them. An interrupted
-  // tick discards its integration, keeps the effect of its commands, and starts again. These calls interrupt:
+  // Wall time beyond which a tick is long. status() does not wait for a long tick, and more calls may interrupt it. An
+  // interrupted tick discards its integration and keeps the effect of its commands; it is repeated later. These calls
+  // interrupt:
   //                               live tick    replayed tick    tick with commands of the sheet's config
   //   delete_sheet(), stop()      yes          yes              yes (the sheet freezes, and is closed)
   //   stop token of step()        yes          no               no
   //   pause(), UndoCut, Reset     if long      no               no
   static constexpr Nanoseconds kLongTick = std::chrono::milliseconds(100);
-  static constexpr std::int32_t kTicksPerTurn = 4;  // Ticks of a step() call before other sheets get their turn.
-  // Entries of a recording before a tick, and as many after it, before other sheets get their turn.
+  static constexpr std::int32_t kTicksPerTurn = 4;  // Ticks of a step() call in one turn; other sheets then get theirs.
+  // Limit on entries of a recording applied in one turn before a tick, and on those after it.
   static constexpr std::int32_t kEntriesPerTurn = 4;
 
   // `clock` and `entropy` must outlive the host.
@@ -77,56 +78,60 @@ class Host {
   //   kAborted            CREATION_ABANDONED if a stop is requested before it is built
   void create_sheet(std::string id, sheet::SheetConfig config, bool paused, Callback<SheetStatus> done,
                     const std::stop_token& stop = {});
-  // Builds the sheet of a recording and plays it at its pace. It performs only the recorded commands (others get
-  // kFailedPrecondition REPLAYING) and pauses at the end, see ReplayState. Errors of create_sheet() and
-  // sheet::check_order().
+  // Builds the sheet of a recording and plays the recording in real time, at the sheet's speed. The sheet does only the
+  // recorded commands; others get kFailedPrecondition REPLAYING. It pauses at the end, see ReplayState. Errors of
+  // create_sheet() and sheet::check_order().
   void replay(std::string id, sheet::Recording recording, bool paused, Callback<SheetStatus> done,
               const std::stop_token& stop = {});
-  // Returns the run of a sheet up to now. kFailedPrecondition: see KeptRecording.
+  // Returns the recording that the sheet has kept in memory, up to its present tick. Errors of KeptRecording::until().
   void recording(const std::string& id, Callback<KeptRun> done);
   // Deletes a sheet: ends its sinks (kSheetDeleted) and the calls that wait for it (kAborted). Then calls `closed`; no
-  // sink or listener gets anything about this sheet afterwards. Its name becomes free after that.
+  // sink or listener gets anything about this sheet afterwards. The name becomes free once `closed` has returned.
   void delete_sheet(const std::string& id, Callback<Nothing> done, std::function<void()> closed = {});
 
   // Returns the sorted ids; sheets still being built are left out.
   [[nodiscard]] std::vector<std::string> list() const;
-  // Returns the status between two ticks. During a long tick, or one after a long one, it returns that of statuses(),
-  // without state hash.
+  // Returns the status between two ticks. During a long tick, and during a tick that follows a long one, it returns the
+  // status that statuses() gives, without state hash.
   void status(const std::string& id, Callback<SheetStatus> done);
-  // Returns the status of those `ids` that exist, in that order. Each is as of the sheet's last tick, command or change
-  // of run state. It does not wait for sheets in the middle of a long tick.
+  // Returns the statuses of the sheets that exist among `ids`, in the order of `ids`. Each is as of the sheet's last
+  // tick, command or change of run state. It does not wait for ticks in progress.
   [[nodiscard]] std::vector<SheetStatus> statuses(const std::vector<std::string>& ids) const;
 
-  // Queues a command for the next tick boundary; wakes a sleeping sheet. On a paused or failed sheet it is done at
-  // once, without advancing time. kResourceExhausted QUEUE_FULL at once; otherwise the sheet's errors.
-  // sheet::validate() must accept the command, as it does every command decoded by wire. The sheet refuses any other at
-  // its tick, but a recording of it cannot be read.
+  // Queues a command for the next tick boundary; wakes a sleeping sheet. On a paused or failed sheet the command is
+  // done at once, without advancing time. `done` receives kResourceExhausted QUEUE_FULL within this call, or the
+  // sheet's own errors once the command is due. sheet::validate() must accept the command, as it accepts every command
+  // decoded by wire. The sheet refuses any other command when it is due, but a recording of that command cannot be
+  // read.
   void submit(const std::string& id, sheet::Command command, Callback<CommandResult> done);
-  // Schedules a command for the start of tick `at_tick`, before commands queued then. Commands of one tick run in the
-  // order of these calls. `done` receives the command's number once it is scheduled; the listener receives its outcome.
-  // A sheet with such a command does not fall asleep, and a Reset does not cancel it. kFailedPrecondition TICK_PAST,
-  // field "at_tick", for a tick that is not ahead; kResourceExhausted TOO_MANY_SCHEDULED.
+  // Schedules a command for the start of tick `at_tick`, before commands queued at that time. Commands scheduled for
+  // one tick run in the order in which they were scheduled. `done` receives the command's number once it is scheduled;
+  // the listener receives its outcome. A sheet with a scheduled command does not fall asleep, and a Reset does not
+  // cancel the command. kFailedPrecondition TICK_PAST, field "at_tick", for a tick that is not ahead;
+  // kResourceExhausted TOO_MANY_SCHEDULED.
   void schedule(const std::string& id, sheet::Command command, std::int64_t at_tick, Callback<std::int64_t> done);
-  // Returns the scheduled commands that still wait, by tick.
+  // Returns the scheduled commands that still wait, sorted by tick.
   void scheduled(const std::string& id, Callback<std::vector<ScheduledCommand>> done);
   // Cancels a scheduled command: it is never done, and no listener receives it. kNotFound SCHEDULED_CUTS_NOT_FOUND for
-  // a number never given; kFailedPrecondition SCHEDULED_CUTS_SETTLED for a command that no longer waits.
+  // a number that schedule() never returned; kFailedPrecondition SCHEDULED_CUTS_SETTLED for a command that no longer
+  // waits.
   void cancel(const std::string& id, std::int64_t number, Callback<ScheduledCommand> done);
   // Sets the listener, replacing the one before. From now on it receives every command done without a caller to answer:
   // those of a scene, of schedule(), of a recording being played, and a sheet's own Reset. It also receives scheduled
-  // commands that are refused at their tick. Calls come in the order of the sheet, between the answers to callers. Set
-  // it before any sheet exists, and it misses nothing.
+  // commands that are refused at their tick. Calls come in the order of the sheet, between the answers to callers. A
+  // listener set after sheets exist may have missed commands.
   void set_command_listener(CommandListener listener);
-  // Queues a release even if the queue is full, for a client that goes away; once per grab. Does nothing if the sheet
-  // is gone, or if a reset has removed the grab.
+  // Queues a Release of a grab even if the queue is full, for a client that has left. To be called once per grab. Does
+  // nothing if the sheet is gone, or if a reset has removed the grab.
   void release_grab(const std::string& id, std::string grab_id);
 
   // Pauses a sheet; ends a running step() call.
   void pause(const std::string& id, Callback<SheetStatus> done);
   // Resumes a sheet. kFailedPrecondition STEPPING while a step() call runs.
   void resume(const std::string& id, Callback<SheetStatus> done);
-  // Sets the ratio of simulated to wall time, -, kMinSpeed..kMaxSpeed; initially 1. The ticks are the same, and a
-  // step() call ignores it. kInvalidArgument OUT_OF_RANGE, field "speed".
+  // Sets the ratio of simulated to wall time, -, kMinSpeed..kMaxSpeed; initially 1. The speed changes the deadlines
+  // only: ticks compute the same at any speed, and a step() call ignores it. kInvalidArgument OUT_OF_RANGE, field
+  // "speed".
   void set_speed(const std::string& id, double speed, Callback<SheetStatus> done);
   // Runs exactly `ticks` ticks of a paused sheet as fast as possible, then answers. A pause(), a Reset, the end of a
   // replay or a stop requested through `stop` ends it early, with the ticks done so far. kInvalidArgument outside
@@ -136,18 +141,18 @@ class Host {
   // Calls `look` between two ticks, on the sheet's strand.
   void inspect(const std::string& id, std::function<void(const sheet::Sheet&)> look, Callback<Nothing> done);
 
-  // Adds a sink. It gets the present snapshot at once, even from a sleeping sheet, and every later one while it wants
-  // them.
+  // Adds a sink. It gets the present snapshot at once, even from a sleeping sheet, and every later one while
+  // SnapshotSink::wants_snapshot() is true.
   void add_sink(const std::string& id, std::shared_ptr<sheet::SnapshotSink> sink, Callback<Nothing> done);
-  // Publishes the present snapshot to the sink once more, because it wants more of it than before. Does nothing if the
-  // sink was not added.
+  // Publishes the present snapshot to the sink once more, for instance because the sink now wants strains. Does nothing
+  // if the sink was not added.
   void refresh_sink(const std::string& id, std::shared_ptr<sheet::SnapshotSink> sink, Callback<Nothing> done);
   // Removes a sink: it gets no calls once `done` is called. Does not call ended().
   void remove_sink(const std::string& id, std::shared_ptr<sheet::SnapshotSink> sink, Callback<Nothing> done);
 
   [[nodiscard]] HostMetrics metrics() const;
-  // Returns the need of running sheets over the number of workers, -, >= 0. Above 1 they cannot all keep pace. See
-  // WorkerNeed.
+  // Returns the load: the needs (see WorkerNeed) of running sheets and of sheets being built to run, over the number of
+  // workers. -, >= 0. Above 1 the sheets cannot all keep pace.
   [[nodiscard]] double load() const;
   [[nodiscard]] const HostOptions& options() const;
 
@@ -173,14 +178,14 @@ class Host {
     std::stop_token stop;
   };
   static constexpr Nanoseconds kReleaseDelay = std::chrono::seconds(2);
-  // Limit on sheets being built at the same time; others wait.
+  // Limit on sheets being built at the same time; further ones wait.
   static constexpr std::size_t kMaxBuilders = 3;
 
   // Builds a sheet on a builder thread. `playback`: the recording that the sheet is to play; null: none.
   void create(std::string id, sheet::SheetConfig config, std::unique_ptr<Playback> playback, bool paused,
               Callback<SheetStatus> done, const std::stop_token& stop);
   std::shared_ptr<ExpectedNeed> expected_need(const sheet::SheetConfig& config);
-  // Reserves the name, and the vertices known so far.
+  // Reserves the name, and as many vertices as the config declares.
   Result<std::shared_ptr<VertexShare>> reserve(const std::string& id, const sheet::SheetConfig& config, bool paused);
   Result<sheet::Sheet> build(sheet::SheetConfig config, const Creation& creation);
   // Returns an error if the sheet being built is no longer wanted.
@@ -190,7 +195,7 @@ class Host {
   Result<SheetStatus> begin(Creation& creation, sheet::Sheet sheet, const Workers::Strand& strand);
   void refuse(Creation& creation, const Error& error);
   void release(const std::string& id);
-  // Schedules the return of free memory to the system, once for all sheets that end until then.
+  // Schedules the return of free memory to the system after kReleaseDelay, unless it is scheduled already.
   void plan_to_release_memory();
   bool admit(const std::string& id, const std::shared_ptr<SheetRunner>& runner);
   // Runs `work` on the sheet's strand; `done` receives the error if that is impossible.
@@ -209,7 +214,7 @@ class Host {
   mutable std::mutex mutex_;
   std::map<std::string, std::shared_ptr<SheetRunner>> sheets_;  // Null: being built or deleted. Guarded by mutex_.
   std::atomic<std::uint64_t> num_made_{0};
-  std::atomic<std::int64_t> promised_bytes_{0};  // Bytes promised to sheets being built.
+  std::atomic<std::int64_t> promised_bytes_{0};  // Memory that builders in progress may need, bytes.
   std::atomic<bool> stopping_{false};            // Set under mutex_.
   std::atomic<bool> has_closed_sheets_{false};
   Admission admission_;                   // guarded by mutex_

@@ -18,7 +18,7 @@ namespace {
 
 // Bytes per vertex while a sheet is being built; up to 6,600 were measured, with a jittered grid of 700 x 700.
 constexpr std::int64_t kBytesPerVertex = 8000;
-// Number of polls to one look at the memory, which costs more than the others.
+// Number of polls of the interruption per look at the free memory, which costs more than the other checks.
 constexpr int kPollsToALook = 32;
 
 Error too_many_vertices(std::int64_t count, std::int32_t limit) {
@@ -26,7 +26,7 @@ Error too_many_vertices(std::int64_t count, std::int32_t limit) {
                                                      " vertices; this server's limit is " + std::to_string(limit));
 }
 
-// Returns the number of vertices of a config as far as it is known without building.
+// Returns the number of vertices of a config if it is known without building; else 0.
 std::int64_t declared_vertices(const sheet::SheetConfig& config) {
   using Count = std::int64_t;
   return std::visit(Overloaded{
@@ -133,7 +133,7 @@ void Host::refuse(Creation& creation, const Error& error) {
 }
 
 std::shared_ptr<ExpectedNeed> Host::expected_need(const sheet::SheetConfig& config) {
-  if (!(config.tick_rate_hz > 0.0)) return nullptr;  // Will be refused.
+  if (!(config.tick_rate_hz > 0.0)) return nullptr;  // Sheet::create() will refuse the config.
   const Nanoseconds period(std::llround(1.0e9 / config.tick_rate_hz));
   const Nanoseconds tick = WorkerNeed::guessed_tick(declared_vertices(config));
   return std::make_shared<ExpectedNeed>(board_, WorkerNeed(period, tick).value());
@@ -157,8 +157,8 @@ Result<std::shared_ptr<VertexShare>> Host::reserve(const std::string& id, const 
     return resource_exhausted("TOO_MANY_SHEETS", "this server's limit of " + std::to_string(options_.max_sheets) +
                                                      " sheets is reached; delete one");
   }
-  // Reserves nothing for a size beyond any sheet's limit, which is refused later. A mesh of unknown size needs some
-  // room.
+  // Reserves nothing for a size beyond any sheet's limit, which is refused later. A mesh of unknown size reserves one
+  // vertex, so that it is refused before the build if none is left.
   const std::int64_t taken = declared <= sheet::kMaxVertices ? std::max<std::int64_t>(declared, 1) : 0;
   KERF_TRY(vertices_.take(taken));
   auto share = std::make_shared<VertexShare>(vertices_, taken);

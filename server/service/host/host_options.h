@@ -18,8 +18,8 @@ namespace kerf::host {
 struct HostOptions {
   std::int32_t workers = 2;  // Threads that step sheets, 1..256.
   // Time after which a worker busy with one tick or call is replaced by a further thread (see Workers). That happens
-  // only if others wait and none is idle. Measured on the machine's clock, whichever clock the host has. >= 0; 0:
-  // no worker is replaced, so others wait.
+  // only while other sheets wait and no worker is idle. The time is that of the machine's clock, even if the host has
+  // another clock. >= 0; 0: no worker is replaced, so the other sheets wait.
   Nanoseconds long_work = std::chrono::milliseconds(50);
   std::int32_t max_sheets = 64;  // >= 1
   // Load from which new running sheets are refused, see Admission; -, > 0; 0: no limit.
@@ -35,7 +35,7 @@ struct HostOptions {
   std::function<std::shared_ptr<sheet::RecordingSink>(const std::string& id)> make_recording;
   // Encodes the ticks that sheets keep of their runs, see KeptRecording; null: they keep nothing.
   std::function<std::string(const sheet::RecordedTick&)> encode_tick;
-  std::size_t max_recording_bytes = std::size_t{16} << 20;          // Per sheet, of the kept ticks.
+  std::size_t max_recording_bytes = std::size_t{16} << 20;          // Per sheet, of the ticks that KeptRecording keeps.
   sheet::IntegratorFactory make_integrator = fem::make_integrator;  // Makes the integrators of the sheets.
 };
 

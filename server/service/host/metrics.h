@@ -9,7 +9,8 @@
 
 namespace kerf::host {
 
-// Counts values in fixed bins: counts[i] holds those <= kBounds[i] and above the bound before, the last one the rest.
+// Counts values in fixed bins: counts[i] is the number of values <= kBounds[i] and above kBounds[i - 1]. The last count
+// is the number of values above all bounds.
 template <const auto& kLimits>
 struct Histogram {
   static constexpr const auto& kBounds = kLimits;
@@ -35,25 +36,27 @@ using ResidualHistogram = Histogram<kResidualBounds>;
 // Holds the counters and gauges of a host. Counters never fall, and include sheets deleted since.
 struct HostMetrics {
   // Counters.
-  std::int64_t ticks = 0;              // Stepped.
-  std::int64_t failed_ticks = 0;       // Ticks without a finite step of the integrator.
-  std::int64_t snapshots = 0;          // Built.
-  std::int64_t contact_phases = 0;     // Substeps in which colliders were considered.
-  std::int64_t cuts = 0;               // Applied.
-  std::int64_t commands = 0;           // Done, cuts and scheduled ones included.
-  std::int64_t commands_refused = 0;   // Refused by a full queue, by validation or by the sheet.
+  std::int64_t ticks = 0;           // Ticks done.
+  std::int64_t failed_ticks = 0;    // Ticks in which the integrator found no finite step.
+  std::int64_t snapshots = 0;       // Built.
+  std::int64_t contact_phases = 0;  // Substeps in which colliders were considered.
+  std::int64_t cuts = 0;            // Applied.
+  std::int64_t commands = 0;        // Done, cuts and scheduled ones included.
+  // Refused: by the sheet, by a full queue, for lack of memory or for an unknown sheet.
+  std::int64_t commands_refused = 0;
   std::int64_t overruns = 0;           // Ticks that ended after their deadline.
   std::int64_t sleeps = 0;             // Times a sheet fell asleep.
   std::int64_t overload_refusals = 0;  // Sheets refused because of the load.
   std::int64_t lost_sheets = 0;        // Sheets lost for lack of memory.
   std::int64_t short_ticks = 0;        // Ticks that lacked memory and froze their sheet.
   fem::FlagCounts flagged_ticks{};
-  double slipped_s = 0.0;   // s, simulated time given up
+  double slipped_s = 0.0;   // s, simulated time that late sheets gave up
   double tick_cpu_s = 0.0;  // s, thread CPU time of all ticks
-  // s, tick_cpu_s by part in the counted shares, see fem::TickCost; ticks without commands only.
+  // s, CPU time of ticks without commands, by part of a tick. Each tick's time is divided in proportion to the counted
+  // costs of its parts, see fem::TickCost.
   std::array<double, fem::kTickPartNames.size()> tick_part_cpu_s{};
-  std::int64_t linear_iterations = 0;  // With implicit integrators.
-  ResidualHistogram linear_residual;   // Largest of a tick, see fem::StepStats; implicit integrators only.
+  std::int64_t linear_iterations = 0;  // Iterations of the linear solver, with implicit integrators.
+  ResidualHistogram linear_residual;   // Largest residual of each tick with an implicit integrator, see fem::StepStats.
   DurationHistogram tick_duration;     // Wall time of a tick, publishing included.
   DurationHistogram cut_duration;      // Wall time of a cut: plan, apply, remesh, model update.
   // Now.
@@ -64,7 +67,7 @@ struct HostMetrics {
   std::int32_t failed_sheets = 0;
   std::int32_t queued_commands = 0;
   std::int32_t sinks = 0;
-  std::int64_t worker_need = 0;  // For running sheets and those being built to run, see WorkerNeed.
+  std::int64_t worker_need = 0;  // Sum over running sheets and those being built to run, see WorkerNeed.
 };
 
 }  // namespace kerf::host

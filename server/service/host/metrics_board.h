@@ -15,7 +15,7 @@ class MetricsBoard {
     const std::lock_guard lock(mutex_);
     change(metrics_);
   }
-  // Reads only this value, since each new sheet needs it and a whole copy is a kilobyte.
+  // Reads the worker need alone: every new sheet asks for it, and a copy of all metrics is a kilobyte.
   [[nodiscard]] std::int64_t worker_need() const {
     const std::lock_guard lock(mutex_);
     return metrics_.worker_need;

@@ -36,18 +36,19 @@ class Playback {
   [[nodiscard]] const ReplayStatus& status() const { return status_; }
   [[nodiscard]] bool is_playing() const { return status_.state == ReplayState::kPlaying; }
 
-  // Returns the next entry if that is an apply() on a sheet at `tick`, or the step() that ends at `tick`; else null.
+  // Returns the next entry if its tick is `tick`; else null. The entry is an apply() if the sheet is already at `tick`,
+  // and a step() if it is one tick before.
   [[nodiscard]] const sheet::RecordedTick* next_at(std::int64_t tick) const;
-  // Records that the entry was done and the sheet is at `tick` with this hash. Ends the playback after the last entry,
-  // or if the hashes differ.
+  // Records that the next entry was done, which left the sheet at `tick` with this hash. Ends the playback after the
+  // last entry, or if the hashes differ.
   void passed(std::int64_t tick, std::uint64_t state_hash);
-  // Records that the sheet is stuck at `tick` before the end of the recording.
+  // Records that the sheet froze at `tick`, before the end of the recording. The playback ends as diverged.
   void stuck(std::int64_t tick, std::uint64_t state_hash);
 
-  // True if the present tick is done, but not yet all entries applied after it.
+  // True if the present tick was stepped, and entries to be applied after it may be left.
   [[nodiscard]] bool is_tick_done() const { return is_tick_done_; }
   void tick_done() { is_tick_done_ = true; }
-  // Begins the next tick. Entries left of this one then precede it.
+  // Begins the next tick. Entries still to be applied after the present tick then come before the next one.
   void next_tick() { is_tick_done_ = false; }
 
  private:

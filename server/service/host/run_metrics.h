@@ -13,17 +13,17 @@
 
 namespace kerf::host {
 
-// Counts one sheet on the board of its host.
+// Keeps the counts of one sheet on the metrics board of its host.
 //
 // Invariants:
-//   1. From the first set_state() to end(), the sheet is one of HostMetrics::sheets, and of the gauge of its state
-//   alone.
-//   2. The board holds exactly the totals of the last tick_done(), the present number of sinks, and the present need:
-//      that of the sheet while it ticks by the clock, else 0.
+//   1. From the first set_state() to end(), HostMetrics::sheets and the gauge of the sheet's state count it, and no
+//      other gauge of states does.
+//   2. The board counts for this sheet the totals of the last tick_done() and its present sinks. It counts the
+//      sheet's need only while the sheet ticks by the clock.
 // For one thread at a time.
 class RunMetrics {
  public:
-  // Totals of a sheet, which never fall.
+  // Holds counts of a sheet since it was made; they never fall.
   struct Totals {
     std::int64_t contact_phases = 0;
     std::int64_t cuts = 0;
@@ -34,13 +34,13 @@ class RunMetrics {
   struct Tick {
     Nanoseconds wall{0};
     Nanoseconds cpu{0};
-    bool is_by_clock = false;           // A step on the sheet's clock: its time counts for the need.
-    bool is_short = false;              // It lacked memory, which froze the sheet.
+    bool is_by_clock = false;           // A step at a deadline: its wall time counts for the need.
+    bool is_short = false;              // The tick lacked memory, which froze the sheet.
     std::optional<fem::TickCost> cost;  // Counted cost; set for a complete tick without commands only.
-    Totals totals;                      // After it.
+    Totals totals;                      // After the tick.
   };
 
-  // `need`: that of the sheet before its first tick. `board` must outlive this.
+  // `need`: estimated need of the sheet before its first tick. `board` must outlive this.
   RunMetrics(MetricsBoard& board, WorkerNeed need) : board_(board), need_(need) {}
 
   // Counts the sheet under `state`. Returns false if it was counted there already, or after end().
@@ -68,7 +68,7 @@ class RunMetrics {
 
   MetricsBoard& board_;
   WorkerNeed need_;
-  // The following are as counted on the board.
+  // The members below are this sheet's part of the counts on the board.
   std::optional<RunState> state_;
   bool is_ended_ = false;
   std::int32_t num_sinks_ = 0;

@@ -18,7 +18,7 @@ namespace kerf::host {
 //
 //   prepare(), if it may become an apply()    before the tick
 //   settle()                                  after it
-//   append(), unless it cannot be expressed   after settle()
+//   append(), if a recording can express it   after settle()
 //
 // For one thread at a time.
 class RunRecorder {
@@ -30,15 +30,16 @@ class RunRecorder {
   // Releases the sink.
   void end() { sink_.reset(); }
 
-  // Remembers the state of the sheet at `tick`. An apply() there needs an entry of it before its own in memory, unless
-  // that tick is an entry already.
+  // Remembers an entry of the sheet's state at `tick`, unless the recording in memory has reached `tick` already. See
+  // KeptRecording::lags().
   template <typename Hash>
   void prepare(std::int64_t tick, Hash state_hash) {
     if (kept_.lags(tick)) bare_ = sheet::RecordedTick{tick, {}, state_hash()};
   }
-  // Appends the remembered entry if time stood still, and forgets it.
+  // Appends the remembered entry in memory if the tick was an apply(), in which time stands still. Forgets it in any
+  // case.
   void settle(bool was_apply);
-  // Sets the hash of an entry and appends it to whatever needs it.
+  // Sets the hash of an entry, and appends the entry in memory if it is wanted there, and to the sink if there is one.
   template <typename Hash>
   void append(sheet::RecordedTick& entry, Hash state_hash) {
     const bool is_kept = kept_.wants(entry.tick, !entry.commands.empty());

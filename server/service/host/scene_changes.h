@@ -6,15 +6,15 @@
 
 namespace kerf::host {
 
-// Counts what clients do to the scene of a sheet. A plain value.
+// Tracks changes of a sheet by its clients, and counts their resets. A plain value.
 class SceneChanges {
  public:
   // Records a client's command that was done.
   void command_done(const sheet::Command& command, const sheet::CommandReply& reply);
 
-  // True if a client has changed the sheet since the scene began: at first, or with a client's last Reset.
+  // True if a client has changed the sheet since the last Reset by a client, or since its creation if there was none.
   [[nodiscard]] bool is_changed() const { return is_changed_; }
-  [[nodiscard]] std::int32_t resets() const { return resets_; }  // Redone ones included.
+  [[nodiscard]] std::int32_t resets() const { return resets_; }  // Resets by clients, redone ones included.
   [[nodiscard]] std::int32_t resets_undone() const { return resets_undone_; }
 
  private:

@@ -5,7 +5,7 @@
 
 namespace kerf::host {
 
-// Holds a value that one thread replaces while others read it: they keep the value that they got. Thread-safe.
+// Holds a value that one thread replaces while others read it. Readers keep the value that they got. Thread-safe.
 template <typename T>
 class SharedSlot {
  public:

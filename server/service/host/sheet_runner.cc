@@ -63,7 +63,8 @@ void SheetRunner::release_grab(std::string grab_id) {
   announce_commands();
 }
 
-// Posts even to a closed runner: close() empties the queue, and so must every later arrival.
+// Posts even to a closed runner: close() answers the commands in the queue, but those that arrive later must be
+// answered too.
 void SheetRunner::announce_commands() {
   if (strand_.post([self = shared_from_this()] { self->keep_or_lose([&] { self->commands_arrived(); }); })) return;
   for (PendingCommand& pending : queue_.take_queued()) pending.done(host_stopping());
@@ -93,7 +94,8 @@ void SheetRunner::lose() {
 void SheetRunner::close(sheet::SinkEnd reason) {
   if (closed_) return;
   closed_ = reason;
-  // Keeps a callback that runs out of memory from hiding the end from others. Its caller then times out.
+  // Keeps a callback that runs out of memory from hiding the end from the other callbacks. The caller of that one times
+  // out.
   const auto attempt = [](const auto& part) {
     try {
       part();
@@ -118,8 +120,8 @@ Error SheetRunner::closed_error() const {
   return aborted("SHEET_DELETED", "the sheet \"" + id_ + "\" was deleted meanwhile");
 }
 
-// Leaves commands of a running sheet to the next deadline, and wakes a sleeping one. Otherwise no tick is to come, so
-// they are done now.
+// Leaves commands of a running sheet to the tick at its next deadline, and wakes a sleeping sheet. A paused or frozen
+// sheet has no tick to come, so its commands are done now.
 void SheetRunner::commands_arrived() {
   if (closed_) {
     for (PendingCommand& pending : queue_.take_queued()) pending.done(closed_error());
@@ -129,7 +131,7 @@ void SheetRunner::commands_arrived() {
     for (PendingCommand& pending : queue_.take_queued()) pending.done(replaying());
     return;
   }
-  if (step_call_) return;  // Its ticks drain the queue.
+  if (step_call_) return;  // The ticks of the step() call take the commands.
   if (clock_.is_sleeping()) return wake();
   if (!clock_.is_paused() && !sheet_.frozen()) return;
   const bool was_frozen = sheet_.frozen();
@@ -338,7 +340,7 @@ SheetStatus SheetRunner::unhashed_status() const {
   return status;
 }
 
-// Counts and publishes the run state if it is another one than before.
+// Counts and publishes the run state if it has changed.
 void SheetRunner::publish_state() {
   const bool was_begun = metrics_.is_begun();
   if (!metrics_.set_state(run_state())) return;

@@ -37,10 +37,10 @@
 
 namespace kerf::host {
 
-// Runs one sheet in real time, on its strand. A tick takes the commands of the CommandQueue when the TickClock says so;
-// what it did goes to the RunRecorder, the sinks, the RunMetrics and the callers, in this order. Functions run on the
-// strand unless they are said to be callable from any thread. Comments on functions of the same name in Host apply
-// here.
+// Runs one sheet in real time, on its strand. When the TickClock calls for a tick, the tick takes the commands of the
+// CommandQueue. Its outcome goes to the RunRecorder, the sinks, the RunMetrics and the callers, in this order.
+// Functions run on the strand unless they are said to be callable from any thread. Comments on functions of the same
+// name in Host apply here.
 class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
  public:
   // Holds the host's objects that its runners use.
@@ -50,7 +50,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
     MetricsBoard& board;
     const SharedSlot<CommandListener>& listener;
     SharedSlip& slip;
-    const std::atomic<bool>& stopping;  // close() will follow; ticks due are skipped.
+    const std::atomic<bool>& stopping;  // The host stops: ticks due are skipped, and close() will follow.
     // Removes a sheet that close() has ended for lack of memory, and frees its name.
     std::function<void(const std::string& id)> lost;
     std::uint64_t serial = 0;  // Number of this sheet among all that the host has made.
@@ -70,9 +70,10 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   void release_grab(std::string grab_id);
   // Returns the last status without state hash, from any thread, after begin().
   [[nodiscard]] std::shared_ptr<const SheetStatus> last_status() const { return last_status_.get(); }
-  // True, from any thread, if the present tick has taken longer than Host::kLongTick, or if the one before did.
+  // True if the tick in progress has taken longer than Host::kLongTick, or follows a tick that did. Callable from any
+  // thread.
   [[nodiscard]] bool is_at_long_tick() const { return progress_.is_expected_long(); }
-  // Pauses on the strand, from any thread; interrupts a long tick, which is repeated later.
+  // Posts pause() to the strand, and interrupts a long tick, which is repeated later. Callable from any thread.
   void post_pause(const Callback<SheetStatus>& done);
   // Interrupts any tick, also of a replay; callable from any thread, before close() is posted.
   void announce_close() { closing_ = true; }
@@ -126,9 +127,10 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   void wake();
   void tick_at_deadline(std::uint64_t call);
   void fall_asleep();
-  // True if the scene may repeat (Scene.repeat_after_ticks): it is watched, and no client has changed it.
+  // True if the scene may repeat (Scene.repeat_after_ticks): it is watched, neither paused nor playing a recording, and
+  // no client has changed it.
   [[nodiscard]] bool may_repeat() const;
-  void repeat_if_over();  // When asleep: repeats with the next tick, if its time is over.
+  void repeat_if_over();  // Wakes a sleeping sheet to repeat its scene, if the scene's time is over.
 
   // Ticks, in sheet_runner_tick.cc.
   //
@@ -171,10 +173,11 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   Workers::Strand strand_;
 
   // The following are used by any thread.
-  CommandQueue queue_;  // Its scheduled commands on the strand only.
+  CommandQueue queue_;  // Its functions for scheduled commands run on the strand only.
   TickProgress progress_;
-  std::atomic<int> pauses_waiting_{0};  // Interrupt a long tick; none is withdrawn while a tick is in progress.
-  std::atomic<bool> closing_{false};    // Interrupts any tick.
+  // Number of posted pauses, which interrupt a long tick. None is taken away while a tick is in progress.
+  std::atomic<int> pauses_waiting_{0};
+  std::atomic<bool> closing_{false};  // Interrupts any tick.
   SharedSlot<SheetStatus> last_status_;
 
   // The following are used on the strand only.
@@ -187,14 +190,15 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   SceneChanges changes_;
   TickScale tick_scale_;
   const std::shared_ptr<VertexShare> vertices_;
-  fem::StepStats last_step_;         // For the last tick.
-  fem::FlagCounts flagged_ticks_{};  // For all ticks.
+  fem::StepStats last_step_;         // Statistics of the last tick that advanced time.
+  fem::FlagCounts flagged_ticks_{};  // Ticks with each flag since the sheet was made.
   std::optional<StepCall> step_call_;
   bool turn_posted_ = false;  // A take_turn() is posted.
   bool changing_ = false;     // A tick or commands are in progress.
   bool repeats_now_ = false;  // The next tick begins with a Reset by the sheet itself.
   std::optional<sheet::SinkEnd> closed_;
-  std::int32_t state_changes_ = 0;  // Run state, speed, end of replay; in the settings version.
+  // Changes of run state and speed, and ends of replays; part of RunStats::settings_version.
+  std::int32_t state_changes_ = 0;
 };
 
 }  // namespace kerf::host

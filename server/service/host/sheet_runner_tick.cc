@@ -9,7 +9,8 @@
 #include "server/service/host/sheet_runner.h"
 #include "server/service/host/stage_timer.h"
 
-// Runs the ticks of a SheetRunner: drain, step, record, publish, count, answer; those of a replay, and those of step().
+// Runs the ticks of a SheetRunner, also those of replays and of step() calls. A tick takes the commands, steps,
+// records, publishes, counts and answers.
 namespace kerf::host {
 
 bool SheetRunner::run_once(bool advance) {
@@ -34,7 +35,8 @@ bool SheetRunner::run_commands(bool advance, std::vector<PendingCommand> pending
   const Nanoseconds cpu_begin = context_.clock.thread_cpu();
   const auto hash = [this] { return sheet_.state_hash(); };
   const bool stands = !advance || sheet_.frozen();
-  if (stands || !pending.empty()) recorder_.prepare(sheet_.tick(), hash);  // Interrupted, it will be an apply() too.
+  // A step that is interrupted becomes an apply() too.
+  if (stands || !pending.empty()) recorder_.prepare(sheet_.tick(), hash);
   std::vector<sheet::Command> commands;
   commands.reserve(pending.size());
   for (PendingCommand& each : pending) commands.push_back(std::move(each.command));
@@ -66,7 +68,8 @@ bool SheetRunner::run_commands(bool advance, std::vector<PendingCommand> pending
   count_changes(pending, commands, report);
 
   recorder_.settle(stands || interrupted);
-  // Leaves out a tick whose scene commands were done without it: a recording cannot express that.
+  // Leaves out a tick that was given up after the scene's own commands for it were done: a recording cannot express
+  // that.
   const bool is_torn = report.gave_up && !report.scheduled.empty();
   const Nanoseconds before_record = context_.clock.now() - context_.clock.thread_cpu();
   sheet::RecordedTick entry{report.tick, std::move(commands), 0};
@@ -127,7 +130,7 @@ bool SheetRunner::is_interrupted() const {
 }
 
 bool SheetRunner::must_give_up(int polls) const {
-  constexpr int kPollsToOneLook = 32;  // Polls to one look at the memory, which costs more.
+  constexpr int kPollsToOneLook = 32;  // Polls per look at the free memory, which costs more than the other checks.
   return context_.stopping || closing_ || (polls % kPollsToOneLook == 0 && !is_within_memory_limit());
 }
 

@@ -27,8 +27,8 @@ enum class RunState {
 // Estimates the time of a tick from operation counts of the present sheet, scaled by the measured time of its ticks.
 struct TickEstimate {
   fem::TickCost cost;   // Counted for one core of 2024.
-  double scale = 1.0;   // -, > 0: measured time of this sheet's ticks over the counted one; 1 before the first.
-  double budget = 0.0;  // us, period of a tick on the wall clock.
+  double scale = 1.0;   // -, > 0: measured CPU time of this sheet's ticks over counted time; 1 before the first tick.
+  double budget = 0.0;  // us, wall time between ticks at the present speed.
 
   [[nodiscard]] double total_us() const { return 1e-3 * scale * cost.total(); }
   [[nodiscard]] bool fits() const { return total_us() <= budget; }

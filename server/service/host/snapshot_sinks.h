@@ -16,7 +16,7 @@ class SnapshotSinks {
   // Returns false if it was not added.
   bool remove(const std::shared_ptr<sheet::SnapshotSink>& sink);
   [[nodiscard]] bool contains(const std::shared_ptr<sheet::SnapshotSink>& sink) const;
-  // Returns the sum over all sinks.
+  // Returns the number of viewers that all sinks together feed.
   [[nodiscard]] std::int32_t num_viewers() const;
 
   [[nodiscard]] bool want_snapshot() const;

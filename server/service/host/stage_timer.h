@@ -12,8 +12,8 @@ namespace kerf::host {
 class StageTimer : public sheet::StageObserver {
  public:
   struct CutTime {
-    Nanoseconds cut{0};     // Plan, apply, remesh.
-    Nanoseconds update{0};  // Update of model and state.
+    Nanoseconds cut{0};     // Planning and applying a cut, and remeshing.
+    Nanoseconds update{0};  // Updating the mechanical model and the state.
   };
 
   explicit StageTimer(const Clock& clock) : clock_(clock) {}

@@ -30,14 +30,14 @@ class TickClock {
     kPaused,
     kSleeping,  // Time passes again once the sheet is changed.
   };
-  // Called with a number for accept() on a thread of the clock, or within the call that sets the timer if its time has
-  // passed. Must post its work; may be called after the TickClock is gone.
+  // Receives a due tick, with a number for accept(). Called on a thread of the clock, or within the call that sets the
+  // timer if the deadline has passed. Must post its work; may be called after the TickClock is gone.
   using Due = std::function<void(std::uint64_t call)>;
 
   // `tick`: simulated time of a tick, > 0. `slip` and `clock` must outlive this.
   TickClock(Nanoseconds tick, SharedSlip& slip, Clock& clock) : clock_(clock), pace_(tick, slip) {}
 
-  // Sets the receiver of ticks. To be called before any timer is set.
+  // Sets the receiver of due ticks. To be called before any timer is set.
   void set_due(Due due) { due_ = std::move(due); }
 
   [[nodiscard]] Mode mode() const { return mode_; }
@@ -59,13 +59,13 @@ class TickClock {
   // Calls the receiver of set_due() at once, without a timer.
   void call_now() const { due_(generation_); }
   [[nodiscard]] bool has_timer() const { return timer_.has_value(); }
-  // Returns true if the call is not outdated. The timer then counts as fired.
+  // Returns true unless stop() was called after the call with this number was prepared. The timer then counts as fired.
   bool accept(std::uint64_t call);
 
   // Sets the ratio of simulated to wall time, -, > 0. A timer that is set stays as it is.
   void set_speed(double speed) { pace_.set_speed(speed, clock_.now()); }
   [[nodiscard]] const Pace& pace() const { return pace_; }
-  // Records a tick or the time of one, see Pace.
+  // Record a tick, or only its CPU time; see the functions of the same names in Pace.
   void tick_done(Nanoseconds end, Nanoseconds cpu, double share, Nanoseconds blocked) {
     pace_.tick_done(end, cpu, share, blocked);
   }

@@ -6,7 +6,7 @@
 
 namespace kerf::host {
 
-// Says how long the tick in progress has taken. One thread calls begin() and end(); the other functions are for any
+// Says whether the tick in progress takes long. One thread calls begin() and end(); the other functions are for any
 // thread.
 class TickProgress {
  public:

@@ -18,8 +18,8 @@ class WakeTimer {
   WakeTimer(const WakeTimer&) = delete;
   WakeTimer& operator=(const WakeTimer&) = delete;
 
-  // Calls `fire` at `deadline` on the clock's thread. `fire` must begin with fired(), after which new deadlines may be
-  // requested; it may be called after this is destroyed.
+  // Calls `fire` at `deadline` on the clock's thread. `fire` must first call fired(); new deadlines may be requested
+  // from then on. `fire` may be called after this object is destroyed.
   void wake_at(Nanoseconds deadline, std::function<void()> fire);
   void fired();
   // Cancels the timer and refuses new ones. Idempotent.

@@ -31,7 +31,7 @@ struct Workers::Pool {
   struct Thread {
     std::thread thread;
     std::optional<SteadyClock::time_point> busy_since;  // Start of the present piece of work.
-    bool replaced = false;                              // Ends after that piece.
+    bool replaced = false;                              // The thread ends after its present piece of work.
   };
   using Threads = std::list<Thread>;
 
@@ -69,8 +69,8 @@ struct Workers::Pool {
   std::int64_t outstanding = 0;              // Pieces posted and not finished.
   std::size_t num_idle = 0;                  // Idle threads.
   std::size_t num_replaced = 0;              // Replaced threads in `threads`.
-  bool supervisor_sleeps = false;            // Until it is notified; otherwise it checks again in time.
-  bool closed = false;                       // Never while anything is outstanding.
+  bool supervisor_sleeps = false;  // True if the supervisor sleeps until it is notified; false if it wakes by itself.
+  bool closed = false;             // Never while anything is outstanding.
   Threads threads;
   Threads retired;  // Have left run(), or are about to; to be joined.
   std::thread supervisor;
@@ -149,8 +149,8 @@ void Workers::Pool::take_turn(const std::shared_ptr<Order>& order, Thread& self,
   if (self.replaced) wake(wakes_for_ready());  // Otherwise this thread takes the next ready strand itself.
 }
 
-// Adds threads when they are lacking, and sleeps otherwise. While they are lacking it waits until the longest piece in
-// progress exceeds that of long work. If all pieces are short, it wakes once in that time.
+// Adds threads when they are lacking, and sleeps otherwise. While threads are lacking, it waits until the longest piece
+// in progress has taken `long_work`. If all pieces are short, it wakes once per `long_work`.
 void Workers::Pool::supervise() {
   constexpr Nanoseconds kLongestSleep = std::chrono::hours(1);  // Keeps deadlines from overflowing.
   const Nanoseconds long_work = options.long_work;

@@ -39,8 +39,8 @@ class Workers {
     // Time at one piece of work after which its thread is replaced, on the machine's steady clock, >= 0; 0: no thread
     // is ever added.
     Nanoseconds long_work{0};
-    // Limit on threads beyond num_threads; with that many busy with long work, strands wait until a piece ends. Each
-    // thread costs its stack and takes a share of the cores from the others.
+    // Limit on threads beyond num_threads; while that many are busy with long work, strands wait until a piece ends.
+    // Each thread costs its stack and takes a share of the cores from the others.
     std::size_t max_taken_on = 64;
     // Lowers the priority of the threads: see lower_thread_priority().
     bool is_background = false;
