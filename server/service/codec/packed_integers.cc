@@ -52,7 +52,7 @@ class BitReader {
     return ones;
   }
   [[nodiscard]] bool overrun() const { return num_pending_ < 0; }
-  // Only the zeros that fill the last byte are left.
+  // True if only the zeros that fill the last byte are left.
   [[nodiscard]] bool at_end() const {
     return num_pending_ >= 0 && num_pending_ < 8 && at_ == bytes_.size() && pending_ == 0;
   }
@@ -93,7 +93,8 @@ std::size_t cost_bits(const Column& column, int parameter) {
   return bits;
 }
 
-// Returns the cheapest parameter near the one that suits the mean. The format leaves this choice to the encoder.
+// Returns the parameter k that needs the fewest bits, among a few near the best one for the mean of the column. The
+// format leaves this choice to the encoder.
 int choose_parameter(const Column& column, std::uint64_t sum) {
   const auto about = static_cast<int>(std::bit_width(sum / column.count));
   int best = 0;

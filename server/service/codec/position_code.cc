@@ -31,7 +31,8 @@ class Foretold {
     return static_cast<std::uint16_t>(near_a + positions_[index(predictor.near_b, axis)] -
                                       positions_[index(predictor.across, axis)]);
   }
-  // Returns the displacement of `vertex` since the base frame, modulo 2^16. The base has all vertices below one it has.
+  // Returns the displacement of `vertex` since the base frame, modulo 2^16. A base frame that has a vertex has all
+  // vertices of lower ids, too.
   [[nodiscard]] std::int32_t way(std::int32_t vertex, std::size_t axis) const {
     const std::size_t at = index(vertex, axis);
     return static_cast<std::int16_t>(static_cast<std::uint16_t>(positions_[at] - base_[at]));

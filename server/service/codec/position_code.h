@@ -13,12 +13,14 @@
 // Codes quantised positions in few bytes: each vertex as the difference from a prediction by earlier vertices. All
 // arithmetic is modulo 2^16, so no input can leave the range. See kerf.v1.Frame.positions.
 //
-// A keyframe predicts near_a + near_b - across, the fourth corner of the parallelogram. (C. Touma, C. Gotsman,
-// "Triangle mesh compression", Graphics Interface 1998.) Without `across` it predicts near_a, and without near_a 0.
+// A keyframe predicts near_a + near_b - across, with the positions of the vertices that VertexPredictor names. This is
+// the fourth corner of a parallelogram. (C. Touma, C. Gotsman, "Triangle mesh compression", Graphics Interface 1998.)
+// Without `across` it predicts near_a, and without near_a 0.
 //
 // A delta predicts the displacement of a vertex since the base frame. The prediction is the mean of the displacements
-// of near_a and near_b, rounded down, or that of near_a without near_b. (Motion is rougher than shape: a mean of two
-// passes on less of it than three terms do.) A vertex that the base frame lacks is coded as in a keyframe.
+// of near_a and near_b, rounded down, or that of near_a without near_b. (Motion is rougher than shape, and a mean of
+// two displacements passes on less roughness than a sum of three.) A vertex that the base frame lacks is coded as in a
+// keyframe.
 namespace kerf::codec {
 
 // `positions`: 3 per vertex, x, y, z interleaved. `predictors`: one per vertex.
@@ -34,7 +36,7 @@ std::optional<std::vector<std::uint16_t>> unpack_position_delta(std::string_view
                                                                 std::span<const std::uint16_t> base,
                                                                 std::span<const VertexPredictor> predictors);
 
-// Codes one signed byte per vertex (kerf.v1.Frame.strain), predicted as in a delta, modulo 2^8.
+// Codes one signed byte per vertex (kerf.v1.Frame.strains), predicted as the displacements of a delta are, modulo 2^8.
 std::string pack_bytes(std::span<const std::int8_t> values, std::span<const VertexPredictor> predictors);
 std::optional<std::vector<std::int8_t>> unpack_bytes(std::string_view bytes,
                                                      std::span<const VertexPredictor> predictors);

@@ -9,7 +9,7 @@ using Triangle = std::array<std::int32_t, 3>;
 
 // Lists the slots around each vertex, all lists in one array.
 struct SlotsAround {
-  std::vector<std::size_t> begins;  // One per vertex, and one more.
+  std::vector<std::size_t> begins;  // Start of each vertex's list in `slots`, and the end of the last list.
   std::vector<std::size_t> slots;
 
   SlotsAround(std::span<const Triangle> triangles, std::size_t num_vertices) : begins(num_vertices + 1, 0) {

@@ -25,9 +25,9 @@ struct VertexPredictor {
   bool operator==(const VertexPredictor&) const = default;
 };
 
-// Returns the predictors of num_vertices vertices. They depend on the triangles alone, so a viewer that has those finds
-// the same. `triangles`: one per slot; vertex ids in 0..num_vertices-1, or kNoVertex thrice in an empty slot.
-// O(vertices + slots).
+// Returns the predictors of num_vertices vertices. They depend on the triangles alone, so a viewer that has the
+// triangles finds the same predictors. `triangles`: one per slot; vertex ids in 0..num_vertices-1, or kNoVertex thrice
+// in an empty slot. O(vertices + slots).
 std::vector<VertexPredictor> vertex_predictors(std::span<const std::array<std::int32_t, 3>> triangles,
                                                std::size_t num_vertices);
 

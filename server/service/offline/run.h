@@ -16,13 +16,13 @@ struct SceneRun {
 };
 
 struct SceneRunOptions {
-  std::int64_t ticks = 0;  // 0: the scene's own, else 600.
+  std::int64_t ticks = 0;  // Ticks to step; 0: those of the scene, or 600 if it gives none.
   bool record = false;
   analysis::Watch watch = {};  // Receives the progress; may be empty. Returns false to end the run early.
 };
 
 // Runs the scene's analysis from its start, as fast as this machine can, without clock or server. Equal scenes give
-// equal state hashes. Errors: those of Sheet::create and of the analysis. Only a dynamic one can be recorded
+// equal state hashes. Errors: those of Sheet::create and of the analysis. Only a dynamic analysis can be recorded
 // (RECORDING_DYNAMIC_ONLY).
 Result<SceneRun> run_scene(const sheet::SheetConfig& config, const SceneRunOptions& options);
 

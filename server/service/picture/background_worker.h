@@ -14,7 +14,7 @@ namespace kerf::api {
 // in the order of its arrival and must not throw: see catch_exceptions(). Thread-safe.
 class BackgroundWorker {
  public:
-  // `max_waiting`: limit on pieces that wait behind those in progress, one per thread.
+  // `max_waiting`: limit on pieces of work that wait while every thread is busy with another one.
   explicit BackgroundWorker(std::size_t max_waiting, std::size_t num_threads = 1);
   ~BackgroundWorker();  // stop()
   BackgroundWorker(const BackgroundWorker&) = delete;

@@ -47,7 +47,7 @@ struct MeshArrays {
   std::vector<float> material;
   std::vector<std::int32_t> triangles;
   std::vector<std::int32_t> pieces;
-  std::vector<std::uint8_t> colours;  // Empty: those of the sides.
+  std::vector<std::uint8_t> colours;  // Empty: the colours of the sheet's two sides.
 };
 
 // Places material points in the plane z = 0.
@@ -112,7 +112,7 @@ void colour(const sheet::Snapshot& snapshot, const PictureView& view, double str
   if (view.color_by == v1::PIECES) arrays.colours = piece_colours(*snapshot.topology);
   if (view.color_by == v1::STRAINS) {
     arrays.colours = render::strain_colours(snapshot.strains, strain_end);
-    arrays.colours.resize(arrays.positions.size());  // Strains are missing if they were requested too late: dark.
+    arrays.colours.resize(arrays.positions.size());  // Missing strains, requested too late, are dark.
   }
 }
 

@@ -9,8 +9,8 @@
 namespace kerf::api {
 namespace {
 
-// Largest picture whose pixels are kept, so that many large streams do not fill the memory. A larger one is drawn again
-// if needed in another format.
+// Number of pixels up to which a picture is kept, so that many large streams do not fill the memory. A larger picture
+// is drawn again if it is needed in another format.
 constexpr std::int64_t kMaxKeptPixels = render::kMaxVideoPixels;
 
 }  // namespace
@@ -111,7 +111,7 @@ Result<stream::Bytes> PictureFeed::still(const StillFormat& format, const stream
   return stream::Bytes(std::move(data));
 }
 
-// Encodes each stream separately, so that the next picture need not wait for many encoders.
+// Encodes the frame of each stream as work of its own, so that the next picture need not wait for many encoders.
 void PictureFeed::film(const PictureOrder& order, FinishedPicture picture) {
   studio_.submit([this, self = shared_from_this(), order, drawn = drawn_, picture = std::move(picture)]() mutable {
     Result<VideoTrack::Frame> frame =

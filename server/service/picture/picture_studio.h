@@ -24,18 +24,18 @@ namespace kerf::api {
 struct PictureCounters {
   std::atomic<std::int64_t> rendered{0};
   std::atomic<std::int64_t> encoded{0};
-  // Given to a stream after being encoded for another one or for an earlier picture.
+  // Encoded pictures given to a stream that had been made for another stream, or for an earlier order of this one.
   std::atomic<std::int64_t> shared{0};
   std::atomic<std::int64_t> sent{0};     // Sent to streams.
-  std::atomic<std::int64_t> skipped{0};  // Ticks not shown to a stream between two of its pictures.
+  std::atomic<std::int64_t> skipped{0};  // Ticks between two pictures of a stream, which it did not show.
 };
 
 // Holds a finished picture of a stream.
 struct FinishedPicture {
-  std::int64_t publication = 0;                     // Publication number of the channel.
+  std::int64_t publication = 0;                     // Number of the publication shown.
   std::shared_ptr<const sheet::Snapshot> snapshot;  // The snapshot shown.
   render::Camera camera;                            // The camera used.
-  double strain_end = 0.0;                          // End of the scale of strains; 0: it has none.
+  double strain_end = 0.0;                          // Strain at the end of the colour scale; 0: no strains are shown.
   int width = 0;                                    // pixels
   int height = 0;                                   // pixels
   bool key = true;                                  // Can be decoded by itself.
@@ -45,20 +45,21 @@ struct FinishedPicture {
 // Describes the next picture that a stream wants from a feed.
 struct PictureOrder {
   StillFormat still;                  // Used without video.
-  std::shared_ptr<VideoTrack> video;  // The stream's own; null: a still.
+  std::shared_ptr<VideoTrack> video;  // The stream's own video encoder; null: a still is wanted.
   bool key = false;                   // Requests a video frame that can be decoded by itself.
   // Called once, on a thread of the studio, with no lock of it held; not at all once the studio has stopped.
   std::function<void(Result<FinishedPicture>)> done;
 };
 
-// Limit on the encodings of one picture that are kept, the latest; others are encoded again.
+// Limit on the formats in which the encoding of one picture is kept. The latest are kept; other formats are encoded
+// again.
 inline constexpr std::size_t kMaxKeptStills = 4;
 
 class PictureStudio;
 
-// Serves one view of one sheet to all streams that share it. An order gets a picture of the newest tick at its turn. A
-// picture of that tick that is already drawn, or encoded in the same way, is reused; at most one is being drawn.
-// Thread-safe.
+// Serves one view of one sheet to all streams that share it. An order gets a picture of the tick that is the newest
+// when the order's turn comes. A picture that is already drawn of that tick is reused, and so is its encoding in the
+// same format. At most one picture is being drawn. Thread-safe.
 class PictureFeed : public std::enable_shared_from_this<PictureFeed> {
  public:
   // Use PictureStudio::feed() instead. The channel must have a snapshot before the first order.
@@ -71,7 +72,8 @@ class PictureFeed : public std::enable_shared_from_this<PictureFeed> {
  private:
   // Identifies the content of a picture: equal looks give the same picture.
   struct Look {
-    std::int64_t revision = -1;  // Revision of the channel; for a flat sheet, the topology version.
+    // Channel::Newest::revision; for undeformed views without strains, the topology version.
+    std::int64_t revision = -1;
     bool has_strains = false;
     friend bool operator==(const Look&, const Look&) = default;
   };
@@ -79,7 +81,7 @@ class PictureFeed : public std::enable_shared_from_this<PictureFeed> {
   [[nodiscard]] Look look_of(const stream::Channel::Newest& newest) const;
   void run();
   void fill(const std::vector<PictureOrder>& orders, const stream::Channel::Newest& newest);
-  // Draws the look unless it is already drawn.
+  // Draws look_, which is that of `newest`, unless it is already drawn.
   Status draw(const stream::Channel::Newest& newest);
   Result<stream::Bytes> still(const StillFormat& format, const stream::Channel::Newest& newest);
   void film(const PictureOrder& order, FinishedPicture picture);

@@ -22,8 +22,8 @@ class VideoTrack {
     std::string bytes;
     bool key = false;
   };
-  // Encodes one picture. `now`: the present time, later than that of the call before. Errors of the encoder; after one
-  // it gives no more frames.
+  // Encodes one picture. `now`: the present time, later than that of the call before. `key`: requests a frame that can
+  // be decoded by itself. Errors of the encoder; after one it gives no more frames.
   Result<Frame> encode(const render::Pixels& pixels, host::Nanoseconds now, bool key);
 
   [[nodiscard]] const render::VideoOptions& options() const { return options_; }

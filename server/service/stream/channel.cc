@@ -9,7 +9,7 @@
 namespace kerf::stream {
 namespace {
 
-// Compares positions only when nothing else tells the two apart: while a sheet is paused or asleep.
+// Compares positions last: they can differ within one tick only while a sheet is paused or asleep.
 bool looks_the_same(const sheet::Snapshot& a, const sheet::Snapshot& b) {
   return a.tick == b.tick && a.topology == b.topology && a.positions == b.positions;
 }
@@ -135,7 +135,7 @@ FramePick Channel::pick(const Viewed& viewed) {
   std::shared_ptr<const sheet::Snapshot> newest;
   std::int64_t publication = 0;
   {
-    // Taken inside the other lock, so that the history receives publications in order.
+    // Read while frames_mutex_ is held, so that the history receives publications in order.
     const std::lock_guard lock(mutex_);
     newest = newest_;
     publication = newest_publication_;

@@ -27,8 +27,9 @@ struct FrameCounters {
 
 // Publishes the newest snapshot of one sheet to its readers: subscribers receive frames, other readers make pictures.
 // The sheet's strand publishes. Threads of transports take the part of the newest snapshot that their own subscriber
-// needs. Older snapshots are dropped and never sent. The first subscriber that takes a frame has it quantised and
-// encoded, once for all of them; without subscribers nothing is encoded. Thread-safe; publish() waits for no encoding.
+// needs. Older snapshots are dropped and never sent. The first subscriber that takes a frame of a snapshot has it
+// quantised and encoded; other subscribers share the bytes. Without subscribers nothing is encoded. Thread-safe;
+// publish() waits for no encoding.
 class Channel : public sheet::SnapshotSink, public std::enable_shared_from_this<Channel> {
  public:
   // `max_subscribers`: limit on readers of any kind. `instance`: identifies this start of the server and is part of the
@@ -44,8 +45,8 @@ class Channel : public sheet::SnapshotSink, public std::enable_shared_from_this<
 
   // Calls wake() and end() of `reader` from now on. Errors of subscribe().
   Status admit(const std::shared_ptr<Reader>& reader, bool wants_strains);
-  // Sets whether an admitted reader needs snapshots. A paused one needs none; when it resumes, the newest must be
-  // published.
+  // Sets whether an admitted reader needs snapshots. A paused reader needs none. When it resumes, the caller must have
+  // the newest snapshot published again.
   void want_snapshots(const Reader& reader, bool wants);
   // Sets whether an admitted reader needs strains in the next snapshots.
   void want_strains(const Reader& reader, bool wants);
@@ -84,7 +85,8 @@ class Channel : public sheet::SnapshotSink, public std::enable_shared_from_this<
 
   // Returns kerf.v1.Frame.epoch of the newest snapshot; one must have been published.
   [[nodiscard]] std::string epoch() const;
-  // Returns the parts of the newest snapshot that a subscriber in this state needs; one must have been published.
+  // Returns the parts of the newest snapshot that a subscriber needs after the frame described by `viewed`. A snapshot
+  // must have been published.
   FramePick pick(const Viewed& viewed);
   void change(const Reader& reader, const std::function<void(Entry&)>& change);
   void replace_readers(std::shared_ptr<const Readers> readers);  // mutex_ held

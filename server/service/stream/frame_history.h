@@ -21,7 +21,7 @@ struct EncodeCounters {
   std::int64_t deltas = 0;      // encoded
   std::int64_t topologies = 0;  // encoded
   std::int64_t strains = 0;     // encoded
-  std::int64_t predictors = 0;  // Made, once per topology that is sent to any subscriber.
+  std::int64_t predictors = 0;  // Sets of predictors made: one per topology sent in compact form.
   std::int64_t taken = 0;       // Frames given to subscribers.
 
   [[nodiscard]] std::int64_t bodies() const { return keyframes + deltas; }
@@ -29,7 +29,7 @@ struct EncodeCounters {
 
 // Describes the last frame that a subscriber has been sent.
 struct Viewed {
-  std::int64_t publication = 0;        // Publication of its last frame; 0: none yet.
+  std::int64_t publication = 0;        // Number of the publication shown by the last frame; 0: no frame yet.
   std::int32_t topology_version = -1;  // -1: none yet
   wire::Encoding encoding = wire::Encoding::kCompact;
   bool strains = false;  // The subscriber wants strains.
@@ -41,20 +41,21 @@ struct FramePick {
   std::int64_t tick = 0;
   bool keyframe = false;
   Bytes body;      // see wire::encode_raw_body, encode_keyframe_body, encode_delta_body
-  Bytes topology;  // See wire::encode_topology; null if the subscriber's is current.
+  Bytes topology;  // See wire::encode_topology; null if the subscriber has the present topology.
   Bytes strains;   // See wire::encode_strains; null if none are wanted, or the snapshot has none.
 };
 
 // Keeps the last few quantised frames of a sheet and everything encoded from them. A subscriber gets a delta if its
-// last frame is still here and has the box of the newest one. It gets a keyframe otherwise, or if it needs the full
-// topology or reads raw arrays. Equal needs are encoded once. Not thread-safe.
+// last frame is still kept and was quantised in the same box as the newest one. In all other cases it gets a keyframe,
+// also if it needs the full topology or reads raw arrays. Subscribers with equal needs share one encoding. Not
+// thread-safe.
 class FrameHistory {
  public:
-  static constexpr std::size_t kFrames = 8;
+  static constexpr std::size_t kFrames = 8;       // Quantised frames kept.
   static constexpr std::size_t kTopologies = 32;  // Encoded topologies kept.
 
-  // Returns the frame that a subscriber with this state needs next. `publication` > 0 numbers the snapshots; it never
-  // falls from call to call.
+  // Returns the frame that a subscriber needs after the frame described by `viewed`. `publication`: number of
+  // `snapshot`, > 0; it never falls from call to call.
   FramePick pick(std::int64_t publication, const sheet::Snapshot& snapshot, const Viewed& viewed);
 
   [[nodiscard]] const EncodeCounters& counters() const { return counters_; }
@@ -65,12 +66,12 @@ class FrameHistory {
     wire::QuantisedFrame quantised;
     Bytes raw;
     Bytes keyframe;
-    std::map<std::int64_t, Bytes> deltas;  // By publication of the base.
+    std::map<std::int64_t, Bytes> deltas;  // By the publication number of the base frame.
     std::map<wire::Encoding, Bytes> strains;
   };
   struct Topology {
     Bytes bytes;
-    bool full = false;
+    bool full = false;  // The patch holds the whole topology.
   };
 
   Frame& frame(std::int64_t publication, const sheet::Snapshot& snapshot);

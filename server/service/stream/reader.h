@@ -4,7 +4,7 @@
 
 namespace kerf::stream {
 
-// Follows a Channel as one stream. The channel keeps no reader alive.
+// Receives the signals of a Channel for one stream. The channel keeps no reader alive.
 class Reader {
  public:
   virtual ~Reader() = default;

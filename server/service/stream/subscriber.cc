@@ -24,7 +24,7 @@ Subscriber::Next Subscriber::next(Nanoseconds now) {
   const FlowControl::Permit permit = flow_.permit(now);
   if (permit.too_slow) return end_now(wire::EndReason::kTooSlow);
   if (!permit.may_send) return {std::nullopt, permit.wake_at};
-  // Set before the check: a publication from here on is either seen below or finds this set.
+  // Set before the check: a publication from here on is either seen by the check or finds wants_frame_ set.
   wants_frame_ = true;
   if (channel_->newest_publication() <= std::max(viewed_.publication, stale_through_))
     return {std::nullopt, permit.wake_at};

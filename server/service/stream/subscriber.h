@@ -27,9 +27,9 @@ struct SubscriberOptions {
   std::int32_t topology_version = -1;  // Version of that topology; -1: none.
 };
 
-// Sends one stream of frames. next() gives a frame only while its FlowControl allows, always the sheet's newest: a slow
-// reader skips frames, but never lags. The transport must be reliable and ordered, because every frame given by next()
-// is the base of later deltas. Thread-safe.
+// Makes the messages of one stream of frames. next() gives a frame only when FlowControl allows, always of the newest
+// snapshot. Thus a slow reader skips frames, but never lags. The transport must be reliable and ordered, because every
+// frame given by next() may be the base of the next delta. Thread-safe.
 class Subscriber : public Reader {
  public:
   // Made by Channel::subscribe().
@@ -47,8 +47,9 @@ class Subscriber : public Reader {
   // Calls FlowControl::acknowledge() and wakes the stream if the window has opened.
   Status acknowledge(std::int64_t sequence, Nanoseconds now = Nanoseconds(0), Nanoseconds held = Nanoseconds(0));
 
-  // Calls FlowControl::set_frame_rate(). Returns true if a pause has ended. The next frame then shows a publication yet
-  // to come, which the caller must request: the channel gets none while all readers pause.
+  // Calls FlowControl::set_frame_rate(). Returns true if a pause has ended. The next frame then shows a snapshot that
+  // is still to be published. The caller must request it, because the channel gets no snapshots while all readers
+  // pause.
   [[nodiscard]] bool set_frame_rate(double max_rate_hz, bool paused, Nanoseconds now);
   [[nodiscard]] const std::shared_ptr<Channel>& channel() const { return channel_; }
 
@@ -76,13 +77,15 @@ class Subscriber : public Reader {
   mutable std::mutex mutex_;
   FlowControl flow_;
   bool paused_ = false;
-  std::int64_t stale_through_ = 0;  // Publications up to this one are older than the end of a pause.
-  std::int64_t last_tick_ = 0;
+  // Number of the last publication before the end of a pause; older ones are not sent.
+  std::int64_t stale_through_ = 0;
+  std::int64_t last_tick_ = 0;  // Tick of the last frame.
   Viewed viewed_;
-  std::optional<wire::EndReason> end_;  // Still to be sent.
-  bool ended_ = false;
+  std::optional<wire::EndReason> end_;  // Reason of the Ended message that is still to be sent.
+  bool ended_ = false;                  // The Ended message was given.
 
-  std::atomic<bool> wants_frame_{true};  // next() found nothing newer, and would have sent it.
+  // next() could have sent a frame, but found no newer snapshot: wake() must call `ready`.
+  std::atomic<bool> wants_frame_{true};
   std::atomic<bool> left_{false};
 };
 

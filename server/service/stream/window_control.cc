@@ -7,12 +7,13 @@
 namespace kerf::stream {
 namespace {
 
+// Acknowledgements of a new viewer that are measured before the window may grow.
 constexpr std::int32_t kMeasuredAlone = 2;
 constexpr double kSmoothing = 0.25;    // -; weight of the newest measurement
 constexpr std::size_t kEmptyWays = 4;  // Number of measurements behind w0.
 constexpr double kMostWaiting = 1.0;   // Frames queued in the link above which the window shrinks.
 constexpr double kFewWaiting = 0.5;    // Frames queued in the link below which it may grow.
-constexpr double kMostHeldUp = 0.75;   // Share of `interval` that a frame may wait at the reader for others.
+constexpr double kMostHeldUp = 0.75;   // -, share of `interval` for which a frame may wait at the reader behind others.
 constexpr double kShortestWayS = 1.0e-6;
 
 double seconds_of(Nanoseconds duration) {
@@ -36,8 +37,8 @@ double WindowControl::wanted(double interval_s) const {
 void WindowControl::acknowledged(Nanoseconds total, Nanoseconds held, bool alone, Nanoseconds interval) {
   if (!adapts_) return;
   if (!std::exchange(is_told_, true)) {
-    // Ignores the first frame of a new viewer, which is larger than all that follow. Those are measured one by one
-    // before the window grows.
+    // Ignores the first frame of a new viewer, which is larger than all that follow. The first frames that follow are
+    // measured one by one before the window grows.
     since_change_ = -kMeasuredAlone;
     return;
   }
