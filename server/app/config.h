@@ -35,7 +35,7 @@ struct Config {
   std::filesystem::path record_dir;           // Folder of recordings; empty: none.
   int max_connections_per_address = 128;      // 1..10,000, for gRPC and for HTTP; 0: no limit.
   api::Limits limits;                         // For requests and streams.
-  ws::HttpOptions http_options;               // For HTTP connections; its access is replaced by allowed_origins.
+  ws::HttpOptions http_options;  // For HTTP; allowed_origins and limits on connections come from elsewhere.
 };
 
 inline constexpr std::int64_t kMostTotalVertices = 1'000'000'000'000;
@@ -44,8 +44,8 @@ inline constexpr std::int64_t kMostTotalVertices = 1'000'000'000'000;
 inline constexpr std::int64_t kBytesPerVertex = 8'000;
 
 // Returns the default of --max-total-vertices for a process that may use `memory` bytes. Sheets get half of that; the
-// other half is for streams, pictures and the rest of the machine. For an unknown limit (0) it is one sheet of the
-// largest size.
+// other half is for streams, pictures and the rest of the machine. If `memory` is 0 (unknown), it is the number of
+// vertices of one sheet of the largest size.
 std::int64_t default_total_vertices(std::int64_t memory);
 
 // Holds the text printed by --help and --version.
@@ -63,7 +63,8 @@ Result<std::variant<Config, Notice>> parse_command_line(int argc, const char* co
 // Returns the default folder of the built viewer. That is share/kerf/web beside the executable's folder, the place of
 // `cmake --install`, else web/dist of a source tree above the executable. Empty if neither has an index.html.
 std::filesystem::path default_web_directory(const std::filesystem::path& executable);
-// Does the same for the documentation: share/kerf/docs, else build/docs/site of a source tree.
+// Returns the default folder of the built documentation: share/kerf/docs beside the executable's folder, else
+// build/docs/site of a source tree above it. Empty if neither has an index.html.
 std::filesystem::path default_docs_directory(const std::filesystem::path& executable);
 
 }  // namespace kerf::app

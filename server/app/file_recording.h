@@ -16,7 +16,7 @@
 
 namespace kerf::app {
 
-// Counts all recordings of a server. Thread-safe.
+// Counts all recordings of a server, see ws::RecordingCounts. Thread-safe.
 struct RecordingBoard {
   std::atomic<std::int64_t> open{0};
   std::atomic<std::int64_t> stopped{0};
@@ -30,13 +30,14 @@ struct RecordingBoard {
 // Writes a recording file while the sheet runs (format: kerf/v1/run.proto). Appended data is handed to the operating
 // system: it survives the process, not the machine.
 //
-// After a failed write the recording pauses: entries wait in memory, and an entry that comes kRetryInterval after a
-// failure tries again. A sleeping or paused sheet has no entries, so it does not retry. If too much waits, the
-// recording ends for good. The file has whole entries only, without a gap. Each change is one line to `note`.
+// After a failed write the recording pauses: entries wait in memory. An entry that comes kRetryInterval or more after a
+// failure makes it try again. A sleeping or paused sheet has no entries, so it does not retry. If too much waits, the
+// recording ends for good. The file has whole entries only, without a gap. Each pause, resumption and early end is one
+// line to `note`.
 class FileRecording : public sheet::RecordingSink {
  public:
   static constexpr host::Nanoseconds kRetryInterval = std::chrono::seconds(1);
-  static constexpr std::int64_t kMaxWaitingBytes = std::int64_t{1} << 20;       // Without the header.
+  static constexpr std::int64_t kMaxWaitingBytes = std::int64_t{1} << 20;       // Per recording, without the header.
   static constexpr std::int64_t kMaxAllWaitingBytes = std::int64_t{256} << 20;  // For all recordings on one board.
 
   // `disk`, `clock` and `board` must outlive this; `note` is called from the sheet's strand and the destructor.
@@ -73,8 +74,8 @@ class FileRecording : public sheet::RecordingSink {
   std::unique_ptr<host::AppendFile> file_;  // Null: not made yet, or the recording has ended.
   std::deque<std::string> waiting_;         // Whole entries in order, several small ones in one string.
   std::int64_t waiting_bytes_ = 0;
-  std::int64_t header_bytes_ = 0;  // 0: written.
-  host::Nanoseconds next_try_{0};  // Used when kPaused.
+  std::int64_t header_bytes_ = 0;  // Bytes of a header that still waits; 0: it is written.
+  host::Nanoseconds next_try_{0};  // Earliest time of the next try while kPaused.
 };
 
 }  // namespace kerf::app

@@ -64,7 +64,7 @@ void guard_the_stop(sigset_t signals, const std::weak_ptr<const kerf::app::Serve
     left = end - std::chrono::steady_clock::now();
   }
   std::signal(SIGTERM, SIG_DFL);
-  std::signal(SIGINT, SIG_DFL);  // A shell makes programs in the background ignore it.
+  std::signal(SIGINT, SIG_DFL);  // Shells make programs in the background ignore SIGINT.
   pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
   std::this_thread::sleep_until(begin + kStopLimit);
   const std::shared_ptr<const kerf::app::Server> server = running.lock();
@@ -127,7 +127,7 @@ int main(int argc, char** argv) {
 
   const std::shared_ptr<kerf::app::Server> server = start(config);
   if (!server) return kExitRefused;
-  // Started now, because the stop may find no memory for it.
+  // Started now, because there may be no memory for a thread when the server stops.
   std::thread(guard_the_stop, signals, std::weak_ptr<const kerf::app::Server>(server)).detach();
   std::cout << server->ready_line() << std::endl;
   wait_for_stop(signals);
