@@ -19,7 +19,7 @@
 namespace kerf::api {
 namespace {
 
-// `stop...`: empty, or the stop token of a method that takes one.
+// `Stop`: nothing, or the stop token of a method that takes one.
 template <typename Request, typename Response, typename... Stop>
 Method json_method(std::string path, Api& api, void (Api::*method)(const Request&, Reply<Response>, Stop...)) {
   return {std::move(path),

@@ -129,7 +129,7 @@ struct FrameCounts {
 struct PictureCounts {
   std::int64_t rendered = 0;
   std::int64_t encoded = 0;
-  std::int64_t shared = 0;   // Given to a stream after being encoded for another one or for an earlier picture.
+  std::int64_t shared = 0;   // Given to a stream, but encoded for another stream or for an earlier picture.
   std::int64_t sent = 0;     // Sent to streams.
   std::int64_t skipped = 0;  // Ticks not shown to streams between their pictures, summed over streams.
   std::int32_t streams = 0;  // Open now.

@@ -25,7 +25,7 @@
 
 namespace kerf::api {
 
-// Number of threads: one draws or waits for the graphics device while another encodes.
+// Threads of the picture studio: one draws or waits for the graphics device while the other encodes.
 inline constexpr std::size_t kStudioThreads = 2;
 
 // Holds the state shared by the methods of an Api and its streams.
@@ -99,7 +99,8 @@ v1::Sheet encode_sheet(const host::SheetStatus& status);
 host::Callback<host::SheetStatus> sheet_reply(Reply<v1::Sheet> reply, const char* field);
 
 // Calls `perform` once for each request_id: see RequestLog. `method` separates the ids of different methods. `caller`
-// is triggered when the caller leaves. The token passed to `perform` is triggered once all that wait for it have left.
+// is triggered when the caller leaves. The token passed to `perform` is triggered once all callers that wait for its
+// reply have left.
 template <typename Response, typename Request>
 void idempotent_while_wanted(const std::shared_ptr<ApiCore>& core, const char* method, const Request& request,
                              Reply<Response> reply, const std::stop_token& caller,
@@ -124,7 +125,7 @@ void idempotent_while_wanted(const std::shared_ptr<ApiCore>& core, const char* m
   perform(finish, *all_left);
 }
 
-// Does the same for work that continues even if no caller waits for it.
+// Calls `perform` as idempotent_while_wanted() does, for work that continues even if no caller waits for it.
 template <typename Response, typename Request>
 void idempotent(const std::shared_ptr<ApiCore>& core, const char* method, const Request& request, Reply<Response> reply,
                 const std::function<void(Reply<Response>)>& perform) {
@@ -154,7 +155,8 @@ Error too_many_pictures(const ApiCore& core);
 Error too_many_files(const ApiCore& core);
 Error too_many_analyses(const ApiCore& core);
 
-// Copies a sheet between two ticks. RESOURCE_EXHAUSTED SHEET_TOO_LARGE beyond the vertices that are analysed.
+// Copies a sheet between two ticks. kResourceExhausted SHEET_TOO_LARGE if it has more than
+// Limits::max_analyzed_vertices.
 void copy_sheet(const std::shared_ptr<ApiCore>& core, const std::string& sheet_id, const char* field,
                 std::function<void(Result<std::shared_ptr<sheet::Sheet>>)> done);
 

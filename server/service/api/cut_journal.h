@@ -12,16 +12,17 @@
 
 namespace kerf::api {
 
-// Lists the applied cuts of every sheet since its last reset by number, and the last scheduled ones that were refused.
-// Undone cuts are set aside until they are redone or a new cut is applied. Cuts before a reset are kept for its undo.
-// The oldest cuts of a sheet are forgotten beyond kMaxBytes. Thread-safe.
+// Lists, for every sheet, the cuts applied since its last reset, by number, and the latest scheduled cuts that were
+// refused. Undone cuts are hidden until they are redone; they are dropped when a new cut is applied. Cuts made before a
+// reset are hidden, and listed again if the reset is undone. The oldest cuts of a sheet are forgotten beyond kMaxBytes.
+// Thread-safe.
 class CutJournal {
  public:
-  static constexpr std::size_t kMaxBytes = std::size_t{16} << 20;  // Serialised, per sheet.
-  // Serialised; gRPC clients take 4 MiB per message.
+  static constexpr std::size_t kMaxBytes = std::size_t{16} << 20;  // Limit on serialised cuts, per sheet.
+  // Limit on the serialised entries of a page, because gRPC clients take 4 MiB per message.
   static constexpr std::size_t kMaxPageBytes = std::size_t{2} << 20;
   static constexpr std::size_t kMaxRefused = 64;  // Per sheet.
-  // Serialised, per sheet; a single one may be larger.
+  // Limit on serialised refused cuts, per sheet. The latest one is kept even if it is larger.
   static constexpr std::size_t kMaxRefusedBytes = std::size_t{1} << 20;
 
   // `beginning`: see sheet::CommandReply.
@@ -41,8 +42,8 @@ class CutJournal {
   void refuse(const std::string& sheet, v1::ScheduledCuts cuts);
   void forget(const std::string& sheet);
 
-  // Holds at most `count` entries with numbers above `after`, oldest first. More than one take at most kMaxPageBytes.
-  // `last`: number of the last one; `more`: others follow.
+  // Holds at most `count` entries with numbers above `after`, oldest first. If there are several, they take at most
+  // kMaxPageBytes together. `last`: number of the last entry here; `more`: the sheet has further entries.
   struct Page {
     std::vector<v1::ListCutsResponse::Entry> entries;
     std::int64_t last = 0;

@@ -167,7 +167,7 @@ void submit_cut(const std::shared_ptr<ApiCore>& core, const std::string& id, she
                     });
 }
 
-// Cuts a copy of the sheet. `estimate` is that of the sheet itself.
+// Cuts a copy of the sheet. `estimate`: the tick estimate of the sheet itself.
 Result<host::CommandResult> result_on(sheet::Sheet& copy, const sheet::Command& command,
                                       const host::TickEstimate& estimate) {
   const double before = copy.expected_cost().total();

@@ -10,7 +10,7 @@ namespace kerf::api {
 class OpenStream {
  public:
   virtual ~OpenStream() = default;
-  // Ends with kUnavailable, unless it watches a sheet: the hub ends those.
+  // Ends the stream with kUnavailable if it has not been started. StreamHub::stop() ends streams that watch a sheet.
   virtual void server_stops() = 0;
 };
 

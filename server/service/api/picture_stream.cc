@@ -119,7 +119,7 @@ void PictureStream::acknowledge(const v1::WatchAck& ack) {
 void PictureStream::look(const v1::ImageView& view) {
   const Result<ImageLook> wanted = decode_look(view, codec_, "view.");
   if (!wanted.ok()) return fail(wanted.error());
-  std::shared_ptr<stream::Channel> poorer;  // Its newest snapshot lacks strains, which are wanted now.
+  std::shared_ptr<stream::Channel> poorer;  // The channel, if its newest snapshot lacks the strains wanted now.
   {
     const std::lock_guard lock(mutex_);
     if (over()) return;

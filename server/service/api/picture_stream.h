@@ -23,8 +23,8 @@ class WatchPace;
 namespace kerf::api {
 
 // Serves the pictures of one image stream. It orders a picture from its feed when there is something new to show and
-// the flow allows one to be sent. It sends the picture once it is finished. Thus no picture is drawn that is not sent,
-// and at most one order is open at a time.
+// its FlowControl allows it to send. It sends the picture once the feed has finished it. Thus no picture is drawn that
+// is not sent, and at most one order is open at a time.
 class PictureStream final : public ImageSession,
                             public OpenStream,
                             public stream::Reader,
@@ -81,18 +81,20 @@ class PictureStream final : public ImageSession,
   const std::shared_ptr<ApiCore> core_;
   host::WakeCallback wake_;
   host::WakeTimer timer_;
-  std::string sheet_id_;  // Like codec_, written by start() before any reader.
+  std::string sheet_id_;  // Like codec_, written by start() before anything reads it.
   v1::ImageCodec codec_ = v1::IMAGE_JPEG;
-  std::atomic<bool> wants_picture_{true};  // advance() found nothing newer, and would have ordered it.
+  // advance() could have ordered a picture, but found nothing new: wake() must call wake_.
+  std::atomic<bool> wants_picture_{true};
 
   mutable std::mutex mutex_;  // Guards the members below; not held over calls to the host or the hub.
   bool started_ = false;
-  bool joined_ = false;   // hub.leave() must be called.
-  bool counted_ = false;  // Counted among the streams served.
+  bool joined_ = false;   // Joined to the hub, which it must leave.
+  bool counted_ = false;  // Counted in ApiCore::num_image_streams.
   ImageLook look_;
   std::optional<stream::FlowControl> flow_;  // Set once started.
   bool paused_ = false;
-  std::int64_t stale_through_ = 0;  // Publications up to this one are older than the end of a pause.
+  // Publications up to this number are not shown: the one before a pause ended, and older ones.
+  std::int64_t stale_through_ = 0;
   std::shared_ptr<stream::Channel> channel_;
   std::optional<Backdrop> backdrop_;
   std::shared_ptr<PictureFeed> feed_;  // Set once there is a backdrop.
@@ -101,9 +103,9 @@ class PictureStream final : public ImageSession,
   bool look_changed_ = false;          // A picture is due though the sheet has not moved.
   bool ordered_ = false;
   std::optional<FinishedPicture> picture_;  // To be sent.
-  std::int64_t last_publication_ = 0;       // sent
-  std::int64_t last_tick_ = -1;             // sent
-  std::optional<wire::EndReason> end_;      // Still to be sent.
+  std::int64_t last_publication_ = 0;       // Number of the publication shown by the last picture sent.
+  std::int64_t last_tick_ = -1;             // Tick of the last picture sent; -1: none.
+  std::optional<wire::EndReason> end_;      // Reason of the end, once the stream is to end.
   bool ended_ = false;                      // The end was sent.
   std::optional<Error> failure_;
   bool closed_ = false;

@@ -54,7 +54,7 @@ PictureStream::Outgoing PictureStream::advance() {
 void PictureStream::order(const stream::FlowControl::Permit& permit) {
   wake_at(permit.wake_at);
   if (!permit.may_send || !feed_ || ordered_) return;
-  // Set before the check: a publication from here on is either seen below or finds this set.
+  // Set before the check: a publication from here on is either seen by the check or finds wants_picture_ set.
   wants_picture_ = true;
   const stream::Channel::Newest newest = channel_->newest();
   const bool is_new = newest.publication != last_publication_ || look_changed_;

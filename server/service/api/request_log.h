@@ -30,11 +30,12 @@ class RequestLog {
   // `max_bytes`: of keys and responses together.
   RequestLog(std::size_t capacity, std::size_t max_bytes) : capacity_(capacity), max_bytes_(max_bytes) {}
 
-  // Registers a caller. If it is the first with this key, returns a token; it must do the request and call finish().
-  // The token is triggered once the first and all waiting callers have left, as signalled by each `caller`.
+  // Registers a caller. If it is the first with this key, returns a token; the caller must then do the request and call
+  // finish(). The token is triggered once all callers with this key have left, as each one's `caller` signals.
   //
-  // Otherwise returns nothing and calls `waiter` with the outcome of the first, at once or once it is known. It gets
-  // kAlreadyExists REQUEST_ID_REUSED if the bodies differ (compared by a 64-bit hash).
+  // For later callers, returns nothing and calls `waiter` with the outcome of the first request, at once or once it is
+  // known. `waiter` gets kAlreadyExists REQUEST_ID_REUSED instead if `body` differs from that of the first (compared by
+  // a 64-bit hash).
   std::optional<std::stop_token> begin(const std::string& key, std::string_view body, Waiter waiter,
                                        const std::stop_token& caller = {});
 

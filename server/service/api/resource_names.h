@@ -7,7 +7,7 @@
 
 namespace kerf::api {
 
-// Returns the id in `sheets/{sheet}`; kInvalidArgument NAME_MALFORMED with this field.
+// Returns the id in `sheets/{sheet}`; kInvalidArgument NAME_MALFORMED with the field `field`.
 Result<std::string> parse_sheet_name(const std::string& name, const char* field);
 std::string sheet_name(const std::string& id);
 

@@ -18,7 +18,8 @@
 namespace kerf::api {
 namespace {
 
-// Limit on unread rejections. A client that reads never reaches it; one that does not would only cost memory.
+// Limit on rejections that the client has not read. A client that reads never reaches it; those of a client that does
+// not read would only cost memory.
 constexpr std::size_t kMaxUnreadRejections = 256;
 constexpr double kSubscriptionRateHz = 1.0;
 constexpr double kMaxSubscriptionRateHz = 10.0;
@@ -123,10 +124,10 @@ class Session final : public WatchSession, public OpenStream, public std::enable
   std::shared_ptr<stream::Subscriber> subscriber_;
   std::optional<FrameRate> early_rate_;  // Received before the stream joined; applied to subscriber_ then.
   std::deque<stream::Message> rejections_;
-  std::set<std::string> held_grabs_;
+  std::set<std::string> held_grabs_;  // Grabs made by this stream and not yet released.
   std::optional<Error> failure_;
-  std::optional<std::int32_t> frames_left_;  // Until the stream ends.
-  bool done_ = false;
+  std::optional<std::int32_t> frames_left_;  // Frames until the stream ends; empty: no limit.
+  bool done_ = false;                        // The last of a limited number of frames was given.
   bool closed_ = false;
 };
 

@@ -6,7 +6,7 @@ namespace kerf::api {
 
 void StreamHub::join(const std::string& sheet_id, const Subscribe& subscribe, Joined joined) {
   std::shared_ptr<stream::Channel> fresh;
-  std::shared_ptr<stream::Channel> poorer;  // Its newest snapshot lacks strains, which are wanted now.
+  std::shared_ptr<stream::Channel> poorer;  // A channel whose newest snapshot lacks the strains wanted now.
   Result<std::shared_ptr<stream::Reader>> reader =
       unavailable("SERVER_STOPPING", "the server is stopping; try again later");
   {

@@ -29,7 +29,8 @@ class StreamHub {
   void join(const std::string& sheet_id, const Subscribe& subscribe, Joined joined);
   // Removes a reader; to be called once for each reader that join() gave.
   void leave(const std::string& sheet_id, stream::Reader& reader);
-  // Has the newest snapshot published again, because a reader wants more than it may have: strains, or a newer one.
+  // Has the newest snapshot published again, because a reader wants strains, which that snapshot may lack, or a newer
+  // snapshot.
   void refresh(const std::string& sheet_id, const std::shared_ptr<stream::Channel>& channel);
 
   // Counters of all channels, past and present.

@@ -13,7 +13,7 @@ namespace kerf::api {
 // stream as a Rejection. close() releases the grabs made here.
 class WatchSession : public StreamSession {
  public:
-  // Equals on_bytes() of the serialised request.
+  // Does the same as on_bytes() with the serialised request.
   virtual void on_request(const v1::WatchRequest& request) = 0;
 };
 

@@ -23,7 +23,7 @@ struct ReplayReport {
   std::int64_t torn_bytes = 0;           // Length of an incomplete last entry, which is left out.
   std::optional<Divergence> divergence;  // Empty if every recorded tick was equal, bit for bit.
   std::string state_hash;                // Recorded after the last tick; empty if no tick was recorded.
-  std::string recorded_by;               // Build that made the recording: version, compiler and its options.
+  std::string recorded_by;               // Build that made the recording, see wire::build_name().
   std::string replayed_by;               // This build.
 };
 

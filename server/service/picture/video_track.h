@@ -23,7 +23,7 @@ class VideoTrack {
     bool key = false;
   };
   // Encodes one picture. `now`: the present time, later than that of the call before. `key`: requests a frame that can
-  // be decoded by itself. Errors of the encoder; after one it gives no more frames.
+  // be decoded by itself. Errors of the encoder; the track must not be used after one.
   Result<Frame> encode(const render::Pixels& pixels, host::Nanoseconds now, bool key);
 
   [[nodiscard]] const render::VideoOptions& options() const { return options_; }

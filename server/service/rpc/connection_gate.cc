@@ -31,7 +31,7 @@ using asio::ip::tcp;
 constexpr std::chrono::milliseconds kAcceptRetry{100};
 // Shortest interval between searches of all connections for closed ones.
 constexpr std::chrono::milliseconds kLookInterval{20};
-// Largest number of connections of one peer whose search costs less than an accept.
+// Largest number of connections of one peer for which searching them costs less than accepting one.
 constexpr int kCheapLook = 256;
 
 // Returns the inode of a descriptor; 0 if it is closed.
@@ -223,7 +223,7 @@ void ConnectionGate::Impl::hear(const std::shared_ptr<Silent>& silent) {
   take(descriptor);
 }
 
-// Needs the mutex held.
+// Forgets all connections that gRPC has closed. Needs the mutex held.
 void ConnectionGate::Impl::forget_closed() const {
   const auto now = std::chrono::steady_clock::now();
   if (now - looked < kLookInterval) return;
@@ -231,7 +231,7 @@ void ConnectionGate::Impl::forget_closed() const {
   std::erase_if(handed, [](const Handed& each) { return inode_of(each.descriptor) != each.inode; });
 }
 
-// Needs the mutex held.
+// Forgets the peer's connections that gRPC has closed, or those of all peers if it has many. Needs the mutex held.
 void ConnectionGate::Impl::forget_closed_of(const Peer& peer) const {
   if (places.taken(peer) > kCheapLook) return forget_closed();
   std::erase_if(handed, [&peer](const Handed& each) {

@@ -13,12 +13,12 @@ namespace kerf::rpc {
 struct GateLimits {
   int max_connections = 1;              // Open at a time, >= 1.
   int max_per_address = 0;              // Per peer (server/base/peer_places.h), >= 0; 0: no limit.
-  std::chrono::milliseconds silence{};  // A connection that sends nothing for this long is closed.
+  std::chrono::milliseconds silence{};  // A connection that has sent nothing after this time is closed.
 };
 
 struct GateCounts {
   std::int64_t accepted = 0;
-  std::int64_t open = 0;                // Open now.
+  std::int64_t open = 0;                // Open now, those given to gRPC included.
   std::int64_t refused = 0;             // Closed at once, over max_connections.
   std::int64_t refused_by_address = 0;  // Closed at once, over max_per_address.
 };

@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t kMaxMessageBytes = 1000;
 constexpr std::size_t kMaxFieldBytes = 200;
 
-// Cuts at the start of a UTF-8 sequence.
+// Shortens a text to `max_bytes`, or less so that no UTF-8 sequence is cut in two, and adds "...".
 std::string cut(const std::string& text, std::size_t max_bytes) {
   if (text.size() <= max_bytes) return text;
   std::size_t end = max_bytes;

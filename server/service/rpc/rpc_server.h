@@ -15,10 +15,10 @@ class Api;
 namespace kerf::rpc {
 
 struct RpcOptions {
-  int max_connections = 10'000;                          // Beyond it, new connections are closed at once.
-  int max_connections_per_address = 0;                   // Limit on the connections of one peer, >= 0; 0: no limit.
-  std::chrono::milliseconds first_byte_timeout{5'000};   // A connection that sends nothing for this long is closed.
-  int max_streams_per_connection = 100;                  // HTTP/2 streams, 1..10000.
+  int max_connections = 10'000;                         // Beyond it, new connections are closed at once.
+  int max_connections_per_address = 0;                  // Limit on the connections of one peer, >= 0; 0: no limit.
+  std::chrono::milliseconds first_byte_timeout{5'000};  // A connection that has sent nothing after this time is closed.
+  int max_streams_per_connection = 100;                 // HTTP/2 streams, 1..10000.
   std::chrono::milliseconds keepalive_interval{20'000};  // A silent connection is pinged after this long.
   std::chrono::milliseconds keepalive_timeout{10'000};  // A connection is dropped if its answer to a ping takes longer.
   // Limits on uploads and on recordings being fetched: longest time without progress, and from beginning to end.
@@ -47,7 +47,7 @@ class RpcServer {
   void drain();
 
   // Refuses new calls, waits up to `grace` for those in progress, cancels the rest, and returns when none is left. The
-  // replies that the Api owes for them must have come or come by themselves. Idempotent.
+  // Api must have replied to these calls, or must reply without further requests: stop the Host first. Idempotent.
   void stop(std::chrono::milliseconds grace);
 
   [[nodiscard]] GateCounts connections() const;

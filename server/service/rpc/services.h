@@ -24,7 +24,7 @@ struct StreamHosting;
 // Returns every service of kerf.v1 over `api`. `api`, the clock and `hosting` must outlive them.
 std::vector<NamedService> make_services(api::Api& api, TransferTiming timing, StreamHosting& hosting);
 
-// Returns StreamService. Its messages pass through as bytes: frames are serialised once for all streams.
+// Returns StreamService. Its messages pass through as bytes, so that a frame is serialised once for all streams.
 std::unique_ptr<grpc::Service> make_stream_service(api::Api& api, StreamHosting& hosting);
 
 }  // namespace kerf::rpc

@@ -31,7 +31,7 @@ struct StreamHosting {
   // Threads that encode and write for woken streams, so that the sheet's strand is not blocked.
   boost::asio::thread_pool& writers;
   host::Clock& clock;
-  host::Nanoseconds write_timeout;  // A reader that takes no message for this long is cut off unnotified.
+  host::Nanoseconds write_timeout;  // A reader that takes no message for this long is cut off without notice.
 };
 
 // Writes the messages of a session. Every write starts in advance(), which runs only while it owns `busy_`. Thus at
@@ -63,7 +63,7 @@ class SessionReactor : public Reactor {
   }
 
   void OnDone() override {
-    // Both wait for a running callback, which uses this object.
+    // stop() and set_wake() wait for a running callback, which uses this object.
     write_timeout_->stop();
     session_->set_wake({});
     session_->close();
@@ -77,7 +77,8 @@ class SessionReactor : public Reactor {
     session_->set_wake([this] { wake(); });
   }
 
-  // Posts advance() to the writers. The stream is busy until it runs, so nothing finishes it or deletes this object.
+  // Posts advance() to the writers. The stream is busy until advance() runs, so nothing finishes the stream or deletes
+  // this object before.
   void wake() {
     {
       const std::lock_guard lock(mutex_);
@@ -90,8 +91,9 @@ class SessionReactor : public Reactor {
   api::StreamSession& session() { return *session_; }
 
  private:
-  // Starts the next write or finishes the stream, and stays busy until that is done; idle if there is neither. No
-  // member may be touched after StartWrite or Finish: their reactions may have deleted this object.
+  // Starts the next write or finishes the stream, and stays busy until that is done. Becomes idle if there is nothing
+  // to do. No member may be touched after StartWrite or Finish, because OnWriteDone or OnDone may have deleted this
+  // object.
   void advance() {
     while (true) {
       {

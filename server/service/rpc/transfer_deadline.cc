@@ -17,7 +17,7 @@ void TransferDeadline::begin(std::function<void(Timeout)> on_timeout) {
   wait_until(deadline);
 }
 
-// Leaves the timer as it is: when it fires, it is reset for the remaining time.
+// Moves the deadline but not the timer: when the timer fires early, it is set for the remaining time.
 bool TransferDeadline::made_progress() {
   const std::lock_guard lock(mutex_);
   extend();

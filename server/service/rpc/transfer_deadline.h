@@ -15,8 +15,8 @@ struct TransferTimeouts {
   host::Nanoseconds total;  // Longest time from beginning to end.
 };
 
-// Ends a call whose client is too slow to send or take data. Exactly one of the reactor and this timer ends it.
-// Thread-safe.
+// Ends a call whose client is too slow to send or take data. Either the reactor or this timer ends the call, never
+// both. Thread-safe.
 class TransferDeadline : public std::enable_shared_from_this<TransferDeadline> {
  public:
   // Names the limit that was reached.

@@ -4,7 +4,7 @@
 
 namespace kerf::rpc {
 
-// Notes only a time for each write. A pending timer stays as it is: when it fires, it is reset for the remaining time.
+// Notes the start of each write. A pending timer stays as it is: when it fires early, it is set for the remaining time.
 void WriteTimeout::write_begun() {
   const host::Nanoseconds now = clock_.now();
   {

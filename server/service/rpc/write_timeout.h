@@ -21,7 +21,7 @@ class WriteTimeout : public std::enable_shared_from_this<WriteTimeout> {
   void begin(std::function<void()> on_timeout) { on_timeout_.set(std::move(on_timeout)); }
   void write_begun();
   void write_done();
-  // Ends the calls of `on_timeout`, and waits for one in progress unless it is that call that calls stop(). Idempotent.
+  // Ends the calls of `on_timeout`, and waits for one in progress, unless stop() is called from within it. Idempotent.
   void stop();
 
  private:

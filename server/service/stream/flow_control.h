@@ -32,8 +32,8 @@ class FlowControl {
   };
   [[nodiscard]] Permit permit(Nanoseconds now) const;
 
-  // Records a frame of `bytes` bytes as sent. `publications`: number of snapshots published since the frame before, >=
-  // 0. Returns its sequence number: 1, 2, 3, ...
+  // Records a frame of `bytes` bytes as sent. `publications` (>= 0): number of snapshots published since the frame
+  // before. Returns its sequence number: 1, 2, 3, ...
   std::int64_t sent(std::size_t bytes, std::int64_t publications, Nanoseconds now);
   [[nodiscard]] std::int64_t last_sequence() const { return last_sequence_; }
 

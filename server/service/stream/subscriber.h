@@ -77,7 +77,7 @@ class Subscriber : public Reader {
   mutable std::mutex mutex_;
   FlowControl flow_;
   bool paused_ = false;
-  // Number of the last publication before the end of a pause; older ones are not sent.
+  // Publications up to this number are not sent: the one before a pause ended, and older ones.
   std::int64_t stale_through_ = 0;
   std::int64_t last_tick_ = 0;  // Tick of the last frame.
   Viewed viewed_;

@@ -21,8 +21,8 @@ struct Affine {
 
 Affine translation(const Eigen::Vector2d& by);
 
-// Parses a transform attribute: matrix, translate, scale, rotate, skewX and skewY, the last applied first. Returns
-// nothing if it is malformed.
+// Parses a transform attribute: matrix, translate, scale, rotate, skewX and skewY. The last one is applied to points
+// first. Returns nothing if it is malformed.
 std::optional<Affine> parse_transform(std::string_view text);
 
 // Holds a rectangle in user units, with y pointing down.

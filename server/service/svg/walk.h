@@ -67,10 +67,10 @@ class Walk {
   cut::Path path_;
   std::size_t num_segments_ = 0;
   int num_visited_ = 0;
-  std::size_t num_bytes_ = 0;  // Bytes of attributes, counted at each visit.
-  bool beyond_ = false;        // Part of an outline lies outside the outermost viewport.
-  Eigen::AlignedBox2d canvas_;
-  std::map<std::string, int> kinds_;
+  std::size_t num_bytes_ = 0;   // Bytes of attributes, counted at each visit.
+  bool beyond_ = false;         // Part of an outline lies outside the outermost viewport.
+  Eigen::AlignedBox2d canvas_;  // The outermost viewport in the path's coordinates; empty if its size is not given.
+  std::map<std::string, int> kinds_;  // Number of parts that are not cut, by kind.
   std::string first_path_error_;
 };
 

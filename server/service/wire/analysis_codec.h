@@ -8,11 +8,12 @@
 #include "server/core/analysis/analysis.h"
 #include "server/core/scene/sheet_config.h"
 
-// Converts kerf.v1.Analysis and Probe to and from sheet's types. Checks only what messages alone can get wrong; errors
-// as in scene_codec.h.
+// Converts kerf.v1.Analysis and Probe to and from sheet's types. Checks only faults of the message itself, not what
+// sheet::validate() checks; errors as in scene_codec.h.
 namespace kerf::wire {
 
-// Decode with the defaults that analysis.proto documents for zeros; paths begin with "analysis" and "probes".
+// Decode with the defaults that analysis.proto documents for zeros; field paths of errors begin with "analysis" and
+// "probes".
 Result<sheet::Analysis> decode_analysis(const v1::Analysis& message);
 Result<std::vector<sheet::Probe>> decode_probes(const google::protobuf::RepeatedPtrField<v1::Probe>& messages);
 

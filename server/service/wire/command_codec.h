@@ -5,8 +5,8 @@
 #include "server/core/scene/command.h"
 #include "server/service/wire/geometry_codec.h"
 
-// Converts kerf.v1.Command to and from sheet::Command. Errors as in scene_codec.h; paths begin at the command
-// ("cut.curve.bezier", "grab.target.x"). A Reset, an UndoCut and a RedoCut have none.
+// Converts kerf.v1.Command to and from sheet::Command. Errors as in scene_codec.h, with field paths that begin at the
+// command ("cut.curve.bezier", "grab.target.x"). Decoding a Reset, an UndoCut or a RedoCut has no errors.
 namespace kerf::wire {
 
 // `read_file`: for Svg.file; see geometry_codec.h.
@@ -14,7 +14,7 @@ Result<sheet::Command> decode_command(const v1::Command& command, const FileRead
 v1::Command encode_command(const sheet::Command& command);
 v1::Cut encode_cut(const sheet::Cut& cut);
 
-// Limit on the parts of one batch (see num_parts()), because drawings unfold to far more than their text.
+// Limit on the parts of one batch (see num_parts()), because a short drawing may unfold to very many segments.
 inline constexpr std::int64_t kMaxBatchParts = 131'072;
 // Counts the cut, and the subpaths and segments of its path.
 std::int64_t num_parts(const sheet::Cut& cut);

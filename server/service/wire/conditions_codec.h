@@ -7,8 +7,8 @@
 #include "server/base/result.h"
 #include "server/core/scene/sheet_config.h"
 
-// Converts kerf.v1.Constraint, Load, History and InitialVelocity to and from sheet's types. Checks only what messages
-// alone can get wrong; errors as in scene_codec.h.
+// Converts kerf.v1.Constraint, Load, History and InitialVelocity to and from sheet's types. Checks only faults of the
+// messages themselves, not what sheet::validate() checks; errors as in scene_codec.h.
 namespace kerf::wire {
 
 // Convert the scene's constraints, loads, gravity_history, planar and initial_velocity.

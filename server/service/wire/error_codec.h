@@ -22,10 +22,12 @@ std::string_view status_name(ErrorCode code);  // "INVALID_ARGUMENT"
 // passes_by_itself().
 std::string encode_status(const Error& error);
 
-// True for limits that may pass soon, when others end or make room: the same request may then be accepted.
+// True if the error reports a limit on things in use at the same time, such as sheets or uploads. The same request may
+// be accepted once some of them have ended.
 bool passes_by_itself(const Error& error);
 
-// Returns the JSON form of the same message: {"code":3,"message":"...","details":[{"@type":"...ErrorInfo",...},...]}.
+// Returns the message of encode_status() as JSON:
+// {"code":3,"message":"...","details":[{"@type":"...ErrorInfo",...},...]}.
 std::string error_to_json(const Error& error);
 
 }  // namespace kerf::wire

@@ -44,7 +44,7 @@ std::optional<Listed> list_changes(const sheet::Topology& topology, std::int32_t
   if (!can_patch(topology, base_version)) return std::nullopt;
   Listed listed{changed_since(topology.slot_versions, base_version),
                 changed_since(topology.vertex_versions, base_version)};
-  // Bytes of the raw arrays; a patch that lists has ids in addition.
+  // Compares bytes of the raw arrays. A patch that lists changes also has the ids of the listed slots and vertices.
   const std::size_t bytes = 20 * listed.slots.size() + 12 * listed.vertices.size();
   if (bytes >= 16 * topology.triangles.size() + 8 * topology.vertex_versions.size()) return std::nullopt;
   return listed;

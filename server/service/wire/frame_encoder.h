@@ -39,8 +39,8 @@ enum class Encoding { kCompact, kRaw };
 using Predictors = std::vector<codec::VertexPredictor>;
 Predictors make_predictors(const sheet::Topology& topology);
 
-// Return serialised Frames without sequence, topology and stats.skipped. `predictors` are those of the frame's
-// topology. A delta is compact, relative to `base`, whose box must be the same.
+// Return serialised Frames without sequence, epoch, topology, strains and stats.skipped. `predictors` are those of the
+// frame's topology. A delta is compact, relative to `base`, whose box must be the same.
 std::string encode_raw_body(const QuantisedFrame& frame);
 std::string encode_keyframe_body(const QuantisedFrame& frame, const Predictors& predictors);
 std::string encode_delta_body(const QuantisedFrame& frame, const QuantisedFrame& base, const Predictors& predictors);
@@ -58,11 +58,11 @@ struct EncodedTopology {
 // list would be about as large. `predictors`: null for raw, else of `topology`.
 EncodedTopology encode_topology(const sheet::Topology& topology, std::int32_t base_version,
                                 const Predictors* predictors);
-// True if the history reaches back to this version; else the patch is full.
+// True if the history of `topology` reaches back to `base_version`; else the patch is full.
 bool can_patch(const sheet::Topology& topology, std::int32_t base_version);
 
-// Returns the start of a serialised WatchResponse with a frame; `rest_bytes` more (body and topology) must follow.
-// sequence >= 1; skipped >= 0, in ticks; epoch: empty except in a stream's first frame.
+// Returns the start of a serialised WatchResponse with a frame; `rest_bytes` more bytes (body, topology and strains)
+// must follow. sequence >= 1; skipped >= 0, in ticks; epoch: empty except in a stream's first frame.
 std::string encode_frame_head(std::int64_t sequence, std::int64_t skipped, std::string_view epoch,
                               std::size_t rest_bytes);
 

@@ -21,21 +21,22 @@ void encode_vector(const Eigen::Vector3d& vector, v1::Vec3& message);
 // Reads a file named by a scene file.
 using FileReader = std::function<Result<std::string>(const std::string& path)>;
 
-// Returns content that a message holds itself, or that a file named in a scene file holds. Errors, all with field
-// `path`.file: `kind`_FILE_REFUSED without a reader, as required for network requests; `kind`_TWICE if both are given;
-// those of the reader.
+// Holds content that a message has itself, or the name of a file that has it.
 struct ContentOrFile {
   std::string content;
   const std::string& file;
   std::string content_field = "text";
 };
+// Returns the content, which is read from the file if one is named. Errors, all with field `path`.file:
+// `kind`_FILE_REFUSED if a file is named and there is no reader, as required for network requests; `kind`_TWICE if both
+// content and file are given; those of the reader.
 Result<std::string> read_content(ContentOrFile from, const FileReader& read_file, const std::string& kind,
                                  const std::string& path);
 
 struct DecodedCurve {
   cut::Curve curve;
   std::vector<std::string> remarks;  // Parts of a drawing that are not in the curve.
-  bool is_drawing = false;           // The curve has no place of its own on the sheet: it is fitted.
+  bool is_drawing = false;           // The curve has no place of its own on the sheet, and is fitted to it.
 };
 
 // Decodes a curve without validating it. Errors: no kind chosen (CHOICE_MISSING, field `path`), weights not as many as
@@ -44,7 +45,7 @@ Result<DecodedCurve> decode_curve(const v1::Curve& curve, const std::string& pat
 // Encodes a curve; a drawing becomes its path.
 void encode_curve(const cut::Curve& curve, v1::Curve& message);
 
-// Returns kInvalidArgument FIELD_MISSING, for a message without default.
+// Returns kInvalidArgument FIELD_MISSING, for an absent message that has no default.
 Error missing(const std::string& path);
 // Returns kInvalidArgument CHOICE_MISSING, for a oneof without a member. `choices`: text for users, "bezier, polyline
 // or circle".

@@ -12,7 +12,7 @@ namespace kerf::wire {
 // of scene.proto), MATERIAL_NOT_POSITIVE_DEFINITE; fields begin with `path` ("material").
 Result<fem::Material> decode_material(const v1::Material& material, const std::string& path);
 
-// Encodes every number and no preset; bending stiffnesses only if the material has them given.
+// Encodes every number and no preset; bending stiffnesses only if they were given to the material.
 v1::Material encode_material(const fem::Material& material);
 
 // Decodes a membrane law. Errors: UNKNOWN_ENUM_VALUE, "membrane_law".

@@ -12,7 +12,8 @@ namespace {
 constexpr double kSteps = 65535.0;
 constexpr double kRoom = 1.25;  // -; box size over the sheet's extent, before rounding up.
 constexpr double kSmallestSizeM = 0x1p-10;
-constexpr double kShrinkRatio = 8.0;  // -; a box this much too large is replaced.
+// -; a box is replaced if a side is more than this many times that of a fresh box.
+constexpr double kShrinkRatio = 8.0;
 // Smallest box size relative to the distance from the origin. It keeps the corner, a multiple of size / 16, and corner
 // + size exact far from the origin.
 constexpr double kSmallestRelativeSize = 0x1p-40;

@@ -18,14 +18,14 @@ struct FrameBox {
   bool operator==(const FrameBox&) const = default;
 };
 
-// Returns the box for `positions` (3 V numbers, x y z interleaved, m, finite) after `current`.
+// Returns the box for `positions` (3 V numbers, x y z interleaved, m, finite). `current`: the box of the frame before.
 //
-// A fresh box is on each axis the smallest power of two >= 1.25 times the sheet's extent there. At least a quarter of
-// the largest extent counts, because a flat sheet will not stay flat. It is centred to size / 32, which leaves at least
-// 7 % of margin on every side.
+// A fresh box is on each axis the smallest power of two >= 1.25 times the sheet's extent there. On each axis, at least
+// a quarter of the sheet's largest extent is assumed, because a flat sheet will not stay flat. The box is centred on
+// the sheet to within size / 32, which leaves a margin of at least 6.8 % of its size on every side.
 //
-// `current` is kept while the sheet lies in it and none of its axes exceeds 8 times the fresh one. Thus a sheet that
-// moves about a place keeps its box, and its frames can be deltas.
+// `current` is kept while the sheet lies in it and none of its sides exceeds 8 times that of a fresh box. Thus a sheet
+// that moves about a place keeps its box, and its frames can be deltas.
 FrameBox choose_box(std::span<const double> positions, const std::optional<FrameBox>& current);
 
 // Computes q = floor((p - min) * (65535 / size) + 0.5) per axis; 3 V numbers in 0..65535. The positions must lie in the

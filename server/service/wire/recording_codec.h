@@ -13,12 +13,12 @@
 // around them.
 namespace kerf::wire {
 
-// Format written; 1, in which no tick is left out, and 2 can be read too.
+// Version of the format that is written. Versions 1, in which no tick is left out, and 2 can be read, too.
 inline constexpr std::int32_t kRecordingFormat = 3;
 
-// Returns the compiler of this build and whether it optimised.
+// Returns the compiler of this build, its version, and whether it optimised.
 std::string build_name();
-// Returns the start of a recording file. `build`: version and compiler; equal bits are promised for equal builds.
+// Returns the start of a recording file. `build`: see build_name(); a replay gives equal bits only on an equal build.
 std::string encode_recording_header(const sheet::SheetConfig& config, std::string_view build);
 // Returns the bytes that each tick appends.
 std::string encode_recorded_tick(const sheet::RecordedTick& tick);
@@ -28,8 +28,8 @@ struct RecordingFile {
   sheet::Recording recording;
 };
 
-// Limit on one message: a tick, or the header without the text or numbers of its mesh. Decoding may take a hundred
-// times as much memory.
+// Limit on one message: a tick, or the header without the text or numbers of its mesh. Decoding a message may take a
+// hundred times as much memory as its bytes.
 inline constexpr std::size_t kMaxRecordedMessageBytes = std::size_t{8} << 20;
 
 // Limits how much of a file is read into memory, independent of its length. Trusted files need no limits.

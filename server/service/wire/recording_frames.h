@@ -38,7 +38,7 @@ class RecordingReader {
   // Reads the signature. kDataLoss RECORDING_TRUNCATED: the file ends within it; RECORDING_DAMAGED: it has changed.
   static Result<RecordingReader> open(std::string_view file);
 
-  [[nodiscard]] bool is_checked() const { return is_checked_; }  // format 3
+  [[nodiscard]] bool is_checked() const { return is_checked_; }  // True for format 3, which has checksums.
   [[nodiscard]] bool done() const { return at_ == file_.size(); }
   // Returns the offset in bytes of the message read last.
   [[nodiscard]] std::size_t offset() const { return start_; }

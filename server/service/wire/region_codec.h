@@ -13,7 +13,7 @@ namespace kerf::wire {
 
 using RegionMessages = google::protobuf::RepeatedPtrField<v1::Region>;
 
-// Decodes pins; checks only what messages alone can get wrong. `path` names the repeated field ("pins").
+// Decodes pins; checks only faults of the messages themselves. `path` names the repeated field ("pins").
 Result<std::vector<sheet::Region>> decode_pins(const RegionMessages& pins, const std::string& path);
 void encode_pins(const std::vector<sheet::Region>& pins, RegionMessages& messages);
 
@@ -21,9 +21,9 @@ void encode_pins(const std::vector<sheet::Region>& pins, RegionMessages& message
 Result<sheet::Region> decode_region(const v1::Region& region, const std::string& path);
 void encode_region(const sheet::Region& region, v1::Region& message);
 
-// Decodes wind with the defaults that scene.proto documents for zeros; unchecked.
+// Decodes wind with the defaults that scene.proto documents for zeros; checks no ranges.
 sheet::Wind decode_wind(const v1::Wind& wind);
-// Encodes moving air only: an absent message means no air at all.
+// Encodes wind with an air density > 0. Without air the message must be left absent.
 void encode_wind(const sheet::Wind& wind, v1::Wind& message);
 
 }  // namespace kerf::wire

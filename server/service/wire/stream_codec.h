@@ -12,10 +12,10 @@ class FrameStats;
 class Image;
 }  // namespace kerf::v1
 
-// Encodes the parts common to streams of frames and of images, and the messages of the latter.
+// Encodes the parts common to streams of frames and of images, and the messages of image streams.
 namespace kerf::wire {
 
-// Encodes everything except `skipped`.
+// Encodes all fields of FrameStats except `skipped`.
 void encode_stats(const sheet::RunStats& stats, const sheet::Topology& topology, v1::FrameStats& message);
 
 enum class EndReason { kSheetDeleted, kSheetLost, kServerStopping, kTooSlow };

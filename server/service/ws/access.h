@@ -26,7 +26,8 @@ bool is_loopback(std::string_view host);
 // and scripts of other sites cannot forge it.
 struct AccessPolicy {
   bool bound_to_loopback = true;
-  // E.g. "https://viewer.example.org"; their hosts may also be named in Host.
+  // Origins of foreign pages that may use the server, e.g. "https://viewer.example.org". The Host header may name their
+  // hosts, too.
   std::vector<std::string> allowed_origins;
   int port = 0;  // Port that the server listens at.
 };

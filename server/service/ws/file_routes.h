@@ -24,7 +24,7 @@ class FileRoutes {
   explicit FileRoutes(api::Api& api) : api_(api) {}
 
   [[nodiscard]] static bool is_download(std::string_view path);
-  // Returns the largest body of a POST there, in bytes; 0 if the path takes no uploads.
+  // Returns the size of the largest body of a POST to `path`, in bytes; 0 if the path takes no uploads.
   [[nodiscard]] std::int64_t upload_limit(std::string_view path) const;
 
   // `done` is as in Router::respond.

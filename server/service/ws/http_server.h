@@ -43,7 +43,7 @@ struct HttpCounts {
   std::int64_t requests = 0;             // Answered.
   std::int64_t failed_requests = 0;      // Answered with a status of 400 or above.
   std::int64_t watch_streams = 0;        // WebSocket handshakes done
-  std::int64_t open_watch_streams = 0;   // now
+  std::int64_t open_watch_streams = 0;   // Open now.
 };
 
 // Serves browsers on one TCP port, HTTP/1.1 without TLS:
@@ -71,8 +71,8 @@ class HttpServer {
   void drain();
 
   // Refuses new connections, closes idle ones, waits up to `grace` for requests and streams in progress, then closes
-  // them; returns when none is left. The replies that the Api owes for them must have come or come by themselves.
-  // Idempotent.
+  // them; returns when none is left. The Api must have replied to these requests, or must reply without further ones:
+  // stop the Host first. Idempotent.
   void stop(std::chrono::milliseconds grace);
 
   [[nodiscard]] HttpCounts counts() const;

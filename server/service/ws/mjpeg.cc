@@ -22,7 +22,8 @@ namespace beast = boost::beast;
 
 constexpr int kUnsentBytes = 16 << 10;
 
-// Ends each part with the boundary of the next: browsers show a picture only when they have seen that.
+// The boundary of the next part is written directly after a picture, because browsers show a picture only once they
+// have seen it.
 constexpr std::string_view kHead =
     "HTTP/1.1 200 OK\r\n"
     "Server: kerfd\r\n"
@@ -35,8 +36,9 @@ constexpr std::string_view kHead =
     "--kerf-picture\r\n";
 constexpr std::string_view kNextPart = "\r\n--kerf-picture\r\n";
 
-// Makes a write wait until all but about this much has left the machine, regardless of the send buffer. Sent data not
-// acknowledged in time ends the connection, since the write of a small picture would not wait for that.
+// Makes a write wait until all but about kUnsentBytes have left the machine, regardless of the send buffer. TCP ends
+// the connection if sent data is not acknowledged within `write_timeout`: the write of a small picture does not wait
+// for that.
 void set_options(beast::tcp_stream& stream, std::chrono::milliseconds write_timeout) {
   const int socket = stream.socket().native_handle();
   ::setsockopt(socket, IPPROTO_TCP, TCP_NOTSENT_LOWAT, &kUnsentBytes, sizeof(kUnsentBytes));

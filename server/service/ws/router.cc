@@ -29,8 +29,8 @@ HttpResponse refusal_with_status(int status, const Error& error) {
   return response;
 }
 
-// Leads from /docs to /docs/, because links of its pages are relative. So is this one, which a proxy may serve
-// elsewhere.
+// Leads from /docs to /docs/, because links of its pages are relative. This redirection is relative, too, because a
+// proxy may serve the pages elsewhere.
 HttpResponse to_docs() {
   HttpResponse response = text(302, "see docs/\n");
   response.headers.emplace_back("Location", "docs/");
@@ -169,7 +169,7 @@ void Router::respond(HttpRequest request, std::function<void(HttpResponse)> done
 }
 
 void Router::draw(const PicturePath& picture, std::string_view query, std::function<void(HttpResponse)> done) const {
-  if (picture.kind == PictureKind::kMjpeg) return done(method_not_allowed("GET"));  // play() handles the others.
+  if (picture.kind == PictureKind::kMjpeg) return done(method_not_allowed("GET"));  // play() handles GET.
   const Result<v1::RenderImageRequest> request = decode_still_query(picture, query);
   if (!request.ok()) return done(refusal(request.error()));
   api_.render_image(*request, [done = std::move(done)](Result<v1::RenderImageResponse> reply) {

@@ -63,7 +63,7 @@ class Router {
   // api::Method::call.
   void respond(HttpRequest request, std::function<void(HttpResponse)> done, std::stop_token stop = {}) const;
 
-  // Returns the MJPEG stream of GET /sheets/ID.mjpeg, or the error; nothing if `request` is a different one.
+  // Returns the MJPEG stream of GET /sheets/ID.mjpeg, or the error; nothing if `request` is not for such a stream.
   [[nodiscard]] std::optional<Result<std::shared_ptr<api::ImageSession>>> play(const HttpRequest& request) const;
 
   // Decides on a WebSocket requested by `request`. `open` makes the session of /watch or /images. `subprotocols` is the
@@ -88,7 +88,7 @@ class Router {
   [[nodiscard]] std::optional<HttpResponse> probe(std::string_view path) const;
   [[nodiscard]] HttpResponse get(const HttpRequest& request, std::string_view path) const;
   void draw(const PicturePath& picture, std::string_view query, std::function<void(HttpResponse)> done) const;
-  // `path`: of request.target.
+  // `path`: the path part of request.target.
   void call(HttpRequest request, std::string_view path, std::function<void(HttpResponse)> done,
             std::stop_token stop) const;
 

@@ -26,8 +26,8 @@ namespace websocket = beast::websocket;
 // Limits on control frames; a peer that pings each frame at 60 Hz stays below.
 constexpr double kControlFramesPerS = 100.0;
 constexpr double kControlFramesAtOnce = 200.0;
-// Limit on heads of frames, pings and pongs: some 5,000 small messages per second. A message counts as a whole until it
-// is complete.
+// Limit on heads of frames, pings and pongs: some 5,000 small messages per second. The content of a message counts,
+// too, until the message is complete.
 constexpr double kFrameBytesPerS = 32.0 * 1024.0;
 constexpr std::chrono::seconds kFloodFarewell{1};
 // RFC 6455, 5.5: a control frame holds 125 bytes, 2 of them the code.

@@ -18,12 +18,12 @@ class WakeEvent {
     alarm_.expires_at(boost::asio::steady_timer::time_point::max());
   }
 
-  // Returns once the signal was raised since the last wait().
+  // Waits until raise() has been called since the last wait.
   boost::asio::awaitable<void> wait() {
     co_await wait_for_alarm();
     raised_ = false;
   }
-  // Waits as wait() does, for at most `timeout`; returns true if the signal was raised.
+  // Waits as wait() does, for at most `timeout`; returns true if raise() was called.
   boost::asio::awaitable<bool> wait_for(std::chrono::milliseconds timeout) {
     alarm_.expires_after(timeout);
     co_await wait_for_alarm();
