@@ -25,7 +25,7 @@ class CutJournal {
   // Limit on serialised refused cuts, per sheet. The latest one is kept even if it is larger.
   static constexpr std::size_t kMaxRefusedBytes = std::size_t{1} << 20;
 
-  // `beginning`: see sheet::CommandReply.
+  // Adds an applied cut. `beginning`: number of the scene's run in which it was made, see sheet::CommandReply.
   void add(const std::string& sheet, std::int64_t beginning, std::int64_t number, v1::Cut cut, v1::CutResult result);
   void undo(const std::string& sheet, const std::vector<std::int64_t>& numbers);
   // Describes the sheet after a redo.
@@ -39,7 +39,9 @@ class CutJournal {
   void reset(const std::string& sheet, std::int64_t beginning);
   // Records that a reset was undone or redone: the cuts made since `beginning` are current again.
   void go_to(const std::string& sheet, std::int64_t beginning);
+  // Lists scheduled cuts that were refused.
   void refuse(const std::string& sheet, v1::ScheduledCuts cuts);
+  // Forgets all of a sheet that is being deleted.
   void forget(const std::string& sheet);
 
   // Holds at most `count` entries with numbers above `after`, oldest first. If there are several, they take at most

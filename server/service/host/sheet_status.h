@@ -26,7 +26,7 @@ enum class RunState {
 
 // Estimates the time of a tick from operation counts of the present sheet, scaled by the measured time of its ticks.
 struct TickEstimate {
-  fem::TickCost cost;   // Counted for one core of 2024.
+  fem::TickCost cost;   // Estimated from operation counts, for one core of 2024.
   double scale = 1.0;   // -, > 0: measured CPU time of this sheet's ticks over counted time; 1 before the first tick.
   double budget = 0.0;  // us, wall time between ticks at the present speed.
 
@@ -55,11 +55,12 @@ struct SheetStatus {
   std::string integrator;                            // Names the integrator in use and the reason for it.
   std::optional<fem::Softening> softening;           // In force with Fidelity::kRealTime.
   std::int32_t linear_iterations = 0;                // In the last tick, see fem::StepStats.
-  double linear_residual = 0.0;                      // -, in the last tick.
+  double linear_residual = 0.0;                      // -, largest of the last tick, see fem::StepStats.
   fem::FlagCounts flagged_ticks{};                   // Since the sheet was made, resets included.
   std::optional<ReplayStatus> replay;                // Set for a sheet that plays, or played, a recording.
   TickEstimate tick_estimate;
-  // Clusters made by cuts, and substeps of a tick.
+  // Clusters of vertices that cuts made stiff, and the substeps that a tick needs with and without them; empty if there
+  // are none.
   std::optional<fem::LocalInertiaStats> local_inertia;
 };
 

@@ -54,13 +54,13 @@ class Channel : public sheet::SnapshotSink, public std::enable_shared_from_this<
   void leave(const Reader& reader);
 
   struct Newest {
-    std::int64_t publication = 0;  // Counts publications from 1; 0 before the first.
-    // Counts changes of the sheet's appearance. It stays the same if only the run state is new.
+    std::int64_t publication = 0;  // Number of calls of publish() so far.
+    // Number of publications that changed the look of the sheet. It stays the same if only the run state is new.
     std::int64_t revision = 0;
     std::shared_ptr<const sheet::Snapshot> snapshot;  // null before the first publication
   };
   [[nodiscard]] Newest newest() const;
-  // Counts publications from 1; 0 before the first.
+  // Returns the number of calls of publish() so far.
   [[nodiscard]] std::int64_t newest_publication() const { return newest_publication_.load(); }
 
   [[nodiscard]] bool wants_snapshot() const override { return num_wanting_snapshots_.load() > 0; }

@@ -25,7 +25,7 @@ bool is_loopback(std::string_view host);
 // Decides which web pages may use this server. Browsers send `Origin` with every WebSocket handshake and every POST,
 // and scripts of other sites cannot forge it.
 struct AccessPolicy {
-  bool bound_to_loopback = true;
+  bool bound_to_loopback = true;  // True if the server listens on loopback addresses only.
   // Origins of foreign pages that may use the server, e.g. "https://viewer.example.org". The Host header may name their
   // hosts, too.
   std::vector<std::string> allowed_origins;

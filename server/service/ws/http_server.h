@@ -25,11 +25,11 @@ struct HttpOptions {
   std::size_t max_message_bytes = 64 << 10;  // One WebSocket message from a client.
   std::chrono::milliseconds request_timeout{5'000};     // From the first byte of a request to its last.
   std::chrono::milliseconds upload_timeout{120'000};    // Replaces request_timeout for uploads to FileRoutes.
-  std::chrono::milliseconds handshake_timeout{5'000};   // WebSocket opening and closing handshakes
-  std::chrono::milliseconds idle_timeout{30'000};       // A kept-alive connection between requests.
-  std::chrono::milliseconds silence_timeout{10'000};    // WebSocket: without any input, not even a pong.
-  std::chrono::milliseconds write_timeout{30'000};      // For a response of which nothing is taken.
-  std::chrono::milliseconds response_timeout{120'000};  // One complete response.
+  std::chrono::milliseconds handshake_timeout{5'000};   // WebSocket: opening and closing handshake, each.
+  std::chrono::milliseconds idle_timeout{30'000};       // Longest time between two requests of a connection.
+  std::chrono::milliseconds silence_timeout{10'000};    // WebSocket: longest time without input, pongs included.
+  std::chrono::milliseconds write_timeout{30'000};      // Longest time in which no part of a response is taken.
+  std::chrono::milliseconds response_timeout{120'000};  // Longest time for a complete response.
   // MJPEG: the last picture is repeated after this long without a new one.
   std::chrono::milliseconds picture_repeat{15'000};
 };

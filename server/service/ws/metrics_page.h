@@ -27,7 +27,7 @@ struct RecordingCounts {
 };
 
 // Returns the page of /metrics, Prometheus text format 0.0.4. Every name starts with kerf_, or with process_ if all
-// servers have it. It ends in its unit, and in _total for counters. `watchers`: streams of both transports.
+// servers have it. Names end in their unit, and those of counters in _total. `watchers`: streams of both transports.
 std::string metrics_page(const host::HostMetrics& host, const HttpCounts& http, const GrpcCounts& grpc,
                          std::int32_t watchers, const api::FrameCounts& frames, const api::PictureCounts& pictures,
                          const RecordingCounts& recordings, const std::string& version);

@@ -15,7 +15,7 @@
 namespace kerf::ws {
 
 struct MjpegTimes {
-  std::chrono::milliseconds write_timeout;  // For one picture to be taken.
+  std::chrono::milliseconds write_timeout;  // Longest time for the reader to take one picture.
   std::chrono::milliseconds repeat_after;   // The last picture is sent again after this long without a new one.
 };
 
