@@ -20,7 +20,7 @@ class BlockMatrix {
   // Reserves storage, so that `num_blocks` fit without a copy. Unused storage takes no memory.
   void reserve(std::size_t num_blocks);
   // Sets the pattern of row i; `columns` ascend and contain i. The values of all rows are then undefined until
-  // set_zero(). Positions taken before, of any row, are no longer valid.
+  // set_zero(). Positions of blocks of any row, obtained before, are no longer valid.
   void set_row(int i, std::span<const int> columns);
 
   [[nodiscard]] int num_rows() const { return static_cast<int>(rows_.size()); }

@@ -10,7 +10,8 @@ namespace {
 
 constexpr double kRegularisation = 1e-6;  // epsilon I, added to D
 
-// Products are computed tile by tile: Eigen packs larger operands in allocated memory, these on the stack.
+// Products are computed tile by tile, because Eigen packs operands of this size on the stack and allocates memory for
+// larger ones.
 constexpr Eigen::Index kTile = 64;
 using Tile = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kTile, kTile>;
 using Block = Eigen::Ref<Eigen::MatrixXd>;

@@ -23,9 +23,9 @@ class CovarianceRoot {
   // call allocates.
   void resize(int num_rows, LinearSolverKind kind);
 
-  // ES-CGM: A' = L F(D + 1e-6 I) L^T where M = L D L^T without exchanging rows (eq. 3.22 to 3.25). D does not hold
-  // eigenvalues, though the thesis calls it so, and A' is no square root of M. A' is not finite if a pivot is 0 or
-  // below -1e-6, which rounding can cause.
+  // ES-CGM: A' = L F(D + 1e-6 I) L^T where M = L D L^T without exchanging rows (eq. 3.22 to 3.25). F is the function
+  // that CovarianceRootOptions::norm selects. D does not hold eigenvalues, though the thesis calls it so, and A' is no
+  // square root of M. A' is not finite if a pivot is 0 or below -1e-6, which rounding can cause.
   const Eigen::MatrixXd& exact(const BlockMatrix& A);
   // AS-CGM: the coupled Newton-Schulz iteration (eq. 3.27) from P = M, Q = I. A' is the last P; Q is dropped. It
   // converges to M^1/2 only if |M - I| < 1, and M is not scaled to satisfy this. Otherwise it diverges, and ends early
@@ -34,7 +34,7 @@ class CovarianceRoot {
 
  private:
   CovarianceRootOptions options_;
-  Eigen::MatrixXd M_;        // n x n: M, then L, or storage for the next P or Q
+  Eigen::MatrixXd M_;        // n x n: M, then L (ES-CGM), or storage for the next P or Q (AS-CGM)
   Eigen::MatrixXd root_;     // n x n: A'
   Eigen::MatrixXd Q_, T_;    // n x n, AS-CGM only
   Eigen::VectorXd D_, row_;  // n

@@ -12,7 +12,7 @@ namespace kerf::fem {
 namespace HWY_NAMESPACE {
 namespace {
 
-// Repeats from[0] to from[3] over the lanes. With fewer than four lanes, starts at from[part].
+// Returns from[0] to from[3], repeated over the lanes. A vector of fewer than four lanes starts at from[part].
 template <class D>
 HWY_INLINE hn::Vec<D> load_repeated(D d, const hn::TFromD<D>* from, std::size_t part) {
   if constexpr (hn::MaxLanes(D()) <= 4) {

@@ -20,8 +20,9 @@ struct DenseFours {
   T& at(std::size_t row, std::size_t column) { return entries[column * num_fours() + row / 4][row % 4]; }
 };
 
-// Sets `to` to the matrix times `from`, for four right-hand sides side by side, in vector code chosen at run time. Each
-// entry is a sum in the order of columns, without fused multiply-add. `to` has room for 4 x 4 x num_fours().
+// Sets `to` to the matrix times `from`, for four right-hand sides, in vector code chosen at run time. Both arrays hold
+// the four numbers of each row side by side. Each entry is a sum in the order of columns, without fused multiply-add.
+// `to` has room for 16 num_fours() numbers.
 template <typename T>
 void multiply(const DenseFours<T>& matrix, const T* from, T* to);
 

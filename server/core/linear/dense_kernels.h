@@ -21,13 +21,16 @@ struct PanelView {
 // Rule for small pivots. Pivots are measured relative to the diagonal entry of the matrix before any subtraction.
 template <typename T>
 struct PivotRule {
-  T least = 0;               // -, least accepted relative pivot
-  bool replaces = false;     // replaces smaller pivots by the diagonal entry or their own size, instead of failing
+  T least = 0;  // -, least accepted relative pivot
+  // Replaces smaller pivots instead of failing, by the larger of the diagonal entry and the pivot's magnitude. Diagonal
+  // entries must be positive and pivots finite.
+  bool replaces = false;
   std::size_t replaced = 0;  // number of pivots replaced so far
 };
 
-// Replaces a panel of a symmetric matrix by the same panel of its Cholesky factor. `diagonal` has `width` entries, see
-// PivotRule. Returns false if a pivot was too small or not a number; the panel then holds arbitrary values.
+// Replaces a panel of a symmetric matrix by the same panel of its Cholesky factor. `diagonal` holds the `width`
+// diagonal entries of the original matrix that PivotRule measures pivots by. Returns false if a pivot was too small or
+// not a number; the panel then holds arbitrary values.
 template <typename T>
 bool factor_panel(const PanelView<T>& panel, const T* diagonal, PivotRule<T>& rule);
 
@@ -36,8 +39,9 @@ bool factor_panel(const PanelView<T>& panel, const T* diagonal, PivotRule<T>& ru
 template <typename T>
 void subtract_outer_product(const PanelView<T>& panel, const PanelView<T>& update);
 
-// Substitutes in place in w, which has `rows` entries and room for kBlockLanes more. Forward: the first `width` entries
-// become y = L11^-1 w1, the others w2 - L21 y. Backward: the first `width` become L11^-T (w1 - L21^T w2).
+// Substitutes in place in w, which has `rows` entries and room for kBlockLanes more. L11 is the triangle in the first
+// `width` rows of the panel, L21 the part below; w1 and w2 are the same parts of w. Forward: w1 becomes y = L11^-1 w1,
+// and w2 becomes w2 - L21 y. Backward: w1 becomes L11^-T (w1 - L21^T w2).
 template <typename T>
 void substitute_forward(const PanelView<const T>& panel, T* w);
 template <typename T>

@@ -12,7 +12,7 @@ namespace kerf::fem {
 class DirectSolver final : public LinearSolver {
  public:
   void analyse(const BlockMatrix& A) override;
-  // Takes the symbolic factorisation of another factor of the same pattern.
+  // Reuses `supernodes`, the symbolic factorisation that another factor has computed for the same pattern.
   void analyse(const BlockMatrix& A, std::shared_ptr<const Supernodes> supernodes);
   LinearStats solve(const BlockMatrix& A, const mesh::VertexField& b, double tolerance, mesh::VertexField& x) override;
   void set_stop_condition(const StopCondition* stop) override { factor_.set_stop_condition(stop); }

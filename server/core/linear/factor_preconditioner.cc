@@ -5,8 +5,8 @@
 namespace kerf::fem {
 namespace {
 
-// Ratio of the flop rates of a factorisation and a solve. A solve waits for memory, and an iteration has a product
-// beside its solve. Measured with 50 x 50 and 100 x 100 vertices.
+// -, flops of a factorisation that take as long as one flop of a solve. A solve waits for memory, and each iteration
+// has a matrix product beside its solve. Measured with 50 x 50 and 100 x 100 vertices.
 constexpr double kFlopsPerFlop = 12.0;
 constexpr double kMinReuseIterations = 4.0;
 

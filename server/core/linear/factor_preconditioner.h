@@ -10,13 +10,13 @@
 
 namespace kerf::fem {
 
-// Preconditioner from a Cholesky factor in single precision, kept from an earlier matrix if there was one, in frames
-// that turn with the sheet: z = Q L^-T L^-1 Q^T r, L L^T = R^T A R. A is the earlier matrix, R holds its frames and Q
-// the present ones: the stiffness of a sheet turns with it. In these frames floats also resolve the weak bending of a
-// stiff sheet beside its stretching, in any orientation.
+// Preconditioner from a Cholesky factor in single precision: z = Q L^-T L^-1 Q^T r with L L^T = R^T A R. The factor is
+// kept from one matrix to the next, so A may be an earlier matrix than that of the solve. R holds the frames of the
+// vertices when A was factored, Q the present ones. They make the factor turn with the sheet, as its stiffness does. In
+// these frames floats also resolve the weak bending of a stiff sheet beside its stretching, in any orientation.
 class FactorPreconditioner final : public Preconditioner {
  public:
-  static constexpr int kMaxReuseIterations = 30;  // iterations
+  static constexpr int kMaxReuseIterations = 30;  // largest value of max_reuse_iterations()
 
   void analyse(const BlockMatrix& A) override;
   bool prepare(const BlockMatrix& A) override;
@@ -36,6 +36,7 @@ class FactorPreconditioner final : public Preconditioner {
   mesh::VertexField turned_;  // 3 x N
   int max_reuse_iterations_ = 0;
   bool has_factor_ = false;
+  // True if refactor() was called since the last prepare(); the next prepare() then makes a new factor.
   bool was_refactored_ = false;
   bool is_old_ = false;  // the factor is of an earlier matrix than that of prepare()
 };

@@ -36,8 +36,8 @@ HWY_INLINE hn::Vec<D> joined(D d, hn::Vec<hn::Half<D>> high, hn::Vec<hn::Half<D>
 }
 #endif
 
-// Loads x, y, z, 0 from offsets at[0], at[1], ... of an array "x 4", side by side. With fewer than four lanes, loads
-// from at[0] only, beginning with component `part`.
+// Loads x, y, z, 0 from offsets at[0], at[1], ... of an array "x 4", which holds x, y, z and a 0 of each vertex. With
+// fewer than four lanes, loads from at[0] only, beginning with component `part`.
 template <class D>
 HWY_INLINE hn::Vec<D> load_fours(D d, const hn::TFromD<D>* from, const std::int32_t* at, std::size_t part = 0) {
   if constexpr (hn::MaxLanes(D()) <= 4) {
@@ -49,7 +49,7 @@ HWY_INLINE hn::Vec<D> load_fours(D d, const hn::TFromD<D>* from, const std::int3
   }
 }
 
-// Returns values[first], values[first + 1], ... of four, each repeated four times.
+// Returns values[first], values[first + 1], ..., each repeated four times, as many as fill the vector.
 template <class D>
 HWY_INLINE hn::Vec<D> spread(D d, const std::array<hn::TFromD<D>, 4>& values, std::size_t first) {
   if constexpr (hn::MaxLanes(D()) <= 4) {

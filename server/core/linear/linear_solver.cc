@@ -13,10 +13,11 @@
 namespace kerf::fem {
 namespace {
 
-// Iterations with an old factor and then a new one. A solve that needs more has lost the matrix to rounding.
+// Most iterations of kFactorCg, first with an old factor and then with a new one. If a solve needs more, the float
+// factor is too inaccurate for the matrix.
 constexpr int kMostFactorIterations = 2 * FactorPreconditioner::kMaxReuseIterations;
 
-// Conjugate gradients with the float factor, and a double-precision factor if they do not converge.
+// Conjugate gradients with the float factor; the direct solver takes over if they do not converge.
 class FactorCgSolver final : public LinearSolver {
  public:
   explicit FactorCgSolver(int max_iterations)

@@ -13,14 +13,15 @@
 namespace kerf::fem {
 
 struct LinearStats {
-  int iterations = 0;      // CG iterations; 1 for the direct solver
-  double residual = 0.0;   // |b - A x| / |b| in the Euclidean norm, recomputed from the returned x; 0 where b = 0
-  bool converged = false;  // residual <= tolerance (CG: of its recurrence); false also if A was found not positive
-                           // definite or x not finite
+  int iterations = 0;     // CG iterations; 1 for the direct solver
+  double residual = 0.0;  // |b - A x| / |b| in the Euclidean norm, recomputed from the returned x; 0 where b = 0
+  // True if the residual is at most the tolerance; conjugate gradients test the residual of their recurrence instead.
+  // False also if A was found not positive definite or x is not finite.
+  bool converged = false;
 };
 
-// Solves A x = b for a symmetric positive definite A of 3x3 blocks. Solvers of a different system (see
-// LinearSolverName) never do.
+// Solves A x = b for a symmetric positive definite A of 3x3 blocks. Solvers with
+// LinearSolverName::solves_different_system solve another system in its place.
 class LinearSolver {
  public:
   virtual ~LinearSolver() = default;
@@ -28,8 +29,8 @@ class LinearSolver {
   // Takes the sparsity pattern; may allocate. Must be called whenever the pattern changes.
   virtual void analyse(const BlockMatrix& A) = 0;
 
-  // Solves for x. b and x are 3 x N with N = A.num_rows(); x holds the initial guess. Converged when |b - A x| <=
-  // tolerance |b|. Never allocates.
+  // Solves for x. b and x are 3 x N with N = A.num_rows(); x holds the initial guess. The solve has converged when |b -
+  // A x| <= tolerance |b|. Never allocates.
   virtual LinearStats solve(const BlockMatrix& A, const mesh::VertexField& b, double tolerance,
                             mesh::VertexField& x) = 0;
 
@@ -45,8 +46,8 @@ class LinearSolver {
   virtual mesh::VertexField* positions() { return nullptr; }
 };
 
-// Makes a solver. `max_iterations` limits the iterative solvers; the direct one ignores it. `root` applies to solvers
-// of a different system only.
+// Makes a solver. `max_iterations` limits the iterations of a solve; kDirect ignores it. `root` applies to kEsCgm and
+// kAsCgm only.
 std::unique_ptr<LinearSolver> make_linear_solver(LinearSolverKind kind, int max_iterations,
                                                  const CovarianceRootOptions& root = {});
 

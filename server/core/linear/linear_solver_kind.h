@@ -12,7 +12,8 @@ enum class LinearSolverKind {
   kBlockJacobiCg,  // preconditioned with the inverse 3x3 diagonal blocks, which follow the rotation of the sheet
   kFactorCg,       // preconditioned with a Cholesky factor in single precision that turns with the sheet; falls back to
                    // kDirect if it does not converge
-  kMultigridCg,    // preconditioned with two levels of multigrid by aggregation: memory grows with the vertices
+  kMultigridCg,    // preconditioned with two levels of multigrid by aggregation; memory is in proportion to the number
+                   // of vertices
   kDirect,         // Cholesky factor in double precision
   kEsCgm,          // a dense matrix in place of A: *solves a different system*; see CovarianceRoot
   kAsCgm,          // another dense matrix in place of A: *solves a different system*; see CovarianceRoot
@@ -43,7 +44,8 @@ constexpr const LinearSolverName& name_of(LinearSolverKind kind) {
 
 enum class EigenvalueNorm {
   kPower,  // lambda^p (eq. 3.25 of the thesis CovarianceRoot cites)
-  kLog,    // log10 lambda (eq. 3.24; base 10 as in the example beside it): negative below 1, the matrix then indefinite
+  kLog,    // log10 lambda (eq. 3.24; base 10 as in the example beside it). It is negative for lambda < 1, and the
+           // matrix indefinite
 };
 
 // Options of kEsCgm and kAsCgm, see CovarianceRoot.
@@ -53,8 +55,8 @@ struct CovarianceRootOptions {
   int newton_schulz_iterations = 5;              // AS-CGM only, >= 1; the thesis gives no number
 };
 
-// Largest number of vertices of a sheet solved by kEsCgm and kAsCgm. Their matrices are dense: memory grows with its
-// square, work with its cube.
+// Largest number of vertices of a sheet solved by kEsCgm and kAsCgm. Their matrices are dense: memory grows with the
+// square of this number, work with its cube.
 inline constexpr int kMaxCovarianceVertices = 500;
 
 }  // namespace kerf::fem

@@ -36,7 +36,7 @@ void MultigridPreconditioner::analyse(const BlockMatrix& A) {
   coarse_b_ = Eigen::Matrix3Xd::Zero(3, 2 * aggregates_.size());
 }
 
-// Couples aggregates whose vertices are coupled.
+// Couples two aggregates if a block of A couples a vertex of one with a vertex of the other.
 void MultigridPreconditioner::set_coarse_pattern(const BlockMatrix& A) {
   coarse_ = {};
   coarse_.resize(2 * aggregates_.size());
@@ -104,7 +104,7 @@ bool MultigridPreconditioner::prepare(const BlockMatrix& A) {
   coarse_.set_zero();
   if (!load_rows(A)) return false;
   if (aggregates_.size() == 0) return true;
-  // Gives motions that an aggregate does not have a diagonal of 1.
+  // Gives missing motions of an aggregate, whose modes are 0, a diagonal of 1.
   for (int i = 0; i < coarse_.num_rows(); ++i) {
     for (double& entry : coarse_.block(coarse_.diagonal(i)).diagonal()) {
       if (!(entry > 0.0)) entry = 1.0;
@@ -144,8 +144,9 @@ void MultigridPreconditioner::find_modes(const BlockMatrix& A) {
   }
 }
 
-// Sets lower_, upper_, inverse_, linked_ and coarse_ = P^T (L P) + (P^T (L P))^T + P^T D P. It works in double because
-// stretching cancels where bodies bend. Returns false if a diagonal block is not positive definite.
+// Sets lower_, upper_, inverse_, linked_ and coarse_ = P^T (L P) + (P^T (L P))^T + P^T D P, with D the diagonal blocks.
+// The sums of coarse_ are in double, because large stretching terms cancel in motions that only bend. Returns false if
+// a diagonal block is not positive definite.
 bool MultigridPreconditioner::load_rows(const BlockMatrix& A) {
   for (int i = 0; i < A.num_rows(); ++i) {
     const Eigen::Matrix3d to_frame = frames_[as_index(i)].transpose();

@@ -12,11 +12,11 @@ namespace kerf::fem {
 
 // Two levels of multigrid by aggregation (Vanek, Mandel, Brezina 1996, with their tentative interpolation). A cycle is
 // a forward sweep of Gauss-Seidel by vertices, a coarse correction, and a backward sweep. The coarse correction solves
-// for the motion of aggregates as rigid bodies with a Cholesky factor. Memory grows with the vertices, and so does the
-// work except that of the factor. All is in single precision and in frames that turn with the sheet; see
+// for the motion of aggregates as rigid bodies with a Cholesky factor. Memory and work, except that of the factor, are
+// in proportion to the number of vertices. Cycles use single precision and frames that turn with the sheet; see
 // FactorPreconditioner.
 //
-// Without positions() the bodies do not rotate, and a stiff sheet takes ten times the iterations.
+// If positions() are never set the bodies do not rotate, and a stiff sheet takes ten times the iterations.
 class MultigridPreconditioner final : public Preconditioner {
  public:
   void analyse(const BlockMatrix& A) override;
@@ -28,19 +28,19 @@ class MultigridPreconditioner final : public Preconditioner {
 
  private:
   static constexpr int kModes = 6;  // degrees of freedom of a rigid body
-  // Three rows and one of zeros, so that a column fills one vector register.
+  // Matrices of three rows and a row of zeros, so that a column fills one vector register.
   using Column4f = Eigen::Vector4f;
   using Block4f = Eigen::Matrix<float, 4, 3>;
   using Modes = Eigen::Matrix<double, 3, kModes>;
   using Modes4f = Eigen::Matrix<float, 4, kModes>;
   using Body = Eigen::Matrix<float, kModes, 1>;
 
-  // Entry of row i of L P in the columns of an aggregate. L is the part of A strictly below the diagonal, P the
-  // interpolation.
+  // Block of row i of L P in the columns of one aggregate. L is the part of A strictly below the diagonal, and P
+  // interpolates from bodies to vertices.
   struct Link {
     int aggregate = 0;
-    int row = 0;     // offset of block (own aggregate, this one) from the beginning of its row of the coarse matrix
-    int column = 0;  // offset of its transpose
+    int row = 0;     // offset of block (aggregate of i, `aggregate`) from the beginning of its row of the coarse matrix
+    int column = 0;  // offset of the transposed block in the same way
   };
 
   void set_lower_pattern(const BlockMatrix& A);
@@ -48,7 +48,7 @@ class MultigridPreconditioner final : public Preconditioner {
   [[nodiscard]] int coarse_place(int row, int column) const;
   void find_modes(const BlockMatrix& A);
   bool load_rows(const BlockMatrix& A);
-  // Adds X, kModes x kModes, to a block of bodies of the coarse matrix.
+  // Adds X to a block of the coarse matrix. `row` is the aggregate of its rows; `place` is an offset as in Link.
   void add_to_coarse(int row, int place, const Eigen::Matrix<double, kModes, kModes>& X);
   void sweep_forward();
   void correct_bodies();
@@ -65,7 +65,8 @@ class MultigridPreconditioner final : public Preconditioner {
   std::vector<int> upper_column_;
   std::vector<Block4f> upper_;    // L^T
   std::vector<Block4f> inverse_;  // N, inverses of diagonal blocks
-  std::vector<Modes> modes_;      // N, P: motion of a vertex with its aggregate; 0 in components held by pins
+  std::vector<Modes> modes_;      // N, rows of P: motion of a vertex with its aggregate; 0 in components that row i
+                                  // couples with no other vertex
   std::vector<int> link_begin_;   // N + 1, beginnings of rows in links_ and linked_
   std::vector<Link> links_;
   std::vector<Modes4f> linked_;  // L P

@@ -24,11 +24,11 @@ class Preconditioner {
   // Sets z = P^-1 r; both are 3 x N.
   virtual void apply(const mesh::VertexField& r, mesh::VertexField& z) = 0;
 
-  // Number of iterations up to which the factor of an earlier matrix is good enough. If a solve takes more, refactor()
-  // computes one of A. 0 means the factor is already current or cannot be improved.
+  // Number of iterations up to which P from an earlier matrix is good enough. If a solve would take more, refactor()
+  // makes P from A. 0 means that P is already current or cannot be improved.
   [[nodiscard]] virtual int max_reuse_iterations() const { return 0; }
   virtual bool refactor(const BlockMatrix& /*A*/) { return false; }
-  // Discards data of earlier matrices; later ones are unrelated to them.
+  // Discards data of earlier matrices, so that they have no influence on later solves.
   virtual void reset() {}
   // Sets the stop condition, see LinearSolver. A factorisation that it ends leaves no P.
   virtual void set_stop_condition(const StopCondition* /*stop*/) {}

@@ -33,16 +33,16 @@ class RowStore {
     num_entries_ = 0;
   }
 
-  // Reserves storage for so many rows and entries in all, each row written once after clear(). If it has to grow it
-  // takes a quarter more. Invalidates spans of rows.
+  // Reserves storage for `num_rows` rows with `num_entries` entries in all, if each row is written once after clear().
+  // If the storage has to grow it takes a quarter more. Invalidates spans of rows.
   void make_room(int num_rows, std::size_t num_entries) {
     const auto n = static_cast<std::size_t>(num_rows);
     if (rows_.capacity() < n) rows_.reserve(n + n / 4);
     if (entries_.capacity() < num_entries) entries_.reserve(num_entries + num_entries / 4);
   }
 
-  // Reserves a quarter more, so that rows may outgrow their places for some time before all are moved. Invalidates
-  // spans of rows.
+  // Reserves a quarter more entries, so that rows may outgrow their places for some time before the array is moved.
+  // Invalidates spans of rows.
   void make_room() { entries_.reserve(entries_.size() + entries_.size() / 4); }
 
   // Replaces the content of row i. Invalidates spans of rows.

@@ -11,8 +11,8 @@ namespace kerf::fem {
 // systems of linear equations". The recurrence is short, and takes few iterations if N is small or of low rank.
 class SkewCorrection {
  public:
-  // Refines x. `solver` must have solved A x = b last, with these b and x (3 x V); x is the initial guess. Converged
-  // when |b - (A + N) x| <= tolerance |b|. Otherwise x is the best iterate.
+  // Refines x. `solver` must have solved A x = b last, with these b and x (3 x V); x is the initial guess. The solve
+  // has converged when |b - (A + N) x| <= tolerance |b|. x becomes the iterate with the least residual.
   LinearStats solve(DirectSolver& solver, const BlockMatrix& A, const BlockMatrix& N, const mesh::VertexField& b,
                     double tolerance, mesh::VertexField& x);
 

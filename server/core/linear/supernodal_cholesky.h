@@ -17,8 +17,9 @@
 namespace kerf::fem {
 
 // Factors L L^T = P A P^T of a symmetric matrix of 3x3 blocks by the multifrontal method (Duff, Reid 1983; Davis 2006,
-// Direct Methods for Sparse Linear Systems). Columns of equal pattern are factored together as dense panels. Their
-// contributions to other columns are passed up the elimination tree. T is float or double.
+// Direct Methods for Sparse Linear Systems). Columns of equal pattern, a supernode, are factored together as a dense
+// panel. The front of a supernode is the dense matrix over all its rows: the panel and the update matrix below it. The
+// update matrix holds the contributions to later columns, and is passed up the elimination tree. T is float or double.
 template <typename T>
 class SupernodalCholesky {
  public:
@@ -29,9 +30,10 @@ class SupernodalCholesky {
   [[nodiscard]] const std::shared_ptr<const Supernodes>& supernodes() const { return supernodes_; }
   // Sets the stop condition, polled once a supernode. A factorisation that it ends has failed.
   void set_stop_condition(const StopCondition* stop) { stop_.set(stop); }
-  // Factors Q^T A Q, where Q has the 3x3 blocks of `frames` on its diagonal, or A itself if `frames` is empty. A has
-  // the analysed pattern. Returns false, with no factor left, if A was found not positive definite or the stop
-  // condition ended it. If `rule` replaces small pivots, it fails only for values that are not finite, or when ended.
+  // Factors Q^T A Q, where Q has the 3x3 blocks of `frames` on its diagonal. If `frames` is empty it factors A itself.
+  // A has the analysed pattern. Returns false, with no factor left, if A was found not positive definite or the stop
+  // condition ended it. If `rule` replaces small pivots, factorise() fails only at the stop condition, or for numbers
+  // that PivotRule cannot replace.
   bool factorise(const BlockMatrix& A, std::span<const Eigen::Matrix3d> frames, PivotRule<T>& rule);
   // Solves Q^T A Q x = b with the last factor. x and b are 3 x N and may be the same.
   void solve(const mesh::VertexField& b, mesh::VertexField& x);
@@ -55,13 +57,13 @@ class SupernodalCholesky {
   StopPoll stop_;
   std::shared_ptr<const Supernodes> supernodes_;
   std::vector<std::size_t> panel_begin_;          // of each supernode in panels_, in units of Lanes16
-  std::vector<std::size_t> update_begin_;         // of its update matrix in updates_, a stack
+  std::vector<std::size_t> update_begin_;         // of the update matrix of each supernode in updates_, a stack
   std::size_t scratch_begin_ = 0;                 // behind the stack, where updates are computed
   std::size_t num_panels_ = 0, num_updates_ = 0;  // Lanes16 of panels_, updates_
   Storage panels_, updates_;
   std::vector<T> diagonal_;  // 3 N, diagonal of the matrix in the order of elimination
   std::vector<T> work_;      // 3 N, a right-hand side in that order
-  Storage front_;            // part of work_ in one front
+  Storage front_;            // the entries of a right-hand side at the rows of one front
   std::vector<int> place_;   // place of a vertex in the front being assembled
   double factor_flops_ = 0.0;
   std::size_t num_entries_ = 0;  // entries of L

@@ -12,8 +12,9 @@
 namespace kerf::fem {
 namespace {
 
-// Limits of relaxed amalgamation (as CHOLMOD: Chen, Davis, Hager, Rajamanickam 2008). Supernodes of up to kAlwaysMerged
-// columns are always merged, larger ones as long as the share of explicit zeros stays below these.
+// Limits of relaxed amalgamation (as CHOLMOD: Chen, Davis, Hager, Rajamanickam 2008). Supernodes that together have up
+// to kAlwaysMerged columns are always merged. Larger ones are merged if explicit zeros are at most a share of their
+// entries: kAllowances up to so many columns, kZerosOfLarge beyond.
 constexpr int kAlwaysMerged = 4;
 struct Allowance {
   int columns;
@@ -22,7 +23,7 @@ struct Allowance {
 constexpr Allowance kAllowances[] = {{16, 0.8}, {48, 0.1}};
 constexpr double kZerosOfLarge = 0.05;
 
-// Returns the number of entries of a supernode's part of the factor.
+// Returns the number of entries in the factor of a supernode with so many columns and so many rows below them.
 double entries(double columns, double below) {
   return columns * (columns + 1.0) / 2.0 + columns * below;
 }
@@ -126,7 +127,8 @@ void Supernodes::postorder() {
   for (int j = 0; j < n; ++j) new_from_old_[as_index(old_from_new_[as_index(j)])] = j;
 }
 
-// Counts by rows: row i of the factor is the subtree between the columns of row i of A and i.
+// Counts by rows. The columns of row i of the factor are those on the paths of the tree from the columns of row i of A
+// up to i.
 void Supernodes::count_entries(const BlockMatrix& A) {
   const int n = num_vertices();
   count_.assign(as_index(n), 1);
@@ -146,8 +148,8 @@ void Supernodes::count_entries(const BlockMatrix& A) {
   }
 }
 
-// Merges supernodes in postorder: a column takes in the preceding runs whose parent it is, as long as that adds few
-// zeros.
+// Merges columns into supernodes in postorder. Each column takes in the preceding runs whose parent it is, as long as
+// that adds few zeros.
 void Supernodes::find_supernodes() {
   struct Run {
     int first = 0;

@@ -9,7 +9,8 @@ namespace kerf::fem {
 
 // Symbolic Cholesky factorisation of a symmetric matrix of blocks. It finds an order of the vertices that leaves the
 // factor sparse (approximate minimum degree: Amestoy, Davis, Duff 1996), and its supernodes. A supernode is a run of
-// columns in that order that have, or are given, the same rows below them. Children come before parents (a postorder).
+// columns in that order that share their rows below the run. Rows that differ a little are filled up with explicit
+// zeros. Children come before parents (a postorder).
 class Supernodes {
  public:
   void analyse(const BlockMatrix& A);
@@ -19,7 +20,7 @@ class Supernodes {
   // Vertices [first(s), first(s) + width(s)), in the new order, are the columns of supernode s.
   [[nodiscard]] int first(int s) const { return first_[static_cast<std::size_t>(s)]; }
   [[nodiscard]] int width(int s) const { return first(s + 1) - first(s); }
-  // Rows of s, ascending: its columns, then those below.
+  // Rows of supernode s in the new order, ascending: its own columns, then the rows below them.
   [[nodiscard]] std::span<const int> rows(int s) const {
     const auto i = static_cast<std::size_t>(s);
     return {rows_.data() + rows_begin_[i], rows_.data() + rows_begin_[i + 1]};
@@ -30,7 +31,7 @@ class Supernodes {
     const auto i = static_cast<std::size_t>(s);
     return {children_.data() + children_begin_[i], children_.data() + children_begin_[i + 1]};
   }
-  // Index among the parent's rows of each row of s that is not one of its columns.
+  // For each row of s below its own columns, the index of that row among the rows of the parent.
   [[nodiscard]] std::span<const int> rows_in_parent(int s) const {
     const auto i = static_cast<std::size_t>(s);
     return {rows_in_parent_.data() + rows_begin_[i] + width(s), rows_in_parent_.data() + rows_begin_[i + 1]};
@@ -40,10 +41,10 @@ class Supernodes {
 
  private:
   void order(const BlockMatrix& A);
-  // Finds the parents of columns in the elimination tree; -1 for roots.
+  // Sets tree_ to the parents of columns in the elimination tree; -1 for roots.
   void find_tree(const BlockMatrix& A);
   void postorder();
-  // Counts the entries of each column of the factor, including the diagonal.
+  // Sets count_ to the number of blocks of each column of the factor, including the diagonal.
   void count_entries(const BlockMatrix& A);
   void find_supernodes();
   void find_rows(const BlockMatrix& A);

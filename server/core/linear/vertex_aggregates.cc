@@ -38,8 +38,9 @@ void VertexAggregates::find(const BlockMatrix& A) {
   list_members();
 }
 
-// Founds a group at each vertex whose near neighbours are all free: the six that share the most columns with it. With
-// bending a row reaches two edges far. Whole rows would make groups of 25, which need more iterations.
+// Founds a group at each vertex whose near neighbours are all in no group yet. Near are the six that share the most
+// columns with it. With bending a row reaches two edges far, so whole rows would make groups of some 25 vertices, which
+// need more iterations.
 void VertexAggregates::found(const BlockMatrix& A) {
   constexpr std::size_t kNear = 6;
   std::vector<std::pair<int, int>> near;  // minus columns in common, neighbour
@@ -60,8 +61,8 @@ void VertexAggregates::found(const BlockMatrix& A) {
   }
 }
 
-// Adds each remaining vertex to the group that most of its row is in. If none of its row is in a group, it founds one
-// with the ungrouped vertices of its row.
+// Adds each remaining vertex to the group that has most of the vertices of its row. If none of them is in a group, a
+// new one of the ungrouped vertices of the row is founded.
 void VertexAggregates::join_neighbours(const BlockMatrix& A) {
   const std::vector<int> before = of_;
   for (int i = 0; i < A.num_rows(); ++i) {

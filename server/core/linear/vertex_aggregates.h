@@ -18,7 +18,7 @@ class VertexAggregates {
   [[nodiscard]] int of(int i) const { return of_[static_cast<std::size_t>(i)]; }
   // Members of a group, ascending.
   [[nodiscard]] std::span<const int> members(int group) const;
-  // The vertex that the group was built around.
+  // Vertex that the group was built around.
   [[nodiscard]] int root(int group) const { return roots_[static_cast<std::size_t>(group)]; }
 
  private:

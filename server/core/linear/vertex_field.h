@@ -10,8 +10,8 @@
 
 namespace kerf::mesh {
 
-// Three numbers a vertex, 3 x V, used like an Eigen::Matrix3Xd, with spare capacity. A cut that adds a few vertices to
-// a large sheet must not copy the others. Eigen's own matrices are as large as their contents, so that each resize
+// Three numbers a vertex, 3 x V, used like an Eigen::Matrix3Xd but with spare capacity. Thanks to it, a cut that adds a
+// few vertices to a large sheet does not copy the others. Eigen's own matrices have no spare capacity, so each resize
 // copies.
 class VertexField : public Eigen::Map<Eigen::Matrix3Xd, Eigen::Aligned16> {
   using Base = Eigen::Map<Eigen::Matrix3Xd, Eigen::Aligned16>;
