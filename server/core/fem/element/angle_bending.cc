@@ -16,7 +16,8 @@ Hinge hinge_at(const AngleBending::Fold& fold, const VertexField& x) {
   return {at, fold.rest};
 }
 
-// Returns the gradient of a hinge by its vertices alone: a held point moves with the middle of the edge.
+// Returns the gradient of a hinge by its vertices. At a clamped edge it includes that of the held point, which moves
+// with the middle of the edge.
 std::array<Vector3d, 4> gradient_of(const AngleBending::Fold& fold, const Hinge& hinge) {
   std::array<Vector3d, 4> made = hinge.gradient();
   if (fold.vertex[3] != mesh::kNone) return made;
@@ -55,7 +56,7 @@ FoldStates fold_states(const std::vector<AngleBending::Fold>& folds, const Verte
   return made;
 }
 
-// N sums of gradients of folds, by vertex.
+// N weighted sums of gradients of folds, each with a vector for every vertex that occurs in one.
 template <int N>
 class GradientSums {
  public:

@@ -13,8 +13,8 @@ namespace kerf::fem {
 // Bending stiffness of one triangle, from a quadratic fitted through its corners and the opposite corners of its up to
 // three neighbours. For a flat rest shape the curvature is linear in the positions, kappa = B x, so that the energy is
 //   E = A/2 sum over x,y,z of kappa.D kappa = 1/2 x.Q x,   Q = A B^T D B  (times the 3x3 identity).
-// Q is constant, positive semidefinite, and invariant under translation and rotation. A missing neighbour just drops
-// its condition, which is the natural condition of a free edge.
+// Q is constant, positive semidefinite, and invariant under translation and rotation. Each neighbour adds one condition
+// to the fit. An edge without a neighbour adds none, which is the natural boundary condition of a free edge.
 struct BendingPatch {
   // 0..2 are corners; 3 + k is the vertex across the edge opposite corner k, or kNone.
   std::array<mesh::VertexId, 6> vertex{mesh::kNone, mesh::kNone, mesh::kNone, mesh::kNone, mesh::kNone, mesh::kNone};
@@ -36,8 +36,8 @@ struct BendingEntry {
   bool operator==(const BendingEntry&) const = default;
 };
 
-// The fit of a patch: w = conditions x, with a zero row for a missing neighbour, and E = 1/2 w.law w. Hence Q =
-// conditions^T law conditions.
+// The fit of a patch. Row r of `conditions` belongs to the neighbour or the clamp at edge r, and is 0 if the edge is
+// free. With w = conditions x the energy is E = 1/2 w.law w, hence Q = conditions^T law conditions.
 struct BendingFit {
   Eigen::Matrix<double, 3, 6> conditions = Eigen::Matrix<double, 3, 6>::Zero();  // -
   Eigen::Matrix3d law = Eigen::Matrix3d::Zero();                                 // N/m
@@ -55,18 +55,28 @@ struct PatchGeometry {
   std::array<PatchEdge, 3> edges{};
 };
 
-// Fits a quadratic to a patch. D is the plate law, N m, Voigt (k11, k22, 2 k12); only its inverse is needed.
-// Fit: P_r = phi(X_r) - sum_k lambda_k(X_r) phi(X_k) with phi(d) = (d1^2/2, d2^2/2, d1 d2/2) about corner 0 and
-// barycentrics lambda; kappa = D^-1 P^T G^+ w, G = P D^-1 P^T, w_r = x_r - sum_k lambda_k x_k, so that kappa.D kappa =
-// w.G^+ w. The pseudo-inverse G^+ cuts off eigenvalues below kEigenvalueCutOff of the largest: the fit is not unique if
-// the six points lie on a conic.
-// A clamped edge has a derivative in place of the vertex across: h times that of x along the outward normal nu in its
-// middle M, with h the height of the triangle over it. P_r = h (phi_nu(M) - sum_k lambda_k,nu phi(X_k)), w_r = h x_nu -
-// sum_k h lambda_k,nu x_k, and row 3 + r of Q is that of h x_nu. For many patches see bending_lanes.h.
-inline constexpr double kEigenvalueCutOff = 0.001;  // -; below it the fit amplifies a near-conic's noise
+// -, ratio to the largest eigenvalue, used by fit_bending(). Below it the fit amplifies the noise of six points that
+// nearly lie on a conic.
+inline constexpr double kEigenvalueCutOff = 0.001;
+
+// Fits a quadratic to a patch. D is the plate law, N m, Voigt (k11, k22, 2 k12); only its inverse is needed. For many
+// patches see bending_lanes.h.
+//
+// X_k and x_k are the corners at rest and now, X_r and x_r the vertex across edge r. lambda are barycentric coordinates
+// in the triangle, and phi(d) = (d1^2/2, d2^2/2, d1 d2/2) with d measured from corner 0. Each edge gives the condition
+//   w_r = x_r - sum_k lambda_k(X_r) x_k = P_r kappa,   P_r = phi(X_r) - sum_k lambda_k(X_r) phi(X_k).
+// The curvature that obeys them with the least energy is
+//   kappa = D^-1 P^T G^+ w,   G = P D^-1 P^T,   so that kappa.D kappa = w.G^+ w.
+// The pseudo-inverse G^+ cuts off eigenvalues below kEigenvalueCutOff of the largest: the fit is not unique if the six
+// points lie on a conic.
+// A clamped edge has no vertex across it. Its condition holds h x_nu instead. x_nu is the derivative of x along the
+// outward normal nu in the middle M of the edge, and h the height of the triangle over the edge:
+//   w_r = h x_nu - sum_k h lambda_k,nu x_k,   P_r = h (phi_nu(M) - sum_k lambda_k,nu phi(X_k)).
+// Row 3 + r of Q then belongs to h x_nu.
 BendingFit fit_bending(const PatchGeometry& patch, const Eigen::Matrix3d& D_inverse);
 
-// Returns h nu of a clamped edge: m, material axes.
+// Returns h nu of a clamped edge, m, in material axes: its outward unit normal times the height of the triangle over
+// it.
 Eigen::Vector2d clamp_arm(const std::array<Eigen::Vector2d, 3>& corners, std::size_t edge);
 
 }  // namespace kerf::fem

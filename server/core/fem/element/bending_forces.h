@@ -13,8 +13,8 @@
 
 namespace kerf::fem {
 
-// Clamp at a vertex: holds the derivative of positions by the material coordinates (rest axes, not those of the
-// material).
+// Clamp at a vertex: holds the derivative of the position by the material coordinates. These are along the rest axes,
+// not along the fibres.
 struct Clamp {
   mesh::VertexId vertex = mesh::kNone;
   Eigen::Matrix<double, 3, 2> gradient = Eigen::Matrix<double, 3, 2>::Zero();  // -
@@ -35,13 +35,13 @@ void add_clamp_forces(const ClampForces& clamps, mesh::VertexField& f);
 // Returns the clamp energy, J, to be added to bending_energy.
 double clamp_energy(const ClampForces& clamps, const mesh::VertexField& x);
 
-// Adds -Q x to f (3 x V, N), for x (3 x V, m), as f_i = sum_j Q_ij (x_i - x_j). This is equal because the rows of Q sum
-// to zero, and exactly invariant under translation. Pair by pair it is exactly without resultant force. For damping
-// beta pass x + beta v. That uses the rate of the curvature as a vector, so unlike membrane damping it also slows the
-// rotation of a bent sheet. Rows are processed in order.
+// Adds -Q x to f (3 x V, N), for x (3 x V, m), as f_i = sum_j Q_ij (x_i - x_j). The sum is equal to -Q x because the
+// rows of Q sum to zero, and it is exactly invariant under translation. The two forces of each pair of vertices cancel
+// exactly. For damping beta pass x + beta v. This damps the rate of the curvature as a vector, so unlike membrane
+// damping it also slows the rotation of a bent sheet. Rows are processed in order.
 void add_bending_forces(const RowStore<BendingEntry>& rows, const mesh::VertexField& x, mesh::VertexField& f);
 
-// Terms that sum to Q, by slot.
+// The terms whose sum is Q: one patch and one row of edges for each slot.
 struct BendingTerms {
   std::span<const ElementBlock> blocks;  // give the materials of the patches
   std::span<const BendingPatch> patches;
@@ -49,8 +49,8 @@ struct BendingTerms {
 };
 
 // Adds the damping forces -sum over the terms of beta Q_term v to f (3 x V, N), for damping that varies. An edge
-// between two materials has the smaller beta of both. A larger one than that of a patch beside it could make the sum
-// gain energy (see kKinkPenalty). For beta see damping_of. Slots are processed in order.
+// between two materials has the smaller beta of the two. With a larger beta than a patch beside it, the edge could make
+// the damping add energy (see kKinkPenalty). For beta see damping_of. Slots are processed in order.
 void add_bending_damping(const BendingTerms& terms, std::span<const double> beta, const mesh::VertexField& v,
                          mesh::VertexField& f);
 // Returns the damping time of an edge, s.

@@ -54,7 +54,7 @@ HWY_INLINE V dot(const V3& a, const V3& b) {
 HWY_INLINE V3 times(const Symmetric& A, const V3& x) {
   return {dot(V3{A[0], A[1], A[2]}, x), dot(V3{A[1], A[3], A[4]}, x), dot(V3{A[2], A[4], A[5]}, x)};
 }
-// Returns the dot products of all pairs; those of (i, j) and (j, i) are equal.
+// Returns the dot products of all pairs; those of (i, j) and (j, i) must be equal.
 HWY_INLINE Symmetric products(const std::array<V3, 3>& a, const std::array<V3, 3>& b) {
   return {dot(a[0], b[0]), dot(a[0], b[1]), dot(a[0], b[2]), dot(a[1], b[1]), dot(a[1], b[2]), dot(a[2], b[2])};
 }
@@ -81,9 +81,9 @@ HWY_INLINE Symmetric inverse_of(const Symmetric& G) {
           scale * (G[0] * G[3] - G[1] * G[1])};
 }
 
-// Returns true if all eigenvalues are above kEigenvalueCutOff of the largest. A bound replaces the largest, and is at
-// most a third above it if all are positive. It is mean + sqrt(2) standard deviations (Wolkowicz and Styan 1980,
-// "Bounds for eigenvalues using traces").
+// Returns true if all eigenvalues are above kEigenvalueCutOff of the largest. An upper bound, at most a third above it
+// if all are positive, takes the place of the largest. The bound is mean + sqrt(2) standard deviations (Wolkowicz and
+// Styan 1980, "Bounds for eigenvalues using traces").
 HWY_INLINE hn::Mask<Tag> is_regular(Symmetric gram) {
   const V third = number(1.0 / 3.0);
   const V mean = third * (gram[0] + gram[3] + gram[5]);
@@ -97,8 +97,8 @@ HWY_INLINE hn::Mask<Tag> is_regular(Symmetric gram) {
 }
 
 // Sets the conditions. A quadratic form q and barycentrics lambda of a point X obey q(X) - sum_k lambda_k q(X_k) =
-// -sum_{j<k} lambda_j lambda_k q(X_j - X_k). So P is C, products of barycentrics, times the quadratic terms of the
-// edges. Linear dependence of conditions is a matter of C alone and stays the same when the patch is stretched.
+// -sum_{j<k} lambda_j lambda_k q(X_j - X_k). So -P is C, made of products of barycentrics, times the quadratic terms of
+// the edges. The linear dependence of conditions follows from C alone, and stays the same when the patch is stretched.
 HWY_NOINLINE void set_conditions(PatchLanes& lanes) {
   const V one = number(1.0);
   const V half = number(0.5);
@@ -142,7 +142,7 @@ HWY_NOINLINE void set_conditions(PatchLanes& lanes) {
     const Symmetric D_inverse = load(lanes.D_inverse, l);
     Symmetric gram = products(C, C);
     Symmetric G = products(terms, {times(D_inverse, terms[0]), times(D_inverse, terms[1]), times(D_inverse, terms[2])});
-    for (std::size_t r = 0; r < 3; ++r) {  // removed again below; keeps missing conditions neutral
+    for (std::size_t r = 0; r < 3; ++r) {  // keeps the inverses finite; set_results() leaves out missing conditions
       gram[kDiagonal[r]] = gram[kDiagonal[r]] + missing[r];
       G[kDiagonal[r]] = G[kDiagonal[r]] + missing[r];
     }
@@ -153,7 +153,7 @@ HWY_NOINLINE void set_conditions(PatchLanes& lanes) {
   }
 }
 
-// Returns the coefficients by vertex of a row vector `of_w` times the conditions.
+// Returns the row vector `of_w` times the conditions: its coefficients by vertex.
 HWY_INLINE std::array<V, 6> by_vertex(const V3& of_w, const std::array<V3, 3>& lambda) {
   std::array<V, 6> values;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -210,7 +210,8 @@ HWY_NOINLINE void set_results(PatchLanes& lanes) {
     const std::array<V3, 3> lambda{load(lanes.lambda[0], l), load(lanes.lambda[1], l), load(lanes.lambda[2], l)};
     const std::array<V3, 3> terms{load(lanes.terms[0], l), load(lanes.terms[1], l), load(lanes.terms[2], l)};
     V3 over_size = load(lanes.over_size, l);
-    for (std::size_t r = 0; r < 3; ++r) {  // 0 for missing conditions, and thus for all that is derived from them
+    for (std::size_t r = 0; r < 3; ++r) {  // 0 for missing conditions, and thus for all results that they are a factor
+                                           // of
       const auto is_free = load(lanes.kind[r], l) == number(static_cast<double>(PatchEdge::kFree));
       over_size[r] = hn::IfThenZeroElse(is_free, over_size[r]);
     }

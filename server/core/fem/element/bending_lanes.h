@@ -20,27 +20,29 @@ struct PatchLanes {
   using Vector3 = std::array<Value, 3>;
   using Symmetric3 = std::array<Value, 6>;
 
-  // Sets a lane. D is the plate law, N m, used only for the penalty of the sides.
+  // Sets the input of a lane. D is the plate law, N m, used only for BendingSide::penalty.
   void set(std::size_t lane, const PatchGeometry& patch, const Eigen::Matrix3d& D, const Eigen::Matrix3d& D_inverse);
-  // Fits the lanes below `count`, which must be set.
+  // Computes the output of the lanes below `count`, whose input must be set.
   void fit(std::size_t count);
 
   [[nodiscard]] BendingFit fit_of(std::size_t lane) const;
   [[nodiscard]] std::array<double, 21> stiffness_of(std::size_t lane) const;  // as in BendingPatch
-  // Returns the data of the patch at the edge opposite corner `edge`.
+  // Returns the side of the patch at the edge opposite corner `edge`.
   [[nodiscard]] BendingSide side_of(std::size_t lane, std::size_t edge) const;
 
   // Input.
   std::array<Vector2, 2> edges{};   // m; corners 1 and 2 about corner 0
-  std::array<Vector2, 3> across{};  // m; the opposite vertices about corner 0, or clamp_arm
-  Vector3 kind{};                   // PatchEdge, as a number
+  std::array<Vector2, 3> across{};  // m; the vertex across each edge about corner 0, or clamp_arm() if the edge is
+                                    // clamped
+  Vector3 kind{};                   // PatchEdge of each edge, as a number
   Symmetric3 D{};                   // N m
   Symmetric3 D_inverse{};           // 1/(N m)
 
   // Intermediate results between the two halves of the fit.
   std::array<Vector3, 3> lambda{};  // -; 0 for a missing condition
-  Vector3 over_size{};              // reciprocal size of each condition
-  std::array<Vector3, 3> terms{};   // m^2; for conditions of unit size
+  Vector3 over_size{};              // reciprocal norms of the rows of C before they become unit rows; see
+                                    // set_conditions()
+  std::array<Vector3, 3> terms{};   // m^2; rows of -P, times over_size
   Symmetric3 gram{}, G{}, inverse{};
   Value is_regular{};  // 1 if `inverse` is the true inverse, 0 if it must be replaced by the pseudo-inverse
 

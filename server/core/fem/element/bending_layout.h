@@ -19,18 +19,19 @@ namespace kerf::fem {
 template <typename T>
 struct FourEntries {
   static constexpr std::size_t kRows = 4;
-  std::array<std::int32_t, kRows> place{};  // 4 x column: index of its x, y, z, 0 in an array of such
+  std::array<std::int32_t, kRows> place{};  // 4 x column: where x, y, z and 0 of the column's vertex begin in an array
+                                            // "x 4"
   std::array<T, kRows> value{};             // N/m
 };
 
 // The bending matrix without its diagonal, arranged for multiplication in vector code, by blocks of vertices. Entries
-// that several rows of a block have at one distance in vertex ids meet contiguous positions. They are stored as
-// diagonals of the block. The others are stored by rows, four vertices side by side. The layout follows from the matrix
-// alone.
+// of several rows of a block at the same distance column - row multiply contiguous positions. They are stored as one
+// diagonal of the block. All other entries, the rest, are stored by rows, four vertices side by side. The layout
+// follows from the matrix alone.
 template <typename T>
 class BendingLayout {
  public:
-  // Least number of entries for a diagonal; fewer entries at one distance cost less by rows.
+  // Least number of entries of a diagonal; fewer entries at one distance cost less when stored by rows.
   static constexpr std::uint32_t kLeastInDiagonal = 7;
   static constexpr int kRowsInGroup = static_cast<int>(FourEntries<T>::kRows);
   static constexpr int kGroupsInBlock = static_cast<int>(kBlockLanes) / kRowsInGroup;
@@ -41,11 +42,12 @@ class BendingLayout {
   [[nodiscard]] std::span<const std::int32_t> offsets(std::size_t block) const {
     return offsets_.row(static_cast<int>(block));
   }
-  // N/m, as offsets(); 0 where a row has no entry.
+  // N/m, entries of each diagonal, in the order of offsets(); 0 where a row has none.
   [[nodiscard]] std::span<const Lanes16<T>> diagonals(std::size_t block) const {
     return diagonals_.row(static_cast<int>(block));
   }
-  // Returns the entries of a group of four rows that lie in no diagonal, in the order of their columns.
+  // Returns the entries of a group of four rows that lie in no diagonal. The entries of each row are in the order of
+  // columns.
   [[nodiscard]] std::span<const FourEntries<T>> rest(int group) const { return rest_.row(group); }
 
   // Drops all entries and keeps the storage.
@@ -111,12 +113,13 @@ class BendingLayout {
   friend class BendingLayout;
   static constexpr std::uint32_t kFirstPlace = 1000;  // greater than any count
 
-  // Number of rows of the block with this distance column - row, or kFirstPlace plus the index of its diagonal.
+  // While diagonals are sought, this is the number of rows of the block with an entry at the distance `offset`.
+  // Afterwards it is kFirstPlace plus the index of the diagonal, if the distance has one.
   std::uint32_t& place_of(const RowStore<BendingEntry>& rows, std::int32_t offset) {
     return place_of_[static_cast<std::size_t>(offset + rows.num_rows())];
   }
 
-  // Sets found_ and seen_, and place_of() of both.
+  // Sets found_ and seen_, and place_of() for the distances in them.
   void find_diagonals(const RowStore<BendingEntry>& rows, mesh::VertexId first, mesh::VertexId last) {
     found_.clear();
     seen_.clear();
@@ -134,7 +137,8 @@ class BendingLayout {
     }
   }
 
-  // Sets the rows of four vertices from v on to their entries in others_.
+  // Sets the rows of the four vertices from v on to their entries in others_. Those of row v + r end at ends[r + 1]
+  // there.
   void set_rest(mesh::VertexId v, std::span<const std::size_t> ends) {
     std::size_t longest = 0;
     for (std::size_t r = 0; r + 1 < ends.size(); ++r) longest = std::max(longest, ends[r + 1] - ends[r]);
@@ -159,7 +163,7 @@ class BendingLayout {
 
   // Scratch of set_block().
   std::vector<std::int32_t> found_;      // distances of the block's diagonals, ascending
-  std::vector<std::int32_t> seen_;       // all distances
+  std::vector<std::int32_t> seen_;       // all distances that occur in the block
   std::vector<std::uint32_t> place_of_;  // by distance + number of vertices; 0 outside of set_block()
   std::vector<BendingEntry> others_;     // the block's entries that lie in none of its diagonals, row by row
 };

@@ -14,15 +14,16 @@ namespace kerf::fem {
 
 // A surface near a vertex.
 struct SurfaceGap {
-  int surface = 0;                        // its number, which only a change of the scene changes
+  int surface = 0;                        // number of the surface, the same until the scene changes
   double gap = 0.0;                       // m, distance left to the surface; < 0: past it
   Eigen::Vector3d normal{0.0, 0.0, 1.0};  // -, unit, the direction in which the gap grows fastest
   double friction = 0.0;                  // -, Coulomb's mu, >= 0
 };
 
-// Interface between an integrator and contact. Contact is a sibling module, so its owner implements this. No method may
-// allocate. Once a substep, after positions and velocities were updated and pins set, vertices are moved out of
-// surfaces they penetrate. That is done by enforce(), or by find_due_blocks() and enforce_block().
+// Interface between an integrator and contact. `fem` and the module of contact do not know each other; the code that
+// joins them implements it. No method may allocate. Once a substep, after positions and velocities were updated and
+// pins set, vertices are moved out of surfaces they penetrate. The integrator calls enforce() for that, or
+// find_due_blocks() and enforce_block().
 class ContactConstraint {
  public:
   static constexpr std::size_t kMaxGaps = 3;  // per vertex: three fixed surfaces can stop all motion
@@ -33,18 +34,20 @@ class ContactConstraint {
   // Number of vertices that were inside a body, deeper than the sheet is thick, in the last begin(). They are moved out
   // slowly.
   [[nodiscard]] virtual int num_inside() const = 0;
-  // True if the sheet rests on bodies, undisturbed for seconds and hardly moving. Friction must then hold it.
+  // True if the sheet has rested on bodies for seconds, undisturbed and hardly moving. Friction must then hold it
+  // still.
   [[nodiscard]] virtual bool is_calm() const { return false; }
   // Moves vertices out of surfaces after a substep of `dt`, s.
   virtual void enforce(double dt, State& state) = 0;
   // Finds the blocks of vertices that may touch a surface, ascending, after a substep of `dt`, s. No vertex moved
-  // farther than `travel`, m, in it. The result is valid until the next call.
+  // farther than `travel`, m, in that substep. The result is valid until the next call.
   virtual std::span<const std::int32_t> find_due_blocks(double dt, double travel) = 0;
-  // Moves vertices of one of these blocks. Returns a bit mask of the moved ones: bit l is vertex l of the block.
+  // Moves vertices of a block that find_due_blocks() returned. Returns a bit mask of the moved vertices: bit l is
+  // vertex l of the block.
   virtual std::uint32_t enforce_block(std::int32_t block, mesh::VertexLanes& vertices) = 0;
   // Finds the surfaces whose gap to vertex `vertex`, if it were at `x` (m), is below `reach` (m, may be infinite). If
-  // there are more than kMaxGaps, those with the smallest gaps are taken. Writes them to `gaps` by surface and returns
-  // their number; 0 for a pin.
+  // there are more than kMaxGaps, those with the smallest gaps are taken. Writes them to `gaps`, by ascending number of
+  // the surface, and returns how many there are. A pinned vertex has none.
   virtual std::size_t find_gaps(int vertex, const Eigen::Vector3d& x, double reach,
                                 std::array<SurfaceGap, kMaxGaps>& gaps) const = 0;
 };

@@ -9,9 +9,9 @@
 namespace kerf::fem {
 
 // Constants of kLanes consecutive triangle slots, an array of structures of arrays: lane l of block b is slot kLanes *
-// b + l. The constants of a block are contiguous, one stream to prefetch for any number of slots. A loop over its lanes
-// works on equal fields side by side, which a compiler turns into vector code of up to 8 doubles. Lanes never mix, so
-// results do not depend on the width. A slot without material has area 0 and exerts exactly no force.
+// b + l. The constants of a block are contiguous, so a loop over blocks reads one stream of memory. A loop over the
+// lanes of a block works on equal fields side by side. A compiler turns it into vector code of up to 8 doubles. Lanes
+// never mix, so results do not depend on the width. A slot without material has area 0 and exerts exactly no force.
 inline constexpr int kLanes = 8;
 
 struct alignas(64) ElementBlock {

@@ -22,7 +22,7 @@ struct LaneFrames {
   Lane inverse_trace;  // 1 / tr S; 1 where tr S is 0
 };
 
-// Vertex fields of corners 1 and 2 relative to corner 0.
+// Values of a vertex field at corners 1 and 2 minus that at corner 0.
 struct LaneEdges {
   Lane3 d1, d2;
 };
@@ -50,7 +50,8 @@ inline void multiply_by_dm_inverse(const ElementBlock& block, const LaneEdges& d
   }
 }
 
-// Sets the frame of a triangle collapsed to a line (any unit vector across the line serves as normal) or to a point.
+// Sets the frame of a lane whose triangle has collapsed to a line or a point. Any unit vector across the line serves as
+// normal.
 void repair_collapsed_lane(const Lane3& f1, const Lane3& f2, std::size_t lane, LaneFrames& frames);
 
 // Quantities of one lane: n = f1 x f2, its square, and F^T F.
@@ -68,8 +69,8 @@ inline LaneMetric metric_of(const Lane3& f1, const Lane3& f2, std::size_t l) {
 }
 
 inline void polar_decomposition(const Lane3& __restrict f1, const Lane3& __restrict f2, LaneFrames& __restrict frames) {
-  // Squared ratio of |f1 x f2| to |f1|^2 + |f2|^2 below which the normal is all rounding. The second term catches
-  // triangles shrunk to 1e-15 of their size.
+  // kCollapsedSquared: squared ratio of |f1 x f2| to |f1|^2 + |f2|^2 below which the normal is mere rounding.
+  // kPointSquared catches triangles shrunk to 1e-15 of their size.
   constexpr double kCollapsedSquared = 1e-24;
   constexpr double kPointSquared = 1e-60;
   constexpr double kTiny = 1e-150;

@@ -34,15 +34,15 @@ Vector3d doubled_area(const ElementBlock& block, std::size_t lane, const mesh::V
   return first.cross(second);
 }
 
-// Geometry of the sheet at the edge of a moment. v = arm x t is perpendicular to both, as long as the arm is not along
-// the edge.
+// Geometry of the sheet at the edge of a moment. t is the unit vector along the edge, and v = arm x t is perpendicular
+// to arm and t. v is 0 if the arm is along the edge.
 struct Slope {
   Vector3d arm = Vector3d::Zero();  // m, the slope across the edge times the height of the triangle, outward
   Vector3d edge = Vector3d::Zero();
   double length = 0.0;
   Vector3d t = Vector3d::Zero();
   Vector3d v = Vector3d::Zero();
-  double squared = 0.0;  // m^2, |v|^2 or its least
+  double squared = 0.0;  // m^2, |v|^2, or the square of the least arm if that is greater
   bool is_short = false;
 
   Slope(const EdgeMoment& moment, const mesh::VertexField& x) {

@@ -12,33 +12,36 @@
 namespace kerf::fem {
 
 // Loads that turn with the sheet: Loads::pressure and Loads::edge_moments. Their forces depend on positions, and their
-// work depends on the path, so that they have no energy. A line search that needs one uses their work on the straight
-// path. Nor is their tangent symmetric. The skew part of a uniform pressure comes from free borders alone (Bufler 1984,
-// "Pressure loaded structures under large deformations"). That of a moment comes from the rotation of its edge.
+// work depends on the path, so that they have no energy. A line search, which needs an energy, uses their work on the
+// straight path in its place. Their tangent is not symmetric either. The skew part of a uniform pressure comes from
+// free borders alone (Bufler 1984, "Pressure loaded structures under large deformations"). The skew part of a moment
+// comes from the rotation of its edge. MatrixPart chooses a part of the tangent.
 enum class MatrixPart { kSymmetric, kSkew };
 
 // Returns true if the pressure of a triangle or an edge moment is not 0.
 [[nodiscard]] bool has_follower_loads(const Loads& loads);
 
-// Adds the forces of these loads at x (3 x V, m) to f (3 x V, N). Pressure comes first, by ascending slot, then the
-// moments in their order.
+// Adds the forces of pressure and edge moments at x (3 x V, m) to f (3 x V, N). Pressure comes first, by ascending
+// slot, then the moments in their order.
 void add_follower_forces(std::span<const ElementBlock> blocks, const Loads& loads, const mesh::VertexField& x,
                          mesh::VertexField& f);
 
-// Returns the sum of the forces at x, N. Moments add nothing to it.
+// Returns the sum of the follower forces at x (3 x V, m), N. Edge moments add nothing to it.
 [[nodiscard]] Eigen::Vector3d follower_resultant(std::span<const ElementBlock> blocks, const Loads& loads,
                                                  const mesh::VertexField& x);
 
-// Returns the bending energy, J, that moments store in the sheet beyond that of its vertices; see
-// EdgeMoment::compliance.
+// Returns the bending energy, J, that edge moments store in the sheet and that the positions of vertices do not show;
+// see EdgeMoment::compliance.
 [[nodiscard]] double edge_moment_energy(const Loads& loads);
 
-// Returns the work (J) on the straight path from positions `from` to positions `to` (3 x V, m). It is exact for
-// pressure. For a moment it is the work of the rotation about the mean direction of its edge, by less than half a turn.
+// Returns the work (J) of follower loads while vertices move straight from positions `from` to positions `to` (3 x V,
+// m). It is exact for pressure. For a moment it is the work of the rotation about the mean direction of its edge, taken
+// as less than half a turn.
 [[nodiscard]] double follower_work(std::span<const ElementBlock> blocks, const Loads& loads,
                                    const mesh::VertexField& from, const mesh::VertexField& to);
 
-// Returns a part of -df/dx, N/m: block (i, j) of the corners `corner` (m) of a triangle under `pressure` (Pa).
+// Returns block (i, j) of a part of -df/dx, N/m, for the forces f of `pressure` (Pa) on the corners of a triangle.
+// `corner` holds their positions, m.
 [[nodiscard]] Eigen::Matrix3d pressure_stiffness(double pressure, const std::array<Eigen::Vector3d, 3>& corner,
                                                  std::size_t i, std::size_t j, MatrixPart part);
 
@@ -53,8 +56,9 @@ class EdgeMomentTangent {
   [[nodiscard]] Eigen::Matrix3d derivative(std::size_t a, std::size_t b) const;  // of force a by vertex b
 
   const EdgeMoment& moment_;
-  Eigen::Matrix3d by_slope_ = Eigen::Matrix3d::Zero();  // derivative of the force for weight 1 by the arm, N/m
-  Eigen::Matrix3d by_edge_ = Eigen::Matrix3d::Zero();   // the same by the edge from its first to its second end
+  Eigen::Matrix3d by_slope_ = Eigen::Matrix3d::Zero();  // N/m, derivative of the force for weight 1 by the arm
+  Eigen::Matrix3d by_edge_ = Eigen::Matrix3d::Zero();   // N/m, derivative of that force by the vector from the first to
+                                                        // the second end of the edge
 };
 
 }  // namespace kerf::fem

@@ -34,7 +34,7 @@ Hinge::Hinge(const std::array<Vector3d, 4>& x, const HingeSize& rest) : edge_(x[
   for (std::size_t i = 0; i < 2; ++i) {
     wings_[i] = make_wing(x[2 + i] - x[0], kSign[i], kLeastArea * rest.length * rest.height[i]);
   }
-  // Both wings get the same product of shares; otherwise their torques would not cancel.
+  // Each wing also gets the share of the other one. Their torques cancel only if both have the same factor.
   for (std::size_t i = 0; i < 2; ++i) wings_[i].share = wings_[1 - i].own_share;
   for (Wing& wing : wings_) wing.rate *= wing.share;
   if (wings_[0].unit.isZero(0.0) || wings_[1].unit.isZero(0.0)) return;

@@ -20,9 +20,9 @@ struct Wind {
   double tangential_drag = 0.02;                       // -, >= 0; skin friction
 };
 
-// Dirichlet condition. The `fixed` components of the vertex reach `target` with `velocity` when the step ends. Within
-// the step they are on the straight line target - velocity * (time left). The other components are free. A pin at rest
-// has velocity 0.
+// Prescribed motion of a vertex (Dirichlet condition). Its `fixed` components reach `target` with `velocity` when the
+// step ends. Within the step they follow the straight line target - velocity * (time left). The other components are
+// free. A pin at rest has velocity 0.
 struct Pin {
   mesh::VertexId vertex = mesh::kNone;
   Eigen::Vector3d target = Eigen::Vector3d::Zero();    // m, position when the step ends
@@ -37,7 +37,7 @@ struct Pin {
 };
 
 // A stiff spring from the point sum_k weights[k] x(vertices[k]) to a moving target, treated implicitly by every
-// integrator. Any stiffness is stable; an infinite one would put the point onto the target within a substep.
+// integrator. Any stiffness is stable. The higher it is, the more nearly the point reaches the target within a substep.
 struct Grab {
   std::array<mesh::VertexId, 3> vertices{mesh::kNone, mesh::kNone, mesh::kNone};  // corners of one triangle; kNone for
                                                                                   // an unused one, with weight 0
@@ -49,19 +49,22 @@ struct Grab {
   double damping = 0.0;                                // N s/m, >= 0, relative to the target's velocity
 };
 
-// A moment along a border edge that turns with it. Model::edge_moment makes it, for the current triangles. It does the
-// work M dphi on the slope of the sheet across the edge. That is the slope that a clamp would hold, and that a free
-// edge takes from its bending patch. Its forces on the vertices of the patch have no resultant, and their moment about
-// the edge is M in any position. They grow no further once the remaining arm is below a twentieth.
+// A moment M along a border edge that turns with the sheet. Model::edge_moment makes it, for the current triangles. It
+// does the work M dphi on the slope phi of the sheet across the edge. That is the slope that a clamp would hold, and
+// that a free edge takes from its bending patch. The forces on the vertices of the patch have no resultant, and their
+// moment about the edge is M in any position. They grow no further once the arm across the edge has shrunk below a
+// twentieth of `arm`.
 struct EdgeMoment {
   std::array<mesh::VertexId, 6> vertex{mesh::kNone, mesh::kNone, mesh::kNone,
-                                       mesh::kNone, mesh::kNone, mesh::kNone};  // of the patch: see BendingPatch
+                                       mesh::kNone, mesh::kNone, mesh::kNone};  // of the bending patch, in the order of
+                                                                                // BendingPatch
   std::array<double, 6> weight{};  // -, sum 0; sum_a weight[a] x(vertex[a]) is the slope across the edge times `arm`
-  std::size_t edge = 0;            // 0..2, opposite that corner
+  std::size_t edge = 0;            // 0..2: the edge opposite that corner of the triangle
   double arm = 0.0;                // m, > 0, height of the triangle over the edge at rest
-  // 1/(N m), >= 0: rotation of the slope per moment with fixed vertices. By its vertices alone the border triangle has
-  // no bending moment at the edge; it stores the additional energy compliance moment^2 / 2. The interaction of two
-  // moments on one triangle, at a corner of the sheet, is neglected. 0 on a curved rest shape.
+  // 1/(N m), >= 0: rotation of the slope by a moment of 1 while all vertices are fixed. The positions of vertices alone
+  // give the border triangle no bending moment at the edge. The moment therefore stores the additional energy
+  // compliance moment^2 / 2. The interaction of two moments on one triangle, at a corner of the sheet, is neglected. 0
+  // on a curved rest shape.
   double compliance = 0.0;
   double moment = 0.0;  // N m; > 0 turns the outside of the edge toward the triangle's normal
 };
@@ -76,7 +79,7 @@ struct Loads {
   std::vector<double> pressure;
   std::vector<EdgeMoment> edge_moments;
   std::vector<Pin> pins;    // each vertex at most once
-  std::vector<Grab> grabs;  // a grab that touches a wholly pinned vertex moves only the others
+  std::vector<Grab> grabs;  // a grab never moves a wholly pinned vertex, only its other vertices
 
   [[nodiscard]] bool has_external_forces() const { return external_forces.cols() > 0 && !external_forces.isZero(0.0); }
 };

@@ -36,16 +36,18 @@ namespace kerf::fem {
 //   z = max(C11 + a V11, C22 + a V22) + C12 + b tr V.
 // H is positive semidefinite, because U.Ca U and (z I - Z).U are concave in X and nowhere negative. For an isotropic
 // law with nu >= 0, k = 0 and B = 0: q has -2 (mu + lambda) <R, F'> and lambda / 2 tr V <F', F' V^-1>, as is known for
-// this material. In trials no smaller z was above W. The bound for any orthotropic law is Kerf's own. There trials
-// found room for a z smaller by a fifth, and by a factor of up to 14 where the axes differ by 1e3.
+// this material. In trials every smaller z put q below W somewhere. The bound for other orthotropic laws is Kerf's own.
+// For them trials found room for a z smaller by a fifth. If the moduli of the two axes differ by 1e3 the room is up to
+// a factor of 14.
 //
 // H grows without bound as a triangle collapses, so eigenvalues of V are kept above kLeastStretch. Then q is still
-// above W, and touches it to within some kLeastStretch C max(1, V). Angular momentum is not conserved: R does not turn.
+// above W, and touches it to within some kLeastStretch C max(1, V). Angular momentum is not conserved, because q pulls
+// towards the R of the current state.
 class MajorizedTriangle {
  public:
   static constexpr double kLeastStretch = 1e-6;  // -, least eigenvalue of V, also relative to the larger one
 
-  // `frames` holds the frames of the lane's triangle.
+  // `frames` holds the frames of all lanes of the block at the current state.
   MajorizedTriangle(const ElementBlock& block, std::size_t lane, const LaneFrames& frames,
                     const MaterialTable& materials);
 
@@ -68,8 +70,8 @@ class MajorizedTriangle {
   Eigen::Matrix<double, 2, 3> g_;  // column k: gradient of corner k, 1/m
 };
 
-// Adds the forces at x (3 x V, m), where the quadratics touch, to f (3 x V, N). They equal those of the membrane,
-// except for collapsed triangles.
+// Adds to f (3 x V, N) the forces at x (3 x V, m) of the quadratics that touch the energy there. They equal the forces
+// of the membrane, except for collapsed triangles.
 void add_majorized_forces(std::span<const ElementBlock> blocks, const MaterialTable& materials,
                           const mesh::VertexField& x, mesh::VertexField& f);
 

@@ -63,7 +63,7 @@ Status check_range(double value, const Range& range, const std::string& path) {
 // Rejects bending stiffnesses that are given only in part, or that are inconsistent.
 Status check_bending(const Material& m, const std::string& prefix) {
   bool has_given = false;
-  const OptionalField* absent = nullptr;  // among those that must not be 0
+  const OptionalField* absent = nullptr;  // the last absent one of the stiffnesses that must not be 0
   for (const OptionalField& field : kBendingFields) {
     const std::optional<double>& value = m.*field.member;
     if (!value && field.member != &Material::bending_coupling) absent = &field;

@@ -19,14 +19,14 @@ struct Range {
 // Ranges of the fields of Material, in their units; requests use them too.
 struct MaterialRanges {
   static constexpr Range kYoungsModulus{1e-6, 1e12};
-  static constexpr Range kPoissonsRatio12{-1e3, 1e3};  // further limited by the rule beside the field
-  static constexpr Range kShearModulus{1e-7, 1e13};    // includes that of an isotropic sheet, nearly up to nu = -1
+  static constexpr Range kPoissonsRatio12{-1e3, 1e3};  // Material::poissons_ratio_12 states a further limit
+  static constexpr Range kShearModulus{1e-7, 1e13};    // includes those of isotropic sheets nearly down to nu = -1
   static constexpr Range kDirection{-6.283185307179587, 6.283185307179587};
   static constexpr Range kThickness{1e-6, 1.0};
   static constexpr Range kDensity{1e-2, 1e5};
   static constexpr Range kBendingScale{0.0, 1e3};
-  // From the stiffness of the softest and thinnest solid plate to the hardest and thickest one, at the largest
-  // bending_scale.
+  // From the plate stiffness of the softest and thinnest material to that of the hardest and thickest one at the
+  // largest bending_scale.
   static constexpr Range kBendingStiffness{1e-25, 1e14};
   static constexpr Range kBendingCoupling{-1e14, 1e14};
   static constexpr Range kMassDamping{0.0, 1e3};
@@ -43,12 +43,13 @@ enum class MembraneLaw {
 };
 
 // Orthotropic plane-stress sheet material with an independent shear modulus (Jones, Mechanics of Composite Materials,
-// eq. 2.65 ff.); ranges above. Immutable once a Model is built from it. Material axis 1 is the warp or fibre direction.
+// eq. 2.65 ff.). MaterialRanges limits the fields. Immutable once a Model is built from it. Material axis 1 is the warp
+// or fibre direction.
 struct Material {
   double youngs_modulus_1 = 4.0e5;  // Pa, along material axis 1
   double youngs_modulus_2 = 4.0e5;  // Pa, along material axis 2
-  double poissons_ratio_12 = 0.3;   // -, contraction along 2 under tension along 1; nu12^2 E2 / E1 < 1 suffices,
-                                    // because the shear modulus is independent
+  double poissons_ratio_12 = 0.3;   // -, contraction along 2 under tension along 1; must have nu12^2 E2 / E1 < 1, which
+                                    // makes the law positive definite
   double shear_modulus = 1.5385e5;  // Pa
   double direction = 0.0;           // rad, angle of axis 1 against rest x
   double thickness = 5.0e-4;        // m
@@ -60,8 +61,8 @@ struct Material {
                                     // its step (see integrator.h)
   double strain_limit = 0.5;        // -, largest |principal strain| that the material bears; larger ones are only
                                     // reported
-  // N m: entries of the plate law in material axes, as measured. M11 = D11 k11 + D12 k22, M22 = D12 k11 + D22 k22, M12
-  // = D66 2 k12. An absent entry is that of C t^2 / 12 times bending_scale.
+  // N m: measured entries of the plate law in material axes. M11 = D11 k11 + D12 k22, M22 = D12 k11 + D22 k22, M12 =
+  // D66 2 k12. The law has the entry of bending_scale C t^2 / 12 for each that is absent.
   std::optional<double> bending_stiffness_1{};  // D11
   std::optional<double> bending_stiffness_2{};  // D22
   std::optional<double> bending_coupling{};     // D12, D12^2 < D11 D22
@@ -81,14 +82,14 @@ Status validate(const Material& material, std::string_view prefix = "material");
 // symmetric positive definite for a valid material.
 Eigen::Matrix3d membrane_law(const Material& material);
 
-// Returns the plate law D in N m, for Voigt curvature (k11, k22, 2 k12): given entries, otherwise those of
-// bending_scale C t^2 / 12. It is symmetric positive definite, or 0, for a valid material.
+// Returns the plate law D in N m, in material axes, for Voigt curvature (k11, k22, 2 k12). Entries that the material
+// does not give are those of bending_scale C t^2 / 12. It is symmetric positive definite, or 0, for a valid material.
 Eigen::Matrix3d bending_law(const Material& material);
 
 // Returns a material with the same membrane and no bending stiffness.
 Material without_bending(Material material);
 
-// Finds a declared material by name; NOT_FOUND lists the names. For values and their sources see material_presets.cc.
+// Finds a preset by name; NOT_FOUND lists the names. For values and their sources see material_presets.cc.
 Result<Material> find_preset(std::string_view name);
 std::span<const std::string_view> preset_names();
 

@@ -14,14 +14,14 @@ struct Preset {
 // Fields in declaration order: E1, E2 (Pa), nu12, G (Pa), direction (rad), thickness (m), density (kg/m^3),
 // bending_scale, mass_damping (1/s), stiffness_damping (s), strain_limit.
 //
-// Each comment says which numbers are measured. Damping never is, except where it is 0: it is chosen. KES-F units: 1 gf
-// cm^2/cm = 9.807e-5 N m of bending, 1 gf/(cm degree) = 56.19 N/m of shear, 1 gf cm/cm^2 = 0.9807 N/m of energy.
-// bending_scale makes D11 = bending_scale C11 t^2 / 12 the given bending rigidity.
+// Each comment says which numbers are measured. Damping is never measured: where it is not 0, it is chosen. KES-F
+// units: 1 gf cm^2/cm = 9.807e-5 N m of bending, 1 gf/(cm degree) = 56.19 N/m of shear, 1 gf cm/cm^2 = 0.9807 N/m of
+// energy. bending_scale makes D11 = bending_scale C11 t^2 / 12 the given bending rigidity.
 // strain_limit is about the extension at which typical samples break: wool fibres 0.3, silk fibres 0.2, cotton fabric
 // with its crimp 0.15, denim 0.2. Morton, Hearle, Physical Properties of Textile Fibres, give 0.3, 0.23 and 0.07 for
 // wool, silk and cotton fibres. Copy paper has 0.02 along the machine direction, soft foil 0.02. Skin has 0.54 (Ni
 // Annaidh et al. 2012, Characterization of the Anisotropic Mechanical Properties of Excised Human Skin). Rubber and
-// `demo` stretch further than Kerf's linear law is meant for: 1 and 0.5 are where that is plainly so.
+// `demo` stretch further than Kerf's linear law is meant for; at their limits of 1 and 0.5 the law is plainly wrong.
 constexpr std::array<Preset, 9> kPresets{{
     // No real material: light, soft cloth that one core steps in real time at 50x50: E t = 200 N/m, 0.2 kg/m^2.
     {"demo", {4.0e5, 4.0e5, 0.3, 1.5385e5, 0.0, 5.0e-4, 400.0, 1.0, 0.2, 2.0e-5, 0.5}},

@@ -20,7 +20,8 @@ Eigen::Matrix2d rotation_into_material_axes(double direction) {
   };
 }
 
-// Returns the least stiffness over directions n. With p = cos^2 of the angle of n it is a parabola over 0..1.
+// Returns the least stiffness over directions n. It is a parabola in p, the squared cosine of the angle of n, with p in
+// 0..1.
 double least_stiffness(const Eigen::Matrix3d& C) {
   const double mixed = C(0, 1) + 2.0 * C(2, 2);
   const double curvature = C(0, 0) + C(1, 1) - 2.0 * mixed;

@@ -13,8 +13,8 @@ namespace kerf::fem {
 
 inline constexpr std::size_t kMaxMaterials = 16;  // per sheet
 
-// Target (-) of mass_redistribution.h: every vertex should have this part of the mass / stiffness of a regular inner
-// vertex. That is one in a uniform grid with the edge length that the sheet as built has there.
+// Target (-) of mass_redistribution.h. Every vertex should have at least this part of the mass over stiffness of a
+// regular inner vertex. That is a vertex in a uniform grid with the edge length that the sheet as built has there.
 inline constexpr double kMassFloor = 0.25;
 
 // Constants of a material used by elements.
@@ -26,10 +26,11 @@ struct MaterialLaw {
   Eigen::Matrix3d bending;          // N m, in material axes, Voigt (k11, k22, 2 k12); 0 without bending
   Eigen::Matrix3d inverse_bending;  // 1/(N m); 0 without bending
   Eigen::Matrix2d axes;             // rotation of rest coordinates into material axes
-  double least_membrane = 0.0;      // N/m, least n n : C : n n over all directions n in the plane
+  double least_membrane = 0.0;      // N/m, stiffness n n : C : n n of the softest direction n in the plane
   double curvature_bound = 0.0;     // N/m, z of membrane_curvature.h
   double surface_density = 0.0;     // kg/m^2
-  double unit_floor = 0.0;          // kg/m^2 / (N/m); mass floor of a vertex over its stiffness, for edges of 1 m
+  double unit_floor = 0.0;          // kg/m^2 / (N/m); least mass wanted for a vertex over its stiffness, for edges of 1
+                                    // m
 
   [[nodiscard]] bool has_bending() const { return bending(0, 0) > 0.0; }
 };
@@ -53,7 +54,7 @@ class MaterialTable {
   [[nodiscard]] bool has_bending() const { return has_bending_; }  // true if any material bends
   [[nodiscard]] bool has_one_mass_damping() const { return has_one_mass_damping_; }
   [[nodiscard]] double largest_membrane_trace() const { return largest_membrane_trace_; }  // N/m
-  // s, one a material.
+  // Material::stiffness_damping of each material, s.
   [[nodiscard]] std::span<const double> stiffness_damping() const { return stiffness_damping_; }
 
  private:

@@ -53,8 +53,8 @@ struct LaneForces {
   Lane3 corner1, corner2;  // N; corner 0 has minus their sum
 };
 
-// The triangles of a block at x in the form that each law needs. Their forces are those of T g through two columns, T =
-// [[sigma1, sigma3 - a], [sigma3 + a, sigma2]].
+// The triangles of a block at x under the co-rotational law; GreenTriangles has the same members for Green's. The force
+// on a corner is -A [column1, column2] T g, with T = [[sigma1, sigma3 - a], [sigma3 + a, sigma2]] and a = skew().
 class CorotationalTriangles {
  public:
   void set(const ElementBlock& block, const mesh::VertexField& x) { frames_at(block, x, frames_); }

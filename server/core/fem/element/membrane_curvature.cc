@@ -64,12 +64,15 @@ double membrane_curvature(const Eigen::Matrix3d& C, const Eigen::Vector2d& stret
 }
 
 double membrane_curvature_bound(const Eigen::Matrix3d& C) {
-  constexpr double kIsotropic = 1e-3;  // -, of C11
+  constexpr double kIsotropic = 1e-3;  // -, deviation from an isotropic law over C11, up to which that formula is used
+                                       // with the deviation added
   const double off = std::max(std::abs(C(0, 0) - C(1, 1)), std::abs(C(0, 0) - C(0, 1) - 2.0 * C(2, 2)));
-  const bool is_convex = 2.0 * (kMostStretch - 1.0) * C(0, 1) <= 2.0 * C(2, 2);  // of d2 tr U, see the header
+  const bool is_convex = 2.0 * (kMostStretch - 1.0) * C(0, 1) <= 2.0 * C(2, 2);  // the factor of d2 tr U in the header
+                                                                                 // is never positive
   if (C(0, 1) >= 0.0 && is_convex && off < kIsotropic * C(0, 0)) return std::max(C(0, 0), C(1, 1)) + C(0, 1) + off;
   constexpr std::array<double, 5> kStretches{1e-3, kLeastStretch, 0.6, 1.0, kMostStretch};
   constexpr int kAngles = 8;  // per quarter turn
+  // -, margin for stretches and angles between those of the net.
   constexpr double kBetween = 1.05;
   double largest = 0.0;
   for (const double first : kStretches) {

@@ -14,8 +14,8 @@ namespace kerf::fem {
 using ElementMatrix = Eigen::Matrix<double, 9, 9>;  // rows and columns: corner * 3 + world axis
 using ElementVector = Eigen::Matrix<double, 9, 1>;
 
-// Second derivative of the energy of membrane.h for one triangle. With the in-plane rows of each corner k in the frame
-// R, (gx, gy) = g_k:
+// Second derivative of the energy of membrane.h for one triangle. The columns below are those of the in-plane
+// displacement (u, v) of corner k in the frame R. (gx, gy) = g_k and w = (wu, wv):
 //   spin      w = (-gy, gx) / tr S
 //   strain    B = [gx + wu S12, wv S12; -wu S12, gy - wv S12; gy + wu (S22 - S11), gx + wv (S22 - S11)]
 //   in plane  K_in = B^T C B + gamma w^T w + (w^T (c B) + (c B)^T w) / 2, gamma = sigma1 S11 + sigma2 S22 + 2 sigma3
@@ -28,7 +28,7 @@ using ElementVector = Eigen::Matrix<double, 9, 1>;
 //   K_in = B^T C B + g_i^T Sigma g_j I,   k_n as above.
 class MembraneTangent {
  public:
-  // `frames` holds the frames of the lane's triangle.
+  // `frames` holds the frames of all lanes of the block.
   MembraneTangent(const ElementBlock& block, std::size_t lane, const LaneFrames& frames,
                   const MaterialTable& materials);
 
@@ -37,9 +37,10 @@ class MembraneTangent {
   // Returns C (e + B dx), the stress to first order after a displacement dx in world axes (m).
   [[nodiscard]] Eigen::Vector3d predicted_stress(const ElementVector& dx) const;
 
-  // Sets K (N/m) = material_scale A B^T C B + geometric_scale (the rest for the stress sigma). `project` changes the
-  // geometric part so that the whole is positive semidefinite for material_scale >= geometric_scale. It cuts gamma and
-  // the eigenvalues of Sigma at 0 and shortens c as far as needed.
+  // Sets K (N/m) to material_scale A B^T C B plus geometric_scale times the geometric stiffness for the stress sigma.
+  // `project` changes the geometric part so that the whole is positive semidefinite for material_scale >=
+  // geometric_scale. It replaces negative gamma and negative eigenvalues of Sigma by 0, and shortens c as far as
+  // needed.
   void stiffness(const Eigen::Vector3d& sigma, double material_scale, double geometric_scale, bool project,
                  ElementMatrix& K) const;
 

@@ -15,7 +15,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// The triangle's frame and its rotation with the corners.
+// The frame F of a triangle, and how it rotates as the corners move.
 struct Frame {
   std::array<Vector3d, 3> opposite;  // edge opposite each corner over twice the area, 1/m
   double over_length = 0.0;          // 1 / |first edge|, 1/m
@@ -37,7 +37,7 @@ struct Frame {
     axes.col(1) = axes.col(2).cross(axes.col(0));
   }
 
-  // Returns the angular velocity for given velocities of the corners.
+  // Returns the angular velocity of the frame for given velocities of the corners.
   [[nodiscard]] Vector3d spin(const std::array<Vector3d, 3>& rates) const {
     Vector3d turn = (over_length * axes.col(1).dot(rates[1] - rates[0])) * axes.col(2);
     for (std::size_t k = 0; k < 3; ++k) turn += axes.col(2).dot(rates[k]) * opposite[k];
@@ -77,7 +77,7 @@ std::array<double, 21> excess_stiffness(const BendingFit& fit, const Frame& fram
   const Eigen::Matrix<double, 6, 6> Q = fit.conditions.transpose() * (fit.law * fit.conditions);
   std::array<double, 21> excess{};
   std::size_t at = 0;
-  // Vertices beyond the corners cause no spin: there is no excess between two of them.
+  // Vertices across the edges cause no spin, so there is no excess between two of them.
   for (std::size_t i = 0; i < 3; ++i) {
     std::array<Matrix3d, 3> stress;  // law times the gradients by vertex i
     for (int r = 0; r < 3; ++r) {

@@ -11,14 +11,17 @@
 
 namespace kerf::fem {
 
-inline constexpr double kLeastArea = 0.05;  // -; see RestBending
+inline constexpr double kLeastArea = 0.05;  // -, of the rest area of a triangle, which counts as collapsed below it:
+                                            // see RestBending
 
-// Additional terms of a bending patch on a curved rest shape. The conditions w = W x of the quadratic fit are compared
-// with those of the rest shape, w0, turned along with the triangle:
+// Additional terms of a bending patch on a curved rest shape. The conditions w = W x of the fit (see BendingFit; W
+// holds its conditions and G its law) are compared with those of the rest shape, w0. These turn along with the
+// triangle:
 //   E = 1/2 (w - F w0).G (w - F w0) = 1/2 x.Q x - sum_i x_i . F load_i + energy,   Q = W^T G W, load = W^T G w0.
-// F = (t1, t2, n) holds the triangle's unit first edge, n x t1 and its unit normal. At rest E and its gradient are 0.
-// Both are exactly invariant under rotation: F is a function of the corners alone, and the forces include its spin. The
-// exception is a triangle that has collapsed to less than kLeastArea of its area, whose spin is taken as at that area.
+// F = (t1, t2, n) holds the triangle's unit first edge, n x t1 and its unit normal. At rest E and its gradient are 0. E
+// and the forces are exactly invariant under rotation, because F is a function of the corners alone and the forces
+// include its spin. The exception is a triangle that has collapsed to less than kLeastArea of its area, whose spin is
+// taken as at that area.
 struct RestBending {
   bool is_bent = false;                               // false: all other members are 0
   std::array<Eigen::Vector3d, 6> load{};              // N, in the frame F, for the patch's vertices

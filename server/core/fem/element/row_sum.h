@@ -27,8 +27,8 @@ class RowSum {
   template <std::size_t N>
   void add(const std::array<mesh::VertexId, N>& columns, const std::array<double, N>& entries) {
     if (values_.size() < size_ + N) values_.resize(2 * (size_ + N)), columns_.resize(2 * (size_ + N));
-    // Branches would be unpredictable here, so there are none. Written values are no members, so that the compiler need
-    // not reload them.
+    // Branches would be unpredictable here, so there are none. All that the loop writes is reached by local pointers,
+    // so that the compiler need not reload members.
     std::int32_t* const place_of = place_.data() + 1;
     double* const values = values_.data();
     mesh::VertexId* const met = columns_.data();

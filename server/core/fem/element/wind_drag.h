@@ -16,8 +16,8 @@ namespace kerf::fem {
 [[nodiscard]] bool has_wind_drag(const Wind& wind);
 
 // Adds the air drag at x (3 x V, m) and v (3 x V, m/s) to f (3 x V, N); see Wind. `materials` have the mass per area at
-// rest. The force acts over a kick of `duration` (s). If the drag rate r of a triangle would carry it past the velocity
-// of the air, it is divided by sqrt(1 + (r duration)^2). Slots are processed in order.
+// rest. The force acts over a kick of `duration` (s). The drag rate r of each triangle, 1/s, is divided by sqrt(1 + (r
+// duration)^2), so that the kick cannot carry it past the velocity of the air. Slots are processed in order.
 void add_wind_drag(std::span<const ElementBlock> blocks, const MaterialTable& materials, const Wind& wind,
                    double duration, const State& state, mesh::VertexField& f);
 
