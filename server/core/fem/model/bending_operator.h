@@ -22,11 +22,11 @@ namespace kerf::fem {
 
 class AngleBending;
 
-// The bending stiffness of a sheet. A quadratic patch of each triangle and its up to three neighbours has the energy
-// W = A/2 kappa.D kappa (see bending.h); moments do work on the kinks between patches (see bending_edge.h). On a curved
+// The bending stiffness of a sheet. A quadratic patch of each triangle and its up to three neighbours has the energy W
+// = A/2 kappa.D kappa (see bending.h); moments do work on the kinks between patches (see bending_edge.h). On a curved
 // rest shape the patch is unfolded along its edges, and kappa is measured from the rest curvature (see rest_bending.h).
-// Kinks are left out there. For equilibria and vibrations see bend_by_angles(). A patch has the law of its own
-// triangle. Everything is empty if no material bends.
+// Curved rest shapes have no terms for kinks. For equilibria and vibrations see bend_by_angles(). A patch has the plate
+// law of its own triangle. All members are empty if no material bends.
 class BendingOperator {
  public:
   // Makes room for the patches of `num_slots` slots.
@@ -34,28 +34,30 @@ class BendingOperator {
   // Makes room for the entries that the next edits add.
   void make_room();
 
-  // Recomputes what depends on these slots, which are sorted and unique. The elements have followed the same edit just
-  // before.
+  // Recomputes what depends on the slots `rewritten`, which are sorted and unique. Must be called after
+  // RestElements::follow() for the same edit.
   void follow(const RestSheet& sheet, std::span<const mesh::TriangleId> rewritten);
-  // Replaces the clamps. Returns true if rows may have changed: only flat rest shapes that bend can be clamped.
+  // Replaces the clamps. Returns true if rows of Q may have changed. Does nothing if no material bends or the rest
+  // shape is curved.
   bool set_clamps(const RestSheet& sheet, BorderClamps clamps);
 
-  // Switches forces and energies to those of angles (see angle_bending.h), for equilibria and vibrations. They last
-  // until the next follow(), set_clamps() or bend_by_matrix(). Damping, rows and bounds stay those of Q. Does nothing
-  // on a curved rest shape or without bending. O(V). Not part of the hash.
+  // Switches forces and energies to those of angles (see angle_bending.h), for equilibria and vibrations. The switch
+  // lasts until the next follow(), set_clamps() or bend_by_matrix(). Damping, rows() and bound_rows() stay those of Q.
+  // Does nothing on a curved rest shape or without bending. O(V). The hash does not include it.
   void bend_by_angles(const RestSheet& sheet);
   void bend_by_matrix() { angles_.reset(); }
   // Null if bending uses Q.
   [[nodiscard]] const AngleBending* angles() const { return angles_.get(); }
 
-  // Terms of the energy at edges; one row a slot, at its edges to neighbours of higher slots.
+  // Terms of the energy at edges, one row a slot. A row has the edges of its slot to neighbours with higher slots.
   [[nodiscard]] const RowStore<BendingEdge>& edges() const { return edges_; }
   // Q in N/m, one row a vertex: the force on vertex i is -sum_j Q_ij x_j, unless bend_by_angles() is active.
   [[nodiscard]] const RowStore<BendingEntry>& rows() const { return rows_; }
-  // N/m; bounds the absolute values of the rows of the stiffness, which are larger on a curved rest shape.
+  // N/m; entries whose absolute values bound those of the bending stiffness. They are Q itself, or on a curved rest
+  // shape |Q| plus RestBending::excess.
   [[nodiscard]] const RowStore<BendingEntry>& bound_rows() const { return rest_.empty() ? rows_ : bound_rows_; }
   [[nodiscard]] const BorderClamps& clamps() const { return clamps_; }
-  // Forces that clamps add to -Q x.
+  // Forces and energy that clamps add to those of Q.
   [[nodiscard]] const ClampForces& clamp_forces() const { return clamp_forces_; }
   // `blocks` are those of the elements. The rest terms are empty for a flat rest shape.
   [[nodiscard]] BendingTerms terms(std::span<const ElementBlock> blocks) const { return {blocks, patches_, edges_}; }
@@ -99,12 +101,13 @@ class BendingOperator {
   // For a curved rest shape only; empty otherwise.
   std::vector<RestBending> rest_;      // one a slot
   RowStore<BendingEntry> bound_rows_;  // sums of |Q_ij| + RestBending::excess
-  IdSet changed_rows_;                 // rows of Q that are summed again
+  IdSet changed_rows_;                 // vertices whose row of Q is summed again
 
   // Scratch of follow().
   IdSet patched_;                                  // slots whose patch is rebuilt
   IdSet edged_;                                    // slots whose row of edges_ is rebuilt
-  IndexSet fitted_;                                // slots whose patch is refitted
+  IndexSet fitted_;                                // slots whose patch is fitted: those of patched_, and their
+                                                   // neighbours, whose sides the edge terms need
   std::vector<std::array<BendingSide, 3>> sides_;  // by place in fitted_, for a flat rest shape
   std::vector<BendingEdge> edge_row_;              // of one slot
   BendingRowAssembly assembly_;

@@ -66,7 +66,7 @@ void BendingRowAssembly::add_patches(const Terms& terms, const Entry& entry) {
   }
 }
 
-// An edge term that contains the vertex belongs to a triangle whose patch contains it.
+// Adds the edge terms that contain the vertex. One of the two triangles of such an edge has a patch that contains it.
 void BendingRowAssembly::add_edges(const Terms& terms, VertexId vertex) {
   constexpr std::size_t kFirstOfSecond = 6;  // place in BendingEdge
   const mesh::TriangleMesh& mesh = terms.sheet.mesh;
@@ -79,9 +79,9 @@ void BendingRowAssembly::add_edges(const Terms& terms, VertexId vertex) {
   TriangleId before = mesh::kNone;
   for (const std::int32_t patch_row : patches_) {
     const TriangleId slot = patch_row / 8;
-    if (std::exchange(before, slot) == slot) continue;  // across two edges
+    if (std::exchange(before, slot) == slot) continue;  // the vertex lies across two edges of the slot
     for (const BendingEdge& edge : terms.edges.row(slot)) note(slot, edge, place_in(edge, vertex));
-    if (patch_row % 8 < 3) continue;  // the patches of all its neighbours contain the vertex
+    if (patch_row % 8 < 3) continue;  // the vertex is a corner: all neighbours are in patches_ too
     for (const TriangleId other : mesh.record(slot).neighbours) {
       if (other == mesh::kNone || other > slot) continue;
       for (const BendingEdge& edge : terms.edges.row(other)) {

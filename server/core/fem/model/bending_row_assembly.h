@@ -15,8 +15,8 @@
 
 namespace kerf::fem {
 
-// Sums rows of the bending matrix, one at a time, over the terms that contain its vertex. The sums are over the patches
-// by ascending slot, then over the edges. They thus do not depend on the edits that led to the sheet.
+// Sums rows of the bending matrix, one at a time. The row of a vertex is the sum over the patches that contain it, by
+// ascending slot, then over such edge terms. Rows thus do not depend on the edits that led to the sheet.
 class BendingRowAssembly {
  public:
   struct Terms {
@@ -35,9 +35,10 @@ class BendingRowAssembly {
  private:
   struct EdgeRow {
     const BendingEdge* edge = nullptr;
-    std::size_t place = 0;  // of the vertex in the edge
+    std::size_t place = 0;  // index of the vertex in BendingEdge::vertex
   };
-  // Sets patches_ to the patches that the vertex is in and its row there, 8 * slot + row, ascending.
+  // Sets patches_ to 8 * slot + row for each patch that contains the vertex, ascending. `row` is the place of the
+  // vertex in the patch.
   void find_patches(const RestSheet& sheet, mesh::VertexId vertex);
   // Adds the patches that find_patches() found. entry(slot, a, b) returns entry (a, b) of the matrix of patch `slot`.
   template <typename Entry>

@@ -13,8 +13,8 @@ namespace {
 using mesh::TriangleId;
 using mesh::VertexId;
 
-// Adds the forces of held slopes. entry(a, b) is the entry of Q at these places; a place is kNone where a held slope
-// takes it.
+// Adds the forces and the energy of held slopes. entry(a, b) is the entry of Q at places a and b. held[a] is the slope
+// at place a, whose vertex is then kNone, and 0 at other places.
 template <typename Entry>
 void add_forces_of(std::span<const VertexId> vertices, std::span<const Eigen::Vector3d> held, const Entry& entry,
                    ClampForces& made) {

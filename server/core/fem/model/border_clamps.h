@@ -27,13 +27,15 @@ class BorderClamps {
   explicit BorderClamps(std::vector<Clamp> clamps) : clamps_(std::move(clamps)) {}
 
   [[nodiscard]] bool empty() const { return clamps_.empty(); }
-  // Returns the derivative of x by the material coordinates at edge `k` of a solid slot, or nothing if it is not
-  // clamped.
+  // Returns the derivative of x by the material coordinates that clamps hold at edge `k` of a solid slot. Returns
+  // nothing if the edge is not clamped.
   [[nodiscard]] std::optional<Eigen::Matrix<double, 3, 2>> gradient_at(const RestSheet& sheet, mesh::TriangleId slot,
                                                                        std::size_t k) const;
-  // Returns the slopes h x_nu held at each edge of a solid slot (see fit_bending), m; 0 at other edges.
+  // Returns the slope h x_nu that is held at each edge of a solid slot (see fit_bending), m; 0 at edges without a
+  // clamp.
   [[nodiscard]] std::array<Eigen::Vector3d, 3> held_slopes(const RestSheet& sheet, mesh::TriangleId slot) const;
-  // Adds the slots around the clamped vertices that the elements have; may repeat.
+  // Adds the slots around the clamped vertices to `slots`, with repetitions. Vertices that the elements do not have are
+  // left out.
   void add_slots(const RestElements& elements, std::vector<mesh::TriangleId>& slots) const;
 
  private:
@@ -47,8 +49,9 @@ ClampForces make_clamp_forces(const RestSheet& sheet, const BorderClamps& clamps
                               const RowStore<BendingEdge>& edges);
 
 // Returns a moment along the border edge opposite corner `edge` of a solid slot; see EdgeMoment. `moment_per_length` is
-// in N m per m of the edge at rest. It is valid until the mesh or the clamps change. A clamped edge gets none, since
-// the clamp carries it. On a curved rest shape, or without bending, the slope is that of the triangle alone.
+// in N m per m of the edge at rest. It is valid until the mesh or the clamps change. On a clamped edge it has no
+// effect, since the clamp carries it. On a curved rest shape, or without bending, the slope is that of the triangle
+// alone.
 EdgeMoment make_edge_moment(const RestSheet& sheet, const BorderClamps& clamps, mesh::TriangleId slot, int edge,
                             double moment_per_length);
 

@@ -6,8 +6,8 @@ namespace kerf::fem {
 
 class Model;
 
-// Accuracy that double precision allows for a step. The smallest relative residual a solver can reach grows with the
-// condition number, to about 1e-18 times it.
+// Accuracy that double precision allows for a step. The smallest relative residual that a solver can reach is about
+// 1e-18 times the condition number.
 enum class ConditionClass {
   kAccurate,  // A: up to kMostAccurateCondition
   kBounded,   // B: up to kMostBoundedCondition; finite and bounded, without digits to rely on

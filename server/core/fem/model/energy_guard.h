@@ -13,22 +13,23 @@ namespace kerf::fem {
 //
 // Implicit steps that do not resolve the motion gain energy even when solved exactly, because elasticity at large
 // rotations is not convex. An implicit Euler step gains up to four times the kinetic energy; many steps gain without
-// bound. The guard takes the excess from the velocities. A sheet without pins first loses velocities that deform it,
-// then spin. Linear momentum is kept, and so is angular momentum as long as the deformation has enough energy.
+// bound. The guard takes the excess from the velocities. A sheet without pins first loses the part of its velocities
+// that deforms it, then its spin. Linear momentum is kept, and so is angular momentum as long as the deformation has
+// enough energy.
 class EnergyGuard {
  public:
   enum class Verdict {
     kKept,     // no more energy than at the start, or not guarded
     kLimited,  // the velocities were reduced
-    // The elastic energy exceeds the limit, alone or with the kinetic energy of a free sheet's centre. The sheet was
-    // stopped, its centre slowed; shorter steps may help.
+    // The elastic energy alone exceeds the limit, or without pins its sum with the kinetic energy of the centre of
+    // mass. The sheet was stopped, and its centre slowed; shorter steps may help.
     kExceeded,
   };
 
   // Checks the step from `start` to `end` and limits the velocities of `end`.
-  // allowed_gain: -, accepted gain relative to the energy at the start and the work in between. Methods without damping
-  // swing about the energy that they keep; limiting one side of the swing would damp them.
-  // inertia: that of the scheme that made the step, whose kinetic energy counts; may be null.
+  // allowed_gain: -, accepted gain relative to the energy at the start and the work in between. The energy of methods
+  // without damping swings about a constant; limiting one side of the swing would damp them.
+  // inertia: the clusters with which the step was made, whose kinetic energy counts; null if there are none.
   static Verdict enforce(const Model& model, const Loads& loads, const LocalInertia* inertia, double allowed_gain,
                          const State& start, State& end);
 };

@@ -24,7 +24,7 @@ class FreeFlight {
  public:
   static bool holds(const Model& model, const Loads& loads);
 
-  // Starts from `state`, with the inertia that the sheet moves with.
+  // Starts from `state`. `inertia` has the clusters that the sheet moves with.
   FreeFlight(const Model& model, const LocalInertia& inertia, const State& state);
   // Advances by one kick and a drift (s).
   void substep(const KickFactors& factors, const Eigen::Vector3d& gravity, double drift);

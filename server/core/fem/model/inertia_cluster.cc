@@ -201,13 +201,14 @@ void InertiaCluster::factor(std::size_t set, std::uint8_t components) {
 
 bool InertiaCluster::is_dense() const {
   constexpr std::size_t kPerEntry = 8;  // entries of an inverse that take as long as one entry of the factor
-  // -. In floats an inverse rounds stiff modes by 2^-24 of the soft ones, which must stay far below their own part.
+  // -, largest spread of a cluster with a dense inverse. In floats its error is 2^-24 of the response of soft modes.
+  // That must stay far below the response of stiff modes.
   constexpr double kMostSpread = 1e4;
   const std::size_t n = vertices_.size();
   return n <= kMostDense && n * n <= kPerEntry * (rows_.size() + n) && spread_ <= kMostSpread;
 }
 
-// Leaves out the common motion, 1 1^T / m, unless something is held: see solve().
+// Leaves the common motion, 1 1^T / m, out of the inverse unless something is held: see solve().
 void InertiaCluster::invert() {
   const std::size_t n = vertices_.size();
   numbers_[0].inverse.resize(n);
@@ -247,7 +248,7 @@ void InertiaCluster::hold(std::span<const std::uint8_t> held) {
   for (std::size_t set = 0; set < 3; ++set) factor(set, static_cast<std::uint8_t>(1U << set));
 }
 
-// Solves for all components alike.
+// Solves with one set of numbers for all components.
 template <typename T>
 void InertiaCluster::substitute(const Numbers<T>& numbers, T* values) const {
   using Four = Eigen::Array<T, 4, 1>;

@@ -14,7 +14,8 @@
 
 namespace kerf::fem {
 
-// Coefficients (s^2) of the added inertia M' = M + membrane z L + bending Q.
+// Coefficients (s^2) of the added inertia M' = M + membrane z L + bending Q. L and Q are sums over stiff parts, see
+// LocalInertia.
 struct AddedInertia {
   double membrane = 0.0;
   double bending = 0.0;
@@ -22,10 +23,10 @@ struct AddedInertia {
 };
 
 // The inertia M' = M + added (sum of stiff parts) of some vertices, and its Cholesky factor L D L^T. It is a function
-// of the parts, the masses and the held components alone, whatever edits led to them. M' is the same for x, y and z.
-// Vertices are in the order of elimination, of minimum degree (Amestoy, Davis, Duff 1996). The factor is computed row
-// by row (Davis 2005, "Algorithm 849: a concise sparse Cholesky factorization package"). Small clusters are solved with
-// their dense inverse, whose products do not depend on each other.
+// of the parts, the masses and the components that pins hold, whatever edits led to them. M' is the same for x, y and
+// z. Vertices are in the order of elimination, of minimum degree (Amestoy, Davis, Duff 1996). The factor is computed
+// row by row (Davis 2005, "Algorithm 849: a concise sparse Cholesky factorization package"). Small clusters are solved
+// with their dense inverse, whose products do not depend on each other.
 class InertiaCluster {
  public:
   // Builds the cluster. `members` and `parts` ascend; the vertices of the parts are among the members.
@@ -40,12 +41,13 @@ class InertiaCluster {
   // -, largest diagonal entry of M' over the least mass.
   [[nodiscard]] double spread() const { return spread_; }
 
-  // Removes the rows and columns of held components: bit c of held[k] is component c of vertices()[k]. Does nothing if
-  // these are already held. Does not allocate.
+  // Removes the rows and columns of the components that pins hold: bit c of held[k] is component c of vertices()[k].
+  // Does nothing if exactly these are held already. Does not allocate.
   void hold(std::span<const std::uint8_t> held);
   [[nodiscard]] std::span<const std::uint8_t> held() const { return held_; }
-  [[nodiscard]] bool is_held() const { return is_held_; }    // any component
-  [[nodiscard]] bool is_piece() const { return is_piece_; }  // no element has vertices both inside and outside
+  [[nodiscard]] bool is_held() const { return is_held_; }  // true if any component is held
+  // True if no element has vertices both in the cluster and outside.
+  [[nodiscard]] bool is_piece() const { return is_piece_; }
 
   // Replaces values by M'^-1 values, m/s, 0 in held components. `values` has x, y, z and a fourth number for each of
   // vertices(), N s, aligned to 64 bytes. `external`, N s, is the sum of the impulses that do not come from the sheet
@@ -75,7 +77,8 @@ class InertiaCluster {
   struct Numbers {
     std::vector<T> values;
     std::vector<T> inverse_diagonal;
-    DenseFours<T> inverse;  // of M', without the common motion unless something is held; size 0 if unused
+    DenseFours<T> inverse;  // dense inverse of M', size 0 if unused. If nothing is held it lacks the motion that all
+                            // vertices have in common, which solve() adds
   };
   // Returns the entries of the added inertia, kg.
   static std::vector<Entry> sum_of(const Model& model, std::span<const mesh::VertexId> members,
@@ -89,13 +92,13 @@ class InertiaCluster {
   [[nodiscard]] bool is_dense() const;
   template <typename T>
   void substitute(const Numbers<T>& numbers, T* values) const;
-  // Sets the dense inverse, the same for all components.
+  // Sets the dense inverse. The held components must be the same for x, y and z.
   void invert();
 
   std::vector<mesh::VertexId> vertices_;
   mesh::VertexId lowest_ = mesh::kNone;
   std::vector<StiffPart> parts_;
-  std::vector<std::int32_t> place_;  // index in vertices_ of each member
+  std::vector<std::int32_t> place_;  // index in vertices_ of each member, by ascending vertex
   double spread_ = 1.0;
 
   // M', kg, its lower triangle by rows, the diagonal last; mass_, kg.

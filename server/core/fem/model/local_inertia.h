@@ -20,9 +20,11 @@ namespace kerf::fem {
 
 // Limits that an explicit step sets on the stiffness of a sheet.
 struct InertiaTerms {
-  double limit = 0.0;  // 1/s^2: limit of a row sum of the stiffness over the mass of its vertex; may be infinite
-  // 1/s^2, limit for bending alone, if it acts once in several substeps. 0: bending acts in each substep, and its rows
-  // count towards `limit`.
+  // 1/s^2: largest row sum of the stiffness over the mass of the vertex that a step may have without clusters; may be
+  // infinite.
+  double limit = 0.0;
+  // 1/s^2: the same for bending alone, if it acts once in several substeps. If it is 0 bending acts in each substep,
+  // and its rows count towards `limit`.
   double bending_limit = 0.0;
   AddedInertia added;
   bool operator==(const InertiaTerms&) const = default;
@@ -31,31 +33,33 @@ struct InertiaTerms {
 // Keeps tiny triangles along cuts from dictating the explicit step of the whole sheet. Clusters of vertices around them
 // have, in place of M, the inertia
 //   M' = M + alpha h^2 (z L + n^2 Q).
-// L is the sum of the stiff triangles' g_i.g_j A. Q is that of the stiff bending terms, which act once in n substeps.
-// This is selective mass scaling by stiffness (Olovsson, Simonsson, Unosson 2005, "Selective mass scaling for explicit
-// finite element analyses"). Here the matrix is scalar and bounds the stiffness in every position. It need not turn
-// with the sheet and persists from cut to cut.
-//   Stable: let b = beta / h, h^2 (1 + 2 b) K <= 4 M for the rest, and K <= z L + Q for the stiff parts. Then h^2 (1 +
-//     2 b) (K + K_stiff) <= 4 M' if alpha >= (1 + 2 b) / 4. Twice that is taken.
+// h is the length of a substep. L is the sum of g_i.g_j A over the stiff triangles, and z L bounds their stiffness. Q
+// is the sum of the stiff bending terms, which act once in n substeps. This is selective mass scaling by stiffness
+// (Olovsson, Simonsson, Unosson 2005, "Selective mass scaling for explicit finite element analyses"). Here the matrix
+// has one number for each pair of vertices, the same for x, y and z, and bounds the stiffness in every position. It
+// thus need not turn with the sheet, and is kept from cut to cut.
+//   Stable: let b = beta / h, h^2 (1 + 2 b) K <= 4 M for all that is not stiff, and K_stiff <= z L + Q. Then h^2 (1 +
+//     2 b) (K + K_stiff) <= 4 M' if alpha >= (1 + 2 b) / 4. Twice the least alpha is taken.
 //   Conserved: L 1 = Q 1 = 0, so that total momentum and free fall are those of M. M' is symmetric and the same for x,
 //     y and z, so that leapfrog keeps sum x_i x (M' v)_i and v.M' v / 2 + V as usual. Statics do not change. Only
 //     motion inside a cluster is slowed: its added radius of gyration is sqrt(alpha z / surface density) h.
-// The stiff parts at a vertex are those with the largest rows: as many as needed until the rest sums to at most the
-// limit times its mass. A part is stiff as a whole, and stiff parts connect the vertices of a cluster. Clusters are
-// derived from the model and the terms alone, whatever edits led to them.
+// A part (StiffPart) is a triangle or a bending term. The stiff parts at a vertex are those with the largest row sums
+// there. They are as many as needed for the other row sums to add up to at most the limit times the mass of the vertex.
+// A part that is stiff at one of its vertices is stiff as a whole, and stiff parts connect the vertices of a cluster.
+// Clusters are derived from the model and the terms alone, whatever edits led to them.
 class LocalInertia {
  public:
   // Reserves storage, so that the first cuts of a large sheet need not.
   void reserve(std::size_t num_vertices);
   void rebuild(const Model& model, const InertiaTerms& terms);
-  // Updates after exactly one Model::follow since the previous call.
+  // Updates the clusters after exactly one Model::follow since the previous rebuild() or follow().
   void follow(const Model& model, const InertiaTerms& terms);
-  // Activates or hides the clusters. While inactive no clusters are visible; only rebuild() then makes them match a
-  // model again.
+  // Shows or hides the clusters. While they are hidden no function finds any. After that only rebuild() makes them
+  // match a model again.
   void set_active(bool is_active) { is_active_ = is_active; }
   [[nodiscard]] bool is_active() const { return is_active_; }
 
-  // Clusters by their lowest vertices, ascending.
+  // All clusters, in ascending order of their lowest vertices.
   [[nodiscard]] std::span<InertiaCluster* const> clusters() const {
     return is_active_ ? std::span<InertiaCluster* const>(ordered_) : std::span<InertiaCluster* const>();
   }
@@ -64,7 +68,8 @@ class LocalInertia {
     const std::int32_t slot = slot_of(v);
     return slot == mesh::kNone ? nullptr : &cluster_in(slot);
   }
-  // Returns the slot of the vertex's cluster, below num_slots(), or kNone.
+  // Returns the slot of the vertex's cluster, or kNone. This is its number in 0..num_slots() - 1, which no other
+  // cluster has.
   [[nodiscard]] std::int32_t slot_of(mesh::VertexId v) const {
     return is_active_ ? cluster_of_[static_cast<std::size_t>(v)] : mesh::kNone;
   }
@@ -77,13 +82,13 @@ class LocalInertia {
   [[nodiscard]] std::size_t num_entries() const { return is_active_ ? num_entries_ : 0; }    // of all factors
   [[nodiscard]] std::size_t largest() const { return is_active_ ? largest_ : 0; }            // vertices of one cluster
 
-  // Holds exactly the vertices of clusters that have pins. Does not allocate.
+  // Holds, in all clusters, exactly the components that `pins` fix. Does not allocate.
   void hold(std::span<const Pin> pins);
-  // 1/kg, see Integrator::mobility.
+  // 1/kg, velocity of the grab's point per impulse on it; see Integrator::mobility.
   [[nodiscard]] double mobility(const Model& model, const Grab& grab) const;
-  // Converts velocities (m/s) that impulses would give to the masses alone into velocities of the clusters by their
-  // inertia: v = M'^-1 M v. Applies to vertices in clusters. It keeps momentum, and never adds kinetic energy: v'.M' v'
-  // <= v.M v, as M' >= M.
+  // Takes velocities (m/s) that impulses would give to the masses alone. Replaces them by those that the same impulses
+  // give to the clusters: v' = M'^-1 M v. Other vertices keep theirs. Momentum stays, and kinetic energy never grows:
+  // v'.M' v' <= v.M v, as M' >= M.
   void share_impulses(const Model& model, mesh::VertexField& v) const;
   // Contributions of the added inertia M' - M to the kinetic energy, J, and to the angular momentum about the world's
   // origin, kg m^2/s.
@@ -102,7 +107,8 @@ class LocalInertia {
 
   InertiaTerms terms_;
   bool is_active_ = false;
-  std::unordered_map<mesh::VertexId, std::vector<StiffPart>> wanted_;  // stiff parts needed by a vertex, ascending
+  std::unordered_map<mesh::VertexId, std::vector<StiffPart>> wanted_;  // stiff parts at a vertex, ascending; only
+                                                                       // vertices that have some
   std::vector<std::int32_t> cluster_of_;                               // length V
   std::vector<std::unique_ptr<InertiaCluster>> clusters_;
   std::vector<std::int32_t> free_;
@@ -113,7 +119,7 @@ class LocalInertia {
   mutable std::vector<Lanes16<double>> values_;  // scratch for one cluster
 
   // Scratch of updates.
-  IndexSet region_;  // changed vertices that need stiff parts, and vertices of clusters being rebuilt
+  IndexSet region_;  // changed vertices with stiff parts, and vertices of clusters being rebuilt
   std::vector<StiffPart> stiff_;
   std::vector<std::int32_t> parent_;
   std::vector<mesh::TriangleId> slots_;

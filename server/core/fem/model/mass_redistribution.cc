@@ -18,7 +18,8 @@ using mesh::VertexId;
 constexpr int kMaxRounds = 200;
 constexpr double kLeastGain = 1.001;  // least factor by which a round must improve the worst mass / floor
 
-// Calls visit(n, again) for each neighbour n of `vertex` at least once; `again` is false the first time.
+// Calls visit(n, again) for each neighbour n of `vertex` at least once. If `again` is false, n has not been visited
+// before.
 template <typename Visit>
 void visit_neighbours(const MassProblem& problem, VertexId vertex, const Visit& visit) {
   const auto neighbours = [&](TriangleId slot) {  // counter-clockwise
@@ -47,7 +48,7 @@ class Diffusion {
     for (const VertexId v : members.members()) {
       mass_.push_back(problem.lumped[as_index(v)]);
       floor_.push_back(problem.floor[as_index(v)]);
-      // Upper bound of the number of edges: a fan on the border has one more than triangles.
+      // Upper bound of the number of edges: a fan at the border has one edge more than triangles.
       degree_.push_back(static_cast<double>(problem.incident_slots.row(v).size() + 1));
       first_edge_.push_back(edges_.size());
       visit_neighbours(problem, v, [&](VertexId n, bool again) {
@@ -204,7 +205,7 @@ std::span<const VertexId> MassPass::update(const MassProblem& problem, std::span
     set->clear();
     set->resize(mass.size());
   }
-  // Domains that lose a vertex.
+  // Domains that lose a vertex because the sheet no longer has it.
   std::vector<std::int32_t> dropped;
   for (std::size_t v = mass.size(); v < domain_of_.size(); ++v) dropped.push_back(domain_of_[v]);
   domain_of_.resize(mass.size(), kNone);

@@ -18,16 +18,17 @@
 // The stable step of a vertex is proportional to sqrt(mass / stiffness). In two dimensions the stiffness at a vertex
 // does not depend on the size of the triangles around it, but its mass does. A triangle a tenth as high as the others
 // costs ten times the substeps. Vertices along a cut that are far too light for their stiffness therefore get mass from
-// their neighbours. This keeps total mass, linear momentum and free fall exact, and moves mass by about an edge length,
-// as lumping itself does. Static equilibria see only their weight moved as far. Accuracy is traded for speed at the
-// scale of the mesh only. Sheets as generated have no vertex that needs it.
+// their neighbours. Total mass, linear momentum and free fall stay exact. Mass moves by about an edge length, as
+// lumping itself moves it. In static equilibria only the weight moves, by the same distance. Accuracy is traded for
+// speed at the scale of the mesh only. Sheets as generated have no vertex that needs it.
 namespace kerf::fem {
 
-// Share of its floor at which a vertex has enough mass.  -
+// -, share of its floor (MassProblem::floor) from which on a vertex has enough mass.
 inline constexpr double kMassReached = 0.9;
 
-// Squares that contain a vertex, in two grids over the material plane; the second is shifted by half a square both
-// ways. Equal numbers mean the same square. Squares are kMassTileEdges edge lengths of the sheet as built wide.
+// The square that contains a vertex, in each of two grids over the material plane. The second grid is shifted by half a
+// square both ways. Equal numbers mean the same square. Squares are as wide as kMassTileEdges edge lengths of the sheet
+// as built.
 using MassTile = std::array<std::uint64_t, 2>;
 inline constexpr double kMassTileEdges = 8.0;
 MassTile mass_tile(const mesh::EdgeLengths& lengths, const Eigen::Vector2d& at);
@@ -41,18 +42,19 @@ struct MassProblem {
   const RowStore<mesh::TriangleId>& incident_slots;
   std::span<const ElementBlock> blocks;
   std::span<const double> lumped;   // kg, length V
-  std::span<const double> floor;    // kg, length V, least mass wanted; > 0 where there is material
+  std::span<const double> floor;    // kg, length V, least mass wanted for the stiffness of each vertex; > 0 where there
+                                    // is material
   std::span<const MassTile> tiles;  // length V
 };
 
 // One pass of the redistribution, kept up to date through edits at a cost that depends on the size of the edit.
 //
-// Light vertices and all vertices of their tile within kReach edges of one form domains: the connected parts of that
-// set, tile by tile. Mass moves along edges inside each domain, towards vertices below their floor from those further
-// above. It is a diffusion of mass / floor, in rounds, until every vertex has (nearly) reached its floor or nothing
-// improves. The masses of a domain are therefore a function of the domain alone. An edit affects the domains that it
-// touches or that its own grow into. Tiles bound the growth of domains where cuts lie close together all over the
-// sheet.
+// Domains are made of light vertices, and of all vertices of the same tile within kReach edges of one. Each connected
+// part of these vertices in a tile is a domain. Mass moves along edges inside each domain, to vertices below their
+// floor from neighbours with more mass / floor. It is a diffusion of mass / floor, in rounds, until every vertex has
+// (nearly) reached its floor or nothing improves. The masses of a domain are therefore a function of the domain alone.
+// An edit affects the domains that it touches, and those that its new domains grow into. Tiles bound the growth of
+// domains where cuts lie close together all over the sheet.
 class MassPass {
  public:
   static constexpr int kReach = 3;  // edges
@@ -76,7 +78,7 @@ class MassPass {
   double light_below_;  // -
 
   std::vector<std::int32_t> domain_of_;               // length V; kNone if in no domain
-  std::vector<std::vector<mesh::VertexId>> domains_;  // members, sorted; empty if free
+  std::vector<std::vector<mesh::VertexId>> domains_;  // members of each domain, sorted; empty if the number is free
   std::vector<std::int32_t> free_domains_;
   // Scratch of update().
   IdSet region_;     // touched vertices, dissolved domains, and finally all reached vertices
@@ -93,7 +95,8 @@ class MassRedistribution {
   // Brings `mass` up to date. `touched` lists vertices whose lumped mass, floor, tile or neighbours changed since the
   // last call, including new ones. They must exist and may repeat. `mass` (kg, length V) holds the result of the last
   // call, 0 for new vertices. V may have decreased, if the last vertices were removed. Returns the examined vertices,
-  // including `touched`, unique. This list and their former masses mass_before(), kg, are valid until the next call.
+  // including `touched`, unique. This list, and mass_before() with the former masses of its vertices (kg), are valid
+  // until the next call.
   std::span<const mesh::VertexId> update(const MassProblem& problem, std::span<const mesh::VertexId> touched,
                                          std::span<double> mass);
   [[nodiscard]] std::span<const double> mass_before() const { return second_.mass_before(); }

@@ -41,8 +41,8 @@ struct Momentum {
   Eigen::Vector3d angular = Eigen::Vector3d::Zero();  // kg m^2/s, about the world's origin
 };
 
-// The discrete elastic sheet, which belongs to the rest shape of the mesh, flat or curved, and its materials. It is
-// made of four parts:
+// The discrete elastic sheet, derived from the rest shape of a mesh, flat or curved, and the materials. It is made of
+// four parts:
 //   elements(): the constants of every triangle. Membrane: linear triangles, W = A/2 e.C e; co-rotational with
 //               e = U - I, F = R U (Biot strain), or with Green's strain: see MembraneLaw.
 //   masses(): the lumped masses of vertices and their mass damping.
@@ -87,7 +87,7 @@ class Model {
   // 1/s^2, upper bound of the largest eigenvalue of M^-1 K at rest.
   [[nodiscard]] const StiffnessBound& stiffness_bound() const { return stiffness_bound_; }
 
-  // The most needed constants of the parts.
+  // Shortcuts to the most needed constants of the parts.
   [[nodiscard]] int num_vertices() const { return elements_.num_vertices(); }
   [[nodiscard]] int num_slots() const { return elements_.num_slots(); }
   [[nodiscard]] const MaterialTable& materials() const { return elements_.materials(); }

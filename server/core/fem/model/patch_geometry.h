@@ -16,7 +16,7 @@ class BorderClamps;
 // Returns the corner of `slot` that is not on its edge to its neighbour `from`.
 std::size_t corner_across(const mesh::TriangleMesh& mesh, mesh::TriangleId slot, mesh::TriangleId from);
 
-// Returns the vertices of a bending patch, as in BendingPatch; all kNone for a slot without material.
+// Returns the vertices of the bending patch of a slot, as in BendingPatch; all kNone for a slot without material.
 std::array<mesh::VertexId, 6> patch_vertices(const RestSheet& sheet, mesh::TriangleId slot);
 
 // Returns the patch of a solid slot of a flat rest shape.

@@ -25,7 +25,7 @@ class TriangleMesh;
 namespace kerf::fem {
 
 // The triangles of a sheet at rest: constants of every slot, the slots around each vertex, and the laws of the
-// materials. A triangle has the material with the number region(t) of the mesh, or the only one.
+// materials. Triangle t has the material whose number is region(t) of the mesh, or the only material.
 class RestElements {
  public:
   // Takes 1..kMaxMaterials valid materials: one for each region of the mesh, or a single one for all.
@@ -33,11 +33,11 @@ class RestElements {
 
   // Makes room for `num_slots` slots.
   void reserve(std::size_t num_slots);
-  // Makes room for the slots around vertices that the next edits add.
+  // Makes room in incident_slots() for what the next edits add.
   void make_room() { incident_.make_room(); }
 
   // Follows any number of edits that the mesh has already made. `rewritten` is sorted and unique, and holds all slots
-  // they rewrote that the mesh still has. Slots that the mesh no longer has are dropped.
+  // that the edits rewrote and the mesh still has. Slots that the mesh no longer has are dropped.
   void follow(const mesh::TriangleMesh& mesh, std::span<const mesh::TriangleId> rewritten);
 
   [[nodiscard]] int num_slots() const { return num_slots_; }
@@ -70,7 +70,8 @@ class RestElements {
 
   // Slots that the last follow() wrote or dropped; may repeat.
   [[nodiscard]] std::span<const mesh::TriangleId> changed_slots() const { return changed_slots_; }
-  // Vertices of the slots that the last follow() wrote or dropped, before it and after it; those the mesh has.
+  // Vertices that the slots written or dropped by the last follow() had before it, or have after it. Vertices that the
+  // mesh no longer has are left out.
   [[nodiscard]] const IndexSet& touched() const { return touched_; }
 
   void add_to(StateHash& hash) const;

@@ -30,7 +30,7 @@ Corners corners_of(const StiffnessProblem& problem, mesh::TriangleId slot) {
   for (std::size_t k = 0; k < 3; ++k) {
     corners.vertex[k] = block.vertex[k][l];
     corners.strain[k] << gx[k], 0.0, 0.0, gy[k], gy[k], gx[k];
-    // Triangles of one material share its axes.
+    // If all triangles have one material, its axes serve for all and no rows are turned.
     if (!problem.materials.has_one()) corners.strain[k] *= corners.law->axes;
   }
   return corners;

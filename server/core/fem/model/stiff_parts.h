@@ -11,9 +11,9 @@
 namespace kerf::fem {
 
 // A term of a model's stiffness: a triangle of the membrane, a bending patch, or a bending term at an edge. Each is a
-// symmetric matrix over a few vertices, times the 3x3 identity, with rows that sum to 0. That of a triangle is z A
-// g_i.g_j, which bounds its stiffness in every position (see membrane_curvature.h). That of a patch is its own; on a
-// curved rest shape it also bounds the terms of RestBending.
+// symmetric matrix over a few vertices, times the 3x3 identity, with rows that sum to 0. The matrix of a triangle is z
+// A g_i.g_j, which bounds its stiffness in every position (see membrane_curvature.h). The matrix of a patch is its Q.
+// On a curved rest shape a bound of RestBending is added to it.
 class StiffPart {
  public:
   static constexpr std::size_t kMaxVertices = 8;
@@ -45,20 +45,20 @@ class StiffPart {
   std::int64_t key_ = 0;
 };
 
-// A part at a vertex, and the absolute sum of its row there, N/m.
+// A part that contains a vertex, and the absolute sum of its row for that vertex, N/m.
 struct PartAtVertex {
   StiffPart part;
   double row_sum = 0.0;
 };
 
-// Returns the absolute row sum over the triangles at a vertex, N/m.
+// Returns the sum over the triangles at a vertex of their absolute row sums for it, N/m.
 double membrane_row_sum(const Model& model, mesh::VertexId vertex);
-// Returns the absolute row sum of the bending matrix, or of its bound on a curved rest shape, N/m.
+// Returns the absolute sum of the vertex's row of BendingOperator::bound_rows(), N/m.
 double bending_row_sum(const Model& model, mesh::VertexId vertex);
 
-// Finds all membrane parts at a vertex, ascending.
+// Finds all triangles at a vertex, by ascending part.
 void find_triangles_at(const Model& model, mesh::VertexId vertex, std::vector<PartAtVertex>& parts);
-// Finds all patches and edges at a vertex, ascending. `slots` is scratch.
+// Finds all patches and bending edges that contain a vertex, by ascending part. `slots` is scratch.
 void find_bending_at(const Model& model, mesh::VertexId vertex, std::vector<mesh::TriangleId>& slots,
                      std::vector<PartAtVertex>& parts);
 

@@ -12,7 +12,7 @@
 
 namespace kerf::fem {
 
-// Factor (-) applied to the stiffness of a material: elastic + d beta; the second term is damping.
+// Factor (-) of the stiffness of each material: elastic + d beta. The second term is stiffness damping.
 struct MaterialScale {
   double elastic = 1.0;          // -
   double d = 0.0;                // s
@@ -21,10 +21,12 @@ struct MaterialScale {
 };
 
 // The symmetric matrix of an implicit step, an equilibrium or a vibration: masses and stiffness of a model. It is
-// assembled from parts in a pattern that is kept between assemblies and follows cuts row by row.
+// assembled by calls of set_mass() and the add functions. Its pattern is kept between assemblies and follows cuts row
+// by row.
 class TangentMatrix {
  public:
-  // Sets the pattern for a model: rebuild() from nothing, follow() after exactly one Model::follow, changed rows only.
+  // Set the pattern for a model. rebuild() starts from nothing. follow() sets the changed rows after exactly one
+  // Model::follow since the previous call.
   void rebuild(const Model& model);
   void follow(const Model& model);
 
@@ -46,19 +48,19 @@ class TangentMatrix {
   // Adds the stiffness of the model's bending at x (3 x V, m). If BendingOperator::bend_by_angles() is active, it is
   // that of the angles at the edges. For `moments` and `project` see AngleBending::add_stiffness.
   void add_bending_at(const Model& model, const mesh::VertexField& x, std::span<const double> moments, bool project);
-  // Adds the springs and dampers of grabs, d^2 stiffness + d damping.
+  // Adds d^2 stiffness + d damping of each grab.
   void add_grabs(std::span<const Grab> grabs, double d);
 
-  // Adds scale times a part of the stiffness of pressure and moments at x (3 x V, m). Neither part is positive
-  // semidefinite. With the skew part the matrix is no longer symmetric.
+  // Adds scale times the symmetric or the skew part of the stiffness of pressure and edge moments at x (3 x V, m).
+  // Neither part is positive semidefinite. With the skew part the matrix is no longer symmetric.
   void add_follower_loads(const Model& model, const Loads& loads, const mesh::VertexField& x, double scale,
                           MatrixPart part);
   // Clears the rows and columns of components held by pins.
   void clear_pinned(std::span<const Pin> pins);
 
-  // Imposes the pins: writes the displacement from x to their positions, `time_left` (s) before they reach their
-  // targets, into `step` and `rhs` (3 x V). It decouples the held components: the matrix stays symmetric, and positive
-  // definite where it was.
+  // Imposes the pins `time_left` (s) before they reach their targets. Writes the displacements from x to their
+  // positions into `step`, and adapts `rhs` (both 3 x V). Held components are decoupled: the matrix stays symmetric,
+  // and positive definite if it was.
   void constrain(const Model& model, std::span<const Pin> pins, double time_left, const mesh::VertexField& x,
                  mesh::VertexField& rhs, mesh::VertexField& step);
 
@@ -66,7 +68,7 @@ class TangentMatrix {
   using BlockPlaces = std::array<int, 9>;  // offset of corner pair (i, j), entry 3 i + j, from the beginning of row i
 
   void add_pressure(const Model& model, const Loads& loads, const mesh::VertexField& x, double scale, MatrixPart part);
-  // Adds the damping part of add_bending, which scale.elastic times the stiffness does not have, patch by patch.
+  // Adds the damping of add_bending(), d beta times the stiffness, term by term, for materials with different beta.
   void add_bending_damping(const Model& model, const MaterialScale& scale);
   void find_columns(const Model& model, mesh::VertexId v);
   void set_rows(const Model& model, std::span<const mesh::VertexId> vertices);

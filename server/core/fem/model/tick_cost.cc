@@ -23,7 +23,7 @@ constexpr double kNsPerVertex = 50.0;  // once a tick: reading and writing the s
 // Substeps cost more when their data exceeds the cache: fitted to 10,000 to 160,000 vertices.
 constexpr double kBytesPerSlot = 37.0;
 constexpr double kBytesPerBendingEntry = 8.0;
-constexpr double kCacheBytes = 15e6;  // traversing this much memory costs as much again as the arithmetic on it
+constexpr double kCacheBytes = 15e6;  // bytes per substep at which waiting for memory costs as much as the arithmetic
 
 constexpr double kTangentNsPerSlot = 250.0;
 // Factorising a planar mesh of V vertices costs V^1.5 (George 1973, nested dissection). Cuts hardly lengthen the

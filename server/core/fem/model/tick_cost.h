@@ -11,7 +11,7 @@ namespace kerf::fem {
 enum class TickPart {
   kMembrane,  // forces of stretching and shearing; in explicit steps also the motion of vertices
   kBending,
-  kClusters,  // motion of clusters, which have local inertia, around the tiny triangles along cuts
+  kClusters,  // motion of the clusters of LocalInertia around tiny triangles
   kContact,   // keeping vertices out of bodies
   kLoads,     // forces summed vertex by vertex: wind, follower loads, external forces
   kSolve,     // linear systems of implicit steps
@@ -31,10 +31,10 @@ struct TickCost {
   [[nodiscard]] double total() const { return std::accumulate(ns.begin(), ns.end(), 0.0); }
 };
 
-// Counts of the last tick that cannot be derived from a model. Before the first tick they hold expected values.
+// Counts of the last tick that cannot be derived from a model. Before the first tick they have the values below.
 struct TickCounts {
-  double contact_blocks = 0.0;     // blocks of kVertexLanes vertices checked per substep
-  double cluster_pushes = 0.0;     // per substep
+  double contact_blocks = 0.0;     // blocks of mesh::kVertexLanes vertices that contact checks per substep
+  double cluster_pushes = 0.0;     // pushes of clusters by bodies per substep
   double load_phases = 0.0;        // per substep, see StepStats::load_phases
   double more_substeps = 1.0;      // -, ratio to the substeps planned for the sheet at rest; stretched sheets take more
   double more_kicks = 1.0;         // -, ratio of bending kicks to those planned for the sheet at rest

@@ -14,7 +14,7 @@
 namespace kerf::fem {
 namespace {
 
-constexpr double kSameMass = 1e-9;  // -, of the touched mass
+constexpr double kSameMass = 1e-9;  // -, largest change of the mass of the touched vertices that still counts as none
 
 Eigen::Vector3d interpolate(const mesh::VertexSource& source, const mesh::VertexField& field) {
   if (source.weights[0] == 1.0 && source.weights[1] == 0.0) return field.col(source.sources[0]);
@@ -26,7 +26,7 @@ Eigen::Vector3d interpolate(const mesh::VertexSource& source, const mesh::Vertex
   return value;
 }
 
-// Moved vertices may be sources of others, so all values are read before any is written.
+// Returns the interpolated values without writing them, because moved vertices may be sources of others.
 std::vector<Eigen::Vector3d> interpolate(const std::vector<mesh::VertexSource>& sources,
                                          const mesh::VertexField& field) {
   std::vector<Eigen::Vector3d> values;
@@ -48,7 +48,8 @@ void transfer_field(const mesh::MeshEdit& edit, mesh::VertexField& field) {
   write(edit.added_vertices, added, field);
 }
 
-// Adds the missing momentum to the vertices. Momentum in kg m/s, masses in kg.
+// Adds one velocity to all `vertices`, so that they gain the momentum `missing` (kg m/s). Masses are in kg, of all of
+// them together.
 void shift(const std::vector<mesh::VertexId>& vertices, const Eigen::Vector3d& missing, double mass_before,
            double mass_after, State& state) {
   if (mass_after <= 0.0 || std::abs(mass_after - mass_before) > kSameMass * mass_before) return;
@@ -56,7 +57,7 @@ void shift(const std::vector<mesh::VertexId>& vertices, const Eigen::Vector3d& m
   for (const mesh::VertexId v : vertices) state.v.col(v) += step;
 }
 
-// Masses before a change.
+// Masses of all vertices before a change.
 class MassesBefore {
  public:
   MassesBefore(const Model& model, const MassChange& change) : model_(model), dropped_(change.dropped) {

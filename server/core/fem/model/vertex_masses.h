@@ -33,8 +33,7 @@ class VertexMasses {
   // Makes room for the edge lengths of `num_vertices` vertices.
   void reserve(std::size_t num_vertices) { edge_length_.reserve(num_vertices); }
 
-  // Recomputes the masses near the vertices that RestElements::follow() touched last. To be called once after each such
-  // call.
+  // Recomputes the masses near RestElements::touched(). Must be called once after each RestElements::follow().
   MassChange follow(const RestSheet& sheet);
 
   // kg, length V; 0 for a vertex without material, which never moves.
@@ -46,7 +45,7 @@ class VertexMasses {
   [[nodiscard]] double damping(mesh::VertexId vertex) const {
     return damping_.empty() ? common_damping_ : damping_[static_cast<std::size_t>(vertex)];
   }
-  // m; smallest edge length (see EdgeLengths), in the sheet as built, shared by at least a tenth of the vertices.
+  // m; smallest edge length of the sheet as built (see EdgeLengths) that at least a tenth of the vertices have.
   [[nodiscard]] double typical_edge_length() const;
   // m; longer side of the bounding box of the sheet as built, in material coordinates.
   [[nodiscard]] double built_extent() const { return built_extent_; }
@@ -68,7 +67,8 @@ class VertexMasses {
   std::vector<double> damping_;      // 1/s, length V; empty if all materials have the same
   double common_damping_ = 0.0;      // 1/s, of all materials if damping_ is empty
   std::vector<MassTile> mass_tile_;  // length V
-  std::vector<double> edge_length_;  // m, length V; in the sheet as built, 0 without material
+  std::vector<double> edge_length_;  // m, length V; edge length of the sheet as built at each vertex, 0 without
+                                     // material
   std::map<double, std::int64_t> num_vertices_by_edge_length_;  // few entries: lengths are powers of two apart
   double built_extent_ = 0.0;                                   // m
   std::vector<double> mass_;
