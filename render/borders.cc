@@ -7,9 +7,10 @@ namespace kerf::render {
 
 namespace {
 
-constexpr float kSharpestMitre = 0.5F;  // -, cosine of half a turn; at sharper turns strips overlap instead of meeting.
+constexpr float kSharpestMitre = 0.5F;  // Cosine of half the angle between strips; below it they overlap at corners.
 
-// Returns the unit vector in the triangle's plane from its side inwards.
+// Returns the unit vector in a triangle's plane that is perpendicular to its border edge and points inwards. `edge`:
+// see border_edges().
 Float3 inward_of(const Mesh& mesh, const std::array<std::int32_t, 3>& edge) {
   const Float3 start = position(mesh, edge[0]);
   const Float3 along = difference(position(mesh, edge[1]), start);
@@ -17,8 +18,8 @@ Float3 inward_of(const Mesh& mesh, const std::array<std::int32_t, 3>& edge) {
   return unit(cross(normal, along), Float3{});
 }
 
-// Returns the direction in which the strips of both border edges of a vertex meet. `own` is the direction of one edge,
-// `sum` the sum of both.
+// Returns the vector along which the strips of the two border edges of a vertex meet. It is longer than 1, so that both
+// strips keep their width. `own`: inward unit vector of one edge; `sum`: sum of the vectors of both edges.
 Float3 mitred(Float3 own, Float3 sum) {
   const Float3 middle = unit(sum, own);
   const float cosine = dot(middle, own);
@@ -30,7 +31,8 @@ Float3 mitred(Float3 own, Float3 sum) {
 
 std::vector<std::array<std::int32_t, 3>> border_edges(std::span<const std::int32_t> triangles,
                                                       std::size_t num_vertices) {
-  // Represents an edge in a chain by lower vertex. Few edges share one, so chains are short.
+  // Represents an edge in the linked list of all edges with the same lower vertex id. Few edges share it, so lists are
+  // short.
   struct Edge {
     std::int32_t upper;
     std::int32_t uses;
@@ -40,7 +42,7 @@ std::vector<std::array<std::int32_t, 3>> border_edges(std::span<const std::int32
   std::vector<std::size_t> first(num_vertices, kEnd);
   std::vector<Edge> edges;
   edges.reserve(triangles.size());
-  std::vector<std::size_t> edge_of(triangles.size());  // Edge of the side from corner i to the next of its triangle.
+  std::vector<std::size_t> edge_of(triangles.size());  // Index in `edges` of the side that begins at corner i.
   const auto next_corner = [](std::size_t i) { return i % 3 == 2 ? i - 2 : i + 1; };
   for (std::size_t i = 0; i < triangles.size(); ++i) {
     const auto [lower, upper] = std::minmax({triangles[i], triangles[next_corner(i)]});

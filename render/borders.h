@@ -12,12 +12,12 @@
 // Finds the border of a sheet and the lips of its cuts.
 namespace kerf::render {
 
-// Returns the edges used by only one triangle, each oriented as in it, then that triangle's third vertex. Ordered by
-// triangle.
+// Returns the edges used by only one triangle, ordered by triangle. Each has its two ends in the triangle's order, then
+// the triangle's third vertex.
 std::vector<std::array<std::int32_t, 3>> border_edges(std::span<const std::int32_t> triangles,
                                                       std::size_t num_vertices);
 
-// Returns a segment for each border edge. `normals`: of the vertices, see vertex_normals().
+// Returns a segment for each border edge. `normals`: one for each vertex, see vertex_normals().
 std::vector<BorderSegment> border_segments(const Mesh& mesh, const std::vector<Float3>& normals);
 
 }  // namespace kerf::render

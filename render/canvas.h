@@ -14,14 +14,14 @@ class Canvas {
  public:
   virtual ~Canvas() = default;
 
-  // Draws `list` into `pixels`; sets draw_s and read_s of `times` unless that is null. After a failure the canvas is
+  // Draws `list` into `pixels`; sets draw_s and read_s of `times` unless `times` is null. After a failure the canvas is
   // unusable and must be destroyed.
   virtual Status draw(const DrawList& list, Pixels& pixels, RenderTimes* times) = 0;
 
   // Returns one line: vendor, renderer, version.
   [[nodiscard]] virtual std::string description() const = 0;
 
-  // True if it draws on the processor, regardless of the device's name.
+  // True if OpenGL draws on the processor, even if the device is listed as hardware.
   [[nodiscard]] virtual bool draws_in_software() const = 0;
 };
 

@@ -29,9 +29,9 @@ Vec3 mix(Vec3 from, Vec3 to, double share) {
 constexpr std::array<unsigned, 9> kStops{0x3b4cc0, 0x6282ea, 0x8db0fe, 0xb8d0f9, 0xdddddd,
                                          0xf5c4ad, 0xf49a7b, 0xde604d, 0xb40426};
 constexpr std::size_t kNumShades = 1025;  // Entries of the table: neighbours differ by at most one in a channel.
-constexpr double kSmallestEnd = 1e-4;     // -, smallest end of a scale.
-constexpr double kShareBelow = 0.99;      // Share of the vertices.
-constexpr double kKeepsDownTo = 0.2;      // Share of the scale's end.
+constexpr double kSmallestEnd = 1e-4;     // Smallest strain (-) at which a scale ends.
+constexpr double kShareBelow = 0.99;      // Share of the vertices whose strains lie within the scale.
+constexpr double kKeepsDownTo = 0.2;      // The scale stays while strains reach this share of its end.
 
 constexpr std::array<unsigned, 7> kPalette{0x0072b2, 0xe69f00, 0x009e73, 0xcc79a7, 0x56b4e9, 0xd55e00, 0xf0e442};
 struct Round {
@@ -57,7 +57,7 @@ std::array<Rgb8, kNumShades> make_shades() {
   return shades;
 }
 
-// Returns the smallest of 1, 2, 5 times a power of ten that is >= `value` > 0.
+// Returns the smallest number >= `value` that is 1, 2 or 5 times a power of ten; `value` > 0.
 double rounded_up(double value) {
   const double decade = std::pow(10.0, std::floor(std::log10(value)));
   for (const double step : {1.0, 2.0, 5.0}) {

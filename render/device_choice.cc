@@ -14,7 +14,7 @@ std::string lower(std::string text) {
   return text;
 }
 
-// Parses the whole of `text` as a number; -1 if it is none.
+// Returns the number that `text` is, or -1 if it is not just a number.
 long index_in(const std::string& text) {
   long index = -1;
   const char* end = text.data() + text.size();
@@ -29,7 +29,7 @@ bool wanted(const RenderDevice& device, std::size_t index, const std::string& wi
   return lower(device.name + "\n" + device.details).find(lower(wish)) != std::string::npos;
 }
 
-// Returns the reason why the canvas does not match the wish; empty if it does.
+// Returns the reason why the canvas does not match the wish; empty if it matches.
 std::string mismatch(const RenderDevice& device, const Canvas& canvas, const std::string& wish) {
   if (wish == kAnyDevice && device.kind == DeviceKind::kHardware && canvas.draws_in_software()) {
     return "draws in software, without using it";

@@ -15,8 +15,8 @@ namespace kerf::render {
 namespace {
 
 constexpr float kChecksAlongLongerSide = 20.0F;
-constexpr double kGroundRadius = 4.0;  // Radius of the disc over that of the things on it.
-constexpr double kRidgeLength = 0.03;  // Share of the sheet's diagonal: a ridge of this radius is the lightest.
+constexpr double kGroundRadius = 4.0;  // Radius of the ground's disc over the radius of the things on it.
+constexpr double kRidgeLength = 0.03;  // Radius of the ridges drawn lightest, as a share of the sheet's diagonal.
 
 struct TextureFrame {
   std::array<float, 2> origin{0.0F, 0.0F};  // m
@@ -37,7 +37,8 @@ TextureFrame texture_frame(const Mesh& mesh) {
   return {lower, mesh.material_coordinates.empty() || side <= 0.0F ? 0.0F : kChecksAlongLongerSide / side};
 }
 
-// Returns the tint of a piece. Piece 0 keeps the sheet's colours; the hues of others are golden angles apart.
+// Returns the tint of a piece. Piece 0 keeps the sheet's colours; the hues of consecutive other pieces are a golden
+// angle apart.
 std::array<std::uint8_t, 4> piece_tint(std::int32_t piece) {
   std::array<std::uint8_t, 4> tint{128, 128, 128, 255};
   if (piece == 0) return tint;
@@ -75,7 +76,7 @@ std::vector<SurfaceVertex> sheet_vertices(const Mesh& mesh, const TextureFrame& 
   return vertices;
 }
 
-// Adds a plane, and its extent within the picture.
+// Adds the ground on `plane` to the list and extends `seen` by it. `lit` bounds the things that stand on the ground.
 void add_ground(const Plane& plane, const Bounds& lit, Bounds& seen, DrawList& list) {
   const std::size_t first = list.ground.size();
   append_ground(plane, centre(lit), kGroundRadius * std::max(radius(lit), 1e-3), list.style.shadows, list);

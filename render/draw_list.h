@@ -14,9 +14,10 @@ namespace kerf::render {
 struct SurfaceVertex {
   std::array<float, 3> position;  // m, world
   std::array<float, 3> normal;    // Unit; on a sheet, of the front side.
-  std::array<float, 2> material;  // Sheet: checks, one unit each; ground: place in the disc, radius 1.
-  // Factors on the colour, 128 meaning 1; in a coloured list the colour itself, sRGB. The last one, on a sheet, is the
-  // shape: 128 where it is flat, more on ridges and less in valleys as seen from the front, growing with sharpness.
+  std::array<float, 2> material;  // On a sheet in checks of the texture; on the ground, place in a disc of radius 1.
+  // The first three are factors on red, green and blue, 128 meaning 1; in a coloured list they are the sRGB colour
+  // itself. The fourth is the shape of a sheet seen from the front: 128 where flat, more on ridges, less in valleys. It
+  // is the farther from 128, the sharper the ridge or valley is.
   std::array<std::uint8_t, 4> tint;
 };
 
@@ -24,27 +25,27 @@ struct SurfaceVertex {
 struct BorderSegment {
   std::array<float, 3> start;         // m, world
   std::array<float, 3> end;           // m, world
-  std::array<float, 3> start_inward;  // From the edge into the sheet; a strip of width w extends w times this,
-  std::array<float, 3> end_inward;    // so that the strips of neighbouring segments meet.
+  std::array<float, 3> start_inward;  // Vector at `start` into the sheet; a strip of width w extends w times it.
+  std::array<float, 3> end_inward;    // The same at `end`. Longer than 1 at corners, so that strips meet.
   std::array<float, 3> start_normal;  // Unit, of the front side.
   std::array<float, 3> end_normal;
 };
 
-// Holds all data of a picture, ready to be copied to the graphics device. Costly work that needs no context is done
-// before, on the caller's thread.
+// Holds all data of a picture, ready to be copied to the graphics device. Costly work that needs no graphics context,
+// such as normals, has been done before on the caller's thread.
 struct DrawList {
   int width = 0;                       // pixels
   int height = 0;                      // pixels
-  std::vector<SurfaceVertex> sheet;    // 3*T
+  std::vector<SurfaceVertex> sheet;    // 3 for each triangle of the mesh
   std::vector<SurfaceVertex> solids;   // 3 for each triangle of the colliders
-  std::vector<SurfaceVertex> ground;   // Squares of each plane; tint is the light from the sky.
+  std::vector<SurfaceVertex> ground;   // Squares of each ground plane; the tint is the light from the sky.
   std::vector<BorderSegment> borders;  // Empty unless the style asks for them.
   Views views;
   Vec3 eye;  // m
   Vec3 up;   // unit
   Style style;
-  bool textured = false;    // The style asks for it and there are material coordinates.
-  bool coloured = false;    // Corners of the sheet have colours of their own.
+  bool textured = false;    // True if the style asks for the texture and there are material coordinates.
+  bool coloured = false;    // True if the mesh has vertex colours.
   double sheet_size = 0.0;  // m, diagonal of the box around the sheet.
 };
 

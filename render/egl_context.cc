@@ -30,7 +30,7 @@ bool has_word(const char* words, const std::string& word) {
   return words != nullptr && (" " + std::string(words) + " ").find(" " + word + " ") != std::string::npos;
 }
 
-// Describes a device. Without `query` only its number is known.
+// Describes a device; if `query` is null, only by its number.
 RenderDevice describe(EGLDeviceEXT device, EGLint number, PFNEGLQUERYDEVICESTRINGEXTPROC query) {
   RenderDevice described{"EGL device " + std::to_string(number), "", DeviceKind::kHardware};
   const char* extensions = query != nullptr ? query(device, EGL_EXTENSIONS) : nullptr;

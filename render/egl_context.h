@@ -10,7 +10,7 @@ namespace kerf::render {
 struct EglPlatform {
   RenderDevice device;
   unsigned kind = 0;       // EGLenum
-  void* handle = nullptr;  // Native handle for a platform of that kind.
+  void* handle = nullptr;  // Native handle for a platform of this kind.
 };
 
 // Lists the EGL devices of this machine in EGL's order, "EGL device N" at index N, then Mesa's surfaceless platform.
@@ -28,10 +28,10 @@ class EglContext {
   Status open(const EglPlatform& platform);
   // Makes the context current again. Errors: "CONTEXT_LOST".
   [[nodiscard]] Status check() const;
-  // True if the context reports resets by OpenGL's graphics reset status.
+  // True if OpenGL's graphics reset status reports when a reset has destroyed the context.
   [[nodiscard]] bool tells_resets() const { return tells_resets_; }
-  // Returns an OpenGL entry point. It may be non-null for functions that the driver lacks, so check the extensions
-  // first.
+  // Returns an OpenGL entry point. The pointer may be non-null for functions that the driver lacks, so check the
+  // extensions first.
   static void* function(const char* name);
 
  private:

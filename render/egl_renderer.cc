@@ -54,7 +54,7 @@ std::vector<DeviceOutcome> probe_devices() {
   const std::vector<EglPlatform> platforms = egl_platforms();
   for (std::size_t i = 0; i < outcomes.size(); ++i) {
     if (outcomes[i].state != DeviceState::kNotTried) continue;
-    canvas.reset();  // Before the next one, because a thread has one current context.
+    canvas.reset();  // Before the next canvas is made, because a thread has one current context.
     const Status status = make_gl_canvas(platforms[i], canvas);
     outcomes[i].state = status.ok() ? DeviceState::kUsable : DeviceState::kRejected;
     outcomes[i].words = status.ok() ? canvas->description() : status.message;

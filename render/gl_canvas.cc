@@ -13,19 +13,20 @@ namespace kerf::render {
 
 namespace {
 
-constexpr int kSamples = 4;                        // Per pixel, 8 bytes each.
+constexpr int kSamples = 4;                        // Antialiasing samples per pixel, 8 bytes each.
 constexpr std::int64_t kMaxSampled = 2048 * 2048;  // Pixels; a larger picture gets one sample per pixel.
 constexpr int kShadowMapSize = 1024;               // Texels.
-// Relative distance by which solids and floors are drawn farther away, so that a sheet resting on them hides them.
+// Solids and ground are drawn farther from the eye by this share of their distance, so that a sheet resting on them
+// hides them.
 constexpr double kSupportsBehind = 0.0015;
-constexpr double kBordersInFront = 3.0;  // Pixel sides by which borders are drawn nearer than their edges.
-constexpr double kLipsInFront = 2.0;     // Pixel sides by which lips are drawn nearer.
-constexpr double kLipWidth = 2.0;        // Pixels, up to 480 rows; in proportion above.
-constexpr double kMaxLipWidth = 0.006;   // Share of the diagonal of the box around the sheet.
-constexpr double kPenumbra = 3.0;        // Texels of the shadow map.
-constexpr double kGroundPenumbra = 5.0;  // Texels; objects that shade the ground are farther from it.
+constexpr double kBordersInFront = 3.0;  // Sides of a pixel by which border lines are drawn nearer than their edges.
+constexpr double kLipsInFront = 2.0;     // As kBordersInFront, for the strips of lips.
+constexpr double kLipWidth = 2.0;        // Pixels, in pictures of up to 480 rows; proportional to the rows above that.
+constexpr double kMaxLipWidth = 0.006;   // Largest lip width, as a share of the diagonal of the box around the sheet.
+constexpr double kPenumbra = 3.0;        // Radius of a shadow's soft edge, in texels of the shadow map.
+constexpr double kGroundPenumbra = 5.0;  // As kPenumbra, on the ground: objects that shade it are farther away.
 
-// Holds the objects of a context, made once it exists.
+// Holds the OpenGL objects of a context; they can be made only once the context exists.
 struct Objects {
   Program sheet;
   Program solid;
@@ -38,8 +39,8 @@ struct Objects {
   VertexStream ground_vertices;
   VertexStream border_segments;
   ShadowMap shadow_map{kShadowMapSize};
-  RenderTarget target;    // Draw target.
-  RenderTarget resolved;  // Read source.
+  RenderTarget target;    // Drawn into.
+  RenderTarget resolved;  // Copy of `target` with one sample per pixel, from which pixels are read.
 };
 
 double supports_z_offset(const DrawList& list) {
@@ -68,14 +69,14 @@ class GlCanvas final : public Canvas {
   void draw_border_lines(const DrawList& list, double z_offset) const;
   void read_back(Pixels& pixels) const;
 
-  EglContext context_;                                      // Before the objects in it, so destroyed after them.
+  EglContext context_;                                      // Declared before objects_, so destroyed after them.
   PFNGLGETGRAPHICSRESETSTATUSPROC reset_status_ = nullptr;  // Null if the driver does not report resets.
   std::string renderer_;                                    // OpenGL's name of the renderer.
   std::string description_;
   std::optional<Objects> objects_;
   int width_ = 0;    // Pixels, of the targets.
   int height_ = 0;   // pixels
-  int samples_ = 0;  // Per pixel of the target.
+  int samples_ = 0;  // Per pixel of the target; 0: no antialiasing.
 };
 
 bool has_extension(const std::string& name) {
@@ -256,7 +257,7 @@ void GlCanvas::draw_borders(const DrawList& list) const {
     const double fraction = std::min(pixel_sides * list.views.pixel_fraction, 0.05);
     return list.views.depth_per_fraction * (1.0 / (1.0 - fraction) - 1.0);
   };
-  glDepthMask(GL_FALSE);  // Neighbouring lips overlap.
+  glDepthMask(GL_FALSE);  // Strips of neighbouring lips overlap and must not hide each other.
   objects_->border_segments.bind();
   draw_lips(list, nearer_by(kLipsInFront));
   draw_border_lines(list, nearer_by(kBordersInFront));

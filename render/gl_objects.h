@@ -14,8 +14,8 @@
 #include "render/linear.h"
 #include "render/shaders.h"
 
-// Owns OpenGL objects. Only gl_canvas.cc includes this, so that one file sees the OpenGL headers. All of it, also
-// destruction, needs a current context.
+// Provides classes that own OpenGL objects. Only gl_canvas.cc includes this file, so that one source file sees the
+// OpenGL headers. All functions, destructors included, need a current context.
 namespace kerf::render {
 
 inline Status drawing_failed(const std::string& words) {
@@ -114,7 +114,7 @@ class VertexStream {
     glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(data.size() * sizeof(T)), data.data(), GL_STREAM_DRAW);
   }
   void bind() const { glBindVertexArray(array_); }
-  // Draws triangles of the first `num_vertices` vertices.
+  // Draws the first `num_vertices` vertices as triangles.
   void draw(std::size_t num_vertices) const {
     bind();
     glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(num_vertices));

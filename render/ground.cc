@@ -12,11 +12,12 @@ namespace kerf::render {
 
 namespace {
 
-constexpr double kThingsWithin = 0.25;           // Share of the disc's radius.
+constexpr double kThingsWithin = 0.25;           // Things stand within this share of the disc's radius.
 constexpr float kSkyShare = 0.75F;               // Share of the ground's light that comes from the sky.
-constexpr std::size_t kPoints = SkyLight::kRow;  // Along a side.
+constexpr std::size_t kPoints = SkyLight::kRow;  // Points of the ground's grid along a side.
 
-// Returns places over the radius, closer together in the middle, where things stand.
+// Returns the places of the grid's points along a side, in [-1, 1] radii. They are closer together in the middle, where
+// things stand.
 std::array<double, kPoints> spacing() {
   std::array<double, kPoints> places{};
   for (std::size_t i = 0; i < kPoints; ++i) {

@@ -6,9 +6,9 @@
 
 namespace kerf::render {
 
-// A square around the disc of the given radius (m) on the plane under `near`; the shader keeps the disc. With
-// `sky_light` it is made of many squares, darker where the list's sheet and solids hide the sky; otherwise of one.
-// These must stand within a quarter of the radius.
+// Appends a square to the list's ground. It lies on `plane` under the point `near`, around a disc of this radius (m),
+// and the shader draws only the disc. With `sky_light` it is a grid of squares, darker where the list's sheet and
+// solids hide the sky. The sheet and solids must stand within a quarter of the radius.
 void append_ground(const Plane& plane, Vec3 near, double radius, bool sky_light, DrawList& list);
 
 }  // namespace kerf::render

@@ -39,7 +39,7 @@ Status encode_png(const Pixels& pixels, std::vector<std::uint8_t>& png) {
   image.width = static_cast<png_uint_32>(pixels.width);
   image.height = static_cast<png_uint_32>(pixels.height);
   image.format = PNG_FORMAT_RGBA;
-  image.flags = PNG_IMAGE_FLAG_FAST;  // A third of the time for up to a third more bytes.
+  image.flags = PNG_IMAGE_FLAG_FAST;  // Takes a third of the time, for up to a third more bytes.
   png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(image);
   png.resize(size);
   if (png_image_write_to_memory(&image, png.data(), &size, 0, pixels.rgba.data(), 0, nullptr) == 0) {

@@ -15,11 +15,11 @@ enum class StatusCode {
   kInternal,           // A bug here or in the driver.
 };
 
-// Holds the outcome of a call. This folder includes nothing of the server, so it has a type of its own.
+// Holds the outcome of a call. This folder includes nothing of the server, so it has a status type of its own.
 struct [[nodiscard]] Status {
   StatusCode code = StatusCode::kOk;
   std::string reason;   // UPPER_SNAKE_CASE, stable, for programs, e.g. "CAMERA_SINGULAR"; empty when ok.
-  std::string message;  // For people, with the number and the limit; empty when ok.
+  std::string message;  // For people, with the offending number and its limit; empty when ok.
   std::string field;    // The offending argument, e.g. "camera.eye", "scene.mesh.triangles", "width"; may be empty.
 
   [[nodiscard]] bool ok() const { return code == StatusCode::kOk; }

@@ -8,8 +8,8 @@
 
 namespace kerf::render {
 
-// Returns a renderer that refuses every picture with `reason`, a sentence for people without a full stop. `outcomes`:
-// those of the devices tried.
+// Returns a renderer that refuses every picture with `reason`, a sentence for people, without a full stop. `outcomes`:
+// one for each device tried; devices() returns them.
 std::unique_ptr<Renderer> make_null_renderer(const std::string& reason, std::vector<DeviceOutcome> outcomes = {});
 
 }  // namespace kerf::render

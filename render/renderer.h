@@ -12,7 +12,8 @@
 #include "render/image.h"
 
 // Draws pictures of a sheet off-screen, from plain arrays to pixels. World space is right-handed, in metres; the camera
-// defines the up direction. Matrices and vectors are columns; front faces are counter-clockwise.
+// defines the up direction. Matrices are stored by columns and multiply column vectors; front faces are
+// counter-clockwise.
 namespace kerf::render {
 
 inline constexpr int kMinImageSize = 16;    // Pixels, of width and of height.
@@ -42,19 +43,21 @@ struct Bounds {
   Vec3 upper{-1.0, -1.0, -1.0};  // m
 };
 
-// Views a sheet in its present state; the arrays must outlive the call. Edges used by only one triangle (the border and
-// the lips of cuts) are found here. Each is drawn as a dark line with a light strip beside it inside the sheet, lit as
-// a rounded edge. Hence a cut that has not opened shows as a line between two strips.
+// Views the arrays of a sheet in its present state; they must outlive the call that gets the mesh. The renderer finds
+// the edges used by only one triangle: the border and the lips of cuts. It draws each as a dark line with a light strip
+// beside it, inside the sheet, which is lit as a rounded edge. Hence a cut that has not opened shows as a line between
+// two strips.
 struct Mesh {
   std::span<const float> positions;             // 3*V, xyz interleaved, world, m, finite
   std::span<const float> material_coordinates;  // 2*V, xy interleaved, m, finite; or empty: no texture
   std::span<const std::int32_t> triangles;      // 3*T, vertex ids in [0, V), counter-clockwise from the front
-  std::span<const std::int32_t> piece_ids;      // T, >= 0: pieces differ a little in colour; or empty: one piece
-  // 3*V, sRGB, red, green, blue interleaved; or empty. They replace the style's front and back, pieces and checks.
-  // colours.h has those of strains and of pieces.
+  std::span<const std::int32_t> piece_ids;      // T, >= 0; pieces differ a little in colour; or empty: one piece
+  // 3*V, sRGB, red, green, blue interleaved; or empty. They replace the style's front and back, the tints of pieces and
+  // the texture. colours.h makes colours for strains and pieces.
   std::span<const std::uint8_t> vertex_colours;
-  // Box of the texture: 20 checks along its longer side. It must not change while a sheet is being cut, or the texture
-  // swims. Computed from material_coordinates if lower == upper.
+  // Box of material coordinates that the texture spans, with 20 checks along its longer side. It must not change while
+  // a sheet is being cut, or the texture would move over the sheet. If lower == upper, it is computed from
+  // material_coordinates.
   std::array<float, 2> material_lower{0.0F, 0.0F};  // m
   std::array<float, 2> material_upper{0.0F, 0.0F};  // m, >= material_lower
 };
@@ -63,7 +66,8 @@ struct Sphere {
   Vec3 centre;          // m
   double radius = 0.0;  // m, > 0
 };
-// Is solid where (p - point) . normal < 0. It is drawn as ground: a disc that fades out, seen from above only.
+// Represents a half-space, solid at points p with (p - point) . normal < 0. It is drawn as ground: a disc that fades
+// out, seen from above only.
 struct Plane {
   Vec3 point;                  // m
   Vec3 normal{0.0, 0.0, 1.0};  // -, not zero, need not be unit.
@@ -75,7 +79,7 @@ struct Box {
 };
 struct Capsule {
   Vec3 start;           // m, centre of the first cap
-  Vec3 end;             // m; may equal start
+  Vec3 end;             // m, centre of the second cap; may equal start
   double radius = 0.0;  // m, > 0
 };
 using Collider = std::variant<Sphere, Plane, Box, Capsule>;
@@ -85,7 +89,7 @@ inline constexpr Colour kDarkBackground{0.11, 0.13, 0.16};
 
 struct Style {
   bool texture = true;     // Crossing bands of dyed yarn and threads, in material coordinates.
-  bool wireframe = false;  // Edges of every triangle over the surface, fainter for smaller triangles; no threads.
+  bool wireframe = false;  // Edges of triangles over the surface, fainter on small ones; replaces the threads.
   bool borders = true;     // Lines and strips along the border and the lips of cuts.
   // Four samples per pixel, in pictures of up to 4 megapixels; about doubles a software device's time.
   bool antialias = true;
@@ -99,7 +103,7 @@ struct Style {
 struct Scene {
   Mesh mesh;                        // May be empty.
   std::vector<Collider> colliders;  // At most kMaxColliders.
-  std::optional<Plane> ground;      // Ground, drawn as a Plane collider.
+  std::optional<Plane> ground;      // Drawn as a Plane collider is.
   Style style;
 };
 
@@ -118,12 +122,12 @@ struct Camera {
 Bounds bounds_of(const Mesh& mesh);
 
 // Returns the nearest camera that sees all `positions` (3 x V, m) with a small margin. `aspect`: width / height, > 0.
-// `from`: direction from the target towards the eye; not zero, not along `up`. Without positions it looks at the
-// origin.
+// `from`: direction from the target towards the eye; not zero, not along `up`. Without positions the camera looks at
+// the origin.
 Camera fit_camera(std::span<const float> positions, double aspect, Vec3 from = {0.55, -1.0, 0.55},
                   Vec3 up = {0.0, 0.0, 1.0});
 
-// Splits the time of a picture, s; each >= 0.
+// Splits the time that a call of render() takes, s; each >= 0.
 struct RenderTimes {
   double prepare_s = 0.0;  // Normals, borders, views: on the caller's thread.
   double wait_s = 0.0;     // Waiting for other pictures.
@@ -131,7 +135,8 @@ struct RenderTimes {
   double read_s = 0.0;     // Copying pixels to memory.
 };
 
-// Check the arguments of render() before it queues them; kInvalidArgument with the field, or ok.
+// These functions check arguments, as render() does before it queues a picture. They return ok, or kInvalidArgument
+// with the field:
 //   camera: "CAMERA_NOT_FINITE", "CAMERA_SINGULAR" (eye == target; up zero or parallel), "FOV_OUT_OF_RANGE";
 //   size: "SIZE_OUT_OF_RANGE";
 //   scene: "ARRAY_SIZE_MISMATCH", "NOT_FINITE", "INDEX_OUT_OF_RANGE", "LIMIT_EXCEEDED", "SHAPE_DEGENERATE",
@@ -145,10 +150,10 @@ Status validate(const Scene& scene, const Camera& camera, int width, int height)
 enum class DeviceKind {
   kHardware,
   kSoftware,  // Draws on the processor.
-  kUnknown,   // Lets the driver choose the device.
+  kUnknown,   // The driver chooses the device.
 };
 
-// Represents a way to a graphics context that needs no window system.
+// Represents an EGL device or platform that can give a graphics context without a window system.
 struct RenderDevice {
   std::string name;     // E.g. "EGL device 0"; unique.
   std::string details;  // For people, e.g. "/dev/dri/renderD128" or "software"; may be empty.
@@ -157,9 +162,9 @@ struct RenderDevice {
 
 enum class DeviceState {
   kChosen,
-  kUsable,    // Gives a context as well; probe_devices() only.
-  kRejected,  // Gives none, or not of the kind wished.
-  kNotTried,  // Not wished, or another was found first.
+  kUsable,    // Gives a context too, but another is chosen; probe_devices() only.
+  kRejected,  // Gives no context, or one of another kind than wished.
+  kNotTried,  // Not wished, or another device was chosen before.
 };
 
 struct DeviceOutcome {
@@ -181,11 +186,12 @@ class Renderer {
   //                       "CONTEXT_LOST"           the next call makes a new context
   //                       "SHUTTING_DOWN"
   //   kInternal           "DRAWING_FAILED"         the driver failed, with its words
-  // `times`: null, or overwritten on success. Waiting for the device between drawing and reading takes a little time.
+  // `times`: null, or overwritten on success. To measure them, the call waits for the device between drawing and
+  // reading, which takes a little longer.
   virtual Status render(const Scene& scene, const Camera& camera, int width, int height, Pixels& pixels,
                         RenderTimes* times = nullptr) = 0;
 
-  // False for the null renderer.
+  // False for the null renderer, which cannot draw.
   [[nodiscard]] virtual bool available() const = 0;
 
   // Returns one line: device, GL vendor, renderer and version, and the devices rejected before it with reasons. For the

@@ -1,6 +1,7 @@
 #pragma once
 
-// Holds GLSL 3.30 sources. Colours are linear until the last line; names as in draw_list.h and views.h.
+// Holds GLSL 3.30 sources. Colours are linear light until the last line of a shader. Attributes and uniforms are named
+// as in draw_list.h and views.h.
 namespace kerf::render {
 
 inline constexpr const char* kShaderVersion = "#version 330 core\n";
@@ -59,8 +60,8 @@ const vec2 kDisc[12] = vec2[](
     vec2(0.204, 0.000), vec2(-0.261, 0.239), vec2(0.040, -0.455), vec2(0.328, 0.429),
     vec2(-0.603, -0.107), vec2(0.571, -0.363), vec2(-0.191, 0.711), vec2(-0.361, -0.704));
 
-// The share of the key light that reaches a point, in [0, 1]; `n` points to the side the light falls on. The point is
-// lifted by two and a half texels, or the shadow map's steps would show as stripes.
+// Returns the share of the key light that reaches a point, in [0, 1]. `n`: unit normal on the side that the light falls
+// on. The point is lifted along it by 2.5 texels; without that, the shadow map's steps would show as stripes.
 float light_visibility(vec3 point, vec3 n) {
   if (!u_shadows) return 1.0;
   vec4 clip = u_shadow_from_world * vec4(point + 2.5 * u_shadow_texel_m * n, 1.0);
@@ -68,14 +69,14 @@ float light_visibility(vec3 point, vec3 n) {
   if (any(lessThan(place, vec3(0.0))) || any(greaterThan(place, vec3(1.0)))) return 1.0;
   float sum = 0.0;
   for (int i = 0; i < 12; ++i) {
-    if (i == 4 && (sum == 0.0 || sum == 4.0)) return 0.25 * sum;  // all in light or all in shadow: away from its edge
+    if (i == 4 && (sum == 0.0 || sum == 4.0)) return 0.25 * sum;  // all four lit or all four in shadow: no edge is near
     sum += texture(u_shadow_map, vec3(place.xy + u_penumbra_texels * u_shadow_texel * kDisc[i], place.z));
   }
   return sum / 12.0;
 }
 
-// `gloss` in [0, 1]: how much of a highlight there is; `translucency` in [0, 1]: how much light comes through; `open`
-// in [0, 2]: how much of the sky is seen, 1 where nothing stands around.
+// Returns the colour of a lit surface. `gloss` in [0, 1]: strength of the highlight; `translucency` in [0, 1]: share of
+// the light on the other side that comes through; `open` in [0, 2]: how much of the sky is seen, 1 on flat parts.
 vec3 shade(vec3 albedo, vec3 n, float gloss, float translucency, float open) {
   vec3 to_eye = normalize(u_eye - v_world);
   float facing = clamp(dot(n, to_eye), 0.0, 1.0);
@@ -95,7 +96,8 @@ vec3 shade(vec3 albedo, vec3 n, float gloss, float translucency, float open) {
   return albedo * light + vec3(0.22 * highlight) + vec3(rim) * mix(vec3(0.8), albedo, 0.5);
 }
 
-// The sRGB curve by square roots, within 0.001 of it from 0.003 up (I. Taylor, "sRGB approximations for HLSL").
+// Approximates the sRGB curve by square roots, within 0.001 for values from 0.003 up (I. Taylor, "sRGB approximations
+// for HLSL").
 vec4 to_srgb(vec3 linear, float alpha) {
   vec3 c = clamp(linear, 0.0, 1.0);
   vec3 c2 = sqrt(c);
@@ -118,16 +120,17 @@ uniform bool u_coloured;
 uniform bool u_wireframe;
 uniform float u_wire_width_px;
 
-const float kThreads = 16.0;  // a check
+const float kThreads = 16.0;  // per check
 
 float hash(float n) { return fract(sin(n * 12.9898) * 43758.5453); }
 
-// 1 where there are this many pixels to a period or more, 0 where it would only flicker.
+// Returns 1 for a pattern with a period of 4 pixels or more, 0 for one below 1.6 pixels, which would only flicker.
 float resolved(float period_px) { return smoothstep(1.6, 4.0, period_px); }
 
-// Bands of dyed and of plain yarn, as wide as a check, in both directions; in each place one direction's thread lies on
-// top. The share of dye that is seen, in [0, 1], and how light the thread is there, about 1. Threads, then bands, are
-// averaged where a pixel holds several.
+// Makes cloth of dyed and plain bands, as wide as a check, in both directions; at each place the thread of one
+// direction lies on top. Returns the share of dye seen, in [0, 1], and the lightness of the thread, about 1. `p`:
+// place; `footprint`: size of a pixel, both in checks. Threads, and at lower resolution bands, are averaged where a
+// pixel holds several.
 vec2 cloth(vec2 p, vec2 footprint) {
   vec2 wave = 2.0 * (abs(fract((p - 0.5 * footprint) * 0.5) - 0.5) - abs(fract((p + 0.5 * footprint) * 0.5) - 0.5)) /
               footprint;
@@ -143,15 +146,15 @@ vec2 cloth(vec2 p, vec2 footprint) {
   vec2 thread = floor(along);
   vec2 across = 2.0 * fract(along) - 1.0;
   bool warp = mod(thread.x + thread.y, 2.0) < 0.5;
-  vec2 place = warp ? across : across.yx;  // across the thread on top, along it
+  vec2 place = warp ? across : across.yx;  // across and along the thread on top
   float height = (1.0 - place.x * place.x) * (1.0 - 0.5 * place.y * place.y);
   float yarn = hash(warp ? thread.x : thread.y + 71.0) - 0.5;
   float dye = mix(mean, warp ? dyed.x : dyed.y, 0.75 * seen);
   return vec2(dye, light + seen * (0.62 * (height - 0.5556) + 0.14 * yarn));
 }
 
-// How much of the wire's colour is seen: less where triangles are a few pixels high, or nothing else would be.
-// `per_px`: how much each barycentric coordinate changes over a pixel.
+// Returns the share of the wire's colour, less where triangles are only a few pixels high, so that the surface stays
+// visible. `per_px`: change of each barycentric coordinate over a pixel.
 float wire(vec3 per_px) {
   vec3 distance_px = v_barycentric / per_px;
   float nearest = min(distance_px.x, min(distance_px.y, distance_px.z));
@@ -161,7 +164,7 @@ float wire(vec3 per_px) {
 }
 
 void main() {
-  // Derivatives before anything is decided: inside a branch they are undefined, and wrong along edges in llvmpipe.
+  // Takes derivatives before any branch: inside one they are undefined, and wrong along edges in llvmpipe.
   vec2 footprint = max(fwidth(v_material), vec2(1e-4));
   vec3 over_x = dFdx(v_barycentric);
   vec3 over_y = dFdy(v_barycentric);
@@ -173,14 +176,14 @@ void main() {
   }
   vec3 colour;
   if (u_coloured) {
-    // Read against a legend: neither pattern nor shadow, and little shading, for folds.
+    // Colours are read against a legend: there is neither pattern nor shadow, and only a little shading, to show folds.
     float facing = abs(dot(n, normalize(u_eye - v_world)));
     colour = mix(0.85, 1.0, facing) * pow(v_tint * (128.0 / 255.0), vec3(2.2));
   } else {
     vec3 albedo = (gl_FrontFacing ? u_front : u_back) * v_tint;
     if (u_textured) {
       vec2 woven = cloth(v_material, footprint);
-      float dye = u_wireframe ? mix(0.5, woven.x, 0.35) : woven.x;  // the wires are what is looked at
+      float dye = u_wireframe ? mix(0.5, woven.x, 0.35) : woven.x;  // fainter, so that wires stand out
       albedo = woven.y * mix(mix(albedo, vec3(0.72), 0.55), 0.62 * albedo, dye);
     }
     colour = shade(albedo, n, 0.18, 0.22, 1.0 + (ridge > 0.0 ? 0.25 : 0.75) * ridge);
@@ -212,8 +215,8 @@ void main() {
 )";
 
 // Draws the lips: strips of constant width in the image along borders, inside the sheet. There is one instance per
-// segment, with six vertices. They are shaded as rounded over the edge, so that one of the two lips of a cut catches
-// the light.
+// segment, with six vertices. Strips are shaded as rounded over the edge, so that one of the two lips of a cut catches
+// the light. v_material.x is 0 on the edge and 1 on the inner side; v_tint is the vector inwards.
 inline constexpr const char* kLipVertexShader = R"(
 layout(location = 0) in vec3 a_start;
 layout(location = 1) in vec3 a_end;
@@ -276,7 +279,7 @@ flat out vec2 v_end_px;
 
 const vec2 kCorners[6] = vec2[](vec2(0, -1), vec2(1, -1), vec2(1, 1), vec2(0, -1), vec2(1, 1), vec2(0, 1));
 
-// The end `a` of the segment, or where the segment comes out of the near plane.
+// Returns the end `a` of the segment from `a` to `b`, or its point on the near plane if `a` alone is behind that plane.
 vec4 before_near_plane(vec4 a, vec4 b) {
   float inside_a = a.z + a.w;
   float inside_b = b.z + b.w;

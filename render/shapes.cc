@@ -8,7 +8,7 @@ namespace kerf::render {
 namespace {
 
 constexpr int kSegments = 64;  // Around a sphere or capsule.
-constexpr int kRings = 16;     // From its equator to a pole.
+constexpr int kRings = 16;     // From the equator of a sphere or cap to its pole.
 
 SurfaceVertex vertex(Vec3 position, Vec3 normal) {
   return {{static_cast<float>(position.x), static_cast<float>(position.y), static_cast<float>(position.z)},
@@ -86,7 +86,7 @@ void append_capsule(const Capsule& capsule, std::vector<SurfaceVertex>& out) {
   const Vec3 right = perpendicular(axis);
   const ViewAxes axes{right, cross(axis, right), axis};
   for (int ring = -kRings; ring <= kRings; ++ring) {
-    if (ring == 0 && length == 0.0) continue;  // No cylinder.
+    if (ring == 0 && length == 0.0) continue;  // A sphere has no cylinder.
     for (int segment = 0; segment < kSegments; ++segment) {
       append_quad(
           {capsule_vertex(capsule, axes, ring, segment), capsule_vertex(capsule, axes, ring, segment + 1),

@@ -30,7 +30,7 @@ std::vector<Float3> vertex_normals(const Mesh& mesh) {
 
 std::vector<float> ridges(const Mesh& mesh, const std::vector<Float3>& normals, double length) {
   struct Sum {
-    float curvature = 0.0F;  // 1/m, summed over all edges; those inside the sheet count twice.
+    float curvature = 0.0F;  // 1/m, sum over the vertex's edges; edges inside the sheet count twice.
     float edges = 0.0F;
   };
   std::vector<Sum> sums(normals.size());

@@ -29,8 +29,8 @@ Float3 unit(Float3 v, Float3 otherwise);
 // Returns the unit normals of the vertices: area-weighted sums over their triangles; (0, 0, 1) if the sum vanishes.
 std::vector<Float3> vertex_normals(const Mesh& mesh);
 
-// Returns for each vertex the mean curvature along its edges times `length` (m), in [-1, 1]; positive on ridges of the
-// front. `normals`: as above.
+// Returns for each vertex the mean of the curvatures along its edges, times `length` (m), clamped to [-1, 1]. It is
+// positive on ridges of the front side. `normals`: see vertex_normals().
 std::vector<float> ridges(const Mesh& mesh, const std::vector<Float3>& normals, double length);
 
 }  // namespace kerf::render

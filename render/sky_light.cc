@@ -56,7 +56,7 @@ std::array<float, SkyLight::kRow> SkyLight::occlusion(const std::array<float, kR
     const float area_yz = static_cast<float>(cell.area.y) * dy + static_cast<float>(cell.area.z) * height;
     const float square_yz = dy * dy + height * height;
     const float scale = height / std::numbers::pi_v<float>;
-    // Has a fixed length, so that it can be vectorised.
+    // The loop has a fixed length, so that it can be vectorised.
     for (std::size_t i = 0; i < kRow; ++i) {
       const float dx = to_x - x[i];
       const float square = dx * dx + square_yz;

@@ -37,7 +37,7 @@ ThreadedRenderer::~ThreadedRenderer() {
   {
     std::unique_lock lock(mutex_);
     done_.wait(lock, [this] { return num_admitted_ == 0; });
-    work_.notify_one();  // Without callers the thread ends.
+    work_.notify_one();  // Wakes the render thread, which ends when no caller is left.
   }
   thread_.join();
 }
@@ -72,7 +72,7 @@ bool ThreadedRenderer::admit(Status& refusal) {
 void ThreadedRenderer::leave() {
   const std::lock_guard lock(mutex_);
   --num_admitted_;
-  done_.notify_all();  // Under the lock, because the destructor may be waiting for this.
+  done_.notify_all();  // Under the lock: once it is released, the destructor may destroy done_.
 }
 
 Status ThreadedRenderer::render(const Scene& scene, const Camera& camera, int width, int height, Pixels& pixels,
@@ -83,7 +83,7 @@ Status ThreadedRenderer::render(const Scene& scene, const Camera& camera, int wi
   };
   if (Status status = validate(scene, camera, width, height); !status.ok()) return status;
   Status refusal;
-  if (!admit(refusal)) return refusal;  // Before any work is done for it.
+  if (!admit(refusal)) return refusal;  // Before any work is done for the picture.
   const auto begun = SteadyClock::now();
   const DrawList list = make_draw_list(scene, camera, width, height);
   RenderTimes spent;

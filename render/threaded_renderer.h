@@ -34,7 +34,7 @@ class ThreadedRenderer final : public Renderer {
   // Returns the outcomes of making the first canvas.
   [[nodiscard]] std::vector<DeviceOutcome> devices() const override { return outcomes_; }
 
-  // Finishes the picture being drawn; refuses waiting and later calls. Returns at once.
+  // Makes waiting and later calls of render() fail; the picture being drawn is still finished. Returns at once.
   void stop();
   // Counts calls of render() whose picture is being prepared, waiting or being drawn.
   [[nodiscard]] int num_calls() const;
@@ -55,7 +55,7 @@ class ThreadedRenderer final : public Renderer {
   void leave();
 
   const int max_admitted_;
-  // Written by the render thread before `started_`, then constant.
+  // These three are written by the render thread before it sets `started_`, and never change afterwards.
   bool available_ = false;
   std::string description_;
   std::vector<DeviceOutcome> outcomes_;
@@ -63,8 +63,8 @@ class ThreadedRenderer final : public Renderer {
   mutable std::mutex mutex_;
   std::condition_variable work_;  // The render thread waits on it.
   std::condition_variable done_;  // Callers, the constructor and the destructor wait on it.
-  std::deque<Job*> waiting_;      // Guarded by mutex_, as are the rest.
-  int num_admitted_ = 0;          // Calls inside render().
+  std::deque<Job*> waiting_;      // Guarded by mutex_, as are the next three.
+  int num_admitted_ = 0;          // Calls of render() that were admitted and have not returned.
   bool started_ = false;
   bool stopping_ = false;
 

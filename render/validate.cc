@@ -11,7 +11,7 @@ namespace kerf::render {
 namespace {
 
 constexpr double kMinViewDistance = 1e-6;  // m, between eye and target; any shorter, and the view direction is noise.
-constexpr double kMinUpSine = 1e-3;        // -, of the angle between up and the view direction.
+constexpr double kMinUpSine = 1e-3;        // -, sine of the angle between up and the view direction.
 
 Status invalid(std::string reason, std::string field, std::string message) {
   return {StatusCode::kInvalidArgument, std::move(reason), std::move(message), std::move(field)};
@@ -77,7 +77,8 @@ Status check_colour(const Colour& colour, const std::string& field) {
 
 Status check_coordinates(std::span<const float> values, const std::string& field) {
   const bool within = std::ranges::all_of(
-      values, [](float value) { return std::abs(static_cast<double>(value)) <= kMaxCoordinate; });  // False for NaN.
+      values, [](float value) { return std::abs(static_cast<double>(value)) <= kMaxCoordinate; });  // The comparison is
+                                                                                                    // false for NaN.
   if (within) return {};
   const bool finite = std::ranges::all_of(values, [](float value) { return std::isfinite(value); });
   return finite ? invalid("LIMIT_EXCEEDED", field, field + " must be within 1e6 m of the origin in each coordinate")

@@ -14,8 +14,8 @@ namespace kerf::render {
 namespace {
 
 constexpr int kTicksPerSecond = 1'000'000;
-// Fixed, since a positive speed follows the machine's load, so that equal pictures would give other bytes. 8 costs 5.3
-// ms at 720p, the default several times as much.
+// A negative speed is fixed. A positive one would follow the machine's load, so that equal pictures gave different
+// bytes. Speed 8 takes 5.3 ms a frame at 720p, the default several times as long.
 constexpr int kSpeed = -8;
 
 Status encoding_failed(const std::string& words) {
@@ -52,7 +52,7 @@ Status Vp8Encoder::open(const VideoOptions& options) {
   config.g_timebase = {1, kTicksPerSecond};
   config.g_threads = 1;
   config.g_lag_in_frames = 0;
-  config.g_error_resilient = 0;  // The transport is reliable.
+  config.g_error_resilient = 0;  // The transport loses no frames.
   config.rc_end_usage = VPX_CBR;
   config.rc_target_bitrate = static_cast<unsigned>(std::lround(options.bits_per_second / 1000.0));
   config.rc_dropframe_thresh = 0;

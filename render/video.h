@@ -14,7 +14,7 @@ inline constexpr int kMaxVideoPixels = 1920 * 1200;  // Per frame.
 struct VideoOptions {
   int width = 0;               // Pixels, in [kMinImageSize, kMaxImageSize]; width * height at most kMaxVideoPixels.
   int height = 0;              // pixels
-  double bits_per_second = 0;  // For the whole stream, > 0.
+  double bits_per_second = 0;  // Target rate of the stream, > 0.
 
   friend bool operator==(const VideoOptions&, const VideoOptions&) = default;
 };
@@ -25,9 +25,10 @@ class VideoEncoder {
  public:
   virtual ~VideoEncoder() = default;
 
-  // Encodes a frame. `elapsed_s`: since the frame before, > 0; controls its share of bits. `key`: decodable by itself,
-  // as the first frame always is. `frame` is overwritten; on failure it is empty and the encoder must be destroyed.
-  // Errors: as encode_png, also for pixels of another size.
+  // Encodes a frame. `elapsed_s`: time since the frame before, > 0; the longer, the more bits the frame may take.
+  // `key`: makes the frame decodable by itself, as the first frame always is. `frame` is overwritten; on failure it is
+  // empty and the encoder must be destroyed. Errors: "IMAGE_INVALID" if the pixels do not have the size of the stream,
+  // "ENCODING_FAILED".
   virtual Status encode(const Pixels& pixels, double elapsed_s, bool key, std::vector<std::uint8_t>& frame) = 0;
 };
 

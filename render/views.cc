@@ -8,12 +8,13 @@ namespace kerf::render {
 
 namespace {
 
-constexpr double kMinRadius = 1e-4;  // m; gives even a point a view volume.
-// -; with 24 depth bits, 0.1 mm at 1 m and 0.1 mm at 10 m can still be distinguished.
+constexpr double kMinRadius = 1e-4;  // m; smallest radius of the content, so that even a point has a view volume.
+// Smallest near distance over far distance, -. With 24 depth bits, steps of depth at the far plane are 1.2e-4 of its
+// distance.
 constexpr double kMinNearOverFar = 5e-4;
 
 double half_height(const Camera& camera) {
-  return std::tan(camera.vertical_fov * std::numbers::pi / 360.0);  // At distance 1.
+  return std::tan(camera.vertical_fov * std::numbers::pi / 360.0);  // At distance 1 from the eye.
 }
 
 Matrix4 view_from_world(const ViewAxes& axes, Vec3 origin) {
@@ -129,7 +130,8 @@ Camera fit_camera(std::span<const float> positions, double aspect, Vec3 from, Ve
   const ViewAxes axes = view_axes(camera);
   const double tangent_y = (1.0 - 2.0 * kMargin) * half_height(camera);
   const double tangent_x = tangent_y * aspect;
-  // Uses the axes' coordinates, with the eye at e. The sides of the frustum enclose the points p where
+  // Works in coordinates along the camera's axes, with the eye at e. The sides of the frustum enclose the points p
+  // where
   //    |p.x - e.x| <= tangent_x (e.z - p.z).
   // Each side touches the point farthest along its normal.
   constexpr double kNone = -std::numeric_limits<double>::infinity();

@@ -22,13 +22,13 @@ struct Views {
   double depth_per_fraction = 0.0;
   double pixel_fraction = 0.0;  // -, side of a pixel over its distance from the eye, in the middle of the image.
 
-  Matrix4 shadow_from_world;   // Key light's, orthographic, depth in [-1, 1].
+  Matrix4 shadow_from_world;   // Projection of the key light: orthographic, depth in [-1, 1].
   double shadow_extent = 0.0;  // m, side of the square covered by the shadow map.
-  Vec3 to_light;               // Unit, from the scene.
+  Vec3 to_light;               // Unit vector from the scene to the key light.
 };
 
-// Makes the views. `lit` bounds all that casts shadows and must fit the shadow map. `seen` bounds all content: the near
-// and far planes enclose it. Neither is empty; `seen` contains `lit`.
+// Makes the views. `aspect`: width / height; `height`: pixels. `lit` bounds all that casts shadows and must fit the
+// shadow map. `seen` bounds all content: the near and far planes enclose it. Neither is empty; `seen` contains `lit`.
 Views make_views(const Camera& camera, double aspect, int height, const Bounds& lit, const Bounds& seen);
 
 bool is_empty(const Bounds& bounds);
