@@ -31,7 +31,7 @@ inline constexpr const char* kFile = "FILE";
 inline constexpr const char* kFolder = "FOLDER";
 }  // namespace value
 
-// Returns CLI::ExistingDirectory, but with "FOLDER" shown once.
+// Returns CLI::ExistingDirectory without its type name, which help would show beside "FOLDER".
 CLI::Validator existing_folder();
 
 // Headings of the commands in the help and the manual.
@@ -60,7 +60,7 @@ std::string headline(std::string description);
 
 // Returns the listed values of an option or argument; empty if it has no list.
 std::vector<std::string> choices_of(const CLI::Option& option);
-// True if its values are of this kind, one of `value`.
+// True if the option takes values of `kind`, one of the names in namespace value.
 bool has_values(const CLI::Option& option, const std::string& kind);
 
 }  // namespace kerf::cli

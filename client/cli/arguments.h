@@ -43,13 +43,13 @@ Parsed<ImageSize> parse_image_size(const std::string& text);
 Parsed<std::vector<v1::Vec2>> parse_points(const std::string& text);
 // Parses "cx,cy,r".
 Parsed<v1::Circle> parse_circle(const std::string& text);
-// Parses "cx,cy,rx,ry" or "cx,cy,rx,ry,DEGREES", counter-clockwise.
+// Parses "cx,cy,rx,ry" or "cx,cy,rx,ry,DEGREES", turned counter-clockwise.
 Parsed<v1::Ellipse> parse_ellipse(const std::string& text);
-// Parses "x,y,w x,y,w x,y,w" or with a fourth: a rational quadratic or cubic Bezier curve.
+// Parses three or four control points "x,y,w" with weights w: a rational quadratic or cubic Bezier curve.
 Parsed<v1::Path> parse_rational(const std::string& text);
 // Parses SVG path data in metres, y up, all of which must be well-formed.
 Parsed<v1::Path> parse_path(const std::string& text);
-// Parses "x0,y0,x1,y1", or "sheet": a box without corners, which means the sheet less its margin.
+// Parses "x0,y0,x1,y1", or "sheet", which gives a box without corners: it means the sheet without its margin.
 Parsed<v1::MaterialBox> parse_fit(const std::string& text);
 // Parses "x,y,z".
 Parsed<v1::Vec3> parse_vector(const std::string& text);
@@ -61,7 +61,7 @@ Parsed<v1::Camera> parse_camera(const std::string& text);
 // Parses "nearest", "all", "piece", "piece:N" or "depth:NEAREST,FARTHEST" (metres) into layers, piece and depths of a
 // view.
 Parsed<v1::View> parse_layers(const std::string& text);
-// Parses "0.01,0.005[,...]".
+// Parses "0.01,0.005[,...]": lengths in metres, cut and left in turn.
 Parsed<std::vector<double>> parse_dash(const std::string& text);
 
 // Adds the default port 50051 to a server's address without one: "127.0.0.1", "[::1]", "::1".

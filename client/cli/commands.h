@@ -30,11 +30,11 @@ void add_shell_commands(CLI::App& app, Session& session);  // completion
 int print_completion(const CLI::App& app, const std::vector<std::string>& words, const std::string& address);
 
 struct BatchTiming {
-  std::int64_t at_tick = 0;  // 0: at once.
+  std::int64_t at_tick = 0;  // Tick at whose start the cuts are made; 0: at once.
   bool is_dry_run = false;   // Computes the cuts without making them.
 };
-// Applies the cuts of a file (JSON of kerf.v1.CutBatch) to a sheet; each call makes all of its cuts or none. Returns an
-// exit code.
+// Applies the cuts of a file (JSON of kerf.v1.CutBatch) to a sheet, in several calls if one cannot hold them. Each call
+// makes all of its cuts or none. Returns an exit code.
 int cut_batch(const Session& session, const std::string& id, const std::string& file, const BatchTiming& timing);
 
 }  // namespace kerf::cli

@@ -20,13 +20,13 @@ const CLI::Option* find_option(const CLI::App* command, const std::string& name)
   return nullptr;
 }
 
-// Describes the position in the command line after the words before the last.
+// Describes where in the command line the last word stands, from the words before it.
 struct Place {
   const CLI::App* command = nullptr;
   std::set<const CLI::Option*> given;
-  const CLI::Option* open = nullptr;  // The last word is its value.
+  const CLI::Option* open = nullptr;  // Option whose value the last word is; null: none.
   std::size_t arguments = 0;          // Arguments of the command before the last word.
-  bool only_arguments = false;        // After "--".
+  bool only_arguments = false;        // True after "--".
   std::string address;
 
   void take_value(const CLI::Option& option, const std::string& value) {

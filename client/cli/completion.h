@@ -17,16 +17,16 @@ struct Candidate {
 };
 
 struct Completion {
-  // Names that the shell adds by itself.
+  // Names of files or folders, which the shell adds itself.
   enum class Paths { kNone, kFiles, kFolders };
   Paths paths = Paths::kNone;
   std::vector<Candidate> candidates;  // Each begins with the typed part of the word.
 };
 
-// Asks the server at `address` (HOST:PORT) for names. Empty if it does not answer.
+// Holds functions that ask the server at `address` (HOST:PORT) for names. They return none if it does not answer.
 struct ServerNames {
-  std::function<std::vector<std::string>(const std::string& address)> sheets;     // Ids of sheets.
-  std::function<std::vector<std::string>(const std::string& address)> materials;  // Presets.
+  std::function<std::vector<std::string>(const std::string& address)> sheets;     // IDs of sheets.
+  std::function<std::vector<std::string>(const std::string& address)> materials;  // Names of presets.
 };
 
 // Returns completions of the last of `words`; the others precede it, without `kerf` itself. `address`: the server to

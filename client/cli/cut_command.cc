@@ -141,7 +141,7 @@ int cut(const Session& session, const CutArguments& arguments) {
   return kDone;
 }
 
-// Names the argument that an option sets.
+// Points to the member that an option sets.
 using Target = std::variant<std::optional<std::string> CutArguments::*, std::string CutArguments::*,
                             double CutArguments::*, std::int64_t CutArguments::*, bool CutArguments::*,
                             double client::CutOptions::*, std::int32_t client::CutOptions::*>;
@@ -150,8 +150,8 @@ struct OptionRow {
   const char* name;
   Target target;
   const char* help;
-  const char* needs = nullptr;     // An option before this one that has to be given too.
-  const char* excludes = nullptr;  // An option before this one that must not be given too.
+  const char* needs = nullptr;     // Option of an earlier row that has to be given too.
+  const char* excludes = nullptr;  // Option of an earlier row that must not be given too.
   const char* type_name = nullptr;
   std::vector<std::string> choices = {};  // Empty: any value.
 };

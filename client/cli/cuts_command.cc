@@ -22,10 +22,10 @@
 namespace kerf::cli {
 namespace {
 
-// Limits of a server on one call.
+// The server's limits on one call.
 constexpr int kMaxCallCuts = 4096;
 constexpr std::size_t kMaxCallBytes = std::size_t{1} << 20;
-// Largest batch file. The cuts listed by a server, 16 MiB of them, are several times as long as text.
+// Largest batch file. A server lists up to 16 MiB of cuts, which are several times as long as text.
 constexpr std::size_t kMaxBatchFileBytes = std::size_t{256} << 20;
 
 struct CutsArguments {
@@ -187,7 +187,7 @@ std::vector<v1::CreateCutsRequest> calls_of(v1::CutBatch& batch, const v1::Creat
 
 // Counts the cuts of a file made by the calls answered so far.
 struct Made {
-  v1::CreateCutsResponse answer;  // As if one call had been made.
+  v1::CreateCutsResponse answer;  // The answers merged, as if one call had been made.
   int num_calls = 0;
   int num_undo_steps = 0;
   int num_cuts = 0;
@@ -216,7 +216,7 @@ void add(const v1::CreateCutsResponse& response, int num_cuts, Made& made) {
   answer.set_tick_budget_us(response.tick_budget_us());
 }
 
-// Adapts the failure of the next call: its field must count the cuts of the file instead of the call.
+// Adapts the failure of the call after those in `made`: its field must count the cuts of the file instead of the call.
 client::Failure with_what_was_made(client::Failure failure, const Made& made, const std::string& file) {
   if (made.num_cuts == 0) return failure;
   int index = 0;

@@ -44,7 +44,7 @@ struct ImagesArguments {
 struct Written {
   std::int64_t pictures = 0;
   std::int64_t bytes = 0;
-  std::int64_t skipped = 0;  // Ticks.
+  std::int64_t skipped = 0;  // Ticks that no picture shows.
   std::int64_t first_tick = 0;
   std::int64_t last_tick = 0;
 };
@@ -61,8 +61,8 @@ Error no_folder(const std::string& what) {
   return invalid_argument("CANNOT_WRITE", what + "; give --out another folder", "--out");
 }
 
-// Makes the folder. It must not hold pictures of an earlier stream, which would be overwritten or mixed with these. Its
-// parent must exist, as for any file of kerf: if it does not, the path may be mistyped.
+// Makes the folder for the pictures. It must not hold pictures of an earlier stream, because the new ones would
+// overwrite or mix with them. Its parent must exist, because a path without one may be mistyped.
 Status make_folder(const ImagesArguments& arguments) {
   std::error_code error;
   fs::create_directory(arguments.out, error);

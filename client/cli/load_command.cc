@@ -32,7 +32,7 @@ struct LoadArguments {
   std::string html;  // A file; empty: none.
 };
 
-// Checks that a file can be written there; an existing one is left unchanged.
+// Checks that a file can be written at `path`; an existing file is left unchanged.
 Status check_writable(const std::string& path) {
   const std::filesystem::path folder = std::filesystem::absolute(path).parent_path();
   const auto refused = [&](const std::string& why) {

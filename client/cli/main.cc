@@ -21,11 +21,11 @@ int run(int argc, char** argv) {
   if (const char* server = std::getenv("KERF_SERVER")) session.server = server;  // NOLINT(concurrency-mt-unsafe)
   const std::unique_ptr<CLI::App> app = kerf::cli::make_app(session);
 
-  // Passes on an unfinished command line without parsing it.
+  // Completes an unfinished command line, which must not be parsed as a whole.
   if (argc > 1 && std::string_view(argv[1]) == "__complete") {
     return kerf::cli::print_completion(*app, {argv + 2, argv + argc}, kerf::cli::with_port(session.server));
   }
-  // Takes effect even if the rest cannot be parsed.
+  // --json takes effect even if other words cannot be parsed.
   if (std::find(argv, argv + argc, std::string_view("--json")) != argv + argc) kerf::cli::refuse_in_json();
   try {
     app->parse(argc, argv);

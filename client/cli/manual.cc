@@ -81,7 +81,7 @@ std::string synopsis(const CLI::App& command) {
   return line;
 }
 
-// Describes a command, or its subcommands if it is none by itself.
+// Describes a command, or its subcommands if it has any.
 std::string command_entry(const CLI::App& command) {
   const std::vector<const CLI::App*> below = commands_of(command);
   std::string page;

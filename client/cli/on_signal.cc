@@ -30,7 +30,7 @@ void OnSignal::run() {
     came_ = true;
     act_();
   }
-  // Unblocks them here, so that the next one has its usual effect.
+  // Unblocks the signals on this thread, so that the next one ends the program.
   if (came_) pthread_sigmask(SIG_UNBLOCK, &signals_, nullptr);
   while (!over_) nanosleep(&wait, nullptr);
 }

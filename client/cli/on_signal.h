@@ -8,10 +8,11 @@
 // Turns Ctrl-C into an orderly end.
 namespace kerf::cli {
 
-// Blocks Ctrl-C and SIGTERM in this thread and those started later; returns them.
+// Blocks the signals of Ctrl-C and SIGTERM in this thread and in threads that it starts later; returns these signals.
 sigset_t block_interrupts();
 
-// Calls `act` at the first of the signals, on its own thread. A second one ends the program at once.
+// Waits on its own thread for `signals`, which must be blocked, and calls `act` at the first. A second signal ends the
+// program at once.
 class OnSignal {
  public:
   OnSignal(const sigset_t& signals, std::function<void()> act);

@@ -83,7 +83,7 @@ std::string notes(const v1::CutResult& result) {
   return text;
 }
 
-// Describes the time of a tick, and its parts from the largest on.
+// Describes the time of a tick and its parts, the largest first.
 std::string tick_parts(const v1::TickEstimate& estimate) {
   std::vector<std::pair<double, std::string>> parts;
   for (const auto& [part, us] : estimate.parts_us()) parts.emplace_back(us, part);

@@ -43,7 +43,7 @@ struct Session {
 // mapping makes strings of them). `indent`: spaces, or -1 for one line.
 std::string to_script_json(const google::protobuf::Message& message, int indent = 2);
 
-// Makes the functions below print one line of JSON from now on: {"error": {"code", "reason", "message", "field"}}. It
+// Makes refuse() and misuse() print one line of JSON from now on: {"error": {"code", "reason", "message", "field"}}. It
 // applies to the whole process, like stderr, so that code that finds an error need not know the format.
 void refuse_in_json();
 
@@ -52,7 +52,8 @@ int refuse(const grpc::Status& status, const std::string& server);
 int refuse(client::Failure failure, const std::string& server);
 int refuse(const Error& error);
 int misuse(const std::string& message);
-// Reports a stream that the server ended after so many "frames".
+// Reports that the server ended a stream after `count` frames or pictures; `of_what` is the word for them. Returns the
+// exit code.
 int refuse_ended(const v1::Ended& ended, std::int64_t count, const std::string& of_what);
 
 // Sorts the flags by name, because Protocol Buffers keep them unordered.
@@ -67,7 +68,7 @@ void print_tick_time(const Reply& reply) {
               1e-3 * reply.tick_after_us(), 1e-3 * reply.tick_budget_us(), 1e-3 * reply.tick_before_us());
 }
 
-// Print a message for people, or all of it with --json; with --verbose more than a line or two.
+// Print a line or two about the message for people, more with --verbose, and all of it as JSON with --json.
 void print(const Session& session, const v1::Sheet& sheet);
 void print(const Session& session, const v1::CutResult& result);
 void print(const Session& session, const v1::InteractionResponse& response);

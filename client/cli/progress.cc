@@ -10,7 +10,7 @@ namespace kerf::cli {
 namespace {
 
 constexpr std::chrono::milliseconds kRedrawn{100};
-constexpr std::chrono::milliseconds kPatience{500};  // Shorter waits need no note.
+constexpr std::chrono::milliseconds kPatience{500};  // A shorter wait shows no note.
 constexpr double kStepNewsHz = 5.0;
 
 void draw(const std::string& line) {

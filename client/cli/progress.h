@@ -16,8 +16,8 @@ namespace kerf::cli {
 
 bool is_watched(const Session& session);
 
-// Returns "[####............] 25 %  0:12 left  what". `done`: 0..1. The time is left out before a second has passed and
-// 1 % is done.
+// Returns "[####............] 25 %  0:12 left  what". `done`: 0..1. The time left is missing until a second has passed
+// and 1 % is done.
 std::string progress_line(double done, double elapsed_s, const std::string& what);
 
 // Shows the progress of work that reports it.
@@ -39,7 +39,7 @@ class ProgressBar {
 
   bool live_ = false;
   Clock::time_point started_ = Clock::now();
-  Clock::time_point drawn_;  // The epoch: not yet.
+  Clock::time_point drawn_;  // Time of the last drawing; the epoch if there was none.
 };
 
 // Shows a call without progress: its name and its time so far, from half a second on.
@@ -60,7 +60,8 @@ class WaitingNote {
   std::thread thread_;  // Runs only if the note is visible.
 };
 
-// Shows the progress of a StepSheet call from the sheet's frames: made before the call, destroyed after it.
+// Shows the progress of a StepSheet call, known from the sheet's frames. Make the object before the call and destroy it
+// after.
 class StepProgress {
  public:
   // `name`: "sheets/demo"; `ticks`: number requested.

@@ -9,7 +9,8 @@
 // Adds the options that override choices of a scene.
 namespace kerf::cli {
 
-// Adds --integrator, --precision and --solver. `instead`: the setting overridden, for the help: "the scene's".
+// Adds --integrator, --precision and --solver. `instead` names the setting that they override, for the help, e.g. "the
+// scene's".
 void add_integrator_options(CLI::App& app, const std::string& instead, offline::Overrides& overrides);
 
 // Adds --fidelity.

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-// Asks the server for names, for tab completion and "did you mean". Each waits at most a quarter of a second, and is
-// empty without an answer by then.
+// Asks the server for names, for tab completion and "did you mean". Each function waits at most a quarter of a second
+// and returns nothing without an answer by then.
 namespace kerf::cli {
 
 std::vector<std::string> sheet_ids(const std::string& address);         // The first 1000, by name.

@@ -89,8 +89,8 @@ int add_parts(const std::vector<std::string>& parts, v1::Scene& scene) {
   return kDone;
 }
 
-// Adds the content of a scene file and of the files named in it. Returns kDone, or an exit code after printing the
-// error.
+// Replaces `scene` by the content of a scene file and of the files named in it. Returns kDone, or an exit code after
+// printing the error.
 int add_scene_file(const CreateArguments& arguments, v1::Scene& scene) {
   host::RealDisk disk;
   Result<sheet::SheetConfig> config = offline::read_scene(disk, arguments.scene);

@@ -9,8 +9,8 @@
 // Implements "did you mean": names similar to an unknown one.
 namespace kerf::cli {
 
-// Returns at most three of `names` that `word` may mean, the nearest first. They begin with it, or differ in at most
-// one letter in three (missing, extra, wrong, or two swapped).
+// Returns at most three of `names` that `word` may mean, the nearest first. Each begins with `word` or differs from it
+// in at most one letter in three: missing, extra, wrong, or two swapped.
 std::vector<std::string> near_names(const std::string& word, const std::vector<std::string>& names);
 
 // Returns "; did you mean a, b or c?" or an empty text.

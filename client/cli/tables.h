@@ -13,7 +13,7 @@
 // Formats tables of probes and vibrations, for people and for other programs.
 namespace kerf::cli {
 
-// Writes each as `folder`/NAME.csv, with numbers that read back exactly; does nothing if `folder` is empty.
+// Writes each table as `folder`/NAME.csv, with numbers that read back exactly; does nothing if `folder` is empty.
 Status write_csv(host::Disk& disk, const std::string& folder,
                  const google::protobuf::RepeatedPtrField<v1::Table>& tables);
 

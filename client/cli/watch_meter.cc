@@ -51,7 +51,7 @@ void WatchMeter::add(const Frame& frame) {
 std::string WatchMeter::status() const {
   if (recent_.empty()) return "waiting for the first frame";
   const Frame& last = recent_.back();
-  // The first frame marks the start of the span and is not counted.
+  // The first frame marks the start of the span, so its bytes are not counted.
   const double span = last.at_s - recent_.front().at_s;
   double bytes = 0.0;
   std::vector<double> ages;

@@ -15,8 +15,8 @@ class WatchMeter {
     double at_s = 0.0;  // Arrival, on any clock that never decreases.
     std::int64_t tick = 0;
     std::size_t bytes = 0;
-    double age_ms = 0.0;       // From the end of its tick until it arrived.
-    std::int64_t skipped = 0;  // Ticks before it that were not sent.
+    double age_ms = 0.0;       // From the end of the frame's tick until the frame arrived.
+    std::int64_t skipped = 0;  // Ticks since the frame before that were not sent.
     std::int32_t vertices = 0;
     std::int32_t pieces = 0;
     double real_time_factor = 1.0;
@@ -33,8 +33,8 @@ class WatchMeter {
   [[nodiscard]] std::int64_t frames() const { return frames_; }
 
  private:
-  std::deque<Frame> recent_;  // Frames of the last two seconds.
-  std::vector<double> ages_;  // Ages of the last frames, as a ring.
+  std::deque<Frame> recent_;  // Frames that arrived in the last two seconds.
+  std::vector<double> ages_;  // Ages of the last 4096 frames, ms, as a ring buffer.
   std::int64_t frames_ = 0;
   std::int64_t skipped_ = 0;
   std::uint64_t bytes_ = 0;

@@ -21,10 +21,11 @@ namespace kerf::client {
 // UNAVAILABLE at the first call. Thread-safe, as gRPC stubs are.
 class Client {
  public:
-  // Largest message received: a 500,000-vertex sheet's OBJ file, 90 MB and more, with room to spare.
+  // Largest message that a client accepts. The OBJ file of a sheet with 500,000 vertices has some 90 MB.
   static constexpr int kMaxReceiveBytes = 256 << 20;
 
-  // Chooses whether clients of one process and address share a connection, or have their own as on different machines.
+  // kShared: all clients of a process with the same address share a connection. kOwn: the client has a connection of
+  // its own, as if on another machine.
   enum class Connection { kShared, kOwn };
 
   // `address`: "HOST:PORT".

@@ -17,23 +17,23 @@ struct Box {
 };
 
 // Holds the options of a cut besides its curve; 0 and absent mean the defaults. proto/kerf/v1/scene.proto describes
-// each field. make_cut() below lists them once more.
+// each field. make_cut() copies each of them.
 struct CutOptions {
   double tolerance = 0.0;  // Largest distance of the curve to the lips, as a share of the edge length there, 1e-6..0.5.
-  double tolerance_m = 0.0;            // The same in metres, instead.
-  double min_angle_deg = 0.0;          // Wanted of new triangles, 5..28.
+  double tolerance_m = 0.0;            // Replaces `tolerance`, m.
+  double min_angle_deg = 0.0;          // Smallest angle wanted in new triangles, 5..28.
   std::int32_t max_new_triangles = 0;  // 1..1000000
   v1::Cut::Method method = v1::Cut::METHOD_UNSPECIFIED;
   v1::Cut::Quality quality = v1::Cut::QUALITY_UNSPECIFIED;
-  double tip_edge_length_m = 0.0;     // At the tips inside the sheet.
-  double tip_grading = 0.0;           // Growth of edges away from them, 1.05..10.
+  double tip_edge_length_m = 0.0;     // Edge length wanted at the tips: the cut's ends inside the sheet.
+  double tip_grading = 0.0;           // Growth of edges with each ring of triangles around a tip, 1.05..10.
   bool relax = true;                  // Old vertices may move in material space.
   double width_m = 0.0;               // Width of the strip removed around the curve.
-  bool fit_sheet = false;             // Scale and move into the sheet less its margin.
-  std::optional<Box> fit = {};        // Or into this box.
-  std::vector<double> dash = {};      // m cut and m left, in turn.
-  double dash_offset = 0.0;           // m into the pattern at which it begins.
-  std::optional<v1::View> view = {};  // The curve is in pixels of this picture.
+  bool fit_sheet = false;             // Scale and move the curve into the sheet without its margin.
+  std::optional<Box> fit = {};        // Scale and move the curve into this box.
+  std::vector<double> dash = {};      // Lengths cut and left in turn, m.
+  double dash_offset = 0.0;           // Place in the pattern of `dash` where the curve begins, m.
+  std::optional<v1::View> view = {};  // Picture of the sheet in whose pixels the curve is.
 };
 
 // Returns a cut to be made later, as one of Sheet::cut_all().

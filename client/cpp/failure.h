@@ -20,8 +20,8 @@ Failure failure_of(const grpc::Status& status);
 // Returns the name of a code, e.g. "INVALID_ARGUMENT".
 std::string name_of(grpc::StatusCode code);
 
-// Returns the server's reason, or without one the code's name and gRPC's words: short, and the same for the same fault.
-// `status` must not be OK.
+// Returns the server's reason; without one, the code's name and gRPC's words. The text is short, and equal for equal
+// faults. `status` must not be OK.
 std::string reason_of(const grpc::Status& status);
 
 // Returns one line: message, field, code.

@@ -31,23 +31,23 @@ v1::Vec3 vec3(Vector vector);
 // Returns straight pieces; closed if the last point equals the first. 2..4096 points.
 v1::Curve polyline(std::span<const Point> points);
 v1::Curve polyline(std::initializer_list<Point> points);
-// Returns cubic pieces joined end to start: 3 n + 1 points for n of 1..64 pieces.
+// Returns n cubic pieces joined end to start, from 3 n + 1 points; n in 1..64.
 v1::Curve bezier(std::span<const Point> points);
 v1::Curve bezier(std::initializer_list<Point> points);
 // Returns a full circle: a punch.
 v1::Curve circle(Point center, double radius_m);
-// Returns a full ellipse, turned counter-clockwise.
+// Returns a full ellipse, turned counter-clockwise by rotation_rad.
 v1::Curve ellipse(Point center, double semi_axis_x_m, double semi_axis_y_m, double rotation_rad = 0.0);
-// Returns the outlines of a drawing, given as SVG text. Without CutOptions::fit it is fitted into the sheet.
+// Returns the outlines of a drawing, given as SVG text. Without CutOptions::fit the drawing is fitted into the sheet.
 v1::Curve svg(std::string text);
 
-// Builds lines of any pieces, one after the other:
+// Builds a curve of one or more lines, each made of straight, Bezier and arc pieces:
 //   PathBuilder({0.1, 0.1}).line({0.3, 0.1}).arc({0.1, 0.1}, 0.1).close().move({0.6, 0.6}).line({0.8, 0.7}).curve()
 class PathBuilder {
  public:
   explicit PathBuilder(Point start) { move(start); }
 
-  PathBuilder& move(Point start);  // Begins another line.
+  PathBuilder& move(Point start);  // Begins a line that is not joined to the one before.
   PathBuilder& line(Point end);
   PathBuilder& quadratic(Point control, Point end);
   PathBuilder& cubic(Point control_1, Point control_2, Point end);
@@ -55,9 +55,9 @@ class PathBuilder {
   PathBuilder& quadratic(double start_weight, WeightedPoint control, WeightedPoint end);
   PathBuilder& cubic(double start_weight, WeightedPoint control_1, WeightedPoint control_2, WeightedPoint end);
   struct ArcOptions {
-    double semi_axis_y_m = 0.0;  // 0: that of x, a circle.
+    double semi_axis_y_m = 0.0;  // 0: equal to semi_axis_x_m, a circle.
     double rotation_rad = 0.0;
-    bool large = false;  // The longer way round.
+    bool large = false;  // Takes the longer way round.
     bool counter_clockwise = true;
   };
   PathBuilder& arc(Point end, double semi_axis_x_m, const ArcOptions& options);
@@ -72,7 +72,7 @@ class PathBuilder {
   v1::Path path_;
 };
 
-// Returns a perspective camera in the world, metres; +z is up by default.
+// Returns a perspective camera in the world; `eye` and `target` in metres. Up is +z.
 v1::Camera camera(Vector eye, Vector target, double vertical_fov_deg = 40.0);
 
 }  // namespace kerf::client

@@ -20,24 +20,24 @@ namespace kerf::client {
 
 // Chooses when an ended stream is reopened, with the same settings.
 struct Reopening {
-  bool when_slow = true;                   // The server ended it as TOO_SLOW.
-  std::chrono::milliseconds when_lost{0};  // The server stops or cannot be reached: retried for this long.
+  bool when_slow = true;                   // Reopens a stream that the server ended as TOO_SLOW.
+  std::chrono::milliseconds when_lost{0};  // Retries for this long if the server stops or cannot be reached.
 };
 
-// Runs a stream whose messages are acknowledged: Watch or WatchImages. For one run().
+// Runs a stream whose messages are acknowledged: Watch or WatchImages. Allows one run().
 template <typename Request, typename Response>
 class LiveStream {
  public:
   using Stream = grpc::ClientReaderWriter<Request, Response>;
 
-  // Describes one message taken: its acknowledgement, and the end of the stream if `over` is set.
+  // Holds the answer of `take` to a message: what to acknowledge and, in `over`, the result of run() if it is to end.
   struct Taken {
-    std::int64_t sequence = 0;  // 0: nothing to acknowledge.
+    std::int64_t sequence = 0;  // Number to acknowledge; 0: none.
     std::optional<grpc::Status> over = {};
   };
 
   // Runs the stream: `open(context)` begins a call, `start()` returns its first message, `take(response)` gets each
-  // answer except the last. OK if the stream was stopped or the server ended it.
+  // answer except the last. Returns OK if the stream was stopped or the server ended it.
   template <typename Open, typename Start, typename Take>
   grpc::Status run(const Open& open, const Start& start, const Take& take, const Reopening& reopening) {
     auto lost_at = std::chrono::steady_clock::now();
@@ -47,7 +47,7 @@ class LiveStream {
       has_answers_ = false;
       const grpc::Status status = run_once(open, start, take);
       const auto now = std::chrono::steady_clock::now();
-      // Counts the server as back after a while, because a paused stream has no messages.
+      // Counts the server as back after a while even without messages, because a paused stream has none.
       if (has_answers_ || now - opened_at > kIsBackAfter) lost_at = now;
       const bool again = is_lost(status) ? now - lost_at < reopening.when_lost && wait_to_retry()
                                          : reopening.when_slow && status.ok() && ended_.reason() == v1::Ended::TOO_SLOW;
@@ -55,7 +55,8 @@ class LiveStream {
     }
   }
 
-  // Sends a setting, from any thread. Settings made before run() follow its start; the newest of each kind counts.
+  // Sends a setting, from any thread. Settings made before run() are sent after its first message, the newest of each
+  // kind.
   void set(const Request& request) {
     const std::lock_guard lock(mutex_);
     settings_[request.kind_case()] = request;
@@ -125,8 +126,8 @@ class LiveStream {
     return !stopping_.wait_for(lock, kRetryAfter, [this] { return stopped_.load(); });
   }
 
-  // Lets stop() cancel the call while this exists, also if `take` throws. Converts to false if run() was stopped and
-  // must begin nothing.
+  // Lets stop() cancel the call while the Entered exists, also if `take` throws. Converts to false if stop() was called
+  // before, so that no call may begin.
   class Entered {
    public:
     Entered(LiveStream& live, grpc::ClientContext& context) : live_(live) {
@@ -147,7 +148,7 @@ class LiveStream {
     bool is_in_ = false;
   };
 
-  // Lets set() write to the stream while this exists, until end().
+  // Lets set() write to the stream while the Writable exists, until end().
   class Writable {
    public:
     Writable(LiveStream& live, Stream& stream, const Request& start) : live_(live) {
@@ -181,7 +182,7 @@ class LiveStream {
   static constexpr std::chrono::seconds kIsBackAfter{30};  // Longer than gRPC tries to connect.
 
   v1::Ended ended_;
-  bool has_answers_ = false;  // For the call in progress.
+  bool has_answers_ = false;  // True if the call in progress got an answer.
   std::atomic<bool> stopped_{false};
   std::mutex context_mutex_;  // Not held over a write, so that stop() never waits for one.
   std::condition_variable stopping_;

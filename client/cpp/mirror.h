@@ -26,14 +26,15 @@ class Mirror {
   [[nodiscard]] std::int32_t num_slots() const { return static_cast<std::int32_t>(triangles_.size()); }
   [[nodiscard]] std::int32_t num_pieces() const { return num_pieces_; }
 
-  // Returns 3 V numbers, x, y, z interleaved, in the box.
+  // Returns 3 V numbers, x, y, z interleaved; 0 and 65535 are the two sides of box().
   [[nodiscard]] const std::vector<std::uint16_t>& quantised_positions() const { return quantised_; }
   [[nodiscard]] const v1::Box3& box() const { return box_; }
   // Returns the world position of a vertex in 0..V-1, m.
   [[nodiscard]] std::array<double, 3> position(std::int32_t vertex) const;
-  // Returns each slot's vertices, counter-clockwise in material coordinates; -1 thrice without material.
+  // Returns each slot's vertices, counter-clockwise in material coordinates; three times -1 if the slot has no
+  // material.
   [[nodiscard]] const std::vector<std::array<std::int32_t, 3>>& triangles() const { return triangles_; }
-  // Returns each slot's piece; -1 without material.
+  // Returns each slot's piece; -1 if the slot has no material.
   [[nodiscard]] const std::vector<std::int32_t>& pieces() const { return pieces_; }
   // Returns the principal strain of the largest magnitude at a vertex in 0..V-1, -; see kerf.v1.Frame.strains. Valid
   // only if has_strains(), that is if the last frame had strains.
@@ -42,7 +43,7 @@ class Mirror {
     const double share = strains_[static_cast<std::size_t>(vertex)] / 127.0;
     return share * std::abs(share) * strain_scale_;
   }
-  // Returns 2 V numbers, x, y interleaved, m.
+  // Returns the material coordinates: 2 V numbers, x, y interleaved, m.
   [[nodiscard]] const std::vector<float>& material_positions() const { return material_positions_; }
 
  private:

@@ -8,7 +8,7 @@
 
 namespace kerf::client {
 
-// Is thrown by value() of a failed Result: what() is describe(failure).
+// Thrown by value() of a failed Result; what() is describe(failure).
 class CallFailed : public std::runtime_error {
  public:
   explicit CallFailed(Failure reason) : std::runtime_error(describe(reason)), failure(std::move(reason)) {}
@@ -28,7 +28,7 @@ class [[nodiscard]] Result {
   [[nodiscard]] bool ok() const { return content_.index() == 0; }
   explicit operator bool() const { return ok(); }
 
-  // Return the value; throw CallFailed without one, for programs that cannot continue then.
+  // Return the value. Without one they throw CallFailed, for programs that cannot continue after a failure.
   T& value() & { return got(*this); }
   [[nodiscard]] const T& value() const& { return got(*this); }
   T&& value() && { return std::move(got(*this)); }

@@ -176,7 +176,7 @@ void RunWriter::add_topology(const Mirror& mirror) {
   const std::string number = std::to_string(topology_versions_.size());
   topology_versions_.push_back(mirror.topology_version());
   num_vertices_ = static_cast<std::size_t>(mirror.num_vertices());
-  std::vector<std::int32_t> triangles, pieces;  // Without empty slots.
+  std::vector<std::int32_t> triangles, pieces;  // Only those of slots with material.
   for (std::size_t slot = 0; slot < mirror.triangles().size(); ++slot) {
     const auto& triangle = mirror.triangles()[slot];
     if (triangle[0] < 0) continue;

@@ -23,10 +23,10 @@ class RunWriter {
   RunWriter(const RunWriter&) = delete;
   RunWriter& operator=(const RunWriter&) = delete;
 
-  // Adds the mirror's present state; not after close(). FAILED_PRECONDITION FRAME_ORDER if its tick is before the last
-  // one's, as after a restart of the server; FILE_NOT_WRITTEN if the disk is full, say.
+  // Adds the mirror's present state; not after close(). FAILED_PRECONDITION FRAME_ORDER if its tick is before the tick
+  // added last, as after a restart of the server; FILE_NOT_WRITTEN if, for example, the disk is full.
   Result<Done> add(const Mirror& mirror);
-  // Completes the file and gives it its name. Idempotent. FILE_NOT_WRITTEN.
+  // Completes the file and gives it its name. Idempotent. FILE_NOT_WRITTEN if that fails.
   Result<Done> close();
 
   [[nodiscard]] std::int64_t num_frames() const { return static_cast<std::int64_t>(ticks_.size()); }
@@ -50,7 +50,7 @@ class RunWriter {
   std::vector<std::int32_t> topology_versions_;
   // These describe the chunk not yet written:
   std::size_t num_vertices_ = 0;
-  std::size_t num_waiting_ = 0;   // Frames.
+  std::size_t num_waiting_ = 0;   // Frames in the chunk.
   std::vector<float> positions_;  // num_waiting_ x num_vertices_ x 3, m
   std::vector<float> strains_;    // num_waiting_ x num_vertices_, or fewer if a frame had none.
 };

@@ -19,14 +19,14 @@ struct ServerOptions {
 };
 
 struct CreateOptions {
-  std::string id = {};  // [a-z][a-z0-9-]{0,62}; empty: the scene's, else the server chooses.
+  std::string id = {};  // [a-z][a-z0-9-]{0,62}; empty: the ID in the scene; without one, the server chooses.
   bool paused = false;
   std::string request_id =
       {};  // At most 64 bytes; a repeat with the same scene gets the same answer and makes nothing more.
 };
 
 // Represents a Kerf server and its sheets. Nothing is sent before the first call, which fails with UNAVAILABLE if the
-// server does not answer. Sheets outlive it. Thread-safe.
+// server does not answer. Sheets live on after the object is destroyed. Thread-safe.
 class Server {
  public:
   // `address`: "HOST:PORT".
@@ -35,14 +35,14 @@ class Server {
   Result<v1::ServerInfo> info();  // Version, renderer, limits, material presets.
   // Creates a sheet. A mesh file of up to 64 MiB is sent in parts; the rest of a scene may have up to 1 MiB.
   Result<Sheet> create(const v1::Scene& scene, const CreateOptions& options = {});
-  // Creates a sheet that plays a recording (Sheet::recording(), or a file's bytes) live and pauses at its end. id:
-  // empty: that of the recording, else the server chooses.
+  // Creates a sheet that plays a recording (Sheet::recording(), or a file's bytes) live and pauses at its end. An empty
+  // `id` means the ID in the recording; without one, the server chooses.
   Result<Sheet> replay(const std::string& recording, const std::string& id = {}, bool paused = false);
-  Result<std::vector<Sheet>> sheets();  // By name.
+  Result<std::vector<Sheet>> sheets();  // Sorted by name.
   // Refers to an existing sheet, without a call to the server.
   [[nodiscard]] Sheet sheet(const std::string& id) const;
 
-  // Returns the stubs, for calls without a method here.
+  // Returns the client with all stubs, for calls that have no method here.
   [[nodiscard]] Client& client();
 
  private:

@@ -32,18 +32,18 @@ struct State {
 struct RenderOptions {
   std::int32_t width_px = 640;            // 16..4096
   std::int32_t height_px = 360;           // 16..4096
-  std::optional<v1::Camera> camera = {};  // Absent: all of the sheet.
+  std::optional<v1::Camera> camera = {};  // Absent: shows all of the sheet.
   bool wireframe = false;
-  bool undeformed = false;  // As it is cut, but flat.
+  bool undeformed = false;  // Shows the sheet flat, with its cuts.
   v1::ColorBy color_by = v1::SIDES;
   v1::RenderImageRequest::Format format = v1::RenderImageRequest::PNG;
   std::int32_t jpeg_quality = 0;  // 1..100; 0: 85
-  bool dark = false;              // Before a dark backdrop.
+  bool dark = false;              // Draws before a dark background.
 };
 
 struct SubscribeOptions {
   double rate_hz = 1.0;         // 0.001..10
-  std::int32_t max_frames = 0;  // The stream ends after so many; 0: no limit.
+  std::int32_t max_frames = 0;  // The stream ends after this many frames; 0: no limit.
 };
 
 // Names one sheet of a server. Each method makes a call and waits for its answer; no state of the sheet is kept here.
@@ -55,11 +55,11 @@ class Sheet {
   [[nodiscard]] const std::string& id() const { return id_; }
   [[nodiscard]] std::string name() const { return "sheets/" + id_; }
 
-  // Cuts the sheet.
+  // Cuts:
   //
   // Makes one cut, wholly or not at all, at the next tick, or at once on a paused sheet. A curve that misses is no
-  // error: its status is NO_INTERSECTION. at_tick > 0: at the start of that tick, and the answer is SCHEDULED.
-  // request_id: at most 64 bytes; a repeat of the same cut gets the same answer and cuts nothing more.
+  // error: its status is NO_INTERSECTION. at_tick > 0: the cut is made at the start of that tick, and the answer is
+  // SCHEDULED. request_id: at most 64 bytes; a repeat of the same cut gets the same answer and cuts nothing more.
   Result<v1::CutResult> cut(const v1::Curve& curve, const CutOptions& options = {}, std::int64_t at_tick = 0,
                             const std::string& request_id = {});
   // Makes many cuts as one, on one tick and as one step to undo: all of them or none. 1..4096 cuts.
@@ -77,16 +77,17 @@ class Sheet {
   Result<v1::Sheet> get();
   Result<v1::Sheet> pause();
   Result<v1::Sheet> resume();
-  Result<v1::Sheet> step(std::int32_t ticks);  // For a paused sheet, 1..100000; returns when they are done.
-  // Sets the simulated seconds per second of wall time, 0.01..4; 1: live. The ticks are the same, only farther apart.
+  Result<v1::Sheet> step(std::int32_t ticks);  // For a paused sheet, 1..100000; returns when the ticks are done.
+  // Sets the simulated seconds per second of wall time, 0.01..4; 1: live. The results of ticks are the same; only the
+  // time between them changes.
   Result<v1::Sheet> set_speed(double speed);
   Result<v1::Sheet> reset();
   Result<Done> remove();
 
   // Interaction; each call returns the tick at which it took effect.
   //
-  // Ties a material point (m) or a vertex to a target in the world (m; absent: its present place). stiffness_npm 0:
-  // chosen by the server.
+  // Ties a material point (m) or a vertex by a spring to a target in the world (m; absent: its present place).
+  // stiffness_npm 0: chosen by the server.
   Result<std::int64_t> grab(const std::string& grab_id, Point material, std::optional<Vector> target = {},
                             double stiffness_npm = 0.0);
   Result<std::int64_t> grab_vertex(const std::string& grab_id, std::int32_t vertex, std::optional<Vector> target = {},
@@ -97,7 +98,8 @@ class Sheet {
   Result<std::int64_t> set_gravity(Vector gravity_mps2);
   Result<std::int64_t> set_wind(const std::optional<v1::Wind>& wind);  // Absent: no air at all.
   // Sets the material; values absent from `material` come from its own preset. part: an index into the scene's
-  // materials, or -1 for the remaining sheet; absent: the whole sheet. reset() restores the initial material.
+  // materials, or -1 for the sheet outside all of these; absent: the whole sheet. reset() restores the initial
+  // material.
   Result<std::int64_t> set_material(const v1::Material& material, std::optional<std::int32_t> part = {});
 
   // Output:
@@ -107,13 +109,13 @@ class Sheet {
   Result<std::string> gltf();  // A binary glTF 2.0 file, y up, with a colour for each piece.
   // Returns the bytes of a recording file of its run so far, for `kerf replay` and Server::replay().
   Result<std::string> recording();
-  // Computes equilibrium, vibrations or future ticks on a copy; this sets the request's name.
+  // Computes equilibrium, vibrations or future ticks on a copy of the sheet. The request's `name` is set by this call.
   Result<v1::AnalyzeSheetResponse> analyze(v1::AnalyzeSheetRequest request);
-  // Calls on_frame with each frame applied to a mirror of the sheet. Blocks until it returns false or the server ends
-  // the stream, with the reason in Ended.
+  // Calls on_frame with each frame, after applying it to a mirror of the sheet. Blocks until on_frame returns false or
+  // the server ends the stream; Ended has the server's reason.
   Result<v1::Ended> watch(const Watcher::OnFrame& on_frame, const WatchOptions& options = {});
-  // Watches at a low rate and without acknowledgements. Frames wait for a slow on_frame, so it lags. For steady
-  // logging; prefer watch() for all else.
+  // Watches at a low rate and without acknowledgements. Frames wait for a slow on_frame, which then lags behind. Use it
+  // for steady logging, and watch() for all else.
   Result<v1::Ended> subscribe(const Watcher::OnFrame& on_frame, const SubscribeOptions& options = {});
   // As watch(), with pictures drawn by the server.
   Result<v1::Ended> watch_images(const ImageWatcher::OnImage& on_image, const ImageOptions& options = {});

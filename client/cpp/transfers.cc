@@ -12,7 +12,8 @@ namespace {
 // Largest mesh file sent in the request, which may have 1 MiB; larger ones are sent in parts.
 constexpr std::size_t kMaxEmbeddedBytes = std::size_t{512} << 10;
 
-// Sends `start`, then the file in chunks. A server that refuses it ends the call early, with the reason in its status.
+// Sends `start`, then the file in chunks. A server that refuses the file ends the call early, with the reason in its
+// status.
 template <typename Message>
 grpc::Status send(grpc::ClientWriter<Message>& writer, const Message& start, std::string_view file) {
   bool open = writer.Write(start);
@@ -29,7 +30,8 @@ void set_timeout(grpc::ClientContext& context, std::chrono::milliseconds timeout
   context.set_deadline(std::chrono::system_clock::now() + timeout);
 }
 
-// Moves a mesh file that is too large out of the scene.
+// Removes the mesh file from the scene and returns it if it is too large for a message; otherwise returns an empty
+// text.
 std::string take_large_mesh(v1::Scene& scene) {
   std::string* file = nullptr;
   if (scene.has_obj()) file = scene.mutable_obj()->mutable_text();

@@ -19,11 +19,11 @@ inline constexpr std::chrono::minutes kTransferTimeout{10};               // For
 grpc::Status create_sheet(Client& client, v1::CreateSheetRequest request, v1::Sheet& sheet,
                           std::chrono::milliseconds timeout = kTransferTimeout);
 
-// Creates a sheet with the mesh file as the text or data left empty in request.scene's obj or ply.
+// Creates a sheet whose mesh file is sent in parts. request.scene must have an obj or ply with empty text or data.
 grpc::Status upload_sheet(Client& client, const v1::CreateSheetRequest& request, std::string_view mesh_file,
                           v1::Sheet& sheet, std::chrono::milliseconds timeout = kTransferTimeout);
 
-// Creates a sheet that plays the recording. `sheet_id`: empty: that of the recording.
+// Creates a sheet that plays the recording. An empty `sheet_id` means the ID in the recording.
 grpc::Status replay_recording(Client& client, const std::string& sheet_id, bool paused, std::string_view recording,
                               v1::Sheet& sheet, std::chrono::milliseconds timeout = kTransferTimeout);
 

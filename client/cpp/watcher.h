@@ -15,13 +15,13 @@
 namespace kerf::client {
 
 struct WatchOptions {
-  std::int32_t window = 0;   // Frames in flight, 1..8; 0: adapts to connection and reader.
+  std::int32_t window = 0;   // Frames sent and not acknowledged, 1..8; 0: adapts to connection and reader.
   double max_rate_hz = 0.0;  // 0: every tick
   v1::Encoding encoding = v1::COMPACT;
   bool strains = false;  // Fills Mirror::strain().
-  // Controls reopening. The server ends a stream as TOO_SLOW if on_frame takes so long that frames are not acknowledged
-  // for 10 s. The stream is then reopened. If the server is lost, reopening is tried for reopening.when_lost. on_frame
-  // then sees only a keyframe; the ticks of a restarted server begin again. Otherwise run() ends.
+  // Says when an ended stream is reopened; otherwise run() ends. The server ends a stream as TOO_SLOW if on_frame takes
+  // so long that frames are not acknowledged for 10 s. A reopened stream begins with a keyframe; if the server was
+  // restarted, its ticks begin again.
   Reopening reopening = {};
 };
 
@@ -30,7 +30,7 @@ struct WatchOptions {
 // Returns the acknowledgement of the frame with this sequence number and all before it. `arrived`: its time of arrival
 // on this clock.
 [[nodiscard]] v1::WatchRequest acknowledgement(std::int64_t sequence, std::chrono::steady_clock::time_point arrived);
-// Applies a frame to the mirror; returns DATA_LOSS if it does not fit, else nothing.
+// Applies a frame to the mirror; returns DATA_LOSS if the frame does not fit, else nothing.
 [[nodiscard]] std::optional<grpc::Status> misfit(Mirror& mirror, const v1::Frame& frame);
 
 // Watches one sheet: reads frames, keeps a Mirror, acknowledges. Blocks the thread that calls run().
@@ -39,11 +39,11 @@ class Watcher {
   // Called after each applied frame; return false to stop.
   using OnFrame = std::function<bool(const v1::Frame& frame, const Mirror& mirror)>;
 
-  explicit Watcher(Client& client) : client_(client) {}  // For one run().
+  explicit Watcher(Client& client) : client_(client) {}  // Allows one run().
 
-  // Watches `name` ("sheets/demo") until on_frame returns false, stop() is called, the server ends the stream, or it
-  // fails. OK in the first three cases; DATA_LOSS if a frame does not fit the mirror. The server receives the run time
-  // of on_frame, so that a slow one gets newer frames, not queued ones.
+  // Watches `name` ("sheets/demo") until on_frame returns false, stop() is called, the server ends the stream, or the
+  // stream fails. OK in the first three cases; DATA_LOSS if a frame does not fit the mirror. The server learns how long
+  // on_frame takes: a slow one gets fewer frames, each new, instead of a queue.
   grpc::Status run(const std::string& name, const WatchOptions& options, const OnFrame& on_frame);
 
   // Sets the frame rate from now on, from any thread; max_rate_hz as in WatchOptions. While paused no frames come.

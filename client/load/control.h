@@ -12,9 +12,9 @@ namespace kerf::load {
 // program's cuts do, and notes how late it wakes.
 class Control {
  public:
-  // Begins at `schedule.start`, ends at `end`; `waiter` must outlive it.
+  // Begins at `schedule.start`, ends at `end`; `waiter` must outlive the Control.
   Control(const Schedule& schedule, Nanoseconds end, Waiter& waiter);
-  ~Control();  // Waits for the end.
+  ~Control();  // Waits until `end`.
   Control(const Control&) = delete;
   Control& operator=(const Control&) = delete;
 

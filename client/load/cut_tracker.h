@@ -25,16 +25,16 @@ class CutTracker {
   void frame(std::size_t sheet, std::int64_t tick, std::int32_t topology_version, Nanoseconds decoded);
   // Returns the tick of the newest decoded frame; nothing for sheets that are not watched or have shown nothing yet.
   [[nodiscard]] std::optional<std::int64_t> newest_tick(std::size_t sheet) const;
-  // Records a cut applied at `tick`, after which the topology has this version. `intended`: when it should have been
-  // sent.
+  // Records a cut applied at `tick`, after which the topology has this version. `intended`: time at which the cut
+  // should have been sent.
   void applied(std::size_t sheet, std::int64_t tick, std::int32_t topology_version, Nanoseconds intended);
-  // Returns the number of applied cuts not shown yet.
+  // Returns the number of applied cuts that no decoded frame has shown yet.
   [[nodiscard]] std::int64_t num_waiting() const;
   // Ends the run; cuts not seen yet count as unseen.
   void finish();
 
  private:
-  static constexpr std::size_t kFrames = 256;  // Kept per sheet: some seconds, longer than any reply takes.
+  static constexpr std::size_t kFrames = 256;  // Newest frames kept per sheet: some seconds of them.
 
   struct Frame {
     std::int64_t tick = 0;

@@ -13,7 +13,7 @@ namespace kerf::load {
 namespace {
 
 constexpr double kLongest = 0.1;  // m, length of a slit.
-constexpr double kLength = 0.3;   // Share of the sheet's shorter side, at most.
+constexpr double kLength = 0.3;   // Largest length, as a share of the sheet's shorter side.
 constexpr double kMargin = 0.2;   // Share of each side between a slit's middle and the border: the slit stays inside.
 constexpr std::chrono::seconds kPatience(60);
 

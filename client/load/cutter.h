@@ -21,9 +21,9 @@ namespace kerf::load {
 // most 0.1 m at places drawn from the plan's seed.
 class Cutter {
  public:
-  static constexpr std::int32_t kMostUnderWay = 10'000;  // Calls; any further call is not made and counts as an error.
+  static constexpr std::int32_t kMostUnderWay = 10'000;  // Calls awaiting an answer; more are not made: errors.
 
-  // Cuts between recorder.begin() and its end. All references must outlive it.
+  // Cuts between recorder.begin() and recorder.end(). All arguments must outlive the Cutter.
   Cutter(const Plan& plan, const std::vector<std::string>& sheets, client::Client& client, Recorder& recorder,
          CutTracker& tracker, Waiter& waiter);
   ~Cutter();  // Waits for the end and for all answers.

@@ -75,7 +75,7 @@ class Pump : public std::enable_shared_from_this<Pump> {
   void pass_on_end() {
     if (*ended_ != asio::error::eof) return pair_->close();
     NetError ignored;
-    to_.shutdown(Tcp::socket::shutdown_send, ignored);  // The other direction continues until it ends too.
+    to_.shutdown(Tcp::socket::shutdown_send, ignored);  // The other direction continues until its own end.
   }
 
   void hold(std::size_t bytes) {

@@ -25,9 +25,9 @@ class DelayingProxy {
   // rate * delay, up to kMostUnderWay.
   static constexpr std::size_t kMostHeld = std::size_t{64} << 10;
   static constexpr std::size_t kMostUnderWay = std::size_t{64} << 20;
-  static constexpr std::size_t kMostHeldWide = std::size_t{4} << 20;  // Without a rate, all together.
+  static constexpr std::size_t kMostHeldWide = std::size_t{4} << 20;  // Without a rate: waiting and in transit.
 
-  // Starts a proxy. `server`: "HOST:PORT". kUnavailable if it has no address or no port is free.
+  // Starts a proxy. `server`: "HOST:PORT". kUnavailable if the server's host has no address or no port is free.
   static Result<std::unique_ptr<DelayingProxy>> start(const std::string& server, const Way& way);
   ~DelayingProxy();  // Ends all connections.
   DelayingProxy(const DelayingProxy&) = delete;

@@ -36,7 +36,7 @@ svg .grid { stroke: var(--line); stroke-width: 1; } svg polyline { fill: none; s
 
 constexpr double kMega = 1e6;
 constexpr std::ptrdiff_t kColours = 8;  // s0 to s7.
-// Shortest interval per point of a plot over time; shorter ones show single frames.
+// Shortest interval per point of a plot over time; a shorter interval would hold single frames.
 constexpr double kShortest_s = 0.25;
 
 std::string fixed(double value, int digits) {
@@ -104,7 +104,7 @@ std::string reader_table(const Report& report) {
   return "<div class=\"wide\"><table>" + html + "</table></div>";
 }
 
-// Plots value against the share of all values above it, from a half to one in 100,000.
+// Plots each latency over the share of values above it, from a half to one in 100,000.
 std::string percentile_plot(const Report& report) {
   std::vector<PlotSeries> series;
   std::vector<Latency> shown = latencies(report);
@@ -141,7 +141,7 @@ std::string stretch_plots(const Report& report) {
     const double span = length * static_cast<double>(end - i);
     const double time = length * static_cast<double>(i) + 0.5 * span;
     bytes.points.emplace_back(time, static_cast<double>(sum.bytes) / span / kMega);
-    if (sum.frames == 0) continue;  // Without frames there is no age; the other plot shows the gap.
+    if (sum.frames == 0) continue;  // Without frames there is no age; the plot of bytes shows the gap.
     median.points.emplace_back(time, static_cast<double>(sum.age_us.quantile(0.5)) / 1e3);
     high.points.emplace_back(time, static_cast<double>(sum.age_us.quantile(0.99)) / 1e3);
   }

@@ -20,7 +20,7 @@ const char* name_of(Role role) {
 
 void Recorder::measure(Nanoseconds begin, Nanoseconds end) {
   end_ = end;
-  begin_ = begin;  // Written last: counts() has both or nothing.
+  begin_ = begin;  // Written last, so that counts() never sees a begin without its end.
 }
 
 void Recorder::joined(Role role, Nanoseconds took) {

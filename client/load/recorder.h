@@ -21,12 +21,12 @@ inline constexpr std::array<Role, 4> kRoles{Role::kViewer, Role::kSlow, Role::kS
 // Sums the observations of readers of one role.
 struct ReaderTotals {
   std::int32_t readers = 0;                  // Readers that got a first frame.
-  std::int64_t frames = 0;                   // Decoded.
-  std::int64_t keyframes = 0;                // Keyframes among these.
-  std::int64_t bytes = 0;                    // Bytes of these.
+  std::int64_t frames = 0;                   // Decoded frames.
+  std::int64_t keyframes = 0;                // Keyframes among `frames`.
+  std::int64_t bytes = 0;                    // Bytes of `frames`.
   std::int64_t skipped = 0;                  // Ticks that were not sent.
   Histogram age_us;                          // From the end of the tick until the frame is decoded, frame by frame.
-  Histogram shown_us;                        // Age of the frame shown by a reader, at fixed times: see ShownAge.
+  Histogram shown_us;                        // Age of the frame that a reader shows, at fixed times: see ShownAge.
   Histogram join_us;                         // From opening the stream to the first decoded frame; warm-up included.
   std::map<std::string, std::int64_t> ends;  // Reasons for streams that ended before the run did.
   std::int64_t ended_without = 0;            // Streams in `ends` that had no first frame.
@@ -40,7 +40,8 @@ struct CutTotals {
   Histogram late_us;              // From the intended time to the time of sending.
   Histogram reply_us;             // From the intended time to the reply.
   Histogram reply_ticks;          // From the newest tick of a viewer at the time of sending to the tick of the cut.
-  Histogram seen_us;              // From the intended time to the first decoded frame of its tick or a later one.
+  Histogram seen_us;              // From the intended time to the first decoded frame that is not before the cut's
+                                  // tick.
   std::int64_t seen_without = 0;  // Frames in seen_us that did not have the cut yet.
   std::int64_t unseen = 0;        // Cuts on watched sheets that have no frame in seen_us when the run ends.
 };
@@ -78,7 +79,7 @@ class Recorder {
   void joined(Role role, Nanoseconds took);
   void frame(Role role, const FrameSeen& frame);
   void shown(Role role, std::int64_t age_us);
-  // `joined`: the reader had a first frame.
+  // Records that a stream ended early, for the reason `how`. `joined`: the reader had a first frame.
   void ended(Role role, const std::string& how, bool joined);
   void error(const std::string& reason);
   // Calls `change` with the lock held.
@@ -142,7 +143,7 @@ class ShownAge {
   std::int64_t next_ = 0;
   Nanoseconds decoded_{0};
   Nanoseconds age_{0};
-  bool moves_ = false;  // Nothing is shown before the first frame.
+  bool moves_ = false;  // False before the first frame, when nothing is shown.
 };
 
 }  // namespace kerf::load

@@ -31,11 +31,11 @@ struct Report {
   std::string started;          // UTC, ISO 8601
   bool interrupted = false;
   double measured_s = 0.0;                       // Between the first list of sheets and the last.
-  double window_s = 0.0;                         // Duration of the counts of readers and cuts.
-  std::string integrator;                        // Used by the first sheet.
-  std::map<std::string, std::int64_t> refusals;  // Sheets not made, by reason.
+  double window_s = 0.0;                         // Time during which readers and cuts were counted.
+  std::string integrator;                        // Integrator of the first sheet.
+  std::map<std::string, std::int64_t> refusals;  // Number of sheets not made, by reason.
   std::string first_refusal;                     // The server's words.
-  double creation_s = 0.0;                       // For all sheets.
+  double creation_s = 0.0;                       // Time in which all sheets were created.
   std::vector<SheetRun> sheets;
   std::array<ReaderTotals, kRoles.size()> readers;
   CutTotals cuts;
@@ -52,14 +52,14 @@ struct Report {
 // Summarises the sheets running at the end.
 struct Pace {
   std::int64_t running = 0;
-  double least = 0.0;  // Real-time factors; 0 if no sheet ran.
+  double least = 0.0;  // Least real-time factor; 0 if no sheet ran.
   double median = 0.0;
   double most = 0.0;
   std::int64_t slipped = 0;  // Sheets that gave up simulated time.
 };
 [[nodiscard]] Pace pace_of(const Report& report);
 
-// Return the cores used by the server, or this program; negative if unknown.
+// Return the mean number of cores that the server, or this program, used; negative if unknown.
 [[nodiscard]] double server_cores(const Report& report);
 [[nodiscard]] double client_cores(const Report& report);
 
@@ -80,7 +80,7 @@ struct Latency {
   std::string name;
   const Histogram* us = nullptr;
 };
-// Returns the latencies that were measured, the control run last.
+// Returns the latencies that were measured; the last is Report::control_us.
 [[nodiscard]] std::vector<Latency> latencies(const Report& report);
 
 inline constexpr std::array<double, 4> kQuantiles{0.5, 0.9, 0.99, 0.999};

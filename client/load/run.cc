@@ -24,10 +24,10 @@ namespace kerf::load {
 namespace {
 
 constexpr std::chrono::milliseconds kProgressEvery(250);
-constexpr std::chrono::seconds kGrace(10);  // At most, plus the delay, to wait for frames that show the last cuts.
+constexpr std::chrono::seconds kGrace(10);  // Longest wait, plus the delay, for frames that show the last cuts.
 constexpr std::chrono::milliseconds kLookEvery(50);
-constexpr std::size_t kProbes = 60;                    // At most, in one run.
-constexpr std::chrono::milliseconds kProbeEvery(500);  // At most this often.
+constexpr std::size_t kProbes = 60;                    // Most probes in one run.
+constexpr std::chrono::milliseconds kProbeEvery(500);  // Shortest time between probes.
 constexpr std::size_t kMostSheetsListedOften = 1000;   // More are listed at the beginning and the end only.
 
 Nanoseconds nanoseconds(double seconds) {
@@ -170,7 +170,7 @@ class Run {
     }
   }
 
-  // Waits for frames of the last cuts, which are still in transit to viewers; the slower that is, the more of them.
+  // Waits for frames that show the last cuts and are still in transit to viewers.
   void wait_for_cuts(const CutTracker& tracker, const Recorder& recorder) {
     const Nanoseconds from = now();
     const Nanoseconds end = from + kGrace + nanoseconds(1e-3 * report_.plan.way_ms);

@@ -19,7 +19,7 @@ class Waiter {
  public:
   virtual ~Waiter() = default;
   [[nodiscard]] virtual Nanoseconds now() const = 0;
-  // Waits until `time`, which may be past. Returns false if the end comes before that.
+  // Waits until `time`, which may be past. Returns false if the waiting is ended before `time`.
   virtual bool wait_until(Nanoseconds time) = 0;
 };
 
@@ -45,8 +45,9 @@ struct Schedule {
   [[nodiscard]] Nanoseconds at(std::int64_t k) const { return start + k * interval; }
 };
 
-// Calls `arrive` with the number and intended time of each arrival once that time has come. Late ones follow at once;
-// none is left out. Ends when the next is at or after `end`, or the waiter ends. Returns their number.
+// Calls `arrive` with the number and intended time of each arrival once that time has come. Late arrivals follow at
+// once; none is left out. Ends when the next arrival is at or after `end`, or when the waiter ends. Returns the number
+// of arrivals.
 std::int64_t run_schedule(const Schedule& schedule, Nanoseconds end, Waiter& waiter,
                           const std::function<void(std::int64_t k, Nanoseconds intended)>& arrive);
 

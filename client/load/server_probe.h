@@ -25,7 +25,7 @@ struct SheetCounts {
 struct Probe {
   Nanoseconds time{0};
   double load = 0.0;       // See ServerInfo.load.
-  std::int64_t ticks = 0;  // Sums over the run's sheets.
+  std::int64_t ticks = 0;  // Sum over the run's sheets, as are the next two.
   std::int64_t overruns = 0;
   double slipped_s = 0.0;
   std::optional<ProcessUsage> server;

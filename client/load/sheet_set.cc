@@ -13,12 +13,12 @@
 namespace kerf::load {
 namespace {
 
-constexpr int kThreads = 4;  // Create and delete.
+constexpr int kThreads = 4;  // Threads that create and delete sheets.
 constexpr std::chrono::milliseconds kRetryAfter(100);
 constexpr std::chrono::milliseconds kTellEvery(250);
 constexpr double kSwing_m = 0.05;     // m, of the corners to each side.
 constexpr double kHalfSwing_s = 0.5;  // s, from one side to the other.
-constexpr double kSpare_s = 120.0;    // s, the corners continue to move after the run.
+constexpr double kSpare_s = 120.0;    // s, for which the corners continue to move after the run.
 
 // Calls `work` with 0, 1, ... n - 1 on some threads until it returns false; meanwhile calls `tell` on this one.
 void share_out(std::int32_t n, const std::function<bool(std::int32_t)>& work, const std::function<void(double)>& tell) {
@@ -87,7 +87,7 @@ SheetSet::SheetSet(const Plan& plan, client::Client& client, Waiter& waiter, Tel
   };
   share_out(plan.sheets, make, [this](double share) { tell_("creating sheets", share); });
   std::sort(names_.begin(), names_.end(), [](const std::string& a, const std::string& b) {
-    return a.size() != b.size() ? a.size() < b.size() : a < b;  // -2 before -10.
+    return a.size() != b.size() ? a.size() < b.size() : a < b;  // Puts load-2 before load-10.
   });
 }
 
@@ -113,7 +113,7 @@ SheetSet::~SheetSet() {
     v1::DeleteSheetRequest request;
     request.set_name(names_[static_cast<std::size_t>(i)]);
     google::protobuf::Empty nothing;
-    // Ends at the first call that finds the server gone, and with it its sheets.
+    // Stops deleting when a call finds the server gone, because its sheets are then gone too.
     const grpc::Status status = client_.call(&v1::SheetService::Stub::DeleteSheet, client_.sheets(), request, nothing);
     return status.error_code() != grpc::StatusCode::UNAVAILABLE;
   };

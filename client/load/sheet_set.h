@@ -25,9 +25,9 @@ class SheetSet {
   using Tell = std::function<void(const char* stage, double share)>;
 
   // Creates the sheets until one is refused for lack of capacity. With a still plan, a sheet refused because of
-  // overload is retried for kPatience: existing ones soon sleep.
+  // overload is retried for kPatience, because the existing sheets soon sleep.
   SheetSet(const Plan& plan, client::Client& client, Waiter& waiter, Tell tell);
-  ~SheetSet();  // Deletes them.
+  ~SheetSet();  // Deletes the sheets.
   SheetSet(const SheetSet&) = delete;
   SheetSet& operator=(const SheetSet&) = delete;
 

@@ -10,11 +10,11 @@ namespace kerf::load {
 namespace {
 
 constexpr double kWidth = 640.0;   // SVG units
-constexpr double kHeight = 260.0;  // Without the legend.
+constexpr double kHeight = 260.0;  // Height without the legend, SVG units.
 constexpr double kLeft = 64.0;
 constexpr double kRight = 16.0;
 constexpr double kTop = 34.0;
-constexpr double kBottom = 40.0;  // Labels of the axis.
+constexpr double kBottom = 40.0;  // Room for the labels of the axis.
 constexpr double kLegendRow = 16.0;
 constexpr int kTicks = 5;
 
@@ -29,7 +29,7 @@ std::string placed(const char* kind, double x, double y, const std::string& text
          escape_html(text) + "</text>";
 }
 
-// Maps values to a share of an axis' length.
+// Maps a value to its place on an axis, as a share of the axis' length.
 class Scale {
  public:
   Scale(const PlotAxis& axis, double least, double most) : log_(axis.logarithmic), ticks_(axis.ticks) {
@@ -54,7 +54,7 @@ class Scale {
   [[nodiscard]] const std::vector<std::pair<double, std::string>>& ticks() const { return ticks_; }
 
  private:
-  // Returns 1, 2 or 5 times a power of ten, so that about kTicks fit.
+  // Returns the distance between ticks, 1, 2 or 5 times a power of ten, so that about kTicks fit.
   static double step_for(double span) {
     const double power = std::pow(10.0, std::floor(std::log10(span / kTicks)));
     for (const double factor : {1.0, 2.0, 5.0}) {

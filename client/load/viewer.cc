@@ -11,7 +11,7 @@
 namespace kerf::load {
 namespace {
 
-// Returns times one tick apart. Readers open before the start of counting is known.
+// Returns times one tick apart, beginning when the reader opens: the start of counting is not known yet.
 Schedule shown_times(const Plan& plan, Nanoseconds opened) {
   return {opened, Nanoseconds(std::llround(1.0e9 / plan.tick_rate_hz))};
 }

@@ -18,9 +18,9 @@ namespace kerf::load {
 struct Watching {
   Role role = Role::kViewer;
   std::string sheet;              // "sheets/load-0"
-  std::size_t index = 0;          // Index of that sheet.
+  std::size_t index = 0;          // Index of the sheet in the run.
   std::string address;            // HOST:PORT of the server or of a proxy before it.
-  CutTracker* tracker = nullptr;  // Receives its frames; null: none does.
+  CutTracker* tracker = nullptr;  // Receives the reader's frames; may be null.
 };
 
 // Records each decoded frame of a reader. For use on one thread.
@@ -46,13 +46,13 @@ class ReaderLog {
   bool joined_ = false;
 };
 
-// Return the options of a reader, and for how long it holds its frame number `frame`, >= 1, before it takes the next; 0
-// if it holds none.
+// options_of() returns the options of a reader's stream. hold_of() returns how long the reader holds its frame number
+// `frame`, >= 1, before it takes the next; 0 if it does not hold the frame.
 [[nodiscard]] client::WatchOptions options_of(const Plan& plan, Role role);
 [[nodiscard]] Nanoseconds hold_of(const Plan& plan, Role role, std::int64_t frame);
 
-// Time to wait for a connection; a later failure is reported by the stream. (gRPC 1.51 sometimes treats a pending
-// connection as failed, and makes another a second later.)
+// Time to wait for a connection; if there is none by then, the stream reports the failure. (gRPC 1.51 sometimes treats
+// a pending connection as failed, and makes another a second later.)
 inline constexpr std::chrono::seconds kConnectWithin{10};
 
 // Watches one sheet on its own thread and connection until it is destroyed.

@@ -58,7 +58,7 @@ class WebSocketViewer : public Viewer {
     if (!endpoint) return ended("write HOST:PORT");
     resolver_.async_resolve(endpoint->host, endpoint->port, [this](const NetError& error, const Addresses& found) {
       if (error) return ended(error.message());
-      // Connects unless stopped: connecting would reopen a closed socket.
+      // Connects only if stop() was not called, because connecting would reopen the closed socket.
       if (!stopped_) connect(found);
     });
   }
@@ -142,7 +142,7 @@ class WebSocketViewer : public Viewer {
   boost::asio::ip::tcp::resolver resolver_{context_};
   beast::websocket::stream<beast::tcp_stream> socket_;
   beast::flat_buffer buffer_;
-  std::string sent_;  // Being written.
+  std::string sent_;  // Message being written.
   std::thread thread_;
 };
 

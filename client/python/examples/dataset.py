@@ -6,8 +6,8 @@
   FOLDER/train.txt, val.txt  the names, four fifths and one fifth
   FOLDER/dataset.json        how it was made
 
-Each sample depends on --seed and its number alone. A run that was interrupted is taken up where it stopped; the same command
-with a larger --samples adds to what is there.
+Each sample depends only on --seed and its number. The same command continues an interrupted run, and with a larger
+--samples adds to the data set.
 """
 
 from __future__ import annotations
@@ -29,18 +29,18 @@ from random_cuts import KINDS, random_cut
 
 _FOV_DEG = 40.0
 _TARGET = (0.5, 0.0, 0.45)
-_TRIES = 50  # a cut that is wanted
+_TRIES = 50  # most attempts per cut wanted
 _MATERIALS = ("demo", "denim", "skin", "rubber")
 
 
 def make_sample(server: kerf.Server, chance: random.Random, how: Dict[str, Any]) -> Tuple[bytes, Any, Dict[str, Any]]:
-    """Picture, mask and label of a sheet that was cut at random and has moved a little since."""
+    """Returns picture, mask and label of a sheet that was cut at random and has moved a little afterwards."""
     grid, size_px = (how["grid"], how["grid"]), (how["size_px"], how["size_px"])
     material = chance.choice(_MATERIALS)
     eye = (0.5 + chance.uniform(-0.5, 0.5), -1.9, 0.5 + chance.uniform(-0.3, 0.3))
     with server.temporary_sheet(grid=grid, pins=["top"], material=material, paused=True) as sheet:
         cuts = _cut_at_random(sheet, chance, chance.randint(1, how["max_cuts"]))
-        # Along the view, so that loose pieces do not fall in the plane of the sheet, where it is open what is in front.
+        # The wind blows along the view: pieces that fell in the plane of the sheet would have no clear front and back.
         sheet.set_wind(kerf.wind((0, chance.choice((-1, 1)) * chance.uniform(3, 6), 0)))
         sheet.step(chance.randint(5, 14))
         picture = sheet.render(size_px, camera=kerf.camera(eye, _TARGET, vertical_fov_deg=_FOV_DEG))
@@ -59,7 +59,7 @@ def make_sample(server: kerf.Server, chance: random.Random, how: Dict[str, Any])
 
 
 def _cut_at_random(sheet: kerf.Sheet, chance: random.Random, wanted: int) -> List[Dict[str, Any]]:
-    """So many cuts that were applied, as they are labelled."""
+    """Makes random cuts until `wanted` were applied; returns their labels."""
     cuts: List[Dict[str, Any]] = []
     for _ in range(_TRIES * wanted):
         kind, cut = random_cut(chance)
@@ -67,7 +67,7 @@ def _cut_at_random(sheet: kerf.Sheet, chance: random.Random, wanted: int) -> Lis
             if sheet.cut(cut).status != kerf.APPLIED:
                 continue
         except (kerf.InvalidArgument, kerf.FailedPrecondition, kerf.ResourceExhausted):
-            continue  # may not be cut: another is drawn
+            continue  # the cut is refused: another is drawn
         curve = json_format.MessageToDict(cut.curve, preserving_proto_field_name=True)
         cuts.append({"kind": kind, "curve": curve, "width_m": cut.width_m})
         if len(cuts) == wanted:
@@ -76,14 +76,15 @@ def _cut_at_random(sheet: kerf.Sheet, chance: random.Random, wanted: int) -> Lis
 
 
 def _piece_label(piece: Any, number: int, mask: Any) -> Dict[str, Any]:
-    """box_px: left, top, right, bottom of what is seen of it, the last two excluded; None: nothing is."""
+    """Returns the label of a piece. box_px: left, top, right, bottom of its visible part, the last two excluded; None
+    if no part is visible."""
     rows, columns = numpy.nonzero(mask == number)
     box = [int(each) for each in (columns.min(), rows.min(), columns.max() + 1, rows.max() + 1)] if len(rows) else None
     return {"mask": number, "id": piece.id, "area_m2": piece.area_m2, "box_px": box, "pixels": len(rows)}
 
 
 def write_sample(folder: pathlib.Path, name: str, picture: bytes, mask: Any, label: Dict[str, Any]) -> None:
-    """The label last, and whole or not at all: where it is, the sample is complete."""
+    """Writes a sample, its label last and whole or not at all: if the label exists, the sample is complete."""
     (folder / "images" / f"{name}.png").write_bytes(picture)
     Image.fromarray(mask).save(folder / "masks" / f"{name}.png")
     part = folder / "labels" / f"{name}.json.part"
@@ -92,7 +93,7 @@ def write_sample(folder: pathlib.Path, name: str, picture: bytes, mask: Any, lab
 
 
 def open_folder(folder: pathlib.Path, how: Dict[str, Any]) -> None:
-    """Makes the folders, or makes sure that what is there was made in the same way."""
+    """Makes the folders, or checks that existing ones were made in the same way."""
     about = folder / "dataset.json"
     if about.exists():
         before = json.loads(about.read_text(encoding="utf-8"))
@@ -128,7 +129,7 @@ def main() -> None:
 
     names = [f"{number:06d}" for number in range(options.samples)]
     with kerf.connect(options.server) as server:
-        server.info()  # fails before anything is written where no server answers
+        server.info()  # fails before anything is written if no server answers
         open_folder(options.out, how)
         missing = [name for name in names if not (options.out / "labels" / f"{name}.json").exists()]
         print(f"{len(names) - len(missing)} of {len(names)} samples are there")

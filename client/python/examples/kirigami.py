@@ -1,7 +1,7 @@
 """Cuts a grid of slits into a sheet, pulls it open, and saves pictures of it on the way.
 
-It is as thin as paper and as soft as rubber: how a pulled sheet folds depends on its thickness, not on its stiffness, and soft
-ones take fewer steps.
+The sheet is as thin as paper and as soft as rubber: the folds of a pulled sheet depend on its thickness, not its
+stiffness, and a soft sheet takes fewer steps.
 """
 
 from __future__ import annotations
@@ -15,12 +15,13 @@ from kerf.v1 import geometry_pb2
 
 _WIDTH_M = 0.3
 _HEIGHT_M = 0.4
-_MARGIN_M = 0.04  # without slits, at the edge that is held and the one that is pulled
-_SECONDS = 1.0  # that the pull takes
+_MARGIN_M = 0.04  # strip without slits at the held edge and at the pulled edge
+_SECONDS = 1.0  # duration of the pull
 
 
 def slits(rows: int, columns: int) -> List[geometry_pb2.Curve]:
-    """Rows of slits across the pull, every other row shifted by half a slit and its gap, open at the sides there."""
+    """Returns rows of slits across the pull. Every other row is shifted by half a slit and its gap, so that its outer
+    slits are open at the sides."""
     pitch = _WIDTH_M / columns
     length = 0.75 * pitch
     made = []
@@ -34,7 +35,8 @@ def slits(rows: int, columns: int) -> List[geometry_pb2.Curve]:
 
 
 def scene(vertices: int, pull_m: float) -> Dict[str, Any]:
-    """A sheet that hangs in the plane y = 0, held at its top, whose bottom edge goes down by pull_m within _SECONDS."""
+    """Returns the scene of a sheet in the plane y = 0 that is held at its top. Its bottom edge moves down by pull_m
+    within _SECONDS."""
     columns = max(8, round((vertices * _WIDTH_M / _HEIGHT_M) ** 0.5))
     rows = round(columns * _HEIGHT_M / _WIDTH_M)
     way = {"times": [0, _SECONDS], "factors": [0, 1]}
@@ -47,7 +49,7 @@ def scene(vertices: int, pull_m: float) -> Dict[str, Any]:
             "density_kgpm3": 1000,
             "mass_damping_per_s": 5,
         },
-        # Hardly anything: it says to which side the strips leave the plane.
+        # Tiny, only to decide to which side the strips leave the plane.
         "gravity_mps2": {"y": 0.05},
         "constraints": [
             {"region": {"edge": "TOP"}},

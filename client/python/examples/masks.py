@@ -1,4 +1,4 @@
-"""Which piece each pixel of a picture shows: the triangles of a sheet drawn by label, with NumPy."""
+"""Computes which piece each pixel of a picture shows, by drawing the triangles of a sheet with NumPy."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ Vector = Tuple[float, float, float]
 
 
 def piece_mask(state: kerf.State, eye: Vector, target: Vector, fov_deg: float, size_px: Tuple[int, int]) -> Any:
-    """height x width uint8: 0 where the picture shows no sheet, else 1 + the piece's place among the sorted labels, at most
-    255. The camera is that of Sheet.render(), with up along +z; nothing but the sheet hides it."""
+    """Returns height x width uint8: 0 where the picture shows no sheet, else 1 + the place of the piece among the
+    sorted labels, at most 255. The camera is as in Sheet.render(), with up along +z; colliders hide nothing."""
     corners = _to_pixels(state.positions, eye, target, fov_deg, size_px)[state.triangles]
     numbers = numpy.minimum(1 + numpy.searchsorted(numpy.unique(state.pieces), state.pieces), 255)
     mask = numpy.zeros(size_px[::-1], dtype="u1")
@@ -24,7 +24,8 @@ def piece_mask(state: kerf.State, eye: Vector, target: Vector, fov_deg: float, s
 
 
 def _to_pixels(points: Any, eye: Vector, target: Vector, fov_deg: float, size_px: Tuple[int, int]) -> Any:
-    """N x 3 points of the world, metres -> N x 3: x and y in pixels, y down, and 1 / distance along the view."""
+    """Projects N x 3 points of the world, metres. Returns N x 3: x and y in pixels, y down, and 1 / distance along the
+    view."""
     forward = numpy.subtract(target, eye)
     forward = forward / numpy.linalg.norm(forward)
     right = numpy.cross(forward, (0, 0, 1))
@@ -36,7 +37,8 @@ def _to_pixels(points: Any, eye: Vector, target: Vector, fov_deg: float, size_px
 
 
 def _draw(triangle: Any, number: int, mask: Any, nearest: Any) -> None:
-    """Writes the number into the pixels whose centres are inside the triangle and nearer than what is there."""
+    """Writes `number` into the pixels whose centres are inside the triangle, where it is nearer than what was drawn
+    before."""
     low = numpy.maximum(numpy.floor(triangle[:, :2].min(axis=0)), 0).astype(int)
     high = numpy.minimum(numpy.ceil(triangle[:, :2].max(axis=0)), mask.shape[::-1]).astype(int)
     (ax, ay, a), (bx, by, b), (cx, cy, c) = triangle.tolist()

@@ -1,4 +1,4 @@
-"""A bar on the terminal for work that takes a while; nothing where the output is no terminal."""
+"""A progress bar on the terminal; it shows nothing if the output is no terminal."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ _WIDTH = 30
 
 
 class Progress:
-    """Shows how much of `total` is done, and about how long the rest takes."""
+    """Shows how much of `total` is done, and an estimate of the time left."""
 
     def __init__(self, total: int, what: str, done: int = 0) -> None:
         self._total = total

@@ -1,4 +1,4 @@
-"""Cuts drawn by chance, the same for the same seed: what the robot and the data set share."""
+"""Random cuts, the same for the same seed, for the examples robot.py and dataset.py."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ KINDS = ("line", "wave", "circle", "ellipse", "crescent", "strip")
 
 
 def random_cut(chance: random.Random) -> Tuple[str, scene_pb2.Cut]:
-    """One of KINDS and such a cut of a sheet of 1 m x 1 m."""
+    """Returns one of KINDS and a random cut of this kind, for a sheet of 1 m x 1 m."""
     kind = chance.choice(KINDS)
     if kind == "line":
         start, end = _across(chance)
@@ -38,7 +38,7 @@ def _point(chance: random.Random, margin: float) -> Tuple[float, float]:
 
 
 def _across(chance: random.Random) -> List[Tuple[float, float]]:
-    """Two points beside two different sides, a little outside."""
+    """Returns two points a little outside two different sides of the sheet."""
     ends = []
     for side in chance.sample(range(4), 2):
         along = chance.uniform(0.1, 0.9)
@@ -47,7 +47,7 @@ def _across(chance: random.Random) -> List[Tuple[float, float]]:
 
 
 def _crescent(chance: random.Random) -> geometry_pb2.Curve:
-    """Two arcs between the same ends, one of them flatter."""
+    """Returns a closed curve of two arcs between the same ends, one flatter than the other."""
     (x, y), size, turn = _point(chance, 0.2), chance.uniform(0.05, 0.12), chance.uniform(0, 2 * math.pi)
     dx, dy = size * math.cos(turn), size * math.sin(turn)
     path = kerf.Path((x - dx, y - dy)).arc((x + dx, y + dy), size, counter_clockwise=False)

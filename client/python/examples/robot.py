@@ -1,6 +1,7 @@
 """A robot that cuts a sheet at random while it moves: every kind of cut, undo, hands that pull, gusts of wind.
 
-The same seed makes the same cuts at the same ticks, and so the same sheet, bit for bit: the state hash at the end tells.
+The same seed makes the same cuts at the same ticks, and so the same sheet, bit for bit. The state hash printed at
+the end shows it.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from random_cuts import random_cut
 
 
 class Robot:
-    """Does one thing after another to a paused sheet of 1 m x 1 m, and counts what became of them."""
+    """Acts on a paused sheet of 1 m x 1 m, one action after another, and counts the outcomes."""
 
     def __init__(self, sheet: kerf.Sheet, seed: int) -> None:
         self._sheet = sheet
@@ -85,7 +86,7 @@ def main() -> None:
     print(f"seed {seed}")
 
     side = round(options.vertices**0.5)
-    # Implicit: slivers between cuts that nearly meet would take an explicit step thousands of substeps.
+    # Implicit, because slivers between cuts that nearly meet would need thousands of explicit substeps per tick.
     scene = {
         "grid": {"columns": side, "rows": side, "width_m": 1, "height_m": 1},
         "pins": [{"edge": "TOP_CORNERS"}],

@@ -25,7 +25,7 @@ _STRESS_PA = 1e3
 
 
 def tada(share: float) -> float:
-    """V of a slit of this share of the width, 0 < share < 1."""
+    """Returns V of a slit whose length is this share of the strip's width, 0 < share < 1."""
     polynomial = -0.071 - 0.535 * share + 0.169 * share**2 - 0.090 * share**3 + 0.020 * share**4
     return polynomial - 1.071 / share * math.log(1 - share)
 
@@ -55,7 +55,8 @@ def scene(columns: int) -> Dict[str, Any]:
 
 
 def opening_m(sheet: kerf.Sheet, share: float, edge_m: float) -> float:
-    """Returns the opening at rest, in its middle, of a slit with this share of the width. edge_m: edges away from the slit."""
+    """Returns the opening at rest, in its middle, of a slit whose length is this share of the width. edge_m: length of
+    edges away from the slit."""
     sheet.reset()
     middle, half = _WIDTH_M / 2, share * _WIDTH_M / 2
     slit = kerf.polyline((middle - half, _HEIGHT_M / 2), (middle + half, _HEIGHT_M / 2))

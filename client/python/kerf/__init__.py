@@ -9,9 +9,9 @@
         for frame in flag.watch(rate_hz=10):
             print(frame.tick, frame.positions.mean(axis=0))
 
-Lengths are metres in material coordinates: a grid spans (0, 0) to (width, height), y up. Replies are the messages of
-kerf.v1 as they come, described field by field in proto/kerf/v1, or NumPy arrays. What the server refuses is raised as
-kerf.Error, with its code, reason, message and field. kerf.aio has the same for asyncio.
+Lengths are metres in material coordinates: a grid spans (0, 0) to (width, height), y up. Replies are messages of
+kerf.v1, described field by field in proto/kerf/v1, or NumPy arrays. A refusal of the server is raised as kerf.Error,
+with its code, reason, message and field. kerf.aio has the same for asyncio.
 """
 
 from kerf.arrays import Analysis, State, Table

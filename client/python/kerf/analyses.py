@@ -18,7 +18,7 @@ def analyze_request(
     measure_every: int,
     request: Optional[Mapping[str, Any]],
 ) -> sheets_pb2.AnalyzeSheetRequest:
-    """Raises ValueError where two analyses are asked for, or `request` is none."""
+    """Raises ValueError if two analyses are requested, or if `request` is not an AnalyzeSheetRequest."""
     if ticks is not None and modes:
         raise ValueError("give either ticks, or modes")
     if request is not None and (modes or about_equilibrium or (ticks is not None and "analysis" in request)):

@@ -1,4 +1,5 @@
-"""NumPy arrays of what the server sends. NumPy is imported when the first of them is made, so that all else works without."""
+"""NumPy arrays of what the server sends. NumPy is imported when the first array is made, so that all else works without
+it."""
 
 from __future__ import annotations
 
@@ -21,7 +22,8 @@ if TYPE_CHECKING:
 
 
 def needed(module: str, package: str) -> Any:
-    """A module that only some calls need. Raises ImportError that names the Debian package where it is missing."""
+    """Imports a module that only some calls need. If it is missing, raises ImportError with the name of the Debian
+    package."""
     try:
         return importlib.import_module(module)
     except ImportError as missing:
@@ -33,14 +35,15 @@ def numpy_module() -> Any:
 
 
 def packed(content: bytes, kind: str, columns: int) -> Any:
-    """A packed array as N x columns (N where columns is 1), without a copy and not to be written to. kind: "<f8", ..."""
+    """Returns a packed array as N x columns, or N if columns is 1. It is a read-only view without a copy. kind: NumPy's
+    type, such as "<f8"."""
     flat = numpy_module().frombuffer(content, dtype=kind)
     return flat if columns == 1 else flat.reshape(-1, columns)
 
 
 @dataclass(frozen=True)
 class State:
-    """The exact state of a sheet after a tick: 64-bit floats as they are in the solver, of V vertices and T triangles.
+    """The exact state of a sheet with V vertices and T triangles after a tick, in the solver's 64-bit floats.
 
     >>> sheet.state().positions.shape
     (400, 3)
@@ -48,7 +51,7 @@ class State:
 
     tick: int
     topology_version: int  # grows by one with each cut, undo and reset
-    state_hash: str  # 16 hex digits: equal on equal states
+    state_hash: str  # 16 hex digits; equal for equal states
     positions: Floats  # V x 3, metres, world
     velocities: Floats  # V x 3, metres/second
     material_positions: Floats  # V x 2, metres, on the undeformed sheet
@@ -73,7 +76,7 @@ def state_of(reply: sheets_pb2.SheetState) -> State:
 
 @dataclass(frozen=True)
 class Table:
-    """Numbers over time or load: a row a moment. NaN where there was nothing to measure.
+    """Numbers over time or load, one row for each moment. NaN where there was nothing to measure.
 
     >>> table = Table("modes", ["mode", "frequency_hz"], numpy.array([[1, 2.5], [2, 4.0]]))
     >>> table["frequency_hz"].tolist()
@@ -84,11 +87,11 @@ class Table:
     """
 
     name: str  # "probes" or "modes"
-    columns: List[str]  # the first is "time_s", "load" or "mode"; of a probe "name.x" and so on
+    columns: List[str]  # the first is "time_s", "load" or "mode"; those of a probe are "name.x" and so on
     values: Floats  # rows x columns
 
     def __getitem__(self, column: str) -> Floats:
-        """One column. Raises KeyError, which names those there are."""
+        """Returns one column. Raises KeyError with the names of all columns."""
         if column not in self.columns:
             raise KeyError(f"table {self.name!r} has no column {column!r}; there are {', '.join(self.columns)}")
         return self.values[:, self.columns.index(column)]
@@ -98,12 +101,12 @@ class Table:
 class Analysis:
     """Holds the results of Sheet.analyze(), for a copy of the sheet."""
 
-    tick: int  # of the sheet that was copied
-    topology_version: int  # of the sheet that was copied
-    tables: Dict[str, Table]  # by name: "probes" where there were some, "modes"
-    static: Optional[analysis_pb2.StaticResult]  # of an equilibrium
-    dynamic: Optional[analysis_pb2.DynamicResult]  # of ticks to come
-    positions: Optional[Floats]  # V x 3, metres, where they were asked for
+    tick: int  # of the sheet when it was copied
+    topology_version: int  # of the sheet when it was copied
+    tables: Dict[str, Table]  # by name: "probes" if there were some, and "modes"
+    static: Optional[analysis_pb2.StaticResult]  # result of an equilibrium analysis
+    dynamic: Optional[analysis_pb2.DynamicResult]  # result of `ticks`
+    positions: Optional[Floats]  # V x 3, metres; None unless requested
 
 
 def analysis_of(reply: sheets_pb2.AnalyzeSheetResponse) -> Analysis:

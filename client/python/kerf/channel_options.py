@@ -1,7 +1,7 @@
 """Options of channels to servers."""
 
-# Never through a proxy of the environment: Kerf servers are near. The exact state of half a million vertices fits. A server
-# that was started again is found soon.
+# A message may hold the exact state of half a million vertices. Proxies set in the environment are ignored, because
+# Kerf servers are near. Short backoffs find a restarted server soon.
 CHANNEL_OPTIONS = [
     ("grpc.max_receive_message_length", 256 << 20),
     ("grpc.enable_http_proxy", 0),

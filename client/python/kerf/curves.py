@@ -19,7 +19,7 @@ def vec2(point: Point) -> geometry_pb2.Vec2:
 
 
 def polyline(*points: Point) -> geometry_pb2.Curve:
-    """Straight pieces; closed if the last point equals the first. 2..4096 points.
+    """Returns straight pieces; closed if the last point equals the first. 2..4096 points.
 
     >>> sheet.cut(polyline((-0.1, 0.3), (1.1, 0.35))).pieces
     2
@@ -28,7 +28,7 @@ def polyline(*points: Point) -> geometry_pb2.Curve:
 
 
 def bezier(*points: Point) -> geometry_pb2.Curve:
-    """Cubic Bezier pieces joined end to start: 3 n + 1 points for n of 1..64 pieces.
+    """Returns n cubic Bezier pieces joined end to start, from 3 n + 1 points; n in 1..64.
 
     >>> sheet.cut(bezier((-0.1, 0.3), (0.3, 0.6), (0.7, 0.1), (1.1, 0.4))).pieces
     2
@@ -37,7 +37,8 @@ def bezier(*points: Point) -> geometry_pb2.Curve:
 
 
 def rational(*points: Tuple[float, float, float]) -> geometry_pb2.Curve:
-    """A rational Bezier curve of three (quadratic) or four (cubic) points x, y, weight. Weights 1e-6..1e6.
+    """Returns a rational Bezier curve of three (quadratic) or four (cubic) points x, y, weight. Weights are in
+    1e-6..1e6.
 
     >>> sheet.cut(rational((-0.1, 0.9, 1), (0.5, 0.5, 3), (1.1, 0.9, 1))).pieces
     2
@@ -54,7 +55,7 @@ def rational(*points: Tuple[float, float, float]) -> geometry_pb2.Curve:
 
 
 def circle(center: Point, radius: float) -> geometry_pb2.Curve:
-    """A full circle: a punch.
+    """Returns a full circle: a punch.
 
     >>> sheet.cut(circle((0.5, 0.5), 0.2)).pieces
     2
@@ -63,7 +64,7 @@ def circle(center: Point, radius: float) -> geometry_pb2.Curve:
 
 
 def ellipse(center: Point, semi_axis_x: float, semi_axis_y: float, rotation_deg: float = 0.0) -> geometry_pb2.Curve:
-    """A full ellipse; the rotation is counter-clockwise.
+    """Returns a full ellipse; the rotation is counter-clockwise.
 
     >>> sheet.cut(ellipse((0.5, 0.5), 0.3, 0.1, rotation_deg=30)).pieces
     2
@@ -79,7 +80,8 @@ def ellipse(center: Point, semi_axis_x: float, semi_axis_y: float, rotation_deg:
 
 
 def svg(text: str) -> geometry_pb2.Curve:
-    """The outlines of a drawing, given as SVG text. Without `fit` it is fitted into the sheet.
+    """Returns the outlines of a drawing, given as SVG text. A cut without the option `fit` fits the drawing into the
+    sheet.
 
     >>> drawing = '<svg xmlns="http://www.w3.org/2000/svg"><circle r="40"/></svg>'
     >>> sheet.cut(svg(drawing), fit=(0.1, 0.1, 0.3, 0.3)).pieces
@@ -89,12 +91,14 @@ def svg(text: str) -> geometry_pb2.Curve:
 
 
 def svg_file(path: "str | os.PathLike[str]") -> geometry_pb2.Curve:
-    """The outlines of a drawing in a file of this machine. Raises OSError, or UnicodeDecodeError where it is not UTF-8."""
+    """Returns the outlines of a drawing in an SVG file of this machine. Raises OSError, or UnicodeDecodeError if it is
+    not UTF-8."""
     return svg(pathlib.Path(path).read_text(encoding="utf-8"))
 
 
 class Path:
-    """Lines of any pieces, built one after the other; each method returns the path, so that they chain:
+    """Builds a curve of one or more lines, each of straight, Bezier and arc pieces. Each method returns the path, so
+    that calls chain:
 
         kerf.Path((0.1, 0.1)).line((0.3, 0.1)).arc((0.3, 0.3), 0.1).close().move((0.6, 0.6)).line((0.8, 0.7)).curve()
 
@@ -108,24 +112,24 @@ class Path:
         self.move(start)
 
     def move(self, start: Point) -> Path:
-        """Begins another line."""
+        """Begins a line that is not joined to the one before."""
         self._path.subpaths.add(start=vec2(start))
         return self
 
     def line(self, *ends: Point) -> Path:
-        """Straight on to each of the points."""
+        """Adds straight pieces to each of the points in turn."""
         for end in ends:
             self._segments().add(line=vec2(end))
         return self
 
     def quadratic(self, control: Point, end: Point, *, weights: Sequence[float] = ()) -> Path:
-        """weights: of start, control and end; none: all equal."""
+        """Adds a quadratic Bezier piece. weights: those of start, control and end; none: all equal."""
         segment = geometry_pb2.Path.Quadratic(control=vec2(control), end=vec2(end), weights=weights)
         self._segments().add(quadratic=segment)
         return self
 
     def cubic(self, control_1: Point, control_2: Point, end: Point, *, weights: Sequence[float] = ()) -> Path:
-        """weights: of start, both controls and end; none: all equal."""
+        """Adds a cubic Bezier piece. weights: those of start, both controls and end; none: all equal."""
         segment = geometry_pb2.Path.Cubic(
             control_1=vec2(control_1), control_2=vec2(control_2), end=vec2(end), weights=weights
         )
@@ -142,7 +146,7 @@ class Path:
         large: bool = False,
         counter_clockwise: bool = True,
     ) -> Path:
-        """Adds an arc of an ellipse, or of a circle if there is one semi-axis. large: the longer way round."""
+        """Adds an arc of an ellipse, or of a circle if there is one semi-axis. large: takes the longer way round."""
         segment = geometry_pb2.Path.Arc(
             semi_axis_x_m=semi_axis_x,
             semi_axis_y_m=semi_axis_x if semi_axis_y is None else semi_axis_y,
@@ -160,7 +164,7 @@ class Path:
         return self
 
     def curve(self) -> geometry_pb2.Curve:
-        """All lines, to be cut at once. At most 10000 segments."""
+        """Returns all lines as one curve. At most 10000 segments."""
         return geometry_pb2.Curve(path=self._path)
 
     def _segments(self) -> Any:

@@ -27,24 +27,24 @@ Fit = Union[Literal["sheet"], Tuple[float, float, float, float]]
 class CutOptions(TypedDict, total=False):
     """Holds the options of a cut besides its curve; those left out have their defaults. Ranges: proto/kerf/v1/scene.proto."""
 
-    tolerance: float  # largest distance curve to lips, as a fraction of the edge length there
-    tolerance_m: float  # the same in metres, instead
-    min_angle_deg: float  # asked of new elements
+    tolerance: float  # largest distance of the curve to the lips, as a share of the edge length there
+    tolerance_m: float  # replaces `tolerance`, metres
+    min_angle_deg: float  # smallest angle wanted in new triangles
     max_new_triangles: int
     method: Literal["neighbourhood", "element"]
     quality: Literal["default", "fine"]
-    tip_edge_length_m: float  # edge length at the tips
-    tip_grading: float  # growth of edges a ring of elements away from the tips
+    tip_edge_length_m: float  # edge length wanted at the tips: the cut's ends inside the sheet
+    tip_grading: float  # growth of edges with each ring of triangles around a tip
     relax: bool  # False: no old vertex moves in material space
-    fit: Fit  # scaled and moved into this box: low x, low y, high x, high y; or "sheet"
-    dash: Sequence[float]  # metres cut and metres left, in turn
+    fit: Fit  # box into which the curve is scaled and moved: low x, low y, high x, high y; or "sheet"
+    dash: Sequence[float]  # lengths cut and left in turn, metres
     dash_offset: float
-    width_m: float  # of the strip that is taken away around the curve; result.removed says what went
-    view: scene_pb2.View  # the curve is in pixels of this picture
+    width_m: float  # width of the strip removed around the curve; result.removed describes what was removed
+    view: scene_pb2.View  # picture of the sheet in whose pixels the curve is
 
 
 def cut(curve: geometry_pb2.Curve, **options: Unpack[CutOptions]) -> scene_pb2.Cut:
-    """A cut to be made later: one of a batch.
+    """Returns a cut to be made later, for example as one of a batch.
 
     >>> fine = cut(kerf.circle((0.5, 0.5), 0.1), tolerance=0.01)
     >>> sheet.cut_all([fine, kerf.circle((0.2, 0.2), 0.1)]).pieces
@@ -71,7 +71,7 @@ def vec3(vector: Vector) -> geometry_pb2.Vec3:
 def camera(
     eye: Vector, target: Vector, up: Optional[Vector] = None, *, vertical_fov_deg: float = 0.0
 ) -> geometry_pb2.Camera:
-    """A perspective camera in the world, metres. up: +z; vertical_fov_deg: 40 degrees where it is 0.
+    """Returns a perspective camera in the world, metres. up: absent: +z. vertical_fov_deg: 0: 40 degrees.
 
     >>> camera((0.5, -2, 0.5), (0.5, 0, 0.5)).eye.y
     -2.0
@@ -92,10 +92,11 @@ def view(
     piece: Optional[int] = None,
     depth_m: Tuple[float, float] = (0.0, 0.0),
 ) -> scene_pb2.View:
-    """A picture to cut on, as Sheet.render() draws it with the same camera and size; pixel (0, 0) is its top left corner.
+    """Returns a view for cutting on a picture, as Sheet.render() draws it with the same camera and size. Pixel (0, 0)
+    is its top left corner.
 
-    layers: "nearest", "all", "one_piece" (that with the label `piece`, else the one met first) or "depth_range" (`depth_m` from
-    the camera).
+    layers: "nearest", "all", "one_piece" (the piece with the label `piece`; without it, the piece seen where the
+    curve first meets the sheet) or "depth_range" (between the two distances `depth_m` from the camera).
 
     >>> through = view(camera((0.5, -2, 0.5), (0.5, 0, 0.5)), (640, 640), layers="all")
     >>> sheet.cut(kerf.polyline((0, 320), (640, 320)), view=through).pieces
@@ -113,7 +114,8 @@ def view_of_matrices(
     piece: Optional[int] = None,
     depth_m: Tuple[float, float] = (0.0, 0.0),
 ) -> scene_pb2.View:
-    """The same from 16 numbers each, column by column, as OpenGL and WebGL hold them."""
+    """Returns a view as view() does, from two 4 x 4 matrices of 16 numbers each, column by column as in OpenGL and
+    WebGL."""
     return _with_layers(scene_pb2.View(view=view, projection=projection), size_px, layers, piece, depth_m)
 
 
@@ -129,7 +131,7 @@ def save_cuts(path: "str | os.PathLike[str]", cuts: Iterable[scene_pb2.Cut]) -> 
 
 
 def load_cuts(path: "str | os.PathLike[str]") -> List[scene_pb2.Cut]:
-    """Reads what save_cuts() or `kerf cuts --export` wrote. Raises ValueError where the file holds something else."""
+    """Reads what save_cuts() or `kerf cuts --export` wrote. Raises ValueError if the file holds something else."""
     try:
         batch = json_format.Parse(pathlib.Path(path).read_text(encoding="utf-8"), scene_pb2.CutBatch())
     except json_format.ParseError as wrong:
@@ -165,7 +167,8 @@ def enum_value(enum: Any, option: str, name: str) -> Any:
 
 
 def as_cut(what: Union[geometry_pb2.Curve, scene_pb2.Cut], options: CutOptions) -> scene_pb2.Cut:
-    """Raises TypeError where `what` is neither, or brings its options with it and there are others beside it."""
+    """Converts a curve with options to a cut. Raises TypeError if `what` is neither curve nor cut, or if it is a cut
+    and options are given too."""
     if isinstance(what, geometry_pb2.Curve):
         return cut(what, **options)
     if not isinstance(what, scene_pb2.Cut):

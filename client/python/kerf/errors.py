@@ -13,10 +13,10 @@ from google.rpc import error_details_pb2, status_pb2
 class Error(Exception):
     """A refusal. Nothing was changed.
 
-    code: the status, "INVALID_ARGUMENT"; see the subclasses. reason: stable, for programs, "CURVE_NOT_FINITE"; empty where
-    the server was not reached. message: for people, says what to do. field: path of the request's field at fault,
+    code: the status, "INVALID_ARGUMENT"; see the subclasses. reason: stable, for programs, "CURVE_NOT_FINITE"; empty
+    if the server was not reached. message: for people, with the remedy. field: path of the request's field at fault,
     "cut.curve.circle.radius_m"; may be empty. metadata: numbers of the refusal by name, as text; may be empty.
-    retry_after_s: the same call may work after so many seconds; None: not while nothing else changes.
+    retry_after_s: seconds after which the same call may work; None: a repeat fails unless something changes.
 
     >>> error = Error("RESOURCE_EXHAUSTED", "QUEUE_FULL", "64 commands are waiting", retry_after_s=0.1)
     >>> str(error)
@@ -45,13 +45,14 @@ class Error(Exception):
         self.retry_after_s = retry_after_s
 
     def __reduce__(self) -> Tuple[Any, ...]:
-        # An exception is made again from its args, which here are the sentence: pickle, copy and process pools need more.
+        # pickle, copy and process pools make an exception again from its args. Here these are only the sentence, so all
+        # parts are given.
         made = functools.partial(type(self), metadata=self.metadata, retry_after_s=self.retry_after_s)
         return made, (self.code, self.reason, self.message, self.field)
 
 
 class InvalidArgument(Error):
-    """Would never work, whatever the state."""
+    """The request can never work, in any state of the sheet."""
 
 
 class NotFound(Error):
@@ -59,23 +60,24 @@ class NotFound(Error):
 
 
 class AlreadyExists(Error):
-    """Names a sheet that does."""
+    """A sheet with this name already exists."""
 
 
 class ResourceExhausted(Error):
-    """A limit, or a full queue: may work later, see retry_after_s."""
+    """A limit is reached or a queue is full. The call may work later: see retry_after_s."""
 
 
 class FailedPrecondition(Error):
-    """The right request in the wrong state: to step a running sheet, to undo where nothing was cut."""
+    """The request does not fit the present state: to step a running sheet, or to undo when nothing was cut."""
 
 
 class Unavailable(Error):
-    """No server answers, it is going down, or it has no renderer."""
+    """No server answers, or the server is stopping, or it has no renderer."""
 
 
 class DeadlineExceeded(Error):
-    """The client's own time limit ran out. A cut may have been made all the same; a repeat with the same request_id tells."""
+    """The client's own time limit ran out. A cut may still have been made; a repeat with the same request_id gets its
+    answer."""
 
 
 class DataLoss(Error):
@@ -100,7 +102,8 @@ _CLASSES: dict[str, type[Error]] = {
 
 
 def error_of(failure: Any, address: str) -> Error:
-    """The refusal that a failed call (grpc.RpcError, of either kind of channel) brought, with what its details say."""
+    """Returns the error for a failed call, with the reason, field and delay from its details. failure: grpc.RpcError of
+    a blocking or asyncio channel."""
     code: str = failure.code().name
     message: str = failure.details() or ""
     reason = field = ""

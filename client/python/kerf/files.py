@@ -1,4 +1,4 @@
-"""Files that are there whole or not at all."""
+"""Files that appear whole or not at all."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from typing import IO
 
 @contextlib.contextmanager
 def whole_file(path: "str | os.PathLike[str]") -> Iterator[IO[bytes]]:
-    """A file to write into, which gets its name when the `with` is left without an exception; until then it is FILE.part.
-    What is no regular file, a device or a pipe, is written to at once."""
+    """Opens a file for writing as FILE.part, which gets its name when the `with` is left without an exception. A device
+    or pipe is written to directly."""
     target = real_target(path)
     if target.exists() and not target.is_file():
         with open(target, "wb") as device:

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Frame:
-    """A sheet of V vertices and T triangles after one tick. The arrays are not to be written to; triangles, pieces and
-    material positions are the same objects from frame to frame until the topology changes.
+    """A sheet of V vertices and T triangles after one tick. The arrays are read-only; triangles, pieces and material
+    positions are the same objects in all frames until the topology changes.
 
     >>> frame = next(sheet.watch())
     >>> frame.positions.shape, frame.triangles.shape
@@ -25,18 +25,19 @@ class Frame:
 
     tick: int
     topology_version: int  # grows by one with each cut, undo and reset
-    positions: Floats  # V x 3, metres, world; to within half a `resolution`: Sheet.state() has them exactly
+    positions: Floats  # V x 3, metres, world, rounded to `resolution`; Sheet.state() has them exactly
     triangles: Ints  # T x 3, vertex ids, counter-clockwise in material coordinates
     pieces: Ints  # T, the label of each triangle's piece: Piece.id of Sheet.pieces()
     material_positions: Float32s  # V x 2, metres, on the undeformed sheet
-    strains: Optional[Float32s]  # V, principal strains of the largest magnitude, 0.01: one per cent longer; None: not asked for
-    topology_changed: bool  # since the frame before it on this stream; True in the first
-    resolution: Optional[Floats]  # 3, metres: distance of neighbouring coordinates along x, y, z; None: of a loaded run
-    stats: Optional[stream_pb2.FrameStats]  # see proto/kerf/v1/stream.proto; None: of a loaded run
+    strains: Optional[Float32s]  # V, principal strain of the largest magnitude at each vertex, 0.01: one per cent
+                                 # longer; None: not requested
+    topology_changed: bool  # True if it changed since the frame before on this stream, and in the first frame
+    resolution: Optional[Floats]  # 3, metres: distance of neighbouring coordinates along x, y, z; None in a loaded run
+    stats: Optional[stream_pb2.FrameStats]  # see proto/kerf/v1/stream.proto; None in a loaded run
 
 
 class FrameDecoder:
-    """Turns the raw frames of one stream into arrays, one after the other."""
+    """Converts the raw frames of one stream to arrays, in the order of the stream."""
 
     def __init__(self) -> None:
         self.epoch = ""
@@ -53,7 +54,8 @@ class FrameDecoder:
         self._sequence = 0
 
     def decode(self, message: stream_pb2.Frame) -> Frame:
-        """Raises DataLoss where the frame does not follow the one before it, or its arrays have the wrong size."""
+        """Converts one frame. Raises DataLoss if it does not follow the frame before, or if its arrays have the wrong
+        size."""
         if message.sequence != self._sequence + 1:
             raise _unreadable(f"frame {message.sequence} follows frame {self._sequence}")
         if message.encoding != stream_pb2.RAW or message.base_tick >= 0:
@@ -97,7 +99,7 @@ class FrameDecoder:
         if full:
             self._slots, self._slot_pieces, self._materials = triangles, pieces, materials
         else:
-            # Copies, because frames that were given out keep theirs.
+            # Makes copies, because frames returned before keep their arrays.
             self._slots = _resized(self._slots, patch.num_slots, -1)
             self._slot_pieces = _resized(self._slot_pieces, patch.num_slots, -1)
             self._materials = _resized(self._materials, message.num_vertices, numpy.nan)
@@ -124,13 +126,15 @@ class FrameDecoder:
 
 
 def _box(message: stream_pb2.Frame) -> Any:
-    """The lowest corner and the distance of neighbouring coordinates, 3 each, metres."""
+    """Returns the lowest corner of the frame's box and the distance of neighbouring coordinates, 3 numbers each,
+    metres."""
     low, high = (numpy_module().array([end.x, end.y, end.z]) for end in (message.box.min, message.box.max))
     return low, _read_only((high - low) / 65535)
 
 
 def _resized(array: Any, rows: int, fill: float) -> Any:
-    """A copy with so many rows, new ones filled. Rows are only added: slots and vertices stay where they are."""
+    """Returns a copy with this number of rows, the new ones filled with `fill`. Rows are only added, because slots and
+    vertices keep their numbers."""
     if rows < len(array):
         raise _unreadable(f"its patch leaves {rows} of {len(array)} rows")
     made = numpy_module().full((rows, *array.shape[1:]), fill, dtype=array.dtype)

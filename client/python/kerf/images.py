@@ -22,19 +22,19 @@ _CODECS = {render_pb2.IMAGE_JPEG: "jpeg", render_pb2.IMAGE_PNG: "png", render_pb
 class Image:
     """One picture of an image stream."""
 
-    tick: int  # of the sheet that it shows
-    data: bytes  # encoded
+    tick: int  # tick of the sheet in the picture
+    data: bytes  # encoded as `codec`
     codec: str  # "jpeg", "png": the bytes of a file; "vp8": a frame of one stream, RFC 6386, without a container
-    key: bool  # False: needs the picture before it (VP8)
+    key: bool  # False: decoding needs the picture before (VP8 only)
     size_px: Tuple[int, int]  # width, height
-    camera: geometry_pb2.Camera  # that it was drawn with
+    camera: geometry_pb2.Camera  # camera that the picture was drawn with
     stats: stream_pb2.FrameStats  # see proto/kerf/v1/stream.proto
-    strain_end: float  # with color_by="strains": the scale goes from its negative to it; else 0
+    strain_end: float  # with color_by="strains": the colours span the strains -strain_end..strain_end; else 0
 
     def array(self) -> Bytes:
-        """The picture as height x width x 3 uint8, red, green, blue, top row first.
+        """Returns the picture as height x width x 3 uint8, red, green, blue, top row first.
 
-        Raises ValueError of a VP8 frame, ImportError where Pillow is not installed (python3-pil).
+        Raises ValueError for a VP8 frame, ImportError if Pillow is not installed (python3-pil).
         """
         if self.codec == "vp8":
             raise ValueError("a VP8 frame is not a picture by itself: request codec='jpeg' or 'png', or use a VP8 decoder")
@@ -42,9 +42,9 @@ class Image:
 
 
 def decode_image(data: bytes) -> Bytes:
-    """The PNG or JPEG bytes of Sheet.render() as height x width x 3 uint8, red, green, blue, top row first.
+    """Converts the PNG or JPEG bytes of Sheet.render() to height x width x 3 uint8, red, green, blue, top row first.
 
-    Raises ImportError where Pillow is not installed (python3-pil), ValueError where the bytes are no picture.
+    Raises ImportError if Pillow is not installed (python3-pil), ValueError if the bytes are no picture.
 
     >>> decode_image(sheet.render((64, 48))).shape
     (48, 64, 3)

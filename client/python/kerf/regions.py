@@ -1,4 +1,4 @@
-"""Parts of a sheet, as kerf.v1.Region: what is pinned, held or measured. Metres in material coordinates."""
+"""Parts of a sheet, as kerf.v1.Region, to be pinned, held or measured. Metres in material coordinates."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from kerf.cuts import Vector, enum_value, vec3
 from kerf.v1 import conditions_pb2, geometry_pb2, scene_pb2
 
 Edge = Literal["top", "bottom", "left", "right", "corners", "top_corners"]
-# A name of an edge, or what one of the functions here made.
+# A name of an edge, or a region made by one of the functions here.
 Place = Union[Edge, conditions_pb2.Region]
 
 
@@ -34,7 +34,7 @@ def box(low: Point, high: Point) -> conditions_pb2.Region:
 
 
 def vertices(*ids: int) -> conditions_pb2.Region:
-    """These vertices.
+    """The vertices with these ids.
 
     >>> tick = sheet.set_pins([vertices(7, 8)])
     >>> list(sheet.get().pinned_vertices)
@@ -74,7 +74,8 @@ def whole() -> conditions_pb2.Region:
 
 
 def as_regions(places: Iterable[Place]) -> List[conditions_pb2.Region]:
-    """Raises TypeError where a place is neither, ValueError where no edge has that name."""
+    """Converts places to regions. Raises TypeError if one is neither text nor region, ValueError if no edge has this
+    name."""
     if isinstance(places, (str, conditions_pb2.Region)):
         raise TypeError(f"give a list of places: [{places!r}]")
     return [_as_region(place) for place in places]
@@ -89,8 +90,8 @@ def _as_region(place: Place) -> conditions_pb2.Region:
 
 
 def wind(velocity: Vector, *, air_density: float = 0.0, drag: float = 0.0) -> scene_pb2.Wind:
-    """Moving air, for Sheet.set_wind(). velocity: metres/second, |.| <= 1000; air_density: kg/m^3, 0..100, 0: 1.2; drag:
-    coefficient, 0..10, 0: 1.
+    """Returns moving air, for Sheet.set_wind(). velocity: metres/second, of magnitude at most 1000; air_density:
+    kg/m^3, 0..100, 0: 1.2; drag: coefficient, 0..10, 0: 1.
 
     >>> wind((3, 0, 0)).velocity_mps.x
     3.0

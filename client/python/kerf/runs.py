@@ -17,16 +17,17 @@ if TYPE_CHECKING:
     from kerf.arrays import Longs
 
 _FORMAT = {"format": "kerf-run", "version": 1}
-_CHUNK_BYTES = 8 << 20  # of positions kept in memory before they are written
+_CHUNK_BYTES = 8 << 20  # bytes of positions kept in memory before they are written
 
 
 class RunWriter:
-    """Writes frames to an .npz file as they come: at most some 8 MiB of them are in memory. The file is there, whole, when
-    close() returns; until then what is written stands in FILE.part.
+    """Writes frames to an .npz file as they come, with at most some 8 MiB of them in memory. The file exists, complete,
+    when close() returns; until then the data is in FILE.part.
 
-    `meta` holds JSON as bytes; `ticks` N numbers; then a topology and the positions of frames that have it, chunk by chunk:
-    `triangles_K` (T x 3), `pieces_K` (T), `material_positions_K` (V x 2) and `positions_K_J` (frames x V x 3 float32, metres)
-    with `strains_K_J` (frames x V float32), where the frames had them.
+    The file's arrays: `meta` is JSON as bytes; `ticks` has the ticks of the N frames. Topology number K has
+    `triangles_K` (T x 3), `pieces_K` (T) and `material_positions_K` (V x 2). Its frames are in chunks J:
+    `positions_K_J` (frames x V x 3 float32, metres) and, if the frames had strains, `strains_K_J` (frames x V
+    float32).
     """
 
     def __init__(self, path: "str | os.PathLike[str]") -> None:
@@ -34,16 +35,18 @@ class RunWriter:
         if self._path.exists() and not self._path.is_file():
             raise OSError(errno.EINVAL, "a run must go to a regular file", str(self._path))
         self._part = self._path.with_name(self._path.name + ".part")
-        # Positions hardly compress; what time it takes is better spent on frames.
+        # Not compressed: positions hardly get smaller, and the time is better spent on frames.
         self._file = zipfile.ZipFile(self._part, "w", zipfile.ZIP_STORED)
         self._ticks: List[int] = []
-        self._chunks: List[Dict[str, int]] = []  # of each: topology, chunk in it, frames
+        self._chunks: List[Dict[str, int]] = []  # of each chunk: number of its topology, number in the topology, number
+                                                 # of frames
         self._topology_version = -1
-        self._topologies: List[int] = []  # their versions
+        self._topologies: List[int] = []  # versions of the topologies
         self._waiting: List[Frame] = []
 
     def add(self, frame: Frame) -> None:
-        """Adds a frame. Raises ValueError where its tick is before the last one's, OSError where the disk is full."""
+        """Adds a frame. Raises ValueError if its tick is before the tick of the frame added last, OSError if the disk
+        is full."""
         if self._ticks and frame.tick < self._ticks[-1]:
             raise ValueError(f"the frame of tick {frame.tick} follows that of tick {self._ticks[-1]}")
         if frame.topology_version != self._topology_version:
@@ -66,7 +69,7 @@ class RunWriter:
         self._part.replace(self._path)
 
     def discard(self) -> None:
-        """Leaves no file behind; one of before stays."""
+        """Removes the unfinished file; an earlier file stays."""
         self._file.close()
         self._part.unlink(missing_ok=True)
 
@@ -96,7 +99,7 @@ class RunWriter:
 
 
 class Run(Sequence[Frame]):
-    """The frames of a file that Sheet.recorder() wrote, by number; read as they are asked for.
+    """The frames of a file written by Sheet.recorder(), by number. A frame is read when it is accessed.
 
     >>> run = load_run(path)
     >>> len(run) == len(run.ticks), run[-1].tick == run.ticks[-1]
@@ -110,12 +113,12 @@ class Run(Sequence[Frame]):
             raise ValueError(f"{path}: is not a run of kerf")
         if meta["version"] != _FORMAT["version"]:
             raise ValueError(f"{path}: is of version {meta['version']}; this package reads {_FORMAT['version']}")
-        self.ticks: Longs = arrays["ticks"]  # N, of the frames; those between were not recorded
-        self.topology_versions: List[int] = meta["topology_versions"]  # that there were, in order
+        self.ticks: Longs = arrays["ticks"]  # N, ticks of the frames; other ticks were not recorded
+        self.topology_versions: List[int] = meta["topology_versions"]  # versions of all topologies, in order
         self._frames: List[Tuple[int, int, int]] = [
             (chunk["topology"], chunk["chunk"], row) for chunk in meta["chunks"] for row in range(chunk["frames"])
         ]
-        self._kept: Dict[str, Any] = {}  # of the chunk and topology that were read last
+        self._kept: Dict[str, Any] = {}  # arrays of the chunk and the topology read last
 
     def __len__(self) -> int:
         return len(self._frames)
@@ -125,7 +128,7 @@ class Run(Sequence[Frame]):
     @overload
     def __getitem__(self, index: slice) -> List[Frame]: ...
     def __getitem__(self, index: Union[int, slice]) -> Union[Frame, List[Frame]]:
-        """A frame, or a list of them. Raises IndexError."""
+        """Returns a frame, or a list of frames for a slice. Raises IndexError."""
         if isinstance(index, slice):
             return [self[each] for each in range(*index.indices(len(self)))]
         number = range(len(self))[index]
@@ -148,7 +151,7 @@ class Run(Sequence[Frame]):
         return (self[number] for number in range(len(self)))
 
     def close(self) -> None:
-        """Closes the file; frames that were taken out stay."""
+        """Closes the file; frames already read stay valid."""
         self._arrays.close()
 
     def __enter__(self) -> Run:
@@ -159,7 +162,7 @@ class Run(Sequence[Frame]):
 
     def _read(self, name: str) -> Any:
         if name not in self._kept:
-            # One chunk at a time: a long run need not fit into memory.
+            # Keeps one chunk at a time, because a long run may not fit into memory.
             kind = name.partition("_")[0]
             self._kept = {kept: array for kept, array in self._kept.items() if kept.partition("_")[0] != kind}
             self._kept[name] = self._arrays[name]
@@ -168,7 +171,8 @@ class Run(Sequence[Frame]):
 
 
 def load_run(path: "str | os.PathLike[str]") -> Run:
-    """Loads a file of Sheet.recorder(). Raises ValueError if the file is something else, OSError if it cannot be read."""
+    """Loads a file written by Sheet.recorder(). Raises ValueError if the file is something else, OSError if it cannot
+    be read."""
     name = os.fspath(path)
     try:
         return Run(numpy_module().load(name, allow_pickle=False), name)

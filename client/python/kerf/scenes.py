@@ -31,20 +31,20 @@ class SheetOptions(TypedDict, total=False):
 
     grid: Tuple[int, int]  # columns and rows of vertices; default (50, 50)
     size_m: Tuple[float, float]  # width and height, metres; default (1, 1)
-    mesh_file: "Union[str, os.PathLike[str]]"  # .obj or .ply: then grid and size_m do not count
+    mesh_file: "Union[str, os.PathLike[str]]"  # .obj or .ply; replaces grid and size_m
     # The rest shape of a mesh file: "flat" (its texture coordinates, or its plane), "surface" (its positions, curved
     # as they are), or "auto", the default: flat where the file allows it.
     rest: Literal["auto", "flat", "surface"]
     pins: Iterable[Place]  # default ["top"]
-    material: AnyMaterial  # a preset, Server.info() lists them; or numbers, {"youngs_modulus_pa": 1e6}
-    # Parts of other materials, each a box (x0, y0, x1, y1) in metres on the undeformed sheet and a material; a later one over
-    # those before.
+    material: AnyMaterial  # a preset listed by Server.info(), or numbers, {"youngs_modulus_pa": 1e6}
+    # Parts of other materials, each a box (x0, y0, x1, y1) in metres on the undeformed sheet and a material. Where
+    # parts overlap, the later one counts.
     parts: Iterable[Part]
-    paused: bool  # its clock stands until resume() or step(); default False
+    paused: bool  # the sheet is created paused; default False
 
 
 def scene_with(options: SheetOptions) -> scene_pb2.Scene:
-    """Raises TypeError where there is no such option, ValueError where a value is none of those that it can have."""
+    """Makes a scene. Raises TypeError for an unknown option, ValueError for a value that its option cannot have."""
     unknown = options.keys() - SheetOptions.__annotations__.keys()
     if unknown:
         raise TypeError(f"a sheet has no option {min(unknown)!r}; there are {', '.join(SheetOptions.__annotations__)}")
@@ -65,7 +65,7 @@ def scene_with(options: SheetOptions) -> scene_pb2.Scene:
 
 
 def as_material(material: AnyMaterial) -> scene_pb2.Material:
-    """Raises ValueError where the dict is no material.
+    """Converts a preset or dict to the message. Raises ValueError if the dict is no material.
 
     >>> as_material({"youngs_modulus_pa": 1e6}).youngs_modulus_pa
     1000000.0
@@ -94,7 +94,7 @@ def as_scene(scene: AnyScene) -> scene_pb2.Scene:
 
 
 def take_large_mesh(scene: scene_pb2.Scene) -> bytes:
-    """Takes the mesh file out of a scene where it is too large for one message; empty: it is not, and stays."""
+    """Removes the mesh file from a scene and returns it if it is too large for one message; else returns nothing."""
     if len(scene.ply.data) > CHUNK_BYTES:
         content = scene.ply.data
         scene.ply.ClearField("data")
@@ -113,7 +113,7 @@ def _add_mesh_file(scene: scene_pb2.Scene, file: pathlib.Path, rest: str) -> Non
         scene.ply.data = file.read_bytes()
         scene.ply.rest_shape = _REST_SHAPES[rest]
     elif file.suffix.lower() == ".obj":
-        # All that counts in it is ASCII; names and comments may be in any encoding.
+        # The data of an OBJ file is ASCII; names and comments in it may be in any encoding.
         scene.obj.text = file.read_text(encoding="ascii", errors="replace")
         scene.obj.rest_shape = _REST_SHAPES[rest]
     else:

@@ -1,4 +1,5 @@
-"""Calls that block, over grpc. kerf/aio/transport.py has the same for asyncio; everything else is made from one source."""
+"""Calls that block, over grpc. kerf/aio/transport.py has the same functions for asyncio; all other modules come from
+one source."""
 
 from __future__ import annotations
 
@@ -14,7 +15,7 @@ from kerf.channel_options import CHANNEL_OPTIONS
 from kerf.errors import connection_closed, cut_off, error_of, is_cancelled, is_out_of_time
 
 
-_CHANNEL_CLOSED = "Channel closed!"  # grpc's details of the calls that it breaks off then
+_CHANNEL_CLOSED = "Channel closed!"  # grpc's details of calls that end because their channel was closed
 
 
 def open_channel(address: str) -> grpc.Channel:
@@ -26,7 +27,7 @@ def close_channel(channel: grpc.Channel) -> None:
 
 
 def call_unary(method: Any, request: Any, timeout_s: Optional[float], address: str) -> Any:
-    """Raises kerf.Error where the call fails."""
+    """Makes a unary call. Raises kerf.Error if it fails."""
     try:
         return method(request, timeout=timeout_s)
     except grpc.RpcError as failure:
@@ -34,7 +35,7 @@ def call_unary(method: Any, request: Any, timeout_s: Optional[float], address: s
 
 
 def call_sending(method: Any, requests: Iterable[Any], timeout_s: Optional[float], address: str) -> Any:
-    """A call whose request comes in parts. Raises kerf.Error where it fails."""
+    """Makes a call whose request is sent in parts. Raises kerf.Error if it fails."""
     return call_unary(method, iter(requests), timeout_s, address)
 
 
@@ -43,21 +44,21 @@ def pause(duration_s: float) -> None:
 
 
 class Stream:
-    """One call that answers many times. With `request` the one that it begins with, else whatever is sent."""
+    """One call with many answers. Its one request is `request`; without it, the requests are those of send()."""
 
     def __init__(self, method: Any, address: str, *, request: Any = None, duration_s: Optional[float] = None) -> None:
         self._address = address
-        self._closed = True  # as long as there is no call
+        self._closed = True  # until there is a call
         self._requests: queue.SimpleQueue[Any] = queue.SimpleQueue()
         try:
             self._call = method(iter(self._requests.get, None) if request is None else request, timeout=duration_s)
-        except ValueError:  # of grpc, on a channel that was closed
+        except ValueError:  # from grpc: the channel was closed
             raise connection_closed(address) from None
         self._closed = False
-        self.out_of_time = False  # it ended since duration_s was over
+        self.out_of_time = False  # True if it ended because duration_s was over
 
     def __del__(self) -> None:
-        # A stream that is just dropped must not leave the thread behind that waits for requests.
+        # A dropped stream must not leave behind the thread that waits for requests.
         self.close()
 
     def send(self, request: Any) -> None:
@@ -65,7 +66,7 @@ class Stream:
         self._requests.put(request)
 
     def receive(self) -> Any:
-        """The next answer; None when the stream has ended as it should. Raises kerf.Error where it failed."""
+        """Returns the next answer; None when the stream has ended without an error. Raises kerf.Error if it failed."""
         try:
             return next(self._call)
         except StopIteration:
@@ -87,7 +88,7 @@ class Stream:
 
 
 class Background:
-    """Work beside the caller: a thread."""
+    """Work that runs beside the caller, on a thread."""
 
     def __init__(self, work: Callable[[], None]) -> None:
         self._work = work
@@ -98,7 +99,7 @@ class Background:
     def _run(self) -> None:
         try:
             self._work()
-        except BaseException as failure:  # handed to whoever waits
+        except BaseException as failure:  # raised by finished()
             self._failure = failure
 
     def finished(self) -> None:

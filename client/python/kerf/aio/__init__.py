@@ -1,4 +1,4 @@
-"""Kerf from asyncio: the same as the package kerf, with what waits for the server to be awaited.
+"""Kerf from asyncio: the same as the package kerf, except that calls to the server are awaited.
 
     import asyncio, kerf, kerf.aio
 
@@ -11,8 +11,8 @@
 
     asyncio.run(main())
 
-Connect inside a running loop. Curves, cuts, regions, errors and everything else that asks nothing of a server are in kerf.
-The modules here are the source of those of kerf that have the same names: see client/python/make_blocking.
+Connect inside a running loop. Curves, cuts, regions, errors and all else that does not call a server are in kerf.
+client/python/make_blocking makes kerf.blocking from the modules here.
 """
 
 from kerf.aio.client import Server, connect

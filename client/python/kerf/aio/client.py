@@ -23,10 +23,9 @@ if TYPE_CHECKING:
 
 
 def connect(address: str = "127.0.0.1:50051", *, timeout_s: Optional[float] = None) -> Server:
-    """A server by its gRPC address; use it in a `with`, or close it. Nothing is sent yet.
+    """Returns a server by its gRPC address; use it in a `with`, or close it. The server is not contacted yet.
 
-    timeout_s: how long a call may take before it raises DeadlineExceeded; None: as long as it needs. Streams have no such
-    limit.
+    timeout_s: seconds after which a call raises DeadlineExceeded; None: no limit. It does not apply to streams.
 
     >>> async with kerf.aio.connect(address) as server:
     ...     (await server.info()).limits.max_sheets
@@ -36,7 +35,7 @@ def connect(address: str = "127.0.0.1:50051", *, timeout_s: Optional[float] = No
 
 
 class Server(Connection):
-    """A server, by connect()."""
+    """A server; made by connect()."""
 
     async def info(self) -> server_pb2.ServerInfo:
         """Version, renderer, limits, material presets.
@@ -47,7 +46,7 @@ class Server(Connection):
         return await self.call(self.server_service.GetServerInfo, server_pb2.GetServerInfoRequest())
 
     def sheet(self, sheet_id: str) -> Sheet:
-        """A sheet that there is, by its id; nothing is asked of the server yet.
+        """Returns an existing sheet by its id, without a call to the server.
 
         >>> server.sheet("demo")
         <kerf.Sheet sheets/demo>
@@ -70,11 +69,13 @@ class Server(Connection):
             request.page_token = page.next_page_token
 
     async def create_sheet(self, sheet_id: str = "", **options: Unpack[SheetOptions]) -> Sheet:
-        """A rectangle of grid[0] x grid[1] vertices, or the mesh of an .obj or .ply file: SheetOptions lists the options.
+        """Creates a sheet: a rectangle of grid[0] x grid[1] vertices, or the mesh of an .obj or .ply file. SheetOptions
+        lists the options.
 
-        sheet_id: [a-z][a-z0-9-]{0,62}; empty: the server chooses. For anything else than the options: create_scene(). Raises
-        AlreadyExists, ResourceExhausted (sheets or vertices of this server), and ValueError where the file's name has another
-        ending. A mesh file of up to 64 MiB goes in parts; the rest of a call may have up to 1 MiB.
+        sheet_id: [a-z][a-z0-9-]{0,62}; empty: the server chooses. create_scene() takes all else that a scene can
+        have. Raises AlreadyExists, ResourceExhausted (the server's limit of sheets or vertices), and ValueError if
+        the file's name has another ending. A mesh file of up to 64 MiB is sent in parts; the rest of a call may have
+        up to 1 MiB.
 
         >>> flag = await server.create_sheet("flag", grid=(15, 10), size_m=(1.5, 1.0), pins=["left"], paused=True)
         >>> (await flag.get()).num_vertices
@@ -86,9 +87,10 @@ class Server(Connection):
     async def create_scene(
         self, scene: AnyScene, sheet_id: str = "", *, paused: bool = False, request_id: str = ""
     ) -> Sheet:
-        """A sheet from a scene: a message, its JSON form as a dict, or the path of a scene file.
+        """Creates a sheet from a scene: a message, its JSON form as a dict, or the path of a scene file.
 
-        Raises ValueError where the JSON is no scene. Files that the scene names are not read: a server refuses those.
+        Raises ValueError if the JSON is no scene. Files named in the scene are not read, and the server refuses
+        them.
 
         >>> made = await server.create_scene({"grid": {"columns": 3, "rows": 4, "width_m": 1, "height_m": 2}}, "small")
         >>> await made.delete()
@@ -103,11 +105,13 @@ class Server(Connection):
         return Sheet(self, made.name.removeprefix("sheets/"))
 
     async def replay(self, path: "str | os.PathLike[str]", sheet_id: str = "", *, paused: bool = False) -> Sheet:
-        """A sheet that plays a recording, by Sheet.record() or `kerf run --record`: the same commands at the same ticks. It takes
-        no commands until the recording ends; (await sheet.get()).replay says how far it is. At most 128 MiB.
+        """Creates a sheet that plays a recording made by Sheet.record() or `kerf run --record`: the same commands at
+        the same ticks. The sheet takes no commands until the recording ends; (await sheet.get()).replay has its
+        progress. At most 128 MiB.
 
-        sheet_id: empty: that of the recording, or one that the server chooses. InvalidArgument names the offset where the
-        file is damaged. One that ends within an entry is played up to the last whole one: replay.torn_bytes. OSError.
+        sheet_id: empty: the id in the recording; without one, the server chooses. Raises InvalidArgument with the
+        offset at which the file is damaged, and OSError. A file that ends within an entry is played up to the entry
+        before; replay.torn_bytes counts the rest.
         """
         content = pathlib.Path(path).read_bytes()
         start = sheets_pb2.RecordingUpload(sheet_id=sheet_id, paused=paused, num_bytes=len(content))
@@ -115,7 +119,7 @@ class Server(Connection):
         return await self._upload(method, request, start, content)
 
     async def _upload(self, method: Any, request: Any, start: Any, content: bytes) -> Sheet:
-        """The sheet that is made of a file. request: the class of the call's messages: start, then chunks."""
+        """Creates a sheet from a file. request: the class of the call's messages, which are `start` and then chunks."""
         parts = [request(start=start), *(request(chunk=chunk) for chunk in chunks_of(content))]
         made = await call_sending(method, parts, self.timeout_s, self.address)
         return Sheet(self, made.name.removeprefix("sheets/"))
@@ -124,9 +128,10 @@ class Server(Connection):
     async def temporary_sheet(
         self, scene: Optional[AnyScene] = None, **options: Unpack[SheetOptions]
     ) -> AsyncIterator[Sheet]:
-        """A sheet with a name of its own that is deleted when the `with` is left, however that is.
+        """Creates a sheet with a unique name, and deletes it when the `with` is left, also by an exception.
 
-        scene: as of create_scene(); beside it only `paused` may be given. Absent: as of create_sheet().
+        scene: as in create_scene(); with it, `paused` is the only other option allowed. Absent: the options are as
+        in create_sheet().
 
         >>> async with server.temporary_sheet(grid=(8, 8), paused=True) as sheet:
         ...     (await sheet.cut(kerf.circle((0.5, 0.5), 0.2))).pieces

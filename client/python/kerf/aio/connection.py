@@ -19,13 +19,13 @@ if TYPE_CHECKING:
 
 
 class Connection:
-    """The base class of Server, for what asks a server and is made by it."""
+    """The base class of Server. Sheets hold it, so that they need not import Server."""
 
     def __init__(self, address: str, *, timeout_s: Optional[float] = None) -> None:
         self._channel = open_channel(address)
         self.address = address
-        self.timeout_s = timeout_s  # of calls from now on, seconds; None: no limit
-        # The generated stubs, for what has no method here: call() calls them.
+        self.timeout_s = timeout_s  # time limit of later calls, seconds; None: no limit
+        # The generated stubs; call() calls those that have no method here.
         self.sheet_service = sheets_pb2_grpc.SheetServiceStub(self._channel)
         self.cut_service = cuts_pb2_grpc.CutServiceStub(self._channel)
         self.interaction_service = interaction_pb2_grpc.InteractionServiceStub(self._channel)
@@ -44,7 +44,7 @@ class Connection:
         await close_channel(self._channel)
 
     async def call(self, method: Any, request: Any) -> Any:
-        """Calls a unary method of a stub, and raises kerf.Error where the server refuses.
+        """Calls a unary method of a stub. Raises kerf.Error if the server refuses.
 
         >>> from kerf.v1 import server_pb2
         >>> (await server.call(server.server_service.GetServerInfo, server_pb2.GetServerInfoRequest())).workers > 0

@@ -1,4 +1,4 @@
-"""Cuts of a sheet, taking them back, and the pieces that they made."""
+"""Cuts of a sheet, undo and redo, and pieces."""
 
 from __future__ import annotations
 
@@ -27,11 +27,13 @@ class Cutting(SheetPart):
         request_id: str = "",
         **options: Unpack[CutOptions],
     ) -> cuts_pb2.CutResult:
-        """Cuts along a curve, or as a cut says: whole or not at all, at the next tick; at once on a paused sheet.
+        """Cuts along a curve, or makes a cut of kerf.cut(): whole or not at all, at the next tick; at once on a paused
+        sheet.
 
-        at_tick: at the start of that tick instead; the answer is SCHEDULED, what became of it is in cuts() or refused().
-        request_id: a repeat with the same id and body gets the same answer and cuts nothing. A curve that misses the sheet is
-        no error: the status is NO_INTERSECTION. Raises InvalidArgument, ResourceExhausted, FailedPrecondition.
+        at_tick: the tick at whose start the cut is made instead. The answer is then SCHEDULED; later the cut is in
+        cuts() or in refused(). request_id: a repeat with the same id and body gets the same answer and cuts nothing.
+        A curve that misses the sheet is no error: the status is NO_INTERSECTION. Raises InvalidArgument,
+        ResourceExhausted, FailedPrecondition.
 
         >>> result = await sheet.cut(kerf.circle((0.5, 0.5), 0.2), tolerance=0.01)
         >>> result.status == kerf.APPLIED, result.pieces
@@ -45,7 +47,7 @@ class Cutting(SheetPart):
     async def cut_all(
         self, cuts: Iterable[Union[geometry_pb2.Curve, scene_pb2.Cut]], *, at_tick: int = 0, request_id: str = ""
     ) -> cuts_pb2.CreateCutsResponse:
-        """Many cuts as one, on one tick and one step to undo: all of them or none. 1..4096 cuts.
+        """Makes many cuts as one, on one tick and as one step to undo: all of them or none. 1..4096 cuts.
 
         >>> slits = [kerf.polyline((0.2, y), (0.8, y)) for y in (0.3, 0.5, 0.7)]
         >>> (await sheet.cut_all(slits)).applied
@@ -57,7 +59,7 @@ class Cutting(SheetPart):
         return await self._call(self._server.cut_service.CreateCuts, request)
 
     async def undo(self) -> cuts_pb2.UndoResult:
-        """Undoes the last cut, batch or reset. FailedPrecondition: NOTHING_TO_UNDO, UNDO_FORGOTTEN.
+        """Undoes the last cut, batch of cuts or reset. Raises FailedPrecondition: NOTHING_TO_UNDO, UNDO_FORGOTTEN.
 
         >>> result = await sheet.cut(kerf.circle((0.5, 0.5), 0.2))
         >>> (await sheet.undo()).pieces
@@ -66,7 +68,7 @@ class Cutting(SheetPart):
         return await self._call(self._server.cut_service.UndoCut, cuts_pb2.UndoCutRequest(parent=self.name))
 
     async def redo(self) -> cuts_pb2.UndoResult:
-        """Redoes what was undone last. FailedPrecondition: NOTHING_TO_REDO.
+        """Redoes what was undone last. Raises FailedPrecondition: NOTHING_TO_REDO.
 
         >>> result = await sheet.cut(kerf.circle((0.5, 0.5), 0.2))
         >>> undone = await sheet.undo()
@@ -76,7 +78,8 @@ class Cutting(SheetPart):
         return await self._call(self._server.cut_service.RedoCut, cuts_pb2.RedoCutRequest(parent=self.name))
 
     async def cuts(self) -> List[cuts_pb2.ListCutsResponse.Entry]:
-        """The cuts applied since the last reset and not undone, oldest first: `cut` as applied and its `result`.
+        """Returns the cuts applied since the last reset and not undone, oldest first. Each entry has the `cut` as
+        applied and its `result`.
 
         >>> result = await sheet.cut(kerf.circle((0.5, 0.5), 0.2))
         >>> [entry.cut.curve.circle.radius_m for entry in await sheet.cuts()]
@@ -85,9 +88,10 @@ class Cutting(SheetPart):
         return [entry async for page in self._pages_of_cuts() for entry in page.cuts]
 
     async def cancel(self, name: str) -> cuts_pb2.ScheduledCuts:
-        """Takes back cuts that wait for their tick: by `scheduled_name` of the call's answer, or `name` of waiting().
+        """Cancels cuts that wait for their tick. name: `scheduled_name` of the cutting call's answer, or `name` of an
+        entry of waiting().
 
-        FailedPrecondition: SCHEDULED_CUTS_SETTLED, they wait no more.
+        Raises FailedPrecondition: SCHEDULED_CUTS_SETTLED if they no longer wait.
 
         >>> result = await sheet.cut(kerf.circle((0.5, 0.5), 0.2), at_tick=(await sheet.get()).tick + 60)
         >>> cancelled = await sheet.cancel(result.scheduled_name)
@@ -98,7 +102,7 @@ class Cutting(SheetPart):
         return await self._call(self._server.cut_service.CancelScheduledCuts, request)
 
     async def waiting(self) -> List[cuts_pb2.ScheduledCuts]:
-        """The cuts that wait for their tick, by tick.
+        """Returns the cuts that wait for their tick, by tick.
 
         >>> result = await sheet.cut(kerf.circle((0.5, 0.5), 0.2), at_tick=(await sheet.get()).tick + 60)
         >>> [each.name == result.scheduled_name for each in await sheet.waiting()]
@@ -107,7 +111,7 @@ class Cutting(SheetPart):
         return await self._scheduled(cuts_pb2.ScheduledCuts.WAITING)
 
     async def refused(self) -> List[cuts_pb2.ScheduledCuts]:
-        """The last scheduled cuts that were refused when their tick came, with reason, message and field.
+        """Returns the newest scheduled cuts that were refused at their tick, with reason, message and field.
 
         >>> await sheet.refused()
         []
@@ -115,7 +119,7 @@ class Cutting(SheetPart):
         return await self._scheduled(cuts_pb2.ScheduledCuts.REFUSED)
 
     async def export_cuts(self, path: "str | os.PathLike[str]") -> int:
-        """Writes the sheet's cuts to a JSON file, for apply_cuts() or `kerf cuts --apply`; how many there are.
+        """Writes the sheet's cuts to a JSON file, for apply_cuts() or `kerf cuts --apply`. Returns their number.
 
         >>> result = await sheet.cut(kerf.circle((0.5, 0.5), 0.2))
         >>> await sheet.export_cuts(path)
@@ -126,7 +130,7 @@ class Cutting(SheetPart):
         return len(cuts)
 
     async def apply_cuts(self, path: "str | os.PathLike[str]", *, at_tick: int = 0) -> cuts_pb2.CreateCutsResponse:
-        """Makes all cuts of a file, or none. Raises ValueError where it is no list of cuts.
+        """Makes all cuts of a file, or none. Raises ValueError if the file is no list of cuts.
 
         >>> kerf.save_cuts(path, [kerf.cut(kerf.circle((0.5, 0.5), 0.2))])
         >>> (await sheet.apply_cuts(path)).pieces
@@ -135,7 +139,7 @@ class Cutting(SheetPart):
         return await self.cut_all(load_cuts(path), at_tick=at_tick)
 
     async def pieces(self) -> List[cuts_pb2.Piece]:
-        """The pieces that the sheet is in now, by id: parent, area, mass, centroid.
+        """Returns the sheet's present pieces, by id, with parent, area, mass and centroid.
 
         >>> [round(piece.area_m2, 9) for piece in await sheet.pieces()]
         [1.0]

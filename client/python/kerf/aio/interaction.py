@@ -24,10 +24,11 @@ class Interaction(SheetPart):
     async def grab(
         self, grab_id: str, point: Union[int, Point], target: Optional[Vector] = None, stiffness_npm: float = 0.0
     ) -> int:
-        """Ties a vertex (int) or a material point to a target in the world, metres; absent: where it is now.
+        """Ties a vertex (int) or a material point by a spring to a target in the world, metres; absent: the point's
+        present place.
 
-        grab_id: 1..63 bytes, unique among the sheet's at most 64 grabs. stiffness_npm: newtons/metre, up to 1e6; 0: as stiff
-        as stays stable. holding() does the same for as long as a `with` lasts.
+        grab_id: 1..63 bytes, unique among the sheet's at most 64 grabs. stiffness_npm: newtons/metre, up to 1e6; 0:
+        as stiff as is stable. holding() grabs for the time of a `with`.
 
         >>> tick = await sheet.grab("corner", 0, (0.0, 0.2, 0.1))
         >>> tick = await sheet.drag("corner", (0.0, 0.3, 0.1))
@@ -43,12 +44,12 @@ class Interaction(SheetPart):
         return await self._interact("GrabPoint", interaction_pb2.GrabPointRequest(name=self.name, grab=grab))
 
     async def drag(self, grab_id: str, target: Vector) -> int:
-        """Moves the target of a grab. NotFound: GRAB_NOT_FOUND."""
+        """Moves the target of a grab. Raises NotFound: GRAB_NOT_FOUND."""
         drag = scene_pb2.Drag(grab_id=grab_id, target=vec3(target))
         return await self._interact("DragPoint", interaction_pb2.DragPointRequest(name=self.name, drag=drag))
 
     async def release(self, grab_id: str) -> int:
-        """Ends a grab. NotFound: GRAB_NOT_FOUND."""
+        """Ends a grab. Raises NotFound: GRAB_NOT_FOUND."""
         release = scene_pb2.Release(grab_id=grab_id)
         return await self._interact("ReleasePoint", interaction_pb2.ReleasePointRequest(name=self.name, release=release))
 
@@ -56,7 +57,7 @@ class Interaction(SheetPart):
     async def holding(
         self, point: Union[int, Point], target: Optional[Vector] = None, *, stiffness_npm: float = 0.0
     ) -> AsyncIterator[Hand]:
-        """A hand that holds a point as grab() does, and lets go when the `with` is left.
+        """Returns a hand that holds a point as grab() does, until the `with` is left.
 
         >>> async with sheet.holding((0.5, 0.5)) as hand:
         ...     tick = await hand.move((0.5, 0.2, 0.6))
@@ -66,13 +67,14 @@ class Interaction(SheetPart):
         try:
             yield hand
         finally:
-            with contextlib.suppress(NotFound):  # where it let go with a reset, or is gone with its sheet
+            with contextlib.suppress(NotFound):  # if a reset ended the grab, or the sheet was deleted
                 await self.release(hand.grab_id)
 
     async def set_pins(self, pins: Iterable[Place]) -> int:
-        """Replaces all pins, where their vertices are now; none releases the sheet. At most 64 places.
+        """Replaces all pins; the vertices are held where they are now. Without places the sheet is free. At most 64
+        places.
 
-        InvalidArgument: REGION_EMPTY, a place without vertices; the pins stay as they were.
+        Raises InvalidArgument: REGION_EMPTY if a place has no vertices; the pins then stay as they were.
 
         >>> tick = await sheet.set_pins(["left", kerf.box((0.9, 0.0), (1.0, 0.1)), kerf.vertices(7, 8)])
         """
@@ -82,7 +84,7 @@ class Interaction(SheetPart):
         return await self._interact("SetSheetPins", request)
 
     async def set_gravity(self, gravity_mps2: Vector) -> int:
-        """Metres/second^2, |.| <= 1e4.
+        """Sets gravity: metres/second^2, of magnitude at most 1e4.
 
         >>> tick = await sheet.set_gravity((0, 0, -1.62))
         """
@@ -91,7 +93,7 @@ class Interaction(SheetPart):
         return await self._interact("SetSheetGravity", request)
 
     async def set_wind(self, wind: Optional[scene_pb2.Wind]) -> int:
-        """Air as kerf.wind() says; None: no air at all.
+        """Sets the air around the sheet, made by kerf.wind(); None: no air at all.
 
         >>> tick = await sheet.set_wind(kerf.wind((0, 5, 0)))
         """
@@ -99,11 +101,12 @@ class Interaction(SheetPart):
         return await self._interact("SetSheetWind", request)
 
     async def set_material(self, material: AnyMaterial, *, part: Optional[int] = None) -> int:
-        """Another material for all of the sheet, or for one part of it: a preset, or numbers as a dict; what is not given comes
-        from its own preset. Positions, cuts and what can be undone stay; reset() brings the first material back.
+        """Sets the material of all of the sheet or of one part: a preset, or numbers as a dict, whose absent values
+        come from the dict's preset. Positions, cuts and the undo history stay; reset() restores the first material.
 
-        part: which of the parts that it was made with; -1: what those leave; None: all of it. InvalidArgument:
-        SHEET_TOO_STIFF; FailedPrecondition: MATERIAL_SHARED, the part cannot be set apart.
+        part: index of a part that the sheet was made with; -1: the sheet outside all parts; None: all of it. Raises
+        InvalidArgument: SHEET_TOO_STIFF, and FailedPrecondition: MATERIAL_SHARED if another part had the same
+        material when the sheet was created.
 
         >>> tick = await sheet.set_material("rubber")
         >>> tick = await sheet.set_material({"preset": "rubber", "thickness_m": 5e-4})
@@ -119,11 +122,11 @@ class Interaction(SheetPart):
 
 @dataclass(frozen=True)
 class Hand:
-    """A hand that holds a point of a sheet, by Sheet.holding()."""
+    """A hand that holds a point of a sheet; made by Sheet.holding()."""
 
     sheet: Interaction
     grab_id: str
 
     async def move(self, target: Vector) -> int:
-        """To a point of the world, metres; the tick at which it set out."""
+        """Moves the hand to a point of the world, metres. Returns the tick at which the move took effect."""
         return await self.sheet.drag(self.grab_id, target)

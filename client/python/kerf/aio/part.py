@@ -8,7 +8,7 @@ from kerf.aio.connection import Connection
 
 
 class SheetPart:
-    """The methods of a sheet that belong to one subject: Sheet is all of them."""
+    """The base of classes with the methods of a sheet on one subject; Sheet inherits all of these."""
 
     def __init__(self, server: Connection, sheet_id: str) -> None:
         self._server = server

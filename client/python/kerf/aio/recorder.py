@@ -12,7 +12,7 @@ from kerf.runs import RunWriter
 
 
 class Recorder:
-    """Frames of a sheet on their way into a file, by Sheet.recorder(); to be used in a `with`."""
+    """Writes frames of a sheet to a file while a `with` lasts; made by Sheet.recorder()."""
 
     def __init__(
         self, frames: FrameStream, path: "str | os.PathLike[str]", tick_now: Callable[[], Awaitable[int]]
@@ -22,9 +22,9 @@ class Recorder:
         self._tick_now = tick_now
         self._writer: Optional[RunWriter] = None
         self._pump: Optional[Background] = None
-        self._last_tick = -1  # in the file
-        self._until: Optional[int] = None  # the pump ends with this tick
-        self.num_frames = 0  # in the file so far
+        self._last_tick = -1  # tick of the last frame in the file
+        self._until: Optional[int] = None  # tick with which the pump ends; None: no end yet
+        self.num_frames = 0  # frames in the file so far
 
     async def __aenter__(self) -> Recorder:
         self._writer = RunWriter(self._path)
@@ -35,7 +35,8 @@ class Recorder:
         assert self._pump is not None and self._writer is not None
         try:
             if kind is None:
-                # In this order, and the pump the other way round, so that one of the two sees the other.
+                # Sets _until before it reads _last_tick; the pump does the opposite, so that at least one of the two
+                # sees the other's value.
                 self._until = await self._tick_now()
                 if self._last_tick >= self._until:
                     await self._frames.aclose()
@@ -48,7 +49,7 @@ class Recorder:
                 if self.num_frames:
                     self._writer.close()
                 else:
-                    self._writer.discard()  # a run of nothing would only take the place of an older one
+                    self._writer.discard()  # an empty run would replace an older file
 
     async def _record(self) -> None:
         assert self._writer is not None

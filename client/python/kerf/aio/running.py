@@ -1,4 +1,4 @@
-"""A sheet's time: running it, its state, what it will do."""
+"""A sheet's time: its clock, its state and analyses."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ class Running(SheetPart):
     """Time."""
 
     async def get(self) -> sheets_pb2.Sheet:
-        """The sheet as it is now: tick, counts, state hash, run state, settings in force.
+        """Returns the sheet as it is now: tick, counts, state hash, run state, settings in force.
 
         >>> (await sheet.get()).num_vertices
         400
@@ -23,7 +23,7 @@ class Running(SheetPart):
         return await self._call(self._server.sheet_service.GetSheet, sheets_pb2.GetSheetRequest(name=self.name))
 
     async def pause(self) -> sheets_pb2.Sheet:
-        """Stops the clock; cuts and hands take effect at once then, without time passing.
+        """Stops the clock; cuts and grabs then take effect at once, without time passing.
 
         >>> (await sheet.pause()).run_state == kerf.v1.sheets_pb2.Sheet.PAUSED
         True
@@ -39,9 +39,11 @@ class Running(SheetPart):
         return await self._call(self._server.sheet_service.ResumeSheet, sheets_pb2.ResumeSheetRequest(name=self.name))
 
     async def step(self, ticks: int = 1) -> sheets_pb2.Sheet:
-        """Runs a paused sheet by exactly so many ticks, 1..100000, as fast as the server can, and answers then.
+        """Runs a paused sheet for exactly this many ticks, 1..100000, as fast as the server can; returns when they are
+        done.
 
-        Raises FailedPrecondition where the sheet is running. A call that runs out of its time ends after the tick under way.
+        Raises FailedPrecondition if the sheet is running. If the call exceeds its time limit, stepping stops after
+        the tick in progress.
 
         >>> before = (await sheet.get()).tick
         >>> (await sheet.step(10)).tick - before
@@ -51,8 +53,8 @@ class Running(SheetPart):
         return await self._call(self._server.sheet_service.StepSheet, request)
 
     async def set_speed(self, speed: float) -> sheets_pb2.Sheet:
-        """Slow motion and time lapse: simulated seconds in one of the wall's, 0.01..4; 1 is live. The ticks are the same, bit
-        for bit; step() takes no notice of it.
+        """Sets slow motion or time lapse: simulated seconds per second of wall time, 0.01..4; 1 is live. The results of
+        ticks are the same, bit for bit; step() ignores the speed.
 
         >>> (await sheet.set_speed(0.1)).speed
         0.1
@@ -61,7 +63,7 @@ class Running(SheetPart):
         return await self._call(self._server.sheet_service.SetSheetSpeed, request)
 
     async def reset(self) -> sheets_pb2.Sheet:
-        """Plays the scene again from its beginning, without cuts; the tick keeps counting. undo() takes it back.
+        """Plays the scene again from its beginning, without cuts; the tick keeps counting. undo() undoes the reset.
 
         >>> result = await sheet.cut(kerf.circle((0.5, 0.5), 0.2))
         >>> (await sheet.reset()).pieces
@@ -70,11 +72,11 @@ class Running(SheetPart):
         return await self._call(self._server.sheet_service.ResetSheet, sheets_pb2.ResetSheetRequest(name=self.name))
 
     async def delete(self) -> None:
-        """Removes the sheet from the server; streams of it end with NotFound."""
+        """Removes the sheet from the server; its streams end with NotFound."""
         await self._call(self._server.sheet_service.DeleteSheet, sheets_pb2.DeleteSheetRequest(name=self.name))
 
     async def state(self) -> State:
-        """The exact state, as NumPy arrays of 64-bit floats. ImportError without python3-numpy.
+        """Returns the exact state, as NumPy arrays of 64-bit floats. Raises ImportError without python3-numpy.
 
         >>> (await sheet.state()).positions[380].tolist()
         [0.0, 0.0, 1.0]
@@ -91,13 +93,14 @@ class Running(SheetPart):
         measure_every: int = 1,
         request: Optional[Mapping[str, Any]] = None,
     ) -> Analysis:
-        """Analyses a copy of the sheet as it is now. Returns its equilibrium; with `modes` so many (1..200) of its lowest
-        vibrations; with `ticks` its motion in so many ticks to come (0: its present state). Needs NumPy.
+        """Analyses a copy of the sheet as it is now. Returns its equilibrium; with `modes` this many (1..200) of its
+        lowest vibrations; with `ticks` its motion in the next so many ticks (0: its present state). Needs NumPy.
 
-        request: kerf.v1.AnalyzeSheetRequest as a mapping, for load steps, probes and positions; beside it only ticks and
-        measure_every may be given, and then it has no analysis of its own. The tables of the answer hold the vibrations
-        ("modes") and the measurements of the probes ("probes"). Motion is measured at the start, after each `measure_every`
-        ticks and at the end. Raises ValueError where two analyses are asked for, ResourceExhausted beyond 100,000 vertices.
+        request: kerf.v1.AnalyzeSheetRequest as a mapping, for load steps, probes and positions. With it only ticks
+        and measure_every may be given; the mapping must then have no analysis. The tables of the answer hold the
+        vibrations ("modes") and the measurements of the probes ("probes"). Motion is measured at the start, after
+        each `measure_every` ticks and at the end. Raises ValueError if two analyses are requested, ResourceExhausted
+        beyond 100,000 vertices.
 
         >>> (await sheet.analyze(modes=3)).tables["modes"]["frequency_hz"].shape
         (3,)

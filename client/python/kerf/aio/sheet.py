@@ -9,8 +9,8 @@ from kerf.aio.viewing import Viewing
 
 
 class Sheet(Cutting, Running, Interaction, Viewing):
-    """A sheet by its name. Every method is a call to the server and raises kerf.Error where that refuses; a refusal changes
-    nothing."""
+    """A sheet by its name. Every method is a call to the server and raises kerf.Error if the server refuses; a refusal
+    changes nothing."""
 
     def __repr__(self) -> str:
         return f"<kerf.Sheet {self.name}>"

@@ -1,4 +1,4 @@
-"""Streams of a sheet: frames and pictures, each the newest when it is asked for."""
+"""Streams of a sheet: frames and pictures, each the newest at the time when the loop asks for it."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ if TYPE_CHECKING:
 
 
 _RETRY_AFTER_S = 0.25
-_IS_BACK_AFTER_S = 30.0  # longer than gRPC tries to connect: a stream that is open for that long has a server
+_IS_BACK_AFTER_S = 30.0  # longer than gRPC tries to connect: a stream open for longer has a server
 
 
 class _Loop:
-    """A loop over what comes, and a `with` that ends it."""
+    """The base class of streams: a loop over what arrives, and a `with` that ends the stream."""
 
     async def aclose(self) -> None:
         raise NotImplementedError
@@ -36,28 +36,28 @@ class _Loop:
 
 
 class AcknowledgedStream(_Loop):
-    """The base class of streams with acknowledgements. The answer held by a loop is acknowledged when it asks for the next.
-    The server thus sends no more than the loop can take. The server ends a stream that acknowledges nothing for 10
-    seconds; it is then reopened, unnoticed by the loop. A stream whose server was lost is reopened as long as
-    reconnect_s allows."""
+    """The base class of streams with acknowledgements. The answer held by a loop is acknowledged when it asks for the
+    next. The server thus sends no more than the loop can take. It ends a stream that acknowledges nothing for 10
+    seconds; the stream is then reopened without notice to the loop. If the server is lost, reopening is tried for
+    reconnect_s."""
 
-    _answer = ""  # the field of responses that is given to the loop
+    _answer = ""  # field of responses that the loop gets
 
     def __init__(
         self, method: Any, address: str, request: Any, duration_s: Optional[float], reconnect_s: float
     ) -> None:
         self._reconnect_s = reconnect_s
-        self._lost_at: Optional[float] = None  # when the server was; None: it is there, as far as is known
+        self._lost_at: Optional[float] = None  # time when the server was lost; None: not lost
         self._opened_at = 0.0
         self._method = method
         self._address = address
-        self._request = request  # its class, for acknowledgements
+        self._request = request  # class of requests, for acknowledgements
         self._ends_at = None if duration_s is None else time.monotonic() + duration_s
         self._stream: Optional[Stream] = None
-        self._pace: Optional[stream_pb2.WatchPace] = None  # that pace() asked for
+        self._pace: Optional[stream_pb2.WatchPace] = None  # last request of pace()
         self._closed = False
-        self._sequence = 0  # of the answer that the loop holds; 0: none
-        self._arrived_ns = 0  # when the last answer came; 0: none has come
+        self._sequence = 0  # number of the answer that the loop holds; 0: none
+        self._arrived_ns = 0  # time of the last answer; 0: none has come
 
     async def aclose(self) -> None:
         """Ends the stream; idempotent. A loop over it ends."""
@@ -67,7 +67,7 @@ class AcknowledgedStream(_Loop):
             await stream.close()
 
     async def pace(self, rate_hz: float = 0.0, *, paused: bool = False) -> None:
-        """Another rate from now on, as of watch(). paused: nothing comes until another pace."""
+        """Sets the rate from now on, as rate_hz of watch(). paused: nothing comes until the next call of pace()."""
         self._pace = stream_pb2.WatchPace(max_rate_hz=rate_hz, paused=paused)
         await self._send(self._request(pace=self._pace))
 
@@ -86,7 +86,7 @@ class AcknowledgedStream(_Loop):
         await stream.send(self._first())
         if self._pace is not None:
             await stream.send(self._request(pace=self._pace))
-        if self._closed:  # meanwhile, by another thread
+        if self._closed:  # closed in the meantime by another thread
             await stream.close()
         return stream
 
@@ -98,7 +98,7 @@ class AcknowledgedStream(_Loop):
         return not self._arrived_ns and not (self._pace is not None and self._pace.paused)
 
     async def _next(self) -> Any:
-        """The next answer; ends the loop when the stream has ended as it should."""
+        """Returns the next answer; ends the loop when the stream has ended without an error."""
         if self._sequence:
             held_us = 1 + (time.monotonic_ns() - self._arrived_ns) // 1000
             await self._send(self._request(ack=stream_pb2.WatchAck(sequence=self._sequence, held_us=held_us)))
@@ -135,7 +135,7 @@ class AcknowledgedStream(_Loop):
         is_slow = failure.reason == "TOO_SLOW"
         if not is_slow:
             now = time.monotonic()
-            # A server that is back says nothing on a stream that is paused.
+            # Counts the server as back after a while, because a paused stream has no messages.
             if self._lost_at is None or now - self._opened_at > _IS_BACK_AFTER_S:
                 self._lost_at = now
             is_over = now - self._lost_at >= self._reconnect_s or (self._ends_at is not None and now >= self._ends_at)
@@ -150,7 +150,7 @@ class AcknowledgedStream(_Loop):
 
 
 class FrameStream(AcknowledgedStream):
-    """Frames of a sheet, by Sheet.watch(): a loop over them, and a `with` that ends them."""
+    """Frames of a sheet; made by Sheet.watch(). Loop over them; a `with` ends the stream."""
 
     _answer = "frame"
 
@@ -179,7 +179,7 @@ class FrameStream(AcknowledgedStream):
 
 
 class ImageStream(AcknowledgedStream):
-    """Pictures of a sheet, by Sheet.watch_images(): a loop over them, and a `with` that ends them."""
+    """Pictures of a sheet; made by Sheet.watch_images(). Loop over them; a `with` ends the stream."""
 
     _answer = "image"
 
@@ -210,7 +210,7 @@ class ImageStream(AcknowledgedStream):
         bitrate_kbps: int = 0,
         dark: bool = False,
     ) -> None:
-        """Another view from the next picture on, in place of the one before; as of Sheet.watch_images()."""
+        """Sets the view from the next picture on; the arguments are as in Sheet.watch_images()."""
         view = image_view(size_px, camera, wireframe, undeformed, color_by, jpeg_quality, bitrate_kbps, dark)
         self._start.view.CopyFrom(view)
         await self._send(render_pb2.WatchImagesRequest(view=view))
@@ -220,7 +220,7 @@ class ImageStream(AcknowledgedStream):
 
 
 class Subscription(_Loop):
-    """Frames of a sheet at a low rate, by Sheet.subscribe(): a loop over them, and a `with` that ends them."""
+    """Frames of a sheet at a low rate; made by Sheet.subscribe(). Loop over them; a `with` ends the stream."""
 
     def __init__(self, method: Any, address: str, request: stream_pb2.SubscribeRequest) -> None:
         self._stream = Stream(method, address, request=request)
@@ -240,7 +240,7 @@ class Subscription(_Loop):
 
 
 def _ended(ended: stream_pb2.Ended) -> Error:
-    """Why the server ended a stream, as what the next call would be refused with."""
+    """Returns the reason why the server ended a stream, as the error that the next call would raise."""
     reason = stream_pb2.Ended.Reason.Name(ended.reason)
     if ended.reason == stream_pb2.Ended.SHEET_DELETED:
         return NotFound("NOT_FOUND", reason, ended.message or "the sheet was deleted")

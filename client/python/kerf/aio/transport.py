@@ -1,4 +1,4 @@
-"""Calls for asyncio, over grpc.aio. kerf/transport.py has the same for calls that block."""
+"""Calls for asyncio, over grpc.aio. kerf/transport.py has the same functions for calls that block."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ async def close_channel(channel: grpc.aio.Channel) -> None:
 
 
 async def call_unary(method: Any, request: Any, timeout_s: Optional[float], address: str) -> Any:
-    """Raises kerf.Error where the call fails."""
+    """Makes a unary call. Raises kerf.Error if it fails."""
     try:
         return await method(request, timeout=timeout_s)
     except grpc.RpcError as failure:
@@ -30,7 +30,7 @@ async def call_unary(method: Any, request: Any, timeout_s: Optional[float], addr
 
 
 async def call_sending(method: Any, requests: Iterable[Any], timeout_s: Optional[float], address: str) -> Any:
-    """A call whose request comes in parts. Raises kerf.Error where it fails."""
+    """Makes a call whose request is sent in parts. Raises kerf.Error if it fails."""
     return await call_unary(method, iter(requests), timeout_s, address)
 
 
@@ -39,23 +39,25 @@ async def pause(duration_s: float) -> None:
 
 
 class Stream:
-    """One call that answers many times. With `request` the one that it begins with, else whatever is sent."""
+    """One call with many answers. Its one request is `request`; without it, the requests are those of send()."""
 
     def __init__(self, method: Any, address: str, *, request: Any = None, duration_s: Optional[float] = None) -> None:
         self._address = address
-        self._closed = True  # as long as there is no call
-        # Not written one by one: a write to a call that the server has ended never returns.
+        self._closed = True  # until there is a call
+        # A queue, because a direct write to a call that the server has ended never returns.
         self._requests: asyncio.Queue[Any] = asyncio.Queue()
         try:
             self._call = method(_until_none(self._requests) if request is None else request, timeout=duration_s)
         except grpc.aio.UsageError:  # the channel was closed
             raise connection_closed(address) from None
         self._closed = False
-        self._reading: Optional[asyncio.Future[Any]] = None  # the next answer, which outlives a caller that gave up
-        self.out_of_time = False  # it ended since duration_s was over
+        self._reading: Optional[asyncio.Future[Any]] = None  # read of the next answer; it continues if its caller was
+                                                             # cancelled
+        self.out_of_time = False  # True if it ended because duration_s was over
 
     def __del__(self) -> None:
-        # A stream that is just dropped must not leave the task behind that waits for requests; no loop, no task.
+        # A dropped stream must not leave behind the task that waits for requests. Without a running loop there is no
+        # task.
         with contextlib.suppress(RuntimeError):
             self._end()
 
@@ -64,14 +66,15 @@ class Stream:
         self._requests.put_nowait(request)
 
     async def receive(self) -> Any:
-        """The next answer; None when the stream has ended as it should. Raises kerf.Error where it failed."""
+        """Returns the next answer; None when the stream has ended without an error. Raises kerf.Error if it failed."""
         if self._reading is None:
             self._reading = asyncio.ensure_future(self._call.read())
         reading = self._reading
-        # A read that is cancelled ends the whole call. Whoever is cancelled here leaves it to the next.
+        # A cancelled read would end the whole call. So a caller that is cancelled here leaves its read to the next
+        # caller.
         await asyncio.wait((reading,))
         self._reading = None
-        if reading.cancelled():  # with the call: by close(), or since the connection was closed
+        if reading.cancelled():  # cancelled with the call, by close() or because the connection was closed
             if self._closed:
                 return None
             raise connection_closed(self._address)
@@ -94,7 +97,7 @@ class Stream:
             self._closed = True
             self._requests.put_nowait(None)
             self._call.cancel()
-            if self._reading is not None:  # its caller gave up, so its exception is consumed here
+            if self._reading is not None:  # its caller was cancelled, so its exception is consumed here
                 self._reading.add_done_callback(lambda reading: reading.cancelled() or reading.exception())
 
 
@@ -104,7 +107,7 @@ async def _until_none(requests: asyncio.Queue[Any]) -> AsyncIterator[Any]:
 
 
 class Background:
-    """Work beside the caller: a task."""
+    """Work that runs beside the caller, as a task."""
 
     def __init__(self, work: Callable[[], Coroutine[Any, Any, None]]) -> None:
         self._task = asyncio.ensure_future(work())

@@ -27,14 +27,15 @@ class Viewing(SheetPart):
         duration_s: Optional[float] = None,
         reconnect_s: float = 0.0,
     ) -> FrameStream:
-        """Frames as NumPy arrays, each the newest when it was asked for: a slow loop skips ticks, it never lags behind.
+        """Streams frames as NumPy arrays, each the newest when the loop asks for it: a slow loop skips ticks and never
+        lags behind.
 
-        rate_hz: most frames a second, 0.001..1000; 0: every tick. window: frames under way, 1..8: with 1 a frame is sent when
-        the loop comes back for it; more keep a fast loop busy over a long way; 0: the server finds out. strains: frames have
-        the strains of the vertices. duration_s: the stream ends after so long, with Unavailable where not even a first frame
-        came; None: only when it is closed, or a NotFound (the sheet was deleted) or Unavailable (the server stops) comes.
-        reconnect_s: how long to retry a lost server; a restarted one continues with a keyframe, and its ticks
-        begin again. A paused sheet has a frame when something changes. Needs NumPy.
+        rate_hz: most frames a second, 0.001..1000; 0: every tick. window: frames sent and not acknowledged, 1..8.
+        With 1 a frame is sent when the loop asks for it; more keep a fast loop busy over a slow connection; 0: the
+        server chooses. strains: frames have the strains of the vertices. duration_s: the stream ends after this
+        time, with Unavailable if no frame came. None: it ends when closed, with NotFound if the sheet is deleted, or
+        with Unavailable if the server stops. reconnect_s: how long to retry a lost server; a restarted one continues
+        with a keyframe, and its ticks begin again. A paused sheet gives a frame when something changes. Needs NumPy.
 
         >>> async with sheet.watch(rate_hz=30, strains=True) as frames:
         ...     async for frame in frames:
@@ -48,8 +49,9 @@ class Viewing(SheetPart):
         return FrameStream(self._server.stream_service.Watch, self._server.address, start, duration_s, reconnect_s)
 
     def subscribe(self, *, rate_hz: float = 1.0, max_frames: int = 0) -> Subscription:
-        """Frames at a low rate, 0.001..10 Hz, without acknowledgements: what is not read in time waits, so that a slow loop
-        lags. For steady logging; watch() is for all else. max_frames: ends after so many; 0: no limit.
+        """Streams frames at a low rate, 0.001..10 Hz, without acknowledgements: unread frames wait, so that a slow loop
+        lags behind. Use it for steady logging, and watch() for all else. max_frames: the stream ends after this
+        many; 0: no limit.
 
         >>> async for frame in sheet.subscribe(max_frames=1):
         ...     frame.positions.shape
@@ -75,11 +77,13 @@ class Viewing(SheetPart):
         duration_s: Optional[float] = None,
         reconnect_s: float = 0.0,
     ) -> ImageStream:
-        """Pictures that the server draws, each of the newest tick when it was asked for; what is skipped is not drawn.
+        """Streams pictures that the server draws, each of the newest tick when the loop asks for it; skipped ticks are
+        not drawn.
 
-        size_px: 16..4096 each. codec: "jpeg", "png", or "vp8", a tenth of the bytes, for a decoder of one's own. camera: see
-        kerf.camera(); absent: shows the whole sheet. wireframe, undeformed, color_by, dark: as of render(). jpeg_quality: 1..100,
-        0: 80. bitrate_kbps: of VP8, 50..50000; 0: by the size. The rest is as of watch(). Unavailable where the server has no renderer.
+        size_px: 16..4096 each. codec: "jpeg", "png", or "vp8", which has a tenth of the bytes but needs a decoder in
+        the program. camera: see kerf.camera(); absent: shows the whole sheet. wireframe, undeformed, color_by, dark:
+        as in render(). jpeg_quality: 1..100, 0: 80. bitrate_kbps: of VP8, 50..50000; 0: chosen by the size. The rest
+        is as in watch(). Raises Unavailable if the server has no renderer.
         """
         view = image_view(size_px, camera, wireframe, undeformed, color_by, jpeg_quality, bitrate_kbps, dark)
         start = render_pb2.WatchImagesStart(
@@ -88,12 +92,12 @@ class Viewing(SheetPart):
         return ImageStream(self._server.render_service.WatchImages, self._server.address, start, duration_s, reconnect_s)
 
     def recorder(self, path: "str | os.PathLike[str]", *, rate_hz: float = 0.0, strains: bool = False) -> Recorder:
-        """Records frames into an .npz file while a `with` lasts, beside whatever is done in it; kerf.load_run() reads it.
+        """Records frames into an .npz file while a `with` lasts; kerf.load_run() reads the file.
 
-        rate_hz, strains: as of watch(). The last frame of the file is of the tick at which the `with` was left, or later. Ticks
-        that went by faster than they could be sent are left out: `ticks` of the run says which there are. OSError where the
-        file cannot be written; an exception inside the `with` leaves the frames until then, if there
-        are any; where not, there is no file, or the one of before.
+        rate_hz, strains: as in watch(). The last frame of the file is of the tick at which the `with` was left, or
+        later. Ticks that passed faster than they could be sent are left out: `ticks` of the run lists those
+        recorded. Raises OSError if the file cannot be written. After an exception inside the `with` the file has the
+        frames until then; without any frame, an earlier file stays.
 
         >>> async with sheet.recorder(path):
         ...     stepped = await sheet.step(30)
@@ -114,11 +118,13 @@ class Viewing(SheetPart):
         jpeg_quality: int = 0,
         dark: bool = False,
     ) -> bytes:
-        """A picture of the sheet, drawn on the server: the bytes of a file. Unavailable where it has no renderer.
+        """Returns a picture of the sheet, drawn by the server, as the bytes of a file. Raises Unavailable if the server
+        has no renderer.
 
-        size_px: 16..4096 each. camera: see kerf.camera(); absent: shows the whole sheet. undeformed: as it is cut, but flat, at
-        its material coordinates x, y, 0. color_by: "sides" (woven, front and back differ), "pieces" or "strains".
-        jpeg_quality: 1..100, 0: 85. dark: before a dark backdrop. kerf.decode_image() makes an array of it.
+        size_px: 16..4096 each. camera: see kerf.camera(); absent: shows the whole sheet. undeformed: shows the sheet
+        flat with its cuts, at the material coordinates x, y, 0. color_by: "sides" (woven, front and back differ),
+        "pieces" or "strains". jpeg_quality: 1..100, 0: 85. dark: draws before a dark background. kerf.decode_image()
+        converts the bytes to an array.
 
         >>> (await sheet.render((64, 48)))[:4]
         b'\\x89PNG'
@@ -138,7 +144,7 @@ class Viewing(SheetPart):
         return bytes((await self._call(self._server.render_service.RenderImage, request)).image)
 
     async def obj(self) -> bytes:
-        """The sheet as it is now, as a Wavefront OBJ file.
+        """Returns the sheet as it is now, as a Wavefront OBJ file.
 
         >>> (await sheet.obj()).count(b"\\nv ")
         400
@@ -147,7 +153,7 @@ class Viewing(SheetPart):
         return bytes((await self._call(self._server.sheet_service.ExportSheet, request)).content)
 
     async def gltf(self) -> bytes:
-        """The sheet as it is now, as a binary glTF 2.0 file (.glb): y up, a colour for each piece.
+        """Returns the sheet as it is now, as a binary glTF 2.0 file (.glb): y up, a colour for each piece.
 
         >>> (await sheet.gltf())[:4]
         b'glTF'
@@ -156,8 +162,9 @@ class Viewing(SheetPart):
         return bytes((await self._call(self._server.sheet_service.ExportSheet, request)).content)
 
     async def record(self, path: "str | os.PathLike[str]") -> int:
-        """Writes what the server kept of the sheet's run, from its scene to now, for `kerf replay` and Server.replay(); how many
-        bytes. The file is there when all of it is. FailedPrecondition: RECORDING_TOO_LONG. OSError.
+        """Writes the recording of the sheet's run, from its scene to now, for `kerf replay` and Server.replay().
+        Returns the number of bytes. The file appears only when it is complete. Raises FailedPrecondition:
+        RECORDING_TOO_LONG, and OSError.
 
         >>> await sheet.record(path) > 0
         True
