@@ -42,7 +42,7 @@ void set_static(const AnalyzeArguments& arguments, v1::StaticAnalysis& message) 
 }
 
 int analyze(const Session& session, const AnalyzeArguments& arguments) {
-  host::RealDisk disk;
+  RealDisk disk;
   v1::AnalyzeSheetRequest request;
   if (!arguments.file.empty()) {
     const Result<std::string> json = disk.read_file(arguments.file, kMaxRequestBytes);

@@ -121,7 +121,7 @@ int cut(const Session& session, const CutArguments& arguments) {
   *request.mutable_cut() = client::make_cut({}, arguments.options);
   v1::Curve& curve = *request.mutable_cut()->mutable_curve();
   if (arguments.svg) {
-    host::RealDisk disk;
+    RealDisk disk;
     Result<v1::Svg> drawing = offline::read_svg(disk, *arguments.svg);
     if (!drawing.ok()) return refuse(drawing.error());
     *curve.mutable_svg() = std::move(drawing).value();

@@ -71,7 +71,7 @@ void print_scheduled(const v1::ScheduledCuts& scheduled) {
 int export_cuts(const Session& session, const v1::ListCutsResponse& all, const std::string& path) {
   v1::CutBatch batch;
   for (const v1::ListCutsResponse::Entry& entry : all.cuts()) *batch.add_cuts() = entry.cut();
-  host::RealDisk disk;
+  RealDisk disk;
   const Status written = disk.write_file(path, to_script_json(batch) + "\n");
   if (!written.ok()) return refuse(written.error());
   if (session.json) {
@@ -274,7 +274,7 @@ void print_made(const Session& session, const Made& made, const std::string& id)
 }  // namespace
 
 int cut_batch(const Session& session, const std::string& id, const std::string& file, const BatchTiming& timing) {
-  host::RealDisk disk;
+  RealDisk disk;
   const Result<std::string> json = disk.read_file(file, kMaxBatchFileBytes);
   if (!json.ok()) return refuse(json.error());
   v1::CutBatch batch;

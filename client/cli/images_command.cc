@@ -81,7 +81,7 @@ class Writer {
   bool take(const v1::Image& image) {
     const std::string name = file_name(written_.pictures + 1, arguments_.format);
     const std::string file = (fs::path(arguments_.out) / name).string();
-    host::RealDisk disk;
+    RealDisk disk;
     if (const Status written = disk.write_file(file, image.data()); !written.ok()) {
       failure_ = written.error();
       return false;

@@ -83,7 +83,7 @@ int run_load(const Session& session, LoadArguments& arguments) {
   const std::string text = session.json ? load::to_json(*report) : load::to_text(*report);
   std::fwrite(text.data(), 1, text.size(), stdout);
   if (!arguments.html.empty()) {
-    host::RealDisk disk;
+    RealDisk disk;
     if (const Status written = disk.write_file(arguments.html, load::to_html(*report)); !written.ok()) {
       return refuse(written.error());
     }

@@ -74,8 +74,8 @@ std::string summary(const v1::RunResult& result) {
 }
 
 int run(const Session& session, const RunArguments& arguments) {
-  host::RealDisk disk;
-  Result<sheet::SheetConfig> config = offline::read_scene(disk, arguments.scene);
+  RealDisk disk;
+  Result<scene::SheetConfig> config = offline::read_scene(disk, arguments.scene);
   if (!config.ok()) return refuse(config.error());
   if (const Status known = offline::apply(arguments.overrides, *config); !known.ok()) return refuse(known.error());
 
@@ -112,7 +112,7 @@ std::string describe_tear(std::int64_t torn_bytes) {
 }
 
 int replay(const Session& session, const std::string& path) {
-  host::RealDisk disk;
+  RealDisk disk;
   const Result<offline::ReplayReport> report = [&] {
     std::optional<WaitingNote> note;
     return offline::replay(disk, path, [&](std::size_t entries) {

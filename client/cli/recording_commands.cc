@@ -30,7 +30,7 @@ int fetch(const Session& session, const std::string& id, const std::string& out)
   std::string recording;
   const grpc::Status status = client::fetch_recording(client, "sheets/" + id, recording);
   if (!status.ok()) return refuse(status, session.server);
-  host::RealDisk disk;
+  RealDisk disk;
   if (const Status written = disk.write_file(out, recording); !written.ok()) return refuse(written.error());
   if (session.json) {
     const nlohmann::ordered_json json{{"file", out}, {"bytes", recording.size()}};
@@ -42,7 +42,7 @@ int fetch(const Session& session, const std::string& id, const std::string& out)
 }
 
 int play(const Session& session, const PlayArguments& arguments) {
-  host::RealDisk disk;
+  RealDisk disk;
   const Result<std::string> recording = disk.read_file(arguments.file, kMaxUploadedRecordingBytes);
   if (!recording.ok()) return refuse(recording.error());
   client::Client client(session.server);

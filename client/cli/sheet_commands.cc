@@ -57,7 +57,7 @@ int take(Result<Mesh> read, v1::RestShape rest, Mesh& mesh) {
 // Adds the sheet's mesh. Returns kDone, or an exit code after printing the error.
 int add_mesh(const CreateArguments& arguments, v1::Scene& scene) {
   if (const std::string& path = arguments.obj.empty() ? arguments.ply : arguments.obj; !path.empty()) {
-    host::RealDisk disk;
+    RealDisk disk;
     const v1::RestShape rest = rest_shape(arguments.rest);
     return arguments.obj.empty() ? take(offline::read_ply(disk, path), rest, *scene.mutable_ply())
                                  : take(offline::read_obj(disk, path), rest, *scene.mutable_obj());
@@ -92,8 +92,8 @@ int add_parts(const std::vector<std::string>& parts, v1::Scene& scene) {
 // Replaces `scene` by the content of a scene file and of the files named in it. Returns kDone, or an exit code after
 // printing the error.
 int add_scene_file(const CreateArguments& arguments, v1::Scene& scene) {
-  host::RealDisk disk;
-  Result<sheet::SheetConfig> config = offline::read_scene(disk, arguments.scene);
+  RealDisk disk;
+  Result<scene::SheetConfig> config = offline::read_scene(disk, arguments.scene);
   if (!config.ok()) return refuse(config.error());
   if (const Status known = offline::apply(arguments.overrides, *config); !known.ok()) return refuse(known.error());
   scene = offline::to_message(*config);

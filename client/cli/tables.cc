@@ -65,8 +65,7 @@ std::string excerpt(const v1::Table& table) {
   return text;
 }
 
-Status write_csv(host::Disk& disk, const std::string& folder,
-                 const google::protobuf::RepeatedPtrField<v1::Table>& tables) {
+Status write_csv(Disk& disk, const std::string& folder, const google::protobuf::RepeatedPtrField<v1::Table>& tables) {
   if (folder.empty()) return Nothing{};
   for (const v1::Table& table : tables) {
     const std::string file = (std::filesystem::path(folder) / (table.name() + ".csv")).string();

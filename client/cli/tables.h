@@ -14,8 +14,7 @@
 namespace kerf::cli {
 
 // Writes each table as `folder`/NAME.csv, with numbers that read back exactly; does nothing if `folder` is empty.
-Status write_csv(host::Disk& disk, const std::string& folder,
-                 const google::protobuf::RepeatedPtrField<v1::Table>& tables);
+Status write_csv(Disk& disk, const std::string& folder, const google::protobuf::RepeatedPtrField<v1::Table>& tables);
 
 // Returns the first rows and the last of a table, each line begun with a newline.
 std::string excerpt(const v1::Table& table);

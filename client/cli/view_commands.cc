@@ -28,7 +28,7 @@ struct RenderArguments {
 };
 
 int write(const std::string& path, std::string_view content) {
-  host::RealDisk disk;
+  RealDisk disk;
   const Status written = disk.write_file(path, content);
   return written.ok() ? kDone : refuse(written.error());
 }

@@ -8,22 +8,23 @@
 
 #include <kerf/kerf.h>
 
+namespace scene = kerf::scene;
 namespace sheet = kerf::sheet;
 
 int main(int argc, char** argv) {
-  sheet::SheetConfig config;
-  config.mesh = sheet::GridSource{.columns = 40, .rows = 40, .width = 1.0, .height = 1.0};
+  scene::SheetConfig config;
+  config.mesh = scene::GridSource{.columns = 40, .rows = 40, .width = 1.0, .height = 1.0};
   config.material = kerf::fem::find_preset("silk").value();
-  config.pins.emplace_back(sheet::RegionEdge::kCorners);
+  config.pins.emplace_back(scene::RegionEdge::kCorners);
   kerf::Result<sheet::Sheet> cloth = sheet::Sheet::create(config);
   if (!cloth.ok()) return std::fprintf(stderr, "%s\n", cloth.error().message.c_str()), 1;
   for (int tick = 0; tick < 30; ++tick) cloth->step({});
 
   // A command takes effect at the start of its tick: wholly, or not at all.
-  sheet::Cut across;
+  scene::Cut across;
   across.curve = kerf::cut::CubicBezier{{{-0.1, 0.4}, {0.3, 0.7}, {0.7, 0.2}, {1.1, 0.5}}};
-  const sheet::TickReport report = cloth->step(std::array<sheet::Command, 1>{across});
-  const kerf::Result<sheet::CommandReply>& reply = report.replies.front();
+  const sheet::TickReport report = cloth->step(std::array<scene::Command, 1>{across});
+  const kerf::Result<scene::CommandReply>& reply = report.replies.front();
   if (!reply.ok()) return std::fprintf(stderr, "%s\n", reply.error().message.c_str()), 1;
   std::printf("tick %lld: cut into %d pieces\n", static_cast<long long>(reply->tick), reply->cut->report.pieces);
 

@@ -212,7 +212,7 @@ std::filesystem::path find_site(const std::filesystem::path& executable, std::st
 }  // namespace
 
 std::int64_t default_total_vertices(std::int64_t memory) {
-  return memory > 0 ? std::max<std::int64_t>(memory / 2 / kBytesPerVertex, 1) : sheet::kMaxVertices;
+  return memory > 0 ? std::max<std::int64_t>(memory / 2 / kBytesPerVertex, 1) : scene::kMaxVertices;
 }
 
 std::shared_ptr<const CLI::App> command_line() {

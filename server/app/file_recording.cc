@@ -13,7 +13,7 @@ constexpr std::size_t kPieceBytes = 4096;  // Bytes of waiting entries written a
 
 }  // namespace
 
-FileRecording::FileRecording(host::Disk& disk, const host::Clock& clock, RecordingBoard& board, std::string path,
+FileRecording::FileRecording(Disk& disk, const host::Clock& clock, RecordingBoard& board, std::string path,
                              std::function<void(const std::string&)> note)
     : disk_(disk), clock_(clock), board_(board), path_(std::move(path)), note_(std::move(note)) {
   ++board_.open;
@@ -37,7 +37,7 @@ void FileRecording::try_a_last_time() {
   say("ends with its sheet, " + std::to_string(waiting_bytes_) + " bytes short: " + written.error().message);
 }
 
-void FileRecording::start(const sheet::SheetConfig& config) {
+void FileRecording::start(const scene::SheetConfig& config) {
   std::string header = wire::encode_recording_header(config, wire::build_name());
   header_bytes_ = static_cast<std::int64_t>(header.size());
   write(std::move(header));

@@ -41,14 +41,14 @@ class FileRecording : public sheet::RecordingSink {
   static constexpr std::int64_t kMaxAllWaitingBytes = std::int64_t{256} << 20;  // For all recordings on one board.
 
   // `disk`, `clock` and `board` must outlive this; `note` is called from the sheet's strand and the destructor.
-  FileRecording(host::Disk& disk, const host::Clock& clock, RecordingBoard& board, std::string path,
+  FileRecording(Disk& disk, const host::Clock& clock, RecordingBoard& board, std::string path,
                 std::function<void(const std::string&)> note);
   // Tries a last time to write waiting entries.
   ~FileRecording() override;
   FileRecording(const FileRecording&) = delete;
   FileRecording& operator=(const FileRecording&) = delete;
 
-  void start(const sheet::SheetConfig& config) override;
+  void start(const scene::SheetConfig& config) override;
   void append(const sheet::RecordedTick& entry) override;
 
  private:
@@ -65,14 +65,14 @@ class FileRecording : public sheet::RecordingSink {
   void forget_waiting();
   void say(const std::string& what) const { note_("recording " + path_ + " " + what); }
 
-  host::Disk& disk_;
+  Disk& disk_;
   const host::Clock& clock_;
   RecordingBoard& board_;
   const std::string path_;
   const std::function<void(const std::string&)> note_;
   State state_ = State::kWriting;
-  std::unique_ptr<host::AppendFile> file_;  // Null: not made yet, or the recording has ended.
-  std::deque<std::string> waiting_;         // Whole entries in order, several small ones in one string.
+  std::unique_ptr<AppendFile> file_;  // Null: not made yet, or the recording has ended.
+  std::deque<std::string> waiting_;   // Whole entries in order, several small ones in one string.
   std::int64_t waiting_bytes_ = 0;
   std::int64_t header_bytes_ = 0;  // Bytes of a header that still waits; 0: it is written.
   host::Nanoseconds next_try_{0};  // Earliest time of the next try while kPaused.

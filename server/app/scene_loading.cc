@@ -26,16 +26,16 @@ Error in_file(const std::filesystem::path& file, Error error) {
   return error;
 }
 
-Result<std::string> load(const std::filesystem::path& file, host::Disk& disk, host::Host& host) {
+Result<std::string> load(const std::filesystem::path& file, Disk& disk, host::Host& host) {
   const Result<std::string> json = disk.read_file(file.string(), wire::kMaxSceneFileBytes);
   if (!json.ok()) return in_file(file, json.error());
   const wire::FileReader read_file = [&](const std::string& path) {
-    return disk.read_file((file.parent_path() / path).string(), sheet::kMaxMeshFileBytes);
+    return disk.read_file((file.parent_path() / path).string(), scene::kMaxMeshFileBytes);
   };
-  Result<sheet::SheetConfig> config = wire::decode_scene_file(*json, read_file);
+  Result<scene::SheetConfig> config = wire::decode_scene_file(*json, read_file);
   if (!config.ok()) return in_file(file, config.error());
   const std::string stem = file.stem().string();
-  const std::string id = config->sheet_id.empty() && sheet::is_valid_sheet_id(stem) ? stem : config->sheet_id;
+  const std::string id = config->sheet_id.empty() && scene::is_valid_sheet_id(stem) ? stem : config->sheet_id;
   const Result<host::SheetStatus> status = wait_for<host::SheetStatus>([&](host::Callback<host::SheetStatus> done) {
     host.create_sheet(id, std::move(config).value(), true, std::move(done));
   });
@@ -45,7 +45,7 @@ Result<std::string> load(const std::filesystem::path& file, host::Disk& disk, ho
 
 }  // namespace
 
-Result<std::vector<std::string>> load_scenes(const std::vector<std::filesystem::path>& files, host::Disk& disk,
+Result<std::vector<std::string>> load_scenes(const std::vector<std::filesystem::path>& files, Disk& disk,
                                              host::Host& host) {
   std::vector<std::string> ids;
   for (const std::filesystem::path& file : files) {

@@ -6,8 +6,10 @@
 
 #include "server/base/result.h"
 
-namespace kerf::host {
+namespace kerf {
 class Disk;
+}  // namespace kerf
+namespace kerf::host {
 class Host;
 }  // namespace kerf::host
 
@@ -15,7 +17,7 @@ namespace kerf::app {
 
 // Makes one paused sheet per scene file and returns the ids, in order. A scene without sheet_id gets the file's name
 // without extension. Errors name the file in their message.
-Result<std::vector<std::string>> load_scenes(const std::vector<std::filesystem::path>& files, host::Disk& disk,
+Result<std::vector<std::string>> load_scenes(const std::vector<std::filesystem::path>& files, Disk& disk,
                                              host::Host& host);
 
 // Starts the clocks of these sheets.

@@ -43,7 +43,7 @@ Result<ws::AssetTable> read_site(const std::filesystem::path& folder) {
 struct Server::Impl {
   Config config;
   std::function<void(std::string_view)> note;
-  host::RealDisk disk;
+  RealDisk disk;
   host::SystemEntropy entropy;
   host::RealClock clock;
   std::string instance_id = wire::encode_hash(entropy.next());

@@ -8,7 +8,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-namespace kerf::host {
+namespace kerf {
 
 namespace {
 
@@ -147,4 +147,4 @@ Result<std::unique_ptr<AppendFile>> RealDisk::create_file(const std::string& pat
   return std::unique_ptr<AppendFile>(std::make_unique<RealFile>(number, path));
 }
 
-}  // namespace kerf::host
+}  // namespace kerf

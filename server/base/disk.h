@@ -7,7 +7,7 @@
 
 #include "server/base/result.h"
 
-namespace kerf::host {
+namespace kerf {
 
 // A file that only grows.
 class AppendFile {
@@ -42,4 +42,4 @@ class RealDisk : public Disk {
   Result<std::unique_ptr<AppendFile>> create_file(const std::string& path) override;
 };
 
-}  // namespace kerf::host
+}  // namespace kerf

@@ -107,7 +107,7 @@ TEST(SlitAnnularPlate, LiftedAtOneLipOpensAsTheReference) {
     fem::Loads loads;
     loads.gravity.setZero();
     loads.external_forces = Eigen::Matrix3Xd::Zero(3, mesh.num_vertices());
-    mesh::VertexField x(mesh.num_vertices());
+    linear::VertexField x(mesh.num_vertices());
     std::vector<fem::Clamp> clamps;
     std::vector<int> lip;  // the free one
     for (int v = 0; v < mesh.num_vertices(); ++v) {
@@ -162,7 +162,7 @@ TEST(Curtain, HangsInTheReferenceShape) {
     model.bend_by_angles(mesh);
     fem::Loads loads;
     loads.gravity = {0.0, -9.81, 0.0};
-    mesh::VertexField x(mesh.num_vertices());
+    linear::VertexField x(mesh.num_vertices());
     for (int v = 0; v < mesh.num_vertices(); ++v) {
       const Eigen::Vector2d X = mesh.rest_position(v);
       const double angle = X.x() / radius;
@@ -225,7 +225,7 @@ TEST(Kirigami, PulledFollowsTheReferenceThroughItsTransition) {
     fem::Model model(mesh, reference.material());
     fem::Loads loads;
     loads.gravity.setZero();
-    mesh::VertexField x(mesh.num_vertices());
+    linear::VertexField x(mesh.num_vertices());
     std::vector<fem::Clamp> clamps;
     std::vector<std::size_t> top;
     for (int v = 0; v < mesh.num_vertices(); ++v) {
@@ -240,9 +240,9 @@ TEST(Kirigami, PulledFollowsTheReferenceThroughItsTransition) {
     }
     model.set_clamps(mesh, clamps);
     model.bend_by_angles(mesh);
-    mesh::VertexField rest = Eigen::Matrix3Xd::Zero(3, mesh.num_vertices());
+    linear::VertexField rest = Eigen::Matrix3Xd::Zero(3, mesh.num_vertices());
     rest.row(2) = x.row(2);
-    mesh::VertexField bend = Eigen::Matrix3Xd::Zero(3, mesh.num_vertices());
+    linear::VertexField bend = Eigen::Matrix3Xd::Zero(3, mesh.num_vertices());
     fem::add_bending_forces(model.bending().rows(), rest, bend);
     loads.external_forces = -bend;
     std::vector<std::vector<double>> rows = reference.rows("force-displacement");
@@ -250,7 +250,7 @@ TEST(Kirigami, PulledFollowsTheReferenceThroughItsTransition) {
     const auto pull = [&](double by) {
       for (const std::size_t pin : top) loads.pins[pin].target.y() = length + by;
       settle(model, loads, x);
-      mesh::VertexField reactions;
+      linear::VertexField reactions;
       fem::find_reactions(model, loads, x, reactions);
       double force = 0.0;
       for (const std::size_t pin : top) force += reactions(1, loads.pins[pin].vertex);
@@ -287,7 +287,7 @@ TEST(HalfSlitFlap, LiftedOpensAsTheReference) {
     fem::Model model(mesh, reference.material());
     fem::Loads loads;
     loads.gravity.setZero();
-    mesh::VertexField x(mesh.num_vertices());
+    linear::VertexField x(mesh.num_vertices());
     std::vector<fem::Clamp> clamps;
     std::vector<int> flap_end;
     std::map<std::string, int> points;
@@ -313,7 +313,7 @@ TEST(HalfSlitFlap, LiftedOpensAsTheReference) {
     model.bend_by_angles(mesh);
     std::sort(flap_end.begin(), flap_end.end(),
               [&](int a, int b) { return mesh.rest_position(a).y() < mesh.rest_position(b).y(); });
-    const mesh::VertexField rest = x;
+    const linear::VertexField rest = x;
     constexpr double kForce = 0.4;  // N
     double worst = 0.0;
     double largest = 0.0;

@@ -50,7 +50,7 @@ TEST_P(FreeFall, FollowsTheBallisticPathAndKeepsItsMomenta) {
 
   fem::IntegratorOptions options;
   options.kind = GetParam().kind;
-  options.linear_solver = fem::LinearSolverKind::kDirect;
+  options.linear_solver = linear::LinearSolverKind::kDirect;
   const std::unique_ptr<fem::Integrator> integrator = fem::make_integrator(options);
   integrator->rebuild(model);
   const fem::Loads loads;

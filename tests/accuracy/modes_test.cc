@@ -38,7 +38,7 @@ TEST_P(Vibration, HasTheFrequenciesOfTheReference) {
     std::vector<fem::Clamp> clamps;
     fem::Loads loads;
     loads.gravity.setZero();
-    mesh::VertexField x(mesh.num_vertices());
+    linear::VertexField x(mesh.num_vertices());
     for (int v = 0; v < mesh.num_vertices(); ++v) {
       x.col(v) << (1.0 + tested.prestretch) * mesh.rest_position(v), 0.0;
       const int i = v % (cells + 1);

@@ -99,7 +99,7 @@ TEST_P(SquarePlate, FreeVibratesAsLeissa) {
     model.bend_by_angles(mesh);
     fem::Loads loads;
     loads.gravity.setZero();
-    mesh::VertexField x(mesh.num_vertices());
+    linear::VertexField x(mesh.num_vertices());
     for (int v = 0; v < mesh.num_vertices(); ++v) x.col(v) << mesh.rest_position(v), 0.0;
     const fem::Modes modes = fem::find_modes(model, loads, x, 10);
     EXPECT_TRUE(modes.converged);

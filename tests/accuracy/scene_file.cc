@@ -7,7 +7,7 @@
 
 namespace kerf::accuracy {
 
-Result<sheet::SheetConfig> read_scene_file(const std::filesystem::path& file) {
+Result<scene::SheetConfig> read_scene_file(const std::filesystem::path& file) {
   std::stringstream text;
   text << std::ifstream(file).rdbuf();
   return wire::decode_scene_file(text.str(), [](const std::string& other) {
@@ -16,7 +16,7 @@ Result<sheet::SheetConfig> read_scene_file(const std::filesystem::path& file) {
 }
 
 Result<offline::SceneRun> run_scene_file(const std::filesystem::path& file) {
-  KERF_TRY_ASSIGN(const sheet::SheetConfig config, read_scene_file(file));
+  KERF_TRY_ASSIGN(const scene::SheetConfig config, read_scene_file(file));
   return offline::run_scene(config, {});
 }
 

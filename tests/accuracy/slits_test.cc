@@ -79,7 +79,7 @@ struct Opening {
 };
 
 // Returns the openings along the slit, each of vertices that were one point before it opened.
-std::vector<Opening> openings(const mesh::TriangleMesh& mesh, const Slit& slit, const mesh::VertexField& x) {
+std::vector<Opening> openings(const mesh::TriangleMesh& mesh, const Slit& slit, const linear::VertexField& x) {
   std::map<std::pair<double, double>, std::vector<int>> at;
   for (int v = 0; v < mesh.num_vertices(); ++v) {
     const Vector2d X = mesh.rest_position(v);
@@ -160,7 +160,7 @@ TEST_P(SlitUnderTension, OpensAsTheReferenceWithEdgesGradedTowardItsTips) {
   fem::Loads loads;
   loads.gravity.setZero();
   loads.external_forces = Eigen::Matrix3Xd::Zero(3, mesh.num_vertices());
-  mesh::VertexField x(mesh.num_vertices());
+  linear::VertexField x(mesh.num_vertices());
   std::vector<int> top;
   for (int v = 0; v < mesh.num_vertices(); ++v) {
     const Vector2d X = mesh.rest_position(v);
@@ -178,7 +178,7 @@ TEST_P(SlitUnderTension, OpensAsTheReferenceWithEdgesGradedTowardItsTips) {
     loads.external_forces(1, top[i]) += share;
     loads.external_forces(1, top[i + 1]) += share;
   }
-  const mesh::VertexField rest = x;
+  const linear::VertexField rest = x;
   fem::EquilibriumSolver solver({});
   solver.rebuild(model);
   const fem::EquilibriumStats stats = solver.solve(model, loads, nullptr, x);

@@ -41,7 +41,7 @@ mesh::TriangleMesh mapped_grid(int num_x, int num_y, const Map& map) {
 }
 
 // x: where to start; becomes the equilibrium.
-inline fem::EquilibriumStats settle(const fem::Model& model, const fem::Loads& loads, mesh::VertexField& x) {
+inline fem::EquilibriumStats settle(const fem::Model& model, const fem::Loads& loads, linear::VertexField& x) {
   fem::EquilibriumSolver solver({});
   solver.rebuild(model);
   const fem::EquilibriumStats stats = solver.solve(model, loads, nullptr, x);
@@ -83,7 +83,7 @@ struct Cantilever {
   double length;  // m
   mesh::TriangleMesh mesh;
   fem::Model model;
-  mesh::VertexField x, rest;
+  linear::VertexField x, rest;
   fem::Loads loads;
   std::vector<int> end;  // vertices at x = L, in order
 };

@@ -106,7 +106,7 @@ Hanging hang(const Reference& reference, int segments) {
   settle(model, loads, state.x);
   Hanging result;
   result.line = state.x.leftCols(segments + 1);
-  mesh::VertexField f(mesh.num_vertices());
+  linear::VertexField f(mesh.num_vertices());
   model.internal_forces(state.x, f);
   for (const int i : {0, segments + 1}) {
     result.horizontal += f(0, i);
@@ -168,13 +168,13 @@ struct Planar {
   }
 
   const mesh::TriangleMesh& mesh;
-  mesh::VertexField x, rest;  // 3 x V, m
+  linear::VertexField x, rest;  // 3 x V, m
   fem::Loads loads;
 };
 
 // Sum over the vertices of component c of what holds them, N.
 double reaction(const fem::Model& model, const Planar& problem, std::span<const int> vertices, int c) {
-  mesh::VertexField f(model.num_vertices());
+  linear::VertexField f(model.num_vertices());
   model.internal_forces(problem.x, f);
   double sum = 0.0;
   for (const int v : vertices) sum -= f(c, v);

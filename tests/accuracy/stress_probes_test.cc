@@ -19,17 +19,17 @@ using Eigen::Vector3d;
 constexpr double kFarStress = 1000.0;  // Pa, along x
 constexpr double kRadius = 0.01;       // m, of the hole
 
-sheet::Probe stress_at(const std::string& name, std::vector<Vector2d> points, sheet::Recovery recovery) {
-  sheet::Probe probe;
+scene::Probe stress_at(const std::string& name, std::vector<Vector2d> points, scene::Recovery recovery) {
+  scene::Probe probe;
   probe.name = name;
-  probe.quantity = sheet::Quantity::kStress;
+  probe.quantity = scene::Quantity::kStress;
   probe.points = std::move(points);
   probe.recovery = recovery;
   return probe;
 }
 
 // The row of the probes at the equilibrium, over the stress far away.
-std::vector<double> measured(const sheet::SheetConfig& config) {
+std::vector<double> measured(const scene::SheetConfig& config) {
   const Result<offline::SceneRun> done = offline::run_scene(config, {});
   if (!done.ok()) {
     ADD_FAILURE() << done.error().message;
@@ -58,8 +58,8 @@ Vector3d kirsch(double r, double angle) {
 TEST(StressProbes, PatchesAreNearerToKirschThanTrianglesAllAroundTheHole) {
   constexpr int kPoints = 180;
   constexpr std::array<double, 5> kCircles{1.0, 1.02, 1.1, 1.5, 3.0};
-  constexpr std::array<sheet::Recovery, 2> kRecoveries{sheet::Recovery::kMean, sheet::Recovery::kPatch};
-  sheet::SheetConfig config =
+  constexpr std::array<scene::Recovery, 2> kRecoveries{scene::Recovery::kMean, scene::Recovery::kPatch};
+  scene::SheetConfig config =
       read_scene_file(std::filesystem::path(KERF_SOURCE_DIR) / "tests/data/scenes/reference/04a_kirsch.json").value();
   config.probes.clear();
   const auto angle = [](int point) { return 2.0 * std::numbers::pi * point / kPoints; };
@@ -68,7 +68,7 @@ TEST(StressProbes, PatchesAreNearerToKirschThanTrianglesAllAroundTheHole) {
     for (int i = 0; i < kPoints; ++i) {
       points.emplace_back(0.05 + r * kRadius * std::cos(angle(i)), 0.05 + r * kRadius * std::sin(angle(i)));
     }
-    for (const sheet::Recovery recovery : kRecoveries) {
+    for (const scene::Recovery recovery : kRecoveries) {
       config.probes.push_back(stress_at("p" + std::to_string(config.probes.size()), points, recovery));
     }
   }
@@ -90,9 +90,9 @@ TEST(StressProbes, PatchesAreNearerToKirschThanTrianglesAllAroundTheHole) {
 }
 
 // A ring of radial x (2 radial) cells that grow outwards, to 20 radii: for a plate without end.
-sheet::ArraySource ring(int radial) {
+scene::ArraySource ring(int radial) {
   const int around = 2 * radial;
-  sheet::ArraySource arrays;
+  scene::ArraySource arrays;
   arrays.material_positions.resize(2, around * (radial + 1));
   arrays.triangles.resize(3, 2 * around * radial);
   int t = 0;
@@ -112,9 +112,9 @@ sheet::ArraySource ring(int radial) {
 }
 
 // Its border moved as a plate without a hole would move.
-sheet::SheetConfig pulled_ring(const fem::Material& material, int radial) {
-  sheet::SheetConfig config;
-  const sheet::ArraySource arrays = ring(radial);
+scene::SheetConfig pulled_ring(const fem::Material& material, int radial) {
+  scene::SheetConfig config;
+  const scene::ArraySource arrays = ring(radial);
   std::vector<mesh::VertexId> border;
   for (Eigen::Index v = 0; v < arrays.material_positions.cols(); ++v) {
     if (arrays.material_positions.col(v).norm() > 19.9 * kRadius) border.push_back(static_cast<mesh::VertexId>(v));
@@ -124,12 +124,12 @@ sheet::SheetConfig pulled_ring(const fem::Material& material, int radial) {
   config.placement.y_axis = {0.0, 1.0, 0.0};
   config.gravity.setZero();
   config.planar = true;
-  sheet::Constraint constraint;
+  scene::Constraint constraint;
   constraint.region = border;
   constraint.stretch(0, 0) = kFarStress / material.youngs_modulus_1;
   constraint.stretch(1, 1) = -material.poissons_ratio_12 * constraint.stretch(0, 0);
   config.constraints = {constraint};
-  config.analysis = sheet::StaticAnalysis{};
+  config.analysis = scene::StaticAnalysis{};
   return config;
 }
 
@@ -138,12 +138,12 @@ struct Concentration {
 };
 
 Concentration concentration_errors(const fem::Material& material, int radial) {
-  sheet::SheetConfig config = pulled_ring(material, radial);
+  scene::SheetConfig config = pulled_ring(material, radial);
   const std::vector<Vector2d> top{{0.0, kRadius}};
-  config.probes = {stress_at("mean", top, sheet::Recovery::kMean), stress_at("patch", top, sheet::Recovery::kPatch)};
-  sheet::Probe peak = stress_at("peak", {}, sheet::Recovery::kPatch);
-  peak.region = sheet::WholeSheet{};
-  peak.reduce = sheet::Reduce::kMax;
+  config.probes = {stress_at("mean", top, scene::Recovery::kMean), stress_at("patch", top, scene::Recovery::kPatch)};
+  scene::Probe peak = stress_at("peak", {}, scene::Recovery::kPatch);
+  peak.region = scene::WholeSheet{};
+  peak.reduce = scene::Reduce::kMax;
   config.probes.push_back(peak);
   const std::vector<double> row = measured(config);
   const double exact =

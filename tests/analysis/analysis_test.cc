@@ -11,29 +11,29 @@ namespace kerf::analysis {
 namespace {
 
 using Eigen::Vector2d;
-using sheet::SheetConfig;
+using scene::SheetConfig;
 
 // A strip along x, held at its left end, pulled at the right one, in the plane z = 0.
 SheetConfig pulled_strip() {
   SheetConfig config = scenes::hanging(4);
-  config.mesh = sheet::GridSource{11, 3, 1.0, 0.1, sheet::GridPattern::kUniformDiagonals, 0};
+  config.mesh = scene::GridSource{11, 3, 1.0, 0.1, scene::GridPattern::kUniformDiagonals, 0};
   config.placement.y_axis = {0.0, 1.0, 0.0};
   config.pins.clear();
   config.gravity.setZero();
   config.planar = true;
   config.material = fem::isotropic(1.0e6, 0.0, 1.0e-3, 1000.0);
-  sheet::Constraint left;
-  left.region = sheet::RegionEdge::kLeft;
+  scene::Constraint left;
+  left.region = scene::RegionEdge::kLeft;
   config.constraints = {left};
-  config.loads = {{sheet::EdgeForce{sheet::RegionEdge::kRight, {20.0, 0.0, 0.0}, true}, {}}};
-  config.probes = {{"end", sheet::Quantity::kDisplacement, {}, sheet::RegionEdge::kRight, sheet::Reduce::kMean, {}}};
+  config.loads = {{scene::EdgeForce{scene::RegionEdge::kRight, {20.0, 0.0, 0.0}, true}, {}}};
+  config.probes = {{"end", scene::Quantity::kDisplacement, {}, scene::RegionEdge::kRight, scene::Reduce::kMean, {}}};
   return config;
 }
 
 TEST(StaticAnalysis, TablesTheProbesAtEveryLoad) {
   SheetConfig config = pulled_strip();
   sheet::Sheet sheet = sheet::make(config);
-  sheet::StaticAnalysis analysis;
+  scene::StaticAnalysis analysis;
   analysis.loads = {0.25, 0.5, 1.0};
   double last = -1.0;
   const Result<Outcome> outcome = run_static(sheet, analysis, sheet.config().probes, [&](const Progress& progress) {
@@ -62,7 +62,7 @@ TEST(StaticAnalysis, CutsBeforeTheLoadOfTheirNumber) {
   SheetConfig config = pulled_strip();
   config.commands = {{2, scenes::line_cut({0.5, -0.1}, {0.5, 0.05})}};
   sheet::Sheet sheet = sheet::make(config);
-  sheet::StaticAnalysis analysis;
+  scene::StaticAnalysis analysis;
   analysis.loads = {0.25, 0.5};
   const Result<Outcome> outcome = run_static(sheet, analysis, sheet.config().probes, {});
   ASSERT_TRUE(outcome.ok());
@@ -75,12 +75,12 @@ TEST(StaticAnalysis, CutsBeforeTheLoadOfTheirNumber) {
 TEST(StaticAnalysis, SaysHowFarItCameAndKeepsWhatItFound) {
   SheetConfig config = pulled_strip();
   config.constraints.clear();
-  config.loads.push_back({sheet::EdgeForce{sheet::RegionEdge::kLeft, {-20.0, 0.0, 0.0}, true}, {}});
+  config.loads.push_back({scene::EdgeForce{scene::RegionEdge::kLeft, {-20.0, 0.0, 0.0}, true}, {}});
   // Balanced up to half of the load; nothing holds the strip against what comes then.
   config.loads.push_back(
-      {sheet::EdgeForce{sheet::RegionEdge::kRight, {1.0, 0.0, 0.0}, true}, {{0.5, 1.0}, {0.0, 1.0}}});
+      {scene::EdgeForce{scene::RegionEdge::kRight, {1.0, 0.0, 0.0}, true}, {{0.5, 1.0}, {0.0, 1.0}}});
   sheet::Sheet sheet = sheet::make(config);
-  sheet::StaticAnalysis analysis;
+  scene::StaticAnalysis analysis;
   analysis.loads = {0.25, 0.5, 0.75, 1.0};
   analysis.max_iterations = 8;
   const Result<Outcome> outcome = run_static(sheet, analysis, sheet.config().probes, {});
@@ -103,7 +103,7 @@ TEST(DynamicAnalysis, StopsInTheMiddleOfATickWhenToldTo) {
   SheetConfig config = pulled_strip();
   config.planar = false;
   sheet::Sheet sheet = sheet::make(config);
-  sheet::DynamicAnalysis analysis;
+  scene::DynamicAnalysis analysis;
   analysis.ticks = 5;
   std::vector<std::string> asked;
   const Watch watch = [&](const Progress& progress) {
@@ -120,7 +120,7 @@ TEST(DynamicAnalysis, StopsInTheMiddleOfATickWhenToldTo) {
 
 TEST(StaticAnalysis, RefusesAScheduledCommandThatCannotBeDone) {
   SheetConfig config = pulled_strip();
-  config.commands = {{1, sheet::Drag{"nobody", {0.0, 0.0, 0.0}}}};
+  config.commands = {{1, scene::Drag{"nobody", {0.0, 0.0, 0.0}}}};
   sheet::Sheet sheet = sheet::make(config);
   const Result<Outcome> outcome = run_static(sheet, {}, sheet.config().probes, {});
   ASSERT_FALSE(outcome.ok());
@@ -132,18 +132,18 @@ TEST(ModalAnalysis, IsAboutTheLoadedState) {
   SheetConfig config = pulled_strip();
   config.planar = false;
   config.material.bending_scale = 0.0;
-  config.mesh = sheet::GridSource{81, 2, 1.0, 0.0125, sheet::GridPattern::kUniformDiagonals, 0};
-  sheet::Constraint right;
-  right.region = sheet::RegionEdge::kRight;
+  config.mesh = scene::GridSource{81, 2, 1.0, 0.0125, scene::GridPattern::kUniformDiagonals, 0};
+  scene::Constraint right;
+  right.region = scene::RegionEdge::kRight;
   right.displacement = {0.01, 0.0, 0.0};
   config.constraints.push_back(right);
-  sheet::Constraint flat;  // across the strip, which is not what this is about
-  flat.region = sheet::WholeSheet{};
+  scene::Constraint flat;  // across the strip, which is not what this is about
+  flat.region = scene::WholeSheet{};
   flat.held = {false, true, false};
   config.constraints.push_back(flat);
   config.loads.clear();
   sheet::Sheet sheet = sheet::make(config);
-  const Result<Outcome> outcome = run_modes(sheet, {8, sheet::StaticAnalysis{}}, sheet.config().probes, {});
+  const Result<Outcome> outcome = run_modes(sheet, {8, scene::StaticAnalysis{}}, sheet.config().probes, {});
   ASSERT_TRUE(outcome.ok()) << outcome.error().message;
   ASSERT_EQ(outcome->tables.size(), 2U);
   const Table& modes = outcome->tables[1];
@@ -189,8 +189,8 @@ TEST(ModalAnalysis, RefusesMoreModesThanThereAre) {
 TEST(DynamicAnalysis, TablesTheProbesFromTheStartAndAfterEachTick) {
   SheetConfig config = scenes::hanging(5);
   config.pins.clear();
-  config.probes = {{"fall", sheet::Quantity::kCentreOfMass, {}, {}, sheet::Reduce::kEach, {}}};
-  config.integrator.kind = sheet::IntegratorKind::kExplicitLeapfrog;
+  config.probes = {{"fall", scene::Quantity::kCentreOfMass, {}, {}, scene::Reduce::kEach, {}}};
+  config.integrator.kind = scene::IntegratorKind::kExplicitLeapfrog;
   config.material.mass_damping = 0.0;
   sheet::Sheet sheet = sheet::make(config);
   int reports = 0;
@@ -208,9 +208,9 @@ TEST(DynamicAnalysis, TablesTheProbesFromTheStartAndAfterEachTick) {
 
 TEST(DynamicAnalysis, MeasuresEverySoManyTicksAndAtTheEnd) {
   SheetConfig config = scenes::hanging(5);
-  config.probes = {{"c", sheet::Quantity::kCentreOfMass, {}, {}, sheet::Reduce::kEach, {}},
-                   {"r", sheet::Quantity::kReaction, {}, sheet::WholeSheet{}, sheet::Reduce::kSum, {}}};
-  const auto table_of = [&](const sheet::DynamicAnalysis& analysis) {
+  config.probes = {{"c", scene::Quantity::kCentreOfMass, {}, {}, scene::Reduce::kEach, {}},
+                   {"r", scene::Quantity::kReaction, {}, scene::WholeSheet{}, scene::Reduce::kSum, {}}};
+  const auto table_of = [&](const scene::DynamicAnalysis& analysis) {
     sheet::Sheet sheet = sheet::make(config);
     return run_dynamic(sheet, analysis, config.probes, {}, {}, nullptr).value().tables.at(0).rows;
   };
@@ -225,7 +225,7 @@ TEST(DynamicAnalysis, MeasuresEverySoManyTicksAndAtTheEnd) {
 TEST(DynamicAnalysis, EndsWhereTheSheetFreezesAndCountsItsFlags) {
   SheetConfig config = scenes::hanging(5);
   config.gravity = {0.0, 0.0, scenes::kGivesUp};
-  config.probes = {{"e", sheet::Quantity::kEnergy, {}, {}, sheet::Reduce::kEach, {}}};
+  config.probes = {{"e", scene::Quantity::kEnergy, {}, {}, scene::Reduce::kEach, {}}};
   sheet::Sheet sheet = sheet::Sheet::create(config, scenes::make_failing_integrator).value();
   const Result<Outcome> outcome = run_dynamic(sheet, {.ticks = 10}, config.probes, {}, {}, nullptr);
   ASSERT_TRUE(outcome.ok());

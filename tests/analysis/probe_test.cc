@@ -14,16 +14,16 @@ namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-using sheet::Probe;
-using sheet::Quantity;
-using sheet::Reduce;
-using sheet::SheetConfig;
+using scene::Probe;
+using scene::Quantity;
+using scene::Reduce;
+using scene::SheetConfig;
 
 Probe at_points(const std::string& name, Quantity quantity, std::vector<Vector2d> points) {
   return {name, quantity, std::move(points), {}, Reduce::kEach, {}};
 }
 
-Probe over(const std::string& name, Quantity quantity, sheet::Region region, Reduce reduce) {
+Probe over(const std::string& name, Quantity quantity, scene::Region region, Reduce reduce) {
   return {name, quantity, {}, std::move(region), reduce, {}};
 }
 
@@ -34,8 +34,8 @@ SheetConfig stretched(const Eigen::Matrix<double, 3, 2>& gradient) {
   config.pins.clear();
   config.gravity.setZero();
   config.material = fem::isotropic(2.0e6, 0.25, 1.0e-3, 1000.0);
-  sheet::Constraint all;
-  all.region = sheet::WholeSheet{};
+  scene::Constraint all;
+  all.region = scene::WholeSheet{};
   all.stretch = gradient;
   config.constraints = {all};
   return config;
@@ -62,10 +62,10 @@ TEST(Probes, GiveDisplacementsPositionsAndTheirReductions) {
   ASSERT_TRUE(sheet.settle(1.0, {}, {}).converged);
   auto found = measure(sheet, {at_points("u", Quantity::kDisplacement, {{0.3, 0.7}}),
                                at_points("p", Quantity::kPosition, {{1.0, 1.0}, {0.0, 0.5}}),
-                               over("top", Quantity::kDisplacement, sheet::RegionEdge::kTop, Reduce::kMean),
-                               over("least", Quantity::kPosition, sheet::WholeSheet{}, Reduce::kMin),
-                               over("most", Quantity::kPosition, sheet::WholeSheet{}, Reduce::kMax),
-                               over("sum", Quantity::kDisplacement, sheet::RegionEdge::kRight, Reduce::kSum)});
+                               over("top", Quantity::kDisplacement, scene::RegionEdge::kTop, Reduce::kMean),
+                               over("least", Quantity::kPosition, scene::WholeSheet{}, Reduce::kMin),
+                               over("most", Quantity::kPosition, scene::WholeSheet{}, Reduce::kMax),
+                               over("sum", Quantity::kDisplacement, scene::RegionEdge::kRight, Reduce::kSum)});
   EXPECT_NEAR(found.at("u.x"), 0.1 * 0.3 + 0.2 * 0.7, 1e-9);
   EXPECT_NEAR(found.at("u.y"), -0.1 * 0.7, 1e-9);
   EXPECT_NEAR(found.at("p[0].x"), 1.3, 1e-12);
@@ -86,7 +86,7 @@ TEST(Probes, GiveStrainAndStressInMaterialAxesHoweverTheFibresRun) {
     ASSERT_TRUE(sheet.settle(1.0, {}, {}).converged);
     auto found = measure(
         sheet, {at_points("e", Quantity::kStrain, {{0.31, 0.72}}), at_points("s", Quantity::kStress, {{0.5, 0.5}}),
-                over("all", Quantity::kStress, sheet::WholeSheet{}, Reduce::kMax)});
+                over("all", Quantity::kStress, scene::WholeSheet{}, Reduce::kMax)});
     EXPECT_NEAR(found.at("e.xx"), 2e-3, 1e-12);
     EXPECT_NEAR(found.at("e.yy"), -1e-3, 1e-12);
     EXPECT_NEAR(found.at("e.xy"), 1e-3, 1e-12);
@@ -107,10 +107,10 @@ TEST(Probes, PatchesOfAUniformFieldAreThatFieldEverywhere) {
   sheet::Sheet sheet = sheet::make(config);
   ASSERT_TRUE(sheet.settle(1.0, {}, {}).converged);
   std::vector<Probe> probes{at_points("inside", Quantity::kStrain, {{0.31, 0.72}, {0.5, 0.5}, {0.0, 1.0}, {0.3, 0.0}}),
-                            over("all", Quantity::kStrain, sheet::WholeSheet{}, Reduce::kMean),
-                            over("edge", Quantity::kStrain, sheet::RegionEdge::kTop, Reduce::kMean),
-                            over("most", Quantity::kStrain, sheet::RegionEdge::kTop, Reduce::kMax)};
-  for (Probe& probe : probes) probe.recovery = sheet::Recovery::kPatch;
+                            over("all", Quantity::kStrain, scene::WholeSheet{}, Reduce::kMean),
+                            over("edge", Quantity::kStrain, scene::RegionEdge::kTop, Reduce::kMean),
+                            over("most", Quantity::kStrain, scene::RegionEdge::kTop, Reduce::kMax)};
+  for (Probe& probe : probes) probe.recovery = scene::Recovery::kPatch;
   const auto found = measure(sheet, probes);
   EXPECT_EQ(found.size(), 21U);
   for (const auto& [column, value] : found) {
@@ -135,12 +135,12 @@ TEST(Probes, PatchesFollowALinearFieldWhereTrianglesStepAlongIt) {
   sheet::Sheet sheet = sheet::make(config);
   ASSERT_TRUE(sheet.settle(1.0, {}, {}).converged);
   Probe patch = at_points("patch", Quantity::kStrain, {{0.25, 0.5}, {0.3, 0.61}, {1.0, 0.5}, {0.9, 0.45}});
-  patch.recovery = sheet::Recovery::kPatch;
+  patch.recovery = scene::Recovery::kPatch;
   Probe mean = at_points("mean", Quantity::kStrain, {{1.0, 0.5}});
-  Probe middle = over("middle", Quantity::kStrain, sheet::WholeSheet{}, Reduce::kMean);
-  middle.recovery = sheet::Recovery::kPatch;
-  Probe edge = over("edge", Quantity::kStrain, sheet::RegionEdge::kRight, Reduce::kMax);
-  edge.recovery = sheet::Recovery::kPatch;
+  Probe middle = over("middle", Quantity::kStrain, scene::WholeSheet{}, Reduce::kMean);
+  middle.recovery = scene::Recovery::kPatch;
+  Probe edge = over("edge", Quantity::kStrain, scene::RegionEdge::kRight, Reduce::kMax);
+  edge.recovery = scene::Recovery::kPatch;
   auto found = measure(sheet, {patch, mean, middle, edge});
   EXPECT_NEAR(found.at("patch[0].xx"), 0.25 * kSlope, 1e-9);
   EXPECT_NEAR(found.at("patch[1].xx"), 0.3 * kSlope, 1e-9);
@@ -160,10 +160,10 @@ TEST(Probes, CauchyStressIsForceByAreaAsItIs) {
   Probe biot = at_points("biot", Quantity::kStress, {{0.31, 0.72}});
   Probe cauchy = biot;
   cauchy.name = "cauchy";
-  cauchy.measure = sheet::StressMeasure::kCauchy;
+  cauchy.measure = scene::StressMeasure::kCauchy;
   Probe by_patch = cauchy;
   by_patch.name = "patch";
-  by_patch.recovery = sheet::Recovery::kPatch;
+  by_patch.recovery = scene::Recovery::kPatch;
   auto found = measure(sheet, {biot, cauchy, by_patch});
   const double q = 2.0e6 / (1.0 - 0.25 * 0.25);
   EXPECT_NEAR(found.at("biot.xx"), q * (0.2 - 0.25 * 0.1), 1e-3);
@@ -174,14 +174,14 @@ TEST(Probes, CauchyStressIsForceByAreaAsItIs) {
 
 TEST(Probes, ReactionsBalanceTheLoads) {
   SheetConfig config = stretched(Eigen::Matrix<double, 3, 2>::Zero());
-  config.constraints[0].region = sheet::RegionEdge::kBottom;
+  config.constraints[0].region = scene::RegionEdge::kBottom;
   config.gravity = {0.0, -2.0, 0.0};
   config.planar = true;
-  config.loads = {{sheet::EdgeForce{sheet::RegionEdge::kTop, {0.3, 0.5, 0.0}, true}, {}},
-                  {sheet::EdgeForce{sheet::RegionEdge::kBottom, {0.1, 0.0, 0.0}, true}, {}}};
+  config.loads = {{scene::EdgeForce{scene::RegionEdge::kTop, {0.3, 0.5, 0.0}, true}, {}},
+                  {scene::EdgeForce{scene::RegionEdge::kBottom, {0.1, 0.0, 0.0}, true}, {}}};
   sheet::Sheet sheet = sheet::make(config);
   ASSERT_TRUE(sheet.settle(1.0, {}, {}).converged);
-  auto found = measure(sheet, {over("r", Quantity::kReaction, sheet::RegionEdge::kBottom, Reduce::kSum)});
+  auto found = measure(sheet, {over("r", Quantity::kReaction, scene::RegionEdge::kBottom, Reduce::kSum)});
   EXPECT_NEAR(found.at("r.x"), -0.4, 1e-8);
   EXPECT_NEAR(found.at("r.y"), -0.5 + 2.0 * sheet.model().masses().total(), 1e-8);
   EXPECT_NEAR(found.at("r.z"), 0.0, 1e-8);
@@ -193,11 +193,11 @@ TEST(Probes, ReactionsInTimeIncludeWhatTheMotionOfWhatIsHeldTakes) {
   // Speeds up evenly by a polygon: 1 m/s in the first half second, 2 m/s in the second.
   config.constraints[0].history = {{0.0, 0.5, 1.0}, {0.0, 0.5, 1.5}};
   sheet::Sheet sheet = sheet::make(config);
-  Result<Probes> probes = Probes::create({over("r", Quantity::kReaction, sheet::WholeSheet{}, Reduce::kSum)}, sheet);
+  Result<Probes> probes = Probes::create({over("r", Quantity::kReaction, scene::WholeSheet{}, Reduce::kSum)}, sheet);
   ASSERT_TRUE(probes.ok());
   double impulse = 0.0;  // N s
   for (int i = 0; i < 60; ++i) {
-    const mesh::VertexField before = sheet.state().v;
+    const linear::VertexField before = sheet.state().v;
     sheet.step({});
     std::vector<double> row;
     probes->measure(sheet, before, sheet.dt(), row);
@@ -209,20 +209,20 @@ TEST(Probes, ReactionsInTimeIncludeWhatTheMotionOfWhatIsHeldTakes) {
 // A stiff sheet that is let go sideways from a hinge: of a large step, Newton's method must leave little.
 TEST(Probes, ReactionsOfAnImplicitStepBalanceTheMomentumWhenTheSolverToleranceIsTight) {
   SheetConfig config = stretched(Eigen::Matrix<double, 3, 2>::Zero());
-  config.constraints[0].region = sheet::RegionEdge::kTop;
+  config.constraints[0].region = scene::RegionEdge::kTop;
   config.material.youngs_modulus_1 = config.material.youngs_modulus_2 = 1e9;
   config.material.shear_modulus = 4e8;
   config.gravity = {0.0, -9.81, -4.0};
-  config.integrator = {.kind = sheet::IntegratorKind::kImplicitEuler,
+  config.integrator = {.kind = scene::IntegratorKind::kImplicitEuler,
                        .newton_iterations = 30,
                        .solver_tolerance = 1e-11,
-                       .solver = sheet::LinearSolverKind::kDirect};
+                       .solver = scene::LinearSolverKind::kDirect};
   sheet::Sheet sheet = sheet::make(config);
   Result<Probes> probes =
-      Probes::create({over("r", Quantity::kReaction, sheet::RegionEdge::kTop, Reduce::kSum)}, sheet);
+      Probes::create({over("r", Quantity::kReaction, scene::RegionEdge::kTop, Reduce::kSum)}, sheet);
   ASSERT_TRUE(probes.ok());
   for (int i = 0; i < 3; ++i) {
-    const mesh::VertexField before = sheet.state().v;
+    const linear::VertexField before = sheet.state().v;
     const Eigen::Vector3d momentum_before = sheet.model().momentum(sheet.state()).linear;
     sheet.step({});
     const Eigen::Vector3d change = sheet.model().momentum(sheet.state()).linear - momentum_before;
@@ -238,7 +238,7 @@ TEST(Probes, MeasureTheWholeSheet) {
   SheetConfig config = scenes::hanging(5);
   config.pins.clear();
   config.gravity = {0.0, 0.0, -10.0};
-  config.initial_velocity = sheet::InitialVelocity{{0.5, 0.0, 0.0}, {0.0, 3.0, 0.0}, {}};
+  config.initial_velocity = scene::InitialVelocity{{0.5, 0.0, 0.0}, {0.0, 3.0, 0.0}, {}};
   const sheet::Sheet sheet = sheet::make(config);
   const double m = sheet.model().masses().total();
   auto found = measure(sheet, {at_points("e", Quantity::kEnergy, {}), at_points("p", Quantity::kMomentum, {}),
@@ -261,8 +261,8 @@ TEST(Probes, OpeningIsSignedInTheFrameOfTheLips) {
   config.placement.y_axis = {0.0, 1.0, 0.0};
   config.pins.clear();
   config.gravity.setZero();
-  const auto hold = [](sheet::Region region, const Vector3d& displacement) {
-    sheet::Constraint constraint;
+  const auto hold = [](scene::Region region, const Vector3d& displacement) {
+    scene::Constraint constraint;
     constraint.region = std::move(region);
     constraint.displacement = displacement;
     return constraint;
@@ -273,9 +273,9 @@ TEST(Probes, OpeningIsSignedInTheFrameOfTheLips) {
   config.commands = {{1, scenes::line_cut({-0.2, 0.5}, {1.2, 0.5})}};
   // All of the upper half, and of the line both share the lower lip alone.
   config.constraints = {
-      hold(sheet::MaterialBox{{0.0, 0.5}, {1.0, 1.0}}, {0.02, 0.03, 0.004}),
-      hold(sheet::MaterialBox{{0.0, 0.0}, {1.0, 0.49}}, Vector3d::Zero()),
-      hold(sheet::MaterialLine{{0.0, 0.5}, {1.0, 0.5}, 0.0, sheet::MaterialLine::Side::kRight}, Vector3d::Zero())};
+      hold(scene::MaterialBox{{0.0, 0.5}, {1.0, 1.0}}, {0.02, 0.03, 0.004}),
+      hold(scene::MaterialBox{{0.0, 0.0}, {1.0, 0.49}}, Vector3d::Zero()),
+      hold(scene::MaterialLine{{0.0, 0.5}, {1.0, 0.5}, 0.0, scene::MaterialLine::Side::kRight}, Vector3d::Zero())};
   sheet = sheet::make(config);
   sheet.begin_load_step();
   const fem::EquilibriumStats stats = sheet.settle(1.0, {}, {});
@@ -292,7 +292,7 @@ TEST(Probes, ASideChoosesTheLip) {
   config.placement.y_axis = {0.0, 1.0, 0.0};
   config.pins.clear();
   config.gravity.setZero();
-  config.integrator.precision = sheet::Precision::kDouble;  // so that what is at rest stays there
+  config.integrator.precision = scene::Precision::kDouble;  // so that what is at rest stays there
   sheet::Sheet sheet = sheet::make(config);
   ASSERT_TRUE(sheet::apply(sheet, scenes::line_cut({-0.2, 0.5}, {1.2, 0.5})).ok());
   Probe upper = at_points("upper", Quantity::kVelocity, {{0.33, 0.5}});
@@ -306,7 +306,7 @@ TEST(Probes, ASideChoosesTheLip) {
   still.points = {{0.33, 0.5}, {0.375, 0.5}};
   for (const auto& [column, value] : measure(sheet, {still})) EXPECT_NEAR(value, 0.0, 1e-14) << column;
   // Whatever happens above stays above.
-  sheet::Grab grab{"up", Vector2d(0.4, 0.9), Vector3d(0.4, 3.0, 0.0), 0.0};
+  scene::Grab grab{"up", Vector2d(0.4, 0.9), Vector3d(0.4, 3.0, 0.0), 0.0};
   ASSERT_TRUE(sheet::apply(sheet, grab).ok());
   sheet::run(sheet, 20);
   auto found = measure(sheet, {upper, lower});
@@ -317,12 +317,12 @@ TEST(Probes, ASideChoosesTheLip) {
 TEST(Probes, OfLipsWaitForTheCutThatMakesThem) {
   SheetConfig config = scenes::hanging(9);
   const cut::Circle arc{{0.5, 0.5}, 0.19};
-  const Probe rim = over("rim", Quantity::kPosition, sheet::MaterialCurve{arc}, Reduce::kMean);
+  const Probe rim = over("rim", Quantity::kPosition, scene::MaterialCurve{arc}, Reduce::kMean);
   const sheet::Sheet uncut = sheet::make(config);
   const Result<Probes> refused = Probes::create({rim}, uncut);
   ASSERT_FALSE(refused.ok());
   EXPECT_EQ(refused.error().reason, "REGION_EMPTY");
-  sheet::Cut slit;
+  scene::Cut slit;
   slit.curve = arc;
   config.commands = {{1, slit}};
   sheet::Sheet sheet = sheet::make(config);
@@ -346,12 +346,12 @@ TEST(Probes, RefuseWhatIsNotThereAndSayNaNOfWhatIsCutAway) {
   };
   EXPECT_EQ(refusal(at_points("a", Quantity::kPosition, {{0.5, 0.5}, {1.5, 0.5}})),
             "POINT_OUTSIDE probes[0].points[1]");
-  EXPECT_EQ(refusal(over("a", Quantity::kStress, sheet::RegionEdge::kTop, Reduce::kMax)),
+  EXPECT_EQ(refusal(over("a", Quantity::kStress, scene::RegionEdge::kTop, Reduce::kMax)),
             "REGION_EMPTY probes[0].region");
   EXPECT_EQ(refusal(over("a", Quantity::kReaction, std::vector<mesh::VertexId>{99}, Reduce::kSum)),
             "UNKNOWN_VERTEX probes[0].region.vertices.vertices[0]");
   Result<Probes> probes = Probes::create({at_points("a", Quantity::kPosition, {{0.5, 0.5}})}, sheet);
-  sheet::Cut wide = scenes::line_cut({0.4, 0.5}, {0.6, 0.5});
+  scene::Cut wide = scenes::line_cut({0.4, 0.5}, {0.6, 0.5});
   wide.options.width_m = 0.1;
   ASSERT_TRUE(sheet::apply(sheet, wide).ok());
   std::vector<double> row;

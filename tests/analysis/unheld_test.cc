@@ -7,17 +7,17 @@
 namespace kerf::analysis {
 namespace {
 
+using scene::SheetConfig;
 using scenes::flat;
-using sheet::SheetConfig;
 
-sheet::Constraint hold(sheet::Region region, bool x, bool y, bool z) {
-  sheet::Constraint constraint;
+scene::Constraint hold(scene::Region region, bool x, bool y, bool z) {
+  scene::Constraint constraint;
   constraint.region = std::move(region);
   constraint.held = {x, y, z};
   return constraint;
 }
 
-StaticStats settled(const SheetConfig& config, const sheet::StaticAnalysis& analysis = {}) {
+StaticStats settled(const SheetConfig& config, const scene::StaticAnalysis& analysis = {}) {
   sheet::Sheet sheet = sheet::make(config);
   const Result<Outcome> outcome = run_static(sheet, analysis, {}, {});
   EXPECT_TRUE(outcome.ok());
@@ -34,9 +34,9 @@ TEST(UnheldSheets, AreToldBeforeAnySearch) {
   EXPECT_NE(stats.reason.find("nothing holds the sheet"), std::string::npos) << stats.reason;
   EXPECT_NE(stats.reason.find("along z"), std::string::npos) << stats.reason;
   // One vertex held across is not enough, one held along the force is.
-  config.constraints = {hold(sheet::NearestVertex{{0.5, 1.0}}, true, true, false)};
+  config.constraints = {hold(scene::NearestVertex{{0.5, 1.0}}, true, true, false)};
   EXPECT_NE(settled(config).reason.find("along z"), std::string::npos);
-  config.constraints = {hold(sheet::NearestVertex{{0.5, 1.0}}, true, true, true)};
+  config.constraints = {hold(scene::NearestVertex{{0.5, 1.0}}, true, true, true)};
   EXPECT_TRUE(settled(config).reason.empty());
 }
 
@@ -44,9 +44,9 @@ TEST(UnheldSheets, AreThoseOfPiecesThatACutMakesLoose) {
   SheetConfig config = flat(6);
   config.planar = true;
   config.gravity = {0.0, -9.81, 0.0};
-  config.constraints = {hold(sheet::RegionEdge::kTop, true, true, true)};
+  config.constraints = {hold(scene::RegionEdge::kTop, true, true, true)};
   config.commands = {{2, scenes::line_cut({-0.1, 0.45}, {1.1, 0.45})}};
-  sheet::StaticAnalysis analysis;
+  scene::StaticAnalysis analysis;
   analysis.loads = {0.5, 1.0};
   const StaticStats stats = settled(config, analysis);
   EXPECT_FALSE(stats.converged);
@@ -57,13 +57,13 @@ TEST(UnheldSheets, AreThoseOfPiecesThatACutMakesLoose) {
 
 TEST(UnheldSheets, HaveEquilibriaWhereTheirLoadsAreInBalance) {
   SheetConfig config = flat(8);
-  config.loads = {{sheet::EdgeForce{sheet::RegionEdge::kRight, {0.3, 0.0, 0.0}, true}, {}},
-                  {sheet::EdgeForce{sheet::RegionEdge::kLeft, {-0.3, 0.0, 0.0}, true}, {}}};
+  config.loads = {{scene::EdgeForce{scene::RegionEdge::kRight, {0.3, 0.0, 0.0}, true}, {}},
+                  {scene::EdgeForce{scene::RegionEdge::kLeft, {-0.3, 0.0, 0.0}, true}, {}}};
   const StaticStats stats = settled(config);
   EXPECT_TRUE(stats.converged);
   EXPECT_TRUE(stats.reason.empty());
   EXPECT_TRUE(stats.is_stable) << "it may drift, but nothing drives it away";
-  config.loads[1].kind = sheet::EdgeForce{sheet::RegionEdge::kLeft, {-0.2999, 0.0, 0.0}, true};
+  config.loads[1].kind = scene::EdgeForce{scene::RegionEdge::kLeft, {-0.2999, 0.0, 0.0}, true};
   EXPECT_NE(settled(config).reason.find("along x"), std::string::npos);
 }
 
@@ -72,7 +72,7 @@ TEST(Stability, TakesFreeMotionsForNeutralWhateverTheSheet) {
     for (const double youngs_modulus : {1.0e4, 4.0e5, 1.0e9, 7.0e10}) {
       SheetConfig config = flat(n);
       config.material = fem::isotropic(youngs_modulus, 0.3, 1.0e-3, 500.0);
-      config.analysis = sheet::StaticAnalysis{};
+      config.analysis = scene::StaticAnalysis{};
       const StaticStats stats = settled(config);
       EXPECT_TRUE(stats.converged) << n << " " << youngs_modulus;
       EXPECT_TRUE(stats.is_stable) << n << " " << youngs_modulus;
@@ -83,11 +83,11 @@ TEST(Stability, TakesFreeMotionsForNeutralWhateverTheSheet) {
 TEST(Stability, StillTellsWhatBuckles) {
   SheetConfig config = flat(9);
   config.material = fem::isotropic(1.0e6, 0.0, 1.0e-2, 500.0);
-  config.constraints = {hold(sheet::RegionEdge::kLeft, true, true, true),
-                        hold(sheet::RegionEdge::kRight, false, true, true)};
+  config.constraints = {hold(scene::RegionEdge::kLeft, true, true, true),
+                        hold(scene::RegionEdge::kRight, false, true, true)};
   const double critical = 9.8696 * 1.0e6 * 1.0e-6 / 12.0;  // N, Euler: pi^2 E I / L^2, plate of width 1
   for (const double share : {0.9, 1.1}) {
-    config.loads = {{sheet::EdgeForce{sheet::RegionEdge::kRight, {-share * critical, 0.0, 0.0}, true}, {}}};
+    config.loads = {{scene::EdgeForce{scene::RegionEdge::kRight, {-share * critical, 0.0, 0.0}, true}, {}}};
     const StaticStats stats = settled(config);
     ASSERT_TRUE(stats.converged);
     EXPECT_EQ(stats.is_stable, share < 1.0) << share;
@@ -96,7 +96,7 @@ TEST(Stability, StillTellsWhatBuckles) {
 
 TEST(StaticAnalyses, SayWhatTheyLeaveOut) {
   SheetConfig config = flat(4);
-  config.constraints = {hold(sheet::RegionEdge::kTop, true, true, true)};
+  config.constraints = {hold(scene::RegionEdge::kTop, true, true, true)};
   EXPECT_TRUE(settled(config).left_out.empty());
   config.wind.air_density = 1.2;
   EXPECT_TRUE(settled(config).left_out.empty()) << "air at rest pushes nothing that is at rest";

@@ -73,8 +73,8 @@ Eigen::Vector3d in_world(const Point& p) {
 TEST(GltfFile, HoldsTheCutSheetAsItIs) {
   sheet::Sheet sheet = sheet::make(scenes::hanging(9));
   sheet::run(sheet, 20);
-  for (sheet::Cut& cut : scenes::three_cuts()) ASSERT_TRUE(sheet::apply(sheet, std::move(cut)).ok());
-  sheet::Cut strip = scenes::line_cut({0.1, 0.15}, {0.4, 0.15});
+  for (scene::Cut& cut : scenes::three_cuts()) ASSERT_TRUE(sheet::apply(sheet, std::move(cut)).ok());
+  scene::Cut strip = scenes::line_cut({0.1, 0.15}, {0.4, 0.15});
   strip.options.width_m = 0.02;  // leaves slots without material
   ASSERT_TRUE(sheet::apply(sheet, strip).ok());
   sheet::run(sheet, 20);

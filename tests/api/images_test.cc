@@ -86,7 +86,7 @@ TEST_F(ImagesTest, OnlyTheLastFormatsOfAPictureAreKept) {
     viewer.picture();
     return api_->picture_counts().encoded - before;
   };
-  constexpr int kKept = static_cast<int>(kMaxKeptStills);
+  constexpr int kKept = static_cast<int>(picture::kMaxKeptStills);
   for (int quality = 1; quality <= kKept; ++quality) EXPECT_EQ(encoded_for(quality), 1);
   for (int quality = 1; quality <= kKept; ++quality) EXPECT_EQ(encoded_for(quality), 0) << "kept";
   EXPECT_EQ(encoded_for(kKept + 1), 1);

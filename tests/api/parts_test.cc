@@ -265,7 +265,7 @@ TEST_F(ApiTest, WaitingPicturesAreBoundedAndRefusedAtTheEnd) {
 }
 
 TEST(InBackground, WorkThatThrowsIsAnsweredOnceAndTheNextIsDone) {
-  BackgroundWorker worker(8);
+  picture::BackgroundWorker worker(8);
   std::promise<void> last;
   Answers<int> answers;
   const Error full{ErrorCode::kResourceExhausted, "FULL", "", ""};

@@ -22,12 +22,12 @@
 namespace kerf::bench {
 namespace {
 
-using sheet::Command;
-using sheet::SheetConfig;
+using scene::Command;
+using scene::SheetConfig;
 
 SheetConfig cloth(double height) {
   SheetConfig config;
-  sheet::GridSource grid;
+  scene::GridSource grid;
   grid.columns = 50;
   grid.rows = 50;
   config.mesh = grid;
@@ -39,7 +39,7 @@ SheetConfig cloth(double height) {
 
 SheetConfig hung() {
   SheetConfig config = cloth(0.8);
-  config.pins.emplace_back(sheet::RegionEdge::kTopCorners);
+  config.pins.emplace_back(scene::RegionEdge::kTopCorners);
   return config;
 }
 
@@ -71,7 +71,7 @@ SheetConfig demo() {
 
 SheetConfig demo_with_slit() {
   SheetConfig config = demo();
-  sheet::Cut slit;
+  scene::Cut slit;
   slit.curve = cut::CubicBezier{{{0.42, -0.05}, {0.62, 0.1}, {0.38, 0.24}, {0.55, 0.4}}};
   config.commands.push_back({2, Command{slit}});
   return config;

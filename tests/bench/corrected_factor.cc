@@ -2,7 +2,7 @@
 
 namespace kerf::bench {
 
-void CorrectedFactor::analyse(const fem::BlockMatrix& A) {
+void CorrectedFactor::analyse(const linear::BlockMatrix& A) {
   const auto size = static_cast<int>(part_.size());
   place_.assign(static_cast<std::size_t>(A.num_rows()), -1);
   for (int i = 0; i < size; ++i) place_[static_cast<std::size_t>(part_[static_cast<std::size_t>(i)])] = i;
@@ -23,7 +23,7 @@ void CorrectedFactor::analyse(const fem::BlockMatrix& A) {
   of_part_.resize(size);
 }
 
-bool CorrectedFactor::prepare(const fem::BlockMatrix& A) {
+bool CorrectedFactor::prepare(const linear::BlockMatrix& A) {
   if (A_ == &A) return true;  // for start(), before conjugate gradients ask for it
   A_ = &A;
   for (int i = 0; i < A_SS_.num_rows(); ++i) {
@@ -33,11 +33,11 @@ bool CorrectedFactor::prepare(const fem::BlockMatrix& A) {
       if (place_[static_cast<std::size_t>(A.column(at))] >= 0) A_SS_.block(to++) = A.block(at);
     }
   }
-  fem::PivotRule<double> rule;
+  linear::PivotRule<double> rule;
   return part_.empty() || factor_.factorise(A_SS_, {}, rule);
 }
 
-void CorrectedFactor::apply(const mesh::VertexField& r, mesh::VertexField& z) {
+void CorrectedFactor::apply(const linear::VertexField& r, linear::VertexField& z) {
   old_r_ = r.leftCols(num_before_);
   before_.apply(old_r_, old_z_);
   z.setZero();
@@ -45,11 +45,11 @@ void CorrectedFactor::apply(const mesh::VertexField& r, mesh::VertexField& z) {
   if (!part_.empty()) correct(r, z);
 }
 
-void CorrectedFactor::start(const mesh::VertexField& b, mesh::VertexField& x) {
+void CorrectedFactor::start(const linear::VertexField& b, linear::VertexField& x) {
   if (!part_.empty()) correct(b, x);
 }
 
-void CorrectedFactor::correct(const mesh::VertexField& b, mesh::VertexField& x) {
+void CorrectedFactor::correct(const linear::VertexField& b, linear::VertexField& x) {
   for (Eigen::Index i = 0; i < of_part_.cols(); ++i) {
     const int row = part_[static_cast<std::size_t>(i)];
     Eigen::Vector3d sum = b.col(row);

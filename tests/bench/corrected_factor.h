@@ -17,33 +17,33 @@ namespace kerf::bench {
 // The first S has nothing to do where the residual is 0 there. It is after start(), and stays so to rounding: each
 // direction ends with S, which makes (A z)_S = r_S, and r_S = 0 then makes (A p)_S = 0. So old - S is the same
 // preconditioner on all residuals that occur, for one solve of S and one product less.
-class CorrectedFactor final : public fem::Preconditioner {
+class CorrectedFactor final : public linear::Preconditioner {
  public:
   // `before`: prepared, and its frames turned to now; of vertices [0, num_before). `part`: S, ascending; empty: the old
   // factor as it is.
-  CorrectedFactor(fem::FactorPreconditioner& before, int num_before, std::vector<int> part)
+  CorrectedFactor(linear::FactorPreconditioner& before, int num_before, std::vector<int> part)
       : before_(before), num_before_(num_before), part_(std::move(part)) {}
 
-  void analyse(const fem::BlockMatrix& A) override;
-  bool prepare(const fem::BlockMatrix& A) override;
-  void apply(const mesh::VertexField& r, mesh::VertexField& z) override;
+  void analyse(const linear::BlockMatrix& A) override;
+  bool prepare(const linear::BlockMatrix& A) override;
+  void apply(const linear::VertexField& r, linear::VertexField& z) override;
 
   // Changes x (3 x N) in S, so that b - A x is 0 there; after prepare().
-  void start(const mesh::VertexField& b, mesh::VertexField& x);
+  void start(const linear::VertexField& b, linear::VertexField& x);
 
  private:
   // x_S += A_SS^-1 (b - A x)_S.
-  void correct(const mesh::VertexField& b, mesh::VertexField& x);
+  void correct(const linear::VertexField& b, linear::VertexField& x);
 
-  fem::FactorPreconditioner& before_;
+  linear::FactorPreconditioner& before_;
   int num_before_;
   std::vector<int> part_;
   std::vector<int> place_;  // of a vertex in S, or -1
-  const fem::BlockMatrix* A_ = nullptr;
-  fem::BlockMatrix A_SS_;
-  fem::SupernodalCholesky<double> factor_;
-  mesh::VertexField old_r_, old_z_;  // 3 x num_before
-  mesh::VertexField of_part_;        // 3 x |S|
+  const linear::BlockMatrix* A_ = nullptr;
+  linear::BlockMatrix A_SS_;
+  linear::SupernodalCholesky<double> factor_;
+  linear::VertexField old_r_, old_z_;  // 3 x num_before
+  linear::VertexField of_part_;        // 3 x |S|
 };
 
 }  // namespace kerf::bench

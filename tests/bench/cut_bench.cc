@@ -10,8 +10,8 @@ namespace kerf::bench {
 namespace {
 
 void cut(benchmark::State& state, const std::string& name, int side) {
-  const sheet::Sheet whole = swinging_cloth(side, sheet::IntegratorKind::kExplicitLeapfrog);
-  const sheet::Command command = s_cut();
+  const sheet::Sheet whole = swinging_cloth(side, scene::IntegratorKind::kExplicitLeapfrog);
+  const scene::Command command = s_cut();
   std::uint64_t hash = 0;
   cut::CutReport report;
   for (auto _ : state) {

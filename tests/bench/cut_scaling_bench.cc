@@ -20,7 +20,7 @@ namespace {
 
 // A curve wholly inside a unit square of side x side vertices that crosses about `crossed` triangles: rows of gentle
 // waves, joined by turns.
-sheet::Cut serpentine(int side, int crossed) {
+scene::Cut serpentine(int side, int crossed) {
   constexpr double kCrossedPerEdge = 2.15;  // -; triangles crossed for each edge length of the curve
   const double h = 1.0 / (side - 1);
   const double length = crossed / kCrossedPerEdge * h;
@@ -48,7 +48,7 @@ sheet::Cut serpentine(int side, int crossed) {
     curve.points.emplace_back(to, y);
     std::swap(from, to);
   }
-  sheet::Cut cut;
+  scene::Cut cut;
   cut.curve = curve;
   return cut;
 }
@@ -60,7 +60,7 @@ double read_much() {
 }
 
 struct Case {
-  sheet::IntegratorKind integrator;
+  scene::IntegratorKind integrator;
   int side;     // vertices
   int crossed;  // triangles, about
   bool is_cold = false;
@@ -69,13 +69,13 @@ struct Case {
 void scaling(benchmark::State& state, const std::string& name, const Case& scene) {
   const auto [integrator, side, crossed, is_cold] = scene;
   const sheet::Sheet whole = swinging_cloth(side, integrator);
-  const sheet::Command command = serpentine(side, crossed);
+  const scene::Command command = serpentine(side, crossed);
   // A copy has no room to grow; a sheet that lives has been cut before. The hash in the replies reads all of a sheet
   // between two cuts, as its steps would: a large one is in no cache then.
   const double h = 1.0 / (side - 1);
-  sheet::Cut first;
+  scene::Cut first;
   first.curve = cut::Circle{{3.3 * h, 3.3 * h}, 2.0 * h};
-  const sheet::Command warm_up = first;
+  const scene::Command warm_up = first;
   std::vector<double> cut_s;
   std::vector<double> update_s;
   std::map<std::string, std::vector<double>> phases_s;
@@ -83,7 +83,7 @@ void scaling(benchmark::State& state, const std::string& name, const Case& scene
   std::uint64_t hash = 0;
   sheet::Sheet sheet = whole;
   KERF_CHECK(sheet.apply({&warm_up, 1}).replies[0].ok(), "the first cut is refused");
-  const sheet::Command undo = sheet::UndoCut{};
+  const scene::Command undo = scene::UndoCut{};
   for (auto _ : state) {
     if (is_cold) benchmark::DoNotOptimize(read_much());
     StageClock clock;
@@ -122,8 +122,8 @@ void add(const std::string& family, const Case& scene) {
 }
 
 const bool kRegistered = [] {
-  constexpr auto kExplicit = sheet::IntegratorKind::kExplicitLeapfrog;
-  constexpr auto kImplicit = sheet::IntegratorKind::kImplicitEuler;
+  constexpr auto kExplicit = scene::IntegratorKind::kExplicitLeapfrog;
+  constexpr auto kImplicit = scene::IntegratorKind::kImplicitEuler;
   for (const int side : {50, 159, 592}) add("cut_scaling", {kExplicit, side, 100});
   for (const int crossed : {10, 30, 300, 1000, 3000, 10000}) add("cut_scaling", {kExplicit, 592, crossed});
   for (const int side : {50, 159, 592}) add("cut_scaling_cold", {kExplicit, side, 100, true});

@@ -20,21 +20,21 @@ namespace {
 
 struct Setting {
   const char* name;
-  sheet::IntegratorKind integrator;
-  sheet::Precision precision;
+  scene::IntegratorKind integrator;
+  scene::Precision precision;
 };
 
 constexpr Setting kSettings[] = {
-    {"explicit", sheet::IntegratorKind::kExplicitLeapfrog, sheet::Precision::kDouble},
-    {"mixed", sheet::IntegratorKind::kExplicitLeapfrog, sheet::Precision::kMixed},
-    {"implicit", sheet::IntegratorKind::kImplicitEuler, sheet::Precision::kDouble},
+    {"explicit", scene::IntegratorKind::kExplicitLeapfrog, scene::Precision::kDouble},
+    {"mixed", scene::IntegratorKind::kExplicitLeapfrog, scene::Precision::kMixed},
+    {"implicit", scene::IntegratorKind::kImplicitEuler, scene::Precision::kDouble},
 };
 
 constexpr int kTicksBefore = 10;
 constexpr int kBatches = 11;
 
-std::vector<sheet::Cut> slits() {
-  std::vector<sheet::Cut> cuts;
+std::vector<scene::Cut> slits() {
+  std::vector<scene::Cut> cuts;
   for (const cut::Curve& curve : test::kirigami(5, 4)) cuts.emplace_back().curve = curve;
   return cuts;
 }
@@ -45,10 +45,10 @@ struct Times {
 };
 
 // One tick, with the command or without.
-void step(sheet::Sheet& sheet, std::span<const sheet::Command> commands, Times& times) {
+void step(sheet::Sheet& sheet, std::span<const scene::Command> commands, Times& times) {
   StageClock clock;
   const sheet::TickReport report = sheet.step(commands, &clock);
-  for (const Result<sheet::CommandReply>& reply : report.replies) {
+  for (const Result<scene::CommandReply>& reply : report.replies) {
     KERF_CHECK(reply.ok(), "the benchmark's cut is refused");
   }
   times.cut.push_back(clock.spent(sheet::Stage::kCut));
@@ -90,10 +90,10 @@ void cut_each_tick(benchmark::State& state, const std::string& name, const Setti
   Times times;
   sheet::Sheet sheet = swinging(setting, before);
   const int vertices = sheet.mesh().num_vertices();
-  const std::vector<sheet::Cut> cuts = slits();
+  const std::vector<scene::Cut> cuts = slits();
   std::size_t next = 0;
   for (auto _ : state) {
-    const sheet::Command command = cuts.at(next++);
+    const scene::Command command = cuts.at(next++);
     step(sheet, {&command, 1}, times);
     state.SetIterationTime(times.cut.back() + times.update.back() + times.tick.back());
   }
@@ -108,8 +108,8 @@ void cut_at_once(benchmark::State& state, const std::string& name, const Setting
   Times times;
   sheet::Sheet sheet = swinging(setting, before);
   const int vertices = sheet.mesh().num_vertices();
-  const sheet::Command batch = sheet::CutBatch{slits()};
-  const sheet::Command undo = sheet::UndoCut{};
+  const scene::Command batch = scene::CutBatch{slits()};
+  const scene::Command undo = scene::UndoCut{};
   for (auto _ : state) {
     step(sheet, {&batch, 1}, times);
     state.SetIterationTime(times.cut.back() + times.update.back() + times.tick.back());

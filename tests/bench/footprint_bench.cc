@@ -27,14 +27,14 @@ double allocated() {
 
 struct Setting {
   const char* name;
-  sheet::IntegratorKind kind;
-  sheet::Precision precision;
+  scene::IntegratorKind kind;
+  scene::Precision precision;
 };
 
 constexpr Setting kSettings[] = {
-    {"explicit, mixed", sheet::IntegratorKind::kExplicitLeapfrog, sheet::Precision::kMixed},
-    {"explicit, double", sheet::IntegratorKind::kExplicitLeapfrog, sheet::Precision::kDouble},
-    {"implicit", sheet::IntegratorKind::kImplicitEuler, sheet::Precision::kDouble},
+    {"explicit, mixed", scene::IntegratorKind::kExplicitLeapfrog, scene::Precision::kMixed},
+    {"explicit, double", scene::IntegratorKind::kExplicitLeapfrog, scene::Precision::kDouble},
+    {"implicit", scene::IntegratorKind::kImplicitEuler, scene::Precision::kDouble},
 };
 
 void print_memory() {
@@ -67,7 +67,7 @@ void print_sleep(int num_sheets) {
   options.max_load = 0.0;  // until they sleep they need more than there is
   host::Host host(options, clock, entropy);
   const double before = allocated();
-  sheet::SheetConfig still = scenes::hanging(kSide);
+  scene::SheetConfig still = scenes::hanging(kSide);
   still.gravity.setZero();
   for (int i = 0; i < num_sheets; ++i) {
     host.create_sheet("s" + std::to_string(i), still, false,

@@ -22,12 +22,12 @@ struct Frames {
 };
 
 Frames frames_of(int side, Kind kind) {
-  sheet::Sheet sheet = swinging_cloth(side, sheet::IntegratorKind::kExplicitLeapfrog);
+  sheet::Sheet sheet = swinging_cloth(side, scene::IntegratorKind::kExplicitLeapfrog);
   for (int tick = 0; tick < 5; ++tick) sheet.step({});
   Frames frames;
   frames.first = sheet.snapshot();
-  const sheet::Command command = s_cut();
-  sheet.step(kind == Kind::kCut ? std::span(&command, 1) : std::span<const sheet::Command>());
+  const scene::Command command = s_cut();
+  sheet.step(kind == Kind::kCut ? std::span(&command, 1) : std::span<const scene::Command>());
   frames.second = sheet.snapshot();
   return frames;
 }

@@ -83,7 +83,7 @@ class Measurement {
   std::string run(sheet::Sheet& sheet) {
     for (int i = 0; i < kWarmUp + kPictures; ++i) {
       sheet.step({});
-      if (std::string fault = take({sheet.snapshot(), api::backdrop_of(sheet)}, i); !fault.empty()) return fault;
+      if (std::string fault = take({sheet.snapshot(), picture::backdrop_of(sheet)}, i); !fault.empty()) return fault;
     }
     return {};
   }
@@ -98,17 +98,17 @@ class Measurement {
     return *api::decode_look(view, v1::IMAGE_VP8, "view.");
   }
 
-  std::string take(const api::PictureSubject& subject, int i) {
+  std::string take(const picture::PictureSubject& subject, int i) {
     const double start_s = process_cpu_s();
     const double thread_start_s = thread_cpu_s();
-    const Result<api::DrawnPicture> picture = api::draw_picture(renderer_, subject, look_.view);
+    const Result<picture::DrawnPicture> picture = picture::draw_picture(renderer_, subject, look_.view);
     const double prepared_s = thread_cpu_s() - thread_start_s;  // this thread waits while others draw and read
     const double drawn_s = process_cpu_s() - start_s - prepared_s;
     const render::RenderTimes times = renderer_.times;
     if (!picture.ok()) return picture.error().message;
     const render::Pixels& pixels = picture->pixels;
-    const auto jpeg = timed([&] { return api::encode_still(pixels, {true, 80}); });
-    const auto png = timed([&] { return api::encode_still(pixels, {false, 0}); });
+    const auto jpeg = timed([&] { return picture::encode_still(pixels, {true, 80}); });
+    const auto png = timed([&] { return picture::encode_still(pixels, {false, 0}); });
     bool key = false;
     const auto video = timed([&]() -> Result<std::string> {
       auto frame = video_.encode(pixels, host::Nanoseconds(std::int64_t{33'333'333} * (i + 1)), false);
@@ -138,10 +138,10 @@ class Measurement {
     stages.video_bytes.push_back(static_cast<double>(video.bytes.size()));
   }
 
-  std::string first_fault(const api::PictureSubject& subject, const render::Pixels& pixels, const Encoded& jpeg,
+  std::string first_fault(const picture::PictureSubject& subject, const render::Pixels& pixels, const Encoded& jpeg,
                           const Encoded& png) {
     if (covered_share(pixels) < kMinCovered) return "it is blank";
-    const Result<api::DrawnPicture> again = api::draw_picture(renderer_, subject, look_.view);
+    const Result<picture::DrawnPicture> again = picture::draw_picture(renderer_, subject, look_.view);
     if (!again.ok() || again->pixels.rgba != pixels.rgba) return "it is another one when it is drawn again";
     if (std::string fault = jpeg_fault(jpeg.span(), pixels, kMinPsnr); !fault.empty()) return "JPEG: " + fault;
     if (std::string fault = png_fault(png.span(), pixels); !fault.empty()) return "PNG: " + fault;
@@ -150,7 +150,7 @@ class Measurement {
 
   TimedRenderer& renderer_;
   const api::ImageLook look_;
-  api::VideoTrack video_;
+  picture::VideoTrack video_;
   VideoCheck video_check_;
 };
 
@@ -180,7 +180,7 @@ int run() {
       "kB |\n");
   std::printf("|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
   for (const int side : kSides) {
-    sheet::Sheet sheet = swinging_cloth(side, sheet::IntegratorKind::kExplicitLeapfrog);
+    sheet::Sheet sheet = swinging_cloth(side, scene::IntegratorKind::kExplicitLeapfrog);
     for (const int height : kHeights) {
       Measurement measurement(renderer, height);
       if (const std::string fault = measurement.run(sheet); !fault.empty()) {

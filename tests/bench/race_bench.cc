@@ -137,7 +137,7 @@ struct Scheme {
 // The explicit integrator, the source's scheme as it is and with what Kerf does where its one solve goes wrong, and
 // better implicit ones; ticks of 1/60 s.
 std::vector<Scheme> schemes() {
-  using Solver = fem::LinearSolverKind;
+  using Solver = linear::LinearSolverKind;
   const auto one_solve = [](Solver solver) { return [solver] { return make_one_solve(solver); }; };
   const auto implicit = [](fem::IntegratorKind kind, int newton_iterations, Solver solver) {
     return make_with(implicit_options(kind, newton_iterations, solver));

@@ -13,13 +13,14 @@ constexpr int kMaxIterations = 10'000;
 
 class OneSolve : public fem::Integrator {
  public:
-  explicit OneSolve(fem::LinearSolverKind solver) : solver_(fem::make_linear_solver(solver, kMaxIterations)) {}
+  explicit OneSolve(linear::LinearSolverKind solver) : solver_(linear::make_linear_solver(solver, kMaxIterations)) {}
 
   void rebuild(const fem::Model& model) override {
     tangent_.rebuild(model);
     solver_->analyse(tangent_.blocks());
     const auto num_vertices = static_cast<Eigen::Index>(model.mass().size());
-    for (mesh::VertexField* field : {&force_, &scratch_, &ballistic_, &rhs_, &departure_}) field->resize(num_vertices);
+    for (linear::VertexField* field : {&force_, &scratch_, &ballistic_, &rhs_, &departure_})
+      field->resize(num_vertices);
   }
 
   fem::StepStats step(const fem::Model& model, const fem::Loads& loads, double dt, fem::ContactConstraint* /*contact*/,
@@ -43,7 +44,7 @@ class OneSolve : public fem::Integrator {
       frames->resize(model.mass().size());
       fem::find_vertex_frames(model.element_blocks(), state.x, *frames);
     }
-    const fem::LinearStats solved = solver_->solve(tangent_.blocks(), rhs_, kTolerance, departure_);
+    const linear::LinearStats solved = solver_->solve(tangent_.blocks(), rhs_, kTolerance, departure_);
     scratch_ = ballistic_ + departure_;
     state.x += scratch_;
     state.v = scratch_ / dt;
@@ -62,15 +63,15 @@ class OneSolve : public fem::Integrator {
   [[nodiscard]] fem::IntegratorKind kind() const override { return fem::IntegratorKind::kImplicitEuler; }
 
  private:
-  std::unique_ptr<fem::LinearSolver> solver_;
+  std::unique_ptr<linear::LinearSolver> solver_;
   fem::TangentMatrix tangent_;
-  mesh::VertexField force_, scratch_;              // 3 x V, N; none
-  mesh::VertexField ballistic_, rhs_, departure_;  // 3 x V, m; kg m; m
+  linear::VertexField force_, scratch_;              // 3 x V, N; none
+  linear::VertexField ballistic_, rhs_, departure_;  // 3 x V, m; kg m; m
 };
 
 }  // namespace
 
-std::unique_ptr<fem::Integrator> make_one_solve(fem::LinearSolverKind solver) {
+std::unique_ptr<fem::Integrator> make_one_solve(linear::LinearSolverKind solver) {
   return std::make_unique<OneSolve>(solver);
 }
 

@@ -20,17 +20,17 @@ Entry own(const std::string& setting, const fem::IntegratorOptions& options) {
   return {"Kerf", setting, [options](const Scene& scene) { return make_own(scene, options); }};
 }
 
-Entry implicit_euler(const std::string& setting, int newton_iterations, fem::LinearSolverKind solver) {
+Entry implicit_euler(const std::string& setting, int newton_iterations, linear::LinearSolverKind solver) {
   return own(setting, implicit_options(fem::IntegratorKind::kImplicitEuler, newton_iterations, solver));
 }
 
 std::vector<Entry> own_entries() {
   return {own("explicit, mixed", explicit_options(fem::Precision::kMixed)),
           own("explicit, double", explicit_options(fem::Precision::kDouble)),
-          implicit_euler("implicit Euler, 5 Newton, factor", 5, fem::LinearSolverKind::kFactorCg),
-          implicit_euler("the source's: implicit Euler, 1 solve, plain CG", 1, fem::LinearSolverKind::kPlainCg),
-          implicit_euler("the same, block-Jacobi CG", 1, fem::LinearSolverKind::kBlockJacobiCg),
-          implicit_euler("the same, direct", 1, fem::LinearSolverKind::kDirect)};
+          implicit_euler("implicit Euler, 5 Newton, factor", 5, linear::LinearSolverKind::kFactorCg),
+          implicit_euler("the source's: implicit Euler, 1 solve, plain CG", 1, linear::LinearSolverKind::kPlainCg),
+          implicit_euler("the same, block-Jacobi CG", 1, linear::LinearSolverKind::kBlockJacobiCg),
+          implicit_euler("the same, direct", 1, linear::LinearSolverKind::kDirect)};
 }
 
 long ticks_of(double duration) {

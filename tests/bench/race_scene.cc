@@ -74,7 +74,8 @@ fem::IntegratorOptions reference_options() {
   return options;
 }
 
-fem::IntegratorOptions implicit_options(fem::IntegratorKind kind, int newton_iterations, fem::LinearSolverKind solver) {
+fem::IntegratorOptions implicit_options(fem::IntegratorKind kind, int newton_iterations,
+                                        linear::LinearSolverKind solver) {
   fem::IntegratorOptions options;
   options.kind = kind;
   options.newton_iterations = newton_iterations;

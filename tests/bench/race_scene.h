@@ -56,7 +56,8 @@ fem::IntegratorOptions explicit_options(fem::Precision precision);
 // In double with a tenth of the stable step, no damping, and bending in each substep.
 fem::IntegratorOptions reference_options();
 // `newton_iterations`: of a solve, at most; 1 with implicit Euler is the source's scheme.
-fem::IntegratorOptions implicit_options(fem::IntegratorKind kind, int newton_iterations, fem::LinearSolverKind solver);
+fem::IntegratorOptions implicit_options(fem::IntegratorKind kind, int newton_iterations,
+                                        linear::LinearSolverKind solver);
 
 // Kerf's, with any integrator.
 std::unique_ptr<Contender> make_own(const Scene& scene, const fem::IntegratorOptions& options);

@@ -56,7 +56,7 @@ bool is_checked(int num_cuts) {
 
 // Two of the largest cluster that are free, or two inside a sheet that has none.
 std::array<mesh::VertexId, 2> vertices_to_hold(const sheet::Sheet& sheet) {
-  fem::ExplicitIntegrator planned(sheet::integrator_options(sheet.config().integrator, sheet.dt()));
+  fem::ExplicitIntegrator planned(scene::integrator_options(sheet.config().integrator, sheet.dt()));
   planned.plan(sheet.model(), false);
   std::vector<mesh::VertexId> free;
   for (const fem::InertiaCluster* cluster : planned.inertia().clusters()) {
@@ -74,10 +74,10 @@ std::array<mesh::VertexId, 2> vertices_to_hold(const sheet::Sheet& sheet) {
 
 void hold(sheet::Sheet& sheet) {
   const auto [pinned, grabbed] = vertices_to_hold(sheet);
-  const std::vector<sheet::Command> commands{
-      sheet::SetPins{{sheet::RegionEdge::kTop, std::vector<mesh::VertexId>{pinned}}},
-      sheet::Grab{"hand", grabbed, {}, 0.0}};
-  for (const Result<sheet::CommandReply>& reply : sheet.apply(commands).replies) {
+  const std::vector<scene::Command> commands{
+      scene::SetPins{{scene::RegionEdge::kTop, std::vector<mesh::VertexId>{pinned}}},
+      scene::Grab{"hand", grabbed, {}, 0.0}};
+  for (const Result<scene::CommandReply>& reply : sheet.apply(commands).replies) {
     KERF_CHECK(reply.ok(), "the benchmark's grab or pin is refused");
   }
 }
@@ -128,8 +128,8 @@ struct Pair {
 };
 
 bool would_be_explicit(const sheet::Sheet& sheet) {
-  sheet::IntegratorSettings settings;
-  return fem::estimate_tick(sheet.model(), sheet::integrator_options(settings, sheet.dt())).is_explicit;
+  scene::IntegratorSettings settings;
+  return fem::estimate_tick(sheet.model(), scene::integrator_options(settings, sheet.dt())).is_explicit;
 }
 
 void report(benchmark::State& state, int num_cuts, const std::vector<std::unique_ptr<Pair>>& pairs) {

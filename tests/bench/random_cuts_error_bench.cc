@@ -120,7 +120,7 @@ struct Scheme {
 fem::IntegratorOptions implicit_options(fem::IntegratorKind kind) {
   fem::IntegratorOptions options;
   options.kind = kind;
-  options.linear_solver = fem::LinearSolverKind::kDirect;
+  options.linear_solver = linear::LinearSolverKind::kDirect;
   return options;
 }
 

@@ -12,21 +12,21 @@
 namespace kerf::bench {
 
 sheet::Sheet cloth_to_cut(const fem::Material& material, CutScene scene) {
-  sheet::SheetConfig config = horizontal_cloth(50, sheet::IntegratorKind::kExplicitLeapfrog);
+  scene::SheetConfig config = horizontal_cloth(50, scene::IntegratorKind::kExplicitLeapfrog);
   config.material = material;
   config.integrator.max_substeps = 100'000;
-  if (scene == CutScene::kHung) config.pins.emplace_back(sheet::RegionEdge::kTop);
+  if (scene == CutScene::kHung) config.pins.emplace_back(scene::RegionEdge::kTop);
   return create(scene == CutScene::kBall ? above_ball(std::move(config)) : std::move(config));
 }
 
 CutTime RandomCutter::cut(sheet::Sheet& sheet) {
   for (;;) {
-    sheet::Cut cut;
+    scene::Cut cut;
     cut.curve = test::random_cubic(random_);
-    const sheet::Command command = cut;
+    const scene::Command command = cut;
     StageClock clock;
     const sheet::TickReport report = sheet.apply({&command, 1}, &clock);
-    const Result<sheet::CommandReply>& reply = report.replies.front();
+    const Result<scene::CommandReply>& reply = report.replies.front();
     if (!reply.ok() || reply->cut->status != cut::CutStatus::kApplied) continue;
     CutTime time{clock.spent(sheet::Stage::kCut), clock.spent(sheet::Stage::kModelUpdate), 0.0};
     for (const auto& [phase, spent] : clock.phases()) {

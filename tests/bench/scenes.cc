@@ -7,9 +7,9 @@
 
 namespace kerf::bench {
 
-sheet::SheetConfig horizontal_cloth(int side, sheet::IntegratorKind integrator) {
-  sheet::SheetConfig config;
-  sheet::GridSource grid;
+scene::SheetConfig horizontal_cloth(int side, scene::IntegratorKind integrator) {
+  scene::SheetConfig config;
+  scene::GridSource grid;
   grid.columns = side;
   grid.rows = side;
   config.mesh = grid;
@@ -19,38 +19,38 @@ sheet::SheetConfig horizontal_cloth(int side, sheet::IntegratorKind integrator) 
   return config;
 }
 
-sheet::SheetConfig above_ball(sheet::SheetConfig cloth) {
+scene::SheetConfig above_ball(scene::SheetConfig cloth) {
   cloth.placement.origin = {-0.5, -0.5, 0.31};
   cloth.colliders = {{contact::Sphere{{0.0, 0.0, 0.0}, 0.3}, 0.4}};
   return cloth;
 }
 
-sheet::Sheet create(sheet::SheetConfig config) {
+sheet::Sheet create(scene::SheetConfig config) {
   Result<sheet::Sheet> sheet = sheet::Sheet::create(std::move(config));
   KERF_CHECK(sheet.ok(), "the benchmark scene is refused");
   return std::move(sheet).value();
 }
 
-sheet::Sheet swinging_cloth(int side, sheet::IntegratorKind integrator) {
-  sheet::SheetConfig config = horizontal_cloth(side, integrator);
-  config.pins.emplace_back(sheet::RegionEdge::kTopCorners);
+sheet::Sheet swinging_cloth(int side, scene::IntegratorKind integrator) {
+  scene::SheetConfig config = horizontal_cloth(side, integrator);
+  config.pins.emplace_back(scene::RegionEdge::kTopCorners);
   return create(std::move(config));
 }
 
-sheet::Sheet draped_cloth(int side, sheet::IntegratorKind integrator) {
+sheet::Sheet draped_cloth(int side, scene::IntegratorKind integrator) {
   return create(above_ball(horizontal_cloth(side, integrator)));
 }
 
-sheet::Sheet race_cloth(int side, sheet::IntegratorKind integrator, sheet::Precision precision) {
-  sheet::SheetConfig config = horizontal_cloth(side, integrator);
+sheet::Sheet race_cloth(int side, scene::IntegratorKind integrator, scene::Precision precision) {
+  scene::SheetConfig config = horizontal_cloth(side, integrator);
   config.material = fem::isotropic(2.0e6, 0.3, 5.0e-4, 400.0);
-  config.pins.emplace_back(sheet::RegionEdge::kTop);
+  config.pins.emplace_back(scene::RegionEdge::kTop);
   config.integrator.precision = precision;
   return create(std::move(config));
 }
 
-sheet::Cut s_cut() {
-  sheet::Cut cut;
+scene::Cut s_cut() {
+  scene::Cut cut;
   cut.curve = cut::CubicBezier{{{0.25, 0.5}, {0.4, 0.9}, {0.6, 0.1}, {0.75, 0.5}}};
   return cut;
 }

@@ -26,8 +26,8 @@ struct Case {
 };
 
 // Gravity differs, so that no sheet moves as another.
-sheet::SheetConfig cloth(int side, int i) {
-  sheet::SheetConfig config = swinging_cloth(side, sheet::IntegratorKind::kExplicitLeapfrog).config();
+scene::SheetConfig cloth(int side, int i) {
+  scene::SheetConfig config = swinging_cloth(side, scene::IntegratorKind::kExplicitLeapfrog).config();
   config.gravity.z() -= 0.01 * i;
   return config;
 }

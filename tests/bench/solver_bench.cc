@@ -45,7 +45,7 @@ System make_system(const fem::Material& material, int side) {
 }
 
 void solve_densely(System& system) {
-  const fem::BlockMatrix& A = system.tangent.blocks();
+  const linear::BlockMatrix& A = system.tangent.blocks();
   system.dense = Eigen::MatrixXd::Zero(3 * A.num_rows(), 3 * A.num_rows());
   for (int i = 0; i < A.num_rows(); ++i) {
     for (int at = A.row_begin(i); at < A.row_end(i); ++at)
@@ -77,15 +77,15 @@ Eigen::MatrixXd scaled(const Eigen::MatrixXd& A, Eigen::Index block) {
 }
 
 // L^T P^-1 L, A = L L^T, of the same eigenvalues as P^-1 A.
-Eigen::MatrixXd preconditioned(const System& system, std::unique_ptr<fem::Preconditioner> preconditioner) {
-  const fem::BlockMatrix& A = system.tangent.blocks();
+Eigen::MatrixXd preconditioned(const System& system, std::unique_ptr<linear::Preconditioner> preconditioner) {
+  const linear::BlockMatrix& A = system.tangent.blocks();
   preconditioner->analyse(A);
   if (std::vector<Eigen::Matrix3d>* const frames = preconditioner->frames()) *frames = system.frames;
-  if (mesh::VertexField* const positions = preconditioner->positions()) *positions = system.positions;
+  if (linear::VertexField* const positions = preconditioner->positions()) *positions = system.positions;
   KERF_CHECK(preconditioner->prepare(A), "A is positive definite");
   Eigen::MatrixXd inverse(system.dense.rows(), system.dense.cols());
-  mesh::VertexField unit = Eigen::Matrix3Xd::Zero(3, A.num_rows());
-  mesh::VertexField column(A.num_rows());
+  linear::VertexField unit = Eigen::Matrix3Xd::Zero(3, A.num_rows());
+  linear::VertexField column(A.num_rows());
   for (Eigen::Index k = 0; k < inverse.cols(); ++k) {
     unit.reshaped()[k] = 1.0;
     preconditioner->apply(unit, column);
@@ -99,13 +99,13 @@ Eigen::MatrixXd preconditioned(const System& system, std::unique_ptr<fem::Precon
 
 struct Row {
   std::string name;
-  fem::LinearSolverKind kind;
-  fem::CovarianceRootOptions root;
+  linear::LinearSolverKind kind;
+  linear::CovarianceRootOptions root;
 };
 
 std::vector<Row> rows() {
-  using fem::EigenvalueNorm;
-  using Kind = fem::LinearSolverKind;
+  using linear::EigenvalueNorm;
+  using Kind = linear::LinearSolverKind;
   return {
       {"direct", Kind::kDirect, {}},
       {"plain CG", Kind::kPlainCg, {}},
@@ -123,40 +123,40 @@ std::vector<Row> rows() {
 
 // Returns the matrix used in place of A; for preconditioned solvers one with the condition of their system.
 Eigen::MatrixXd matrix_of(const Row& row, const System& system) {
-  const fem::BlockMatrix& A = system.tangent.blocks();
-  fem::CovarianceRoot root(row.root);
+  const linear::BlockMatrix& A = system.tangent.blocks();
+  linear::CovarianceRoot root(row.root);
   switch (row.kind) {
-    case fem::LinearSolverKind::kEsCgm:
+    case linear::LinearSolverKind::kEsCgm:
       root.resize(A.num_rows(), row.kind);
       return root.exact(A);
-    case fem::LinearSolverKind::kAsCgm:
+    case linear::LinearSolverKind::kAsCgm:
       root.resize(A.num_rows(), row.kind);
       return root.approximate(A);
-    case fem::LinearSolverKind::kJacobiCg:
+    case linear::LinearSolverKind::kJacobiCg:
       return scaled(system.dense, 1);
-    case fem::LinearSolverKind::kBlockJacobiCg:
+    case linear::LinearSolverKind::kBlockJacobiCg:
       return scaled(system.dense, 3);
-    case fem::LinearSolverKind::kFactorCg:
-      return preconditioned(system, std::make_unique<fem::FactorPreconditioner>());
-    case fem::LinearSolverKind::kMultigridCg:
-      return preconditioned(system, std::make_unique<fem::MultigridPreconditioner>());
+    case linear::LinearSolverKind::kFactorCg:
+      return preconditioned(system, std::make_unique<linear::FactorPreconditioner>());
+    case linear::LinearSolverKind::kMultigridCg:
+      return preconditioned(system, std::make_unique<linear::MultigridPreconditioner>());
     default:
       return system.dense;
   }
 }
 
 struct Solved {
-  mesh::VertexField x;
-  fem::LinearStats stats;
+  linear::VertexField x;
+  linear::LinearStats stats;
   double seconds = 0.0;  // CPU
 };
 
 Solved solve(const Row& row, const System& system) {
-  const std::unique_ptr<fem::LinearSolver> solver = fem::make_linear_solver(row.kind, kMaxIterations, row.root);
+  const std::unique_ptr<linear::LinearSolver> solver = linear::make_linear_solver(row.kind, kMaxIterations, row.root);
   Solved solved;
   solver->analyse(system.tangent.blocks());
   if (std::vector<Eigen::Matrix3d>* const frames = solver->frames()) *frames = system.frames;
-  if (mesh::VertexField* const positions = solver->positions()) *positions = system.positions;
+  if (linear::VertexField* const positions = solver->positions()) *positions = system.positions;
   solved.x = Eigen::Matrix3Xd::Zero(3, system.b.cols());
   const std::clock_t begin = std::clock();
   solved.stats = solver->solve(system.tangent.blocks(), system.b, kTolerance, solved.x);
@@ -167,7 +167,7 @@ Solved solve(const Row& row, const System& system) {
 void report(const Row& row, const System& system) {
   const auto [x, stats, seconds] = solve(row, system);
   const Eigen::MatrixXd matrix = matrix_of(row, system);
-  const bool is_other = fem::name_of(row.kind).solves_different_system;
+  const bool is_other = linear::name_of(row.kind).solves_different_system;
   const Eigen::VectorXd own = is_other ? Eigen::VectorXd(system.b.reshaped() - matrix * x.reshaped())
                                        : Eigen::VectorXd(system.b.reshaped() - system.dense * x.reshaped());
   const double own_residual = own.allFinite() ? own.norm() / system.b.norm() : std::numeric_limits<double>::infinity();

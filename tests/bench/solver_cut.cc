@@ -83,16 +83,16 @@ Falling make_falling(const fem::Material& material, int side) {
 }
 
 struct Solved {
-  mesh::VertexField x;
-  fem::LinearStats stats;
+  linear::VertexField x;
+  linear::LinearStats stats;
   double setup = 0.0;  // s, CPU
   double solve = 0.0;  // s, CPU
 };
 using Solve = std::function<Solved(double tolerance)>;
 
-Solve from_nothing(fem::LinearSolverKind kind, const System& system) {
+Solve from_nothing(linear::LinearSolverKind kind, const System& system) {
   return [kind, &system](double tolerance) {
-    const std::unique_ptr<fem::LinearSolver> solver = fem::make_linear_solver(kind, kMaxIterations);
+    const std::unique_ptr<linear::LinearSolver> solver = linear::make_linear_solver(kind, kMaxIterations);
     Solved solved;
     const double start = thread_cpu_s();
     solver->analyse(system.tangent.blocks());
@@ -107,8 +107,8 @@ Solve from_nothing(fem::LinearSolverKind kind, const System& system) {
 }
 
 // The float factor of a system, ready for another with at least its vertices. `seconds`: CPU, of the factor alone.
-std::unique_ptr<fem::FactorPreconditioner> factor_of(const System& before, double& seconds) {
-  auto factor = std::make_unique<fem::FactorPreconditioner>();
+std::unique_ptr<linear::FactorPreconditioner> factor_of(const System& before, double& seconds) {
+  auto factor = std::make_unique<linear::FactorPreconditioner>();
   factor->analyse(before.tangent.blocks());
   *factor->frames() = before.frames;
   KERF_CHECK(factor->prepare(before.tangent.blocks()), "the matrix is positive definite");
@@ -121,12 +121,12 @@ std::unique_ptr<fem::FactorPreconditioner> factor_of(const System& before, doubl
 
 Solve corrected(const System& before, std::vector<int> part, const System& system) {
   double seconds = 0.0;
-  const std::shared_ptr<fem::FactorPreconditioner> factor = factor_of(before, seconds);
+  const std::shared_ptr<linear::FactorPreconditioner> factor = factor_of(before, seconds);
   std::copy_n(system.frames.begin(), factor->frames()->size(), factor->frames()->begin());
   return [factor, size = static_cast<int>(before.b.cols()), part = std::move(part), &system](double tolerance) {
     auto made = std::make_unique<CorrectedFactor>(*factor, size, part);
     CorrectedFactor& correction = *made;
-    fem::ConjugateGradient gradients(std::move(made), kMaxIterations);
+    linear::ConjugateGradient gradients(std::move(made), kMaxIterations);
     Solved solved;
     const double start = thread_cpu_s();
     gradients.analyse(system.tangent.blocks());
@@ -148,7 +148,7 @@ struct Row {
 };
 
 // Least times of some. False: not where the direct solver is.
-bool report(const Row& row, int repeats, const mesh::VertexField& exact) {
+bool report(const Row& row, int repeats, const linear::VertexField& exact) {
   const double largest = exact.colwise().norm().maxCoeff();
   bool is_right = true;
   double setup = std::numeric_limits<double>::max();
@@ -179,15 +179,15 @@ bool report(const Row& row, int repeats, const mesh::VertexField& exact) {
 
 // `step`: s.
 bool measure(const char* name, const Falling& sheet, int side, double step) {
-  using Kind = fem::LinearSolverKind;
+  using Kind = linear::LinearSolverKind;
   const System system = system_at(sheet.after, sheet.loads, sheet.after_cut, step);
   const System now = system_at(sheet.before, sheet.loads, sheet.now, step);
   const System tenth = system_at(sheet.before, sheet.loads, sheet.a_tenth_ago, step);
   const System tick = system_at(sheet.before, sheet.loads, sheet.a_tick_ago, step);
   double seconds = 0.0;
   factor_of(now, seconds);
-  const mesh::VertexField exact = from_nothing(Kind::kDirect, system)(0.0).x;
-  const mesh::VertexField exact_uncut = from_nothing(Kind::kDirect, now)(0.0).x;
+  const linear::VertexField exact = from_nothing(Kind::kDirect, system)(0.0).x;
+  const linear::VertexField exact_uncut = from_nothing(Kind::kDirect, now)(0.0).x;
   std::printf(
       "%s, %d x %d vertices, %td new, 1/%.0f s; the largest step of a vertex is %.1f mm; a float factor of the matrix "
       "before the cut, its pattern known, takes %.1f ms\n\n"

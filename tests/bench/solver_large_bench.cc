@@ -24,7 +24,7 @@
 namespace kerf::bench {
 namespace {
 
-using Kind = fem::LinearSolverKind;
+using Kind = linear::LinearSolverKind;
 
 constexpr int kMaxIterations = 20000;
 constexpr int kMostForBlockJacobi = 10000;  // vertices: beyond, it takes a minute and more
@@ -69,7 +69,7 @@ mesh::TriangleMesh make_sheet(int side, bool slits) {
 }
 
 // Interpolates a grid of side x side vertices on the unit square at `rest`, linearly in its triangles.
-Eigen::Vector3d interpolate(const mesh::VertexField& field, int side, const Eigen::Vector2d& rest) {
+Eigen::Vector3d interpolate(const linear::VertexField& field, int side, const Eigen::Vector2d& rest) {
   const Eigen::Vector2d scaled = rest * (side - 1);
   const int i = std::clamp(static_cast<int>(scaled.x()), 0, side - 2);
   const int j = std::clamp(static_cast<int>(scaled.y()), 0, side - 2);
@@ -90,7 +90,7 @@ FallenSheet refine(const FallenSheet& fallen, const fem::Material& material, mes
   }
   fem::IntegratorOptions options;
   options.kind = fem::IntegratorKind::kImplicitEuler;
-  options.linear_solver = fem::LinearSolverKind::kFactorCg;
+  options.linear_solver = linear::LinearSolverKind::kFactorCg;
   const std::unique_ptr<fem::Integrator> integrator = fem::make_integrator(options);
   integrator->rebuild(sheet.model);
   integrator->step(sheet.model, sheet.loads, kSettlingStep, nullptr, sheet.state);
@@ -114,7 +114,7 @@ double memory() {
 // s, CPU, of A x.
 double time_product(const System& system) {
   constexpr int kProducts = 50;
-  mesh::VertexField y(system.b.cols());
+  linear::VertexField y(system.b.cols());
   const double begin = process_cpu_s();
   for (int i = 0; i < kProducts; ++i) system.tangent.blocks().multiply(system.b, y);
   return (process_cpu_s() - begin) / kProducts;
@@ -122,7 +122,7 @@ double time_product(const System& system) {
 
 // One row: from nothing, a factor included, to each tolerance.
 void report(Kind kind, const System& system) {
-  std::printf("| | %s ", std::string(fem::name_of(kind).option).c_str());
+  std::printf("| | %s ", std::string(linear::name_of(kind).option).c_str());
   double analysis = 0.0;
   double megabytes = 0.0;
   for (const double tolerance : {1e-4, 1e-6}) {
@@ -132,13 +132,13 @@ void report(Kind kind, const System& system) {
     }
     const double before = memory();
     const double start = process_cpu_s();
-    const std::unique_ptr<fem::LinearSolver> solver = fem::make_linear_solver(kind, kMaxIterations);
+    const std::unique_ptr<linear::LinearSolver> solver = linear::make_linear_solver(kind, kMaxIterations);
     solver->analyse(system.tangent.blocks());
     if (std::vector<Eigen::Matrix3d>* const frames = solver->frames()) *frames = system.frames;
-    if (mesh::VertexField* const positions = solver->positions()) *positions = system.positions;
-    mesh::VertexField x = Eigen::Matrix3Xd::Zero(3, system.b.cols());
+    if (linear::VertexField* const positions = solver->positions()) *positions = system.positions;
+    linear::VertexField x = Eigen::Matrix3Xd::Zero(3, system.b.cols());
     const double begin = process_cpu_s();
-    const fem::LinearStats stats = solver->solve(system.tangent.blocks(), system.b, tolerance, x);
+    const linear::LinearStats stats = solver->solve(system.tangent.blocks(), system.b, tolerance, x);
     const double seconds = process_cpu_s() - begin;
     std::printf("| %d%s | %.2g | %.1f ", stats.iterations, stats.converged ? "" : ", not converged", stats.residual,
                 1e3 * seconds);

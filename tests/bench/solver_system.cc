@@ -19,8 +19,8 @@ System system_at(const fem::Model& model, const fem::Loads& loads, const fem::St
   system.tangent.set_mass(model, 1.0);
   system.tangent.add_membrane(model, state.x, {}, scale, step * step, true);
   system.tangent.add_bending(model, scale);
-  mesh::VertexField force = Eigen::Matrix3Xd::Zero(3, num_vertices);
-  mesh::VertexField scratch(num_vertices);
+  linear::VertexField force = Eigen::Matrix3Xd::Zero(3, num_vertices);
+  linear::VertexField scratch(num_vertices);
   fem::add_membrane_forces(model.element_blocks(), model.materials(), {}, state.x, state.v, force);
   model.bending().add_forces(model.element_blocks(), state.x, state.v, {}, scratch, force);
   system.b.resize(num_vertices);
@@ -56,7 +56,7 @@ fem::State flat(const mesh::TriangleMesh& mesh) {
 void fall(const fem::Model& model, const fem::Loads& loads, double step, int steps, fem::State& state) {
   fem::IntegratorOptions options;
   options.kind = fem::IntegratorKind::kImplicitEuler;
-  options.linear_solver = fem::LinearSolverKind::kDirect;
+  options.linear_solver = linear::LinearSolverKind::kDirect;
   options.newton_iterations = 50;
   const std::unique_ptr<fem::Integrator> integrator = fem::make_integrator(options);
   integrator->rebuild(model);

@@ -17,11 +17,11 @@ namespace kerf::bench {
 // One step of implicit Euler, linearised where it begins: A dx = b with A = M + h^2 K, b = M h v + h^2 (f + M g).
 struct System {
   fem::TangentMatrix tangent;
-  mesh::VertexField b;                  // 3 x V, kg m
+  linear::VertexField b;                // 3 x V, kg m
   Eigen::MatrixXd dense;                // A; empty until it is asked for
-  mesh::VertexField exact;              // 3 x V, m: dx
+  linear::VertexField exact;            // 3 x V, m: dx
   std::vector<Eigen::Matrix3d> frames;  // of the vertices
-  mesh::VertexField positions;          // 3 x V, m
+  linear::VertexField positions;        // 3 x V, m
 };
 
 // At a state; `step` (s): h.

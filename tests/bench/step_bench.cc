@@ -11,15 +11,15 @@ namespace {
 
 struct Scene {
   const char* name;
-  sheet::Sheet (*make)(int side, sheet::IntegratorKind integrator);
+  sheet::Sheet (*make)(int side, scene::IntegratorKind integrator);
   int warm_up_ticks;
   int largest_side;
 };
 
 constexpr Scene kScenes[] = {{"step", swinging_cloth, 2, 200}, {"drape", draped_cloth, 15, 50}};
 
-constexpr std::pair<const char*, sheet::IntegratorKind> kIntegrators[] = {
-    {"explicit", sheet::IntegratorKind::kExplicitLeapfrog}, {"implicit", sheet::IntegratorKind::kImplicitEuler}};
+constexpr std::pair<const char*, scene::IntegratorKind> kIntegrators[] = {
+    {"explicit", scene::IntegratorKind::kExplicitLeapfrog}, {"implicit", scene::IntegratorKind::kImplicitEuler}};
 
 void step(benchmark::State& state, const std::string& name, sheet::Sheet sheet, int warm_up_ticks) {
   for (int tick = 0; tick < warm_up_ticks; ++tick) sheet.step({});

@@ -29,15 +29,15 @@ struct Scene {
 
 struct Way {
   const char* name;
-  sheet::IntegratorKind integrator;
-  sheet::Fidelity fidelity;
+  scene::IntegratorKind integrator;
+  scene::Fidelity fidelity;
 };
 
 constexpr Way kWays[] = {
-    {"exact, explicit", sheet::IntegratorKind::kExplicitLeapfrog, sheet::Fidelity::kExact},
-    {"exact, automatic", sheet::IntegratorKind::kAutomatic, sheet::Fidelity::kExact},
-    {"real-time, explicit", sheet::IntegratorKind::kExplicitLeapfrog, sheet::Fidelity::kRealTime},
-    {"real-time, automatic", sheet::IntegratorKind::kAutomatic, sheet::Fidelity::kRealTime},
+    {"exact, explicit", scene::IntegratorKind::kExplicitLeapfrog, scene::Fidelity::kExact},
+    {"exact, automatic", scene::IntegratorKind::kAutomatic, scene::Fidelity::kExact},
+    {"real-time, explicit", scene::IntegratorKind::kExplicitLeapfrog, scene::Fidelity::kRealTime},
+    {"real-time, automatic", scene::IntegratorKind::kAutomatic, scene::Fidelity::kRealTime},
 };
 
 std::vector<Scene> scenes() {
@@ -59,11 +59,11 @@ std::vector<Scene> scenes() {
 }
 
 sheet::Sheet make(const Scene& scene, const Way& way, const fem::Material& material, bool hangs) {
-  sheet::SheetConfig config = horizontal_cloth(scene.side, way.integrator);
+  scene::SheetConfig config = horizontal_cloth(scene.side, way.integrator);
   config.material = material;
   config.fidelity = way.fidelity;
   config.integrator.max_substeps = 100'000;
-  config.pins.emplace_back(sheet::RegionEdge::kTop);
+  config.pins.emplace_back(scene::RegionEdge::kTop);
   if (hangs) {
     config.placement.y_axis = {0.0, 0.0, 1.0};
     config.material.mass_damping = 8.0;
@@ -71,11 +71,11 @@ sheet::Sheet make(const Scene& scene, const Way& way, const fem::Material& mater
   return create(std::move(config));
 }
 
-double tick_s(sheet::Sheet& sheet, const std::vector<sheet::Command>& commands) {
+double tick_s(sheet::Sheet& sheet, const std::vector<scene::Command>& commands) {
   const double before = process_cpu_s();
   const sheet::TickReport report = sheet.step(commands);
   const double spent = process_cpu_s() - before;
-  for (const Result<sheet::CommandReply>& reply : report.replies) KERF_CHECK(reply.ok(), "a cut is refused");
+  for (const Result<scene::CommandReply>& reply : report.replies) KERF_CHECK(reply.ok(), "a cut is refused");
   return spent;
 }
 
@@ -92,9 +92,9 @@ double frames_a_second(const std::vector<double>& ticks) {
 void measure(const Scene& scene, const Way& way, const fem::Material& material) {
   sheet::Sheet sheet = make(scene, way, material, false);
   const double before = frames_a_second(ticks_s(sheet, 10));
-  std::vector<sheet::Command> cuts;
+  std::vector<scene::Command> cuts;
   for (const cut::Curve& curve : scene.curves) {
-    sheet::Cut cut;
+    scene::Cut cut;
     cut.curve = curve;
     cuts.emplace_back(cut);
   }

@@ -31,18 +31,18 @@ fem::Material preset(std::string_view name) {
   return fem::find_preset(name).value();
 }
 
-sheet::Sheet hung(int side, std::string_view material, sheet::IntegratorKind kind, double wind = 0.0) {
-  sheet::SheetConfig config = horizontal_cloth(side, kind);
+sheet::Sheet hung(int side, std::string_view material, scene::IntegratorKind kind, double wind = 0.0) {
+  scene::SheetConfig config = horizontal_cloth(side, kind);
   config.material = preset(material);
   config.integrator.max_substeps = 100'000;
-  config.pins.emplace_back(sheet::RegionEdge::kTop);
+  config.pins.emplace_back(scene::RegionEdge::kTop);
   if (wind > 0.0) config.wind = {{0.0, wind, 0.0}, 1.2, 1.0};
   return create(std::move(config));
 }
 
 std::vector<Scene> scenes() {
-  const auto explicit_steps = sheet::IntegratorKind::kExplicitLeapfrog;
-  const auto automatic = sheet::IntegratorKind::kAutomatic;
+  const auto explicit_steps = scene::IntegratorKind::kExplicitLeapfrog;
+  const auto automatic = scene::IntegratorKind::kAutomatic;
   const auto on_ball = [](std::string_view material) {
     return [material] { return cloth_to_cut(preset(material), CutScene::kBall); };
   };
@@ -59,7 +59,7 @@ std::vector<Scene> scenes() {
       {"cotton, hung, 10 cuts", [=] { return hung(50, "cotton", explicit_steps); }, 10, 10},
       {"wool, hung, 50 cuts, automatic", [=] { return hung(50, "wool", automatic); }, 10, 50},
       {"demo, hung, in wind", [=] { return hung(50, "demo", explicit_steps, 2.0); }, 20, 0},
-      {"demo, hung, TR-BDF2", [=] { return hung(50, "demo", sheet::IntegratorKind::kTrBdf2); }, 20, 0},
+      {"demo, hung, TR-BDF2", [=] { return hung(50, "demo", scene::IntegratorKind::kTrBdf2); }, 20, 0},
   };
 }
 

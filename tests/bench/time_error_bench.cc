@@ -84,7 +84,7 @@ void measure(const char* name, const fem::Material& material) {
   for (const Scheme& scheme : schemes()) {
     fem::IntegratorOptions options;
     options.kind = scheme.kind;
-    options.linear_solver = fem::LinearSolverKind::kDirect;
+    options.linear_solver = linear::LinearSolverKind::kDirect;
     if (scheme.iterations != kDefault) {
       options.newton_iterations = scheme.iterations > 0 ? scheme.iterations : 50;
       options.newton_tolerance = scheme.iterations > 0 ? 1e-12 : 1e-8;

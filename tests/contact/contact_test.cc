@@ -12,7 +12,7 @@ namespace kerf::contact {
 namespace {
 
 using Eigen::Vector3d;
-using mesh::VertexField;
+using linear::VertexField;
 
 constexpr double kTight = 1e-12;
 

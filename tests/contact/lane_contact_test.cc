@@ -13,8 +13,8 @@ namespace kerf::contact {
 namespace {
 
 using Eigen::Vector3d;
+using linear::VertexField;
 using mesh::kVertexLanes;
-using mesh::VertexField;
 
 Vector3d at(const std::array<mesh::VertexLanes::Lanes, 3>& field, std::size_t l) {
   return {field[0][l], field[1][l], field[2][l]};

@@ -96,7 +96,7 @@ TEST(CutShell, IsCutAsItIsSeen) {
   sheet.rest.resize(2, 0);
   mesh::TriangleMesh mesh = test::must(mesh::import_mesh(sheet));
   const double area = area_of(mesh);
-  mesh::VertexField positions(mesh.num_vertices());
+  linear::VertexField positions(mesh.num_vertices());
   for (mesh::VertexId v = 0; v < mesh.num_vertices(); ++v) positions.col(v) = sheet.surface.col(v);
   View above;
   above.view(2, 3) = -5.0;

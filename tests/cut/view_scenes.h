@@ -64,7 +64,7 @@ inline Eigen::Vector2d pixel(const View& view, const Eigen::Vector3d& world) {
 // A sheet of 1 m x 1 m with its vertices where `place` puts them.
 struct Scene {
   mesh::TriangleMesh mesh;
-  mesh::VertexField positions;
+  linear::VertexField positions;
 };
 
 inline Scene scene(int side, const std::function<Eigen::Vector3d(const Eigen::Vector2d&)>& place) {

@@ -134,17 +134,17 @@ TEST(AngleBending, IsTheQuadraticFormOfSmallDeflections) {
     const AngleBendingElement angles(tested.mesh, orthotropic_cloth());
     const Model model(tested.mesh, orthotropic_cloth());
     if (angles.angles().folds.empty()) continue;
-    mesh::VertexField x = rest_state(tested.mesh).x;
-    const mesh::VertexField flat = x;
+    linear::VertexField x = rest_state(tested.mesh).x;
+    const linear::VertexField flat = x;
     SeededRandom random(8);
     constexpr double kSlope = 1e-5;  // -
     const double height = least_height(tested.mesh);
     for (Eigen::Index v = 0; v < x.cols(); ++v) x(2, v) = kSlope * height * random.uniform(-1.0, 1.0);
-    mesh::VertexField deflection = x;  // in the plane rows of slivers sum to zero only as far as rounding goes
+    linear::VertexField deflection = x;  // in the plane rows of slivers sum to zero only as far as rounding goes
     deflection.topRows<2>().setZero();
     const double expected = bending_energy(model.bending().rows(), deflection);
     EXPECT_NEAR(angles.energy(x), expected, 1e-5 * expected);
-    mesh::VertexField f = Eigen::Matrix3Xd::Zero(3, x.cols());
+    linear::VertexField f = Eigen::Matrix3Xd::Zero(3, x.cols());
     add_bending_forces(model.bending().rows(), deflection, f);
     EXPECT_LT((angles.forces(x) - f).row(2).norm(), 1e-5 * f.row(2).norm());
     // The stiffness of the flat sheet is that of deflections, and nothing else.
@@ -165,7 +165,7 @@ TEST(AngleBending, HasNothingAgainstStrainInThePlane) {
   for (const FoldedMesh& tested : folded_meshes()) {
     SCOPED_TRACE(tested.name);
     const AngleBendingElement angles(tested.mesh, orthotropic_cloth());
-    mesh::VertexField x = rest_state(tested.mesh).x;
+    linear::VertexField x = rest_state(tested.mesh).x;
     const Eigen::Vector2d centre = x.topRows<2>().rowwise().mean();
     const double size = std::min(0.1, least_height(tested.mesh));  // no triangle turns over
     for (Eigen::Index v = 0; v < x.cols(); ++v) {
@@ -187,7 +187,7 @@ TEST(AngleBending, IsNeverNegative) {
     SCOPED_TRACE(tested.name);
     const AngleBendingElement angles(tested.mesh, orthotropic_cloth());
     for (const double size : {0.01, 0.1, 1.0, 10.0}) {
-      const mesh::VertexField x = rest_state(tested.mesh).x + random_field(random, tested.mesh.num_vertices(), size);
+      const linear::VertexField x = rest_state(tested.mesh).x + random_field(random, tested.mesh.num_vertices(), size);
       EXPECT_GE(angles.energy(x), 0.0) << size;
       const Eigen::MatrixXd K = angles.stiffness(x, true);
       const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(0.5 * (K + K.transpose()), Eigen::EigenvaluesOnly);
@@ -201,7 +201,7 @@ TEST(AngleBending, OfARollIsThatOfTheQuadraticForm) {
   constexpr double kRadius = 0.2;
   const mesh::TriangleMesh mesh = jittered_square(41);
   const AngleBendingElement angles(mesh, isotropic(1.0e6, 0.3, 1.0e-3, 300.0));
-  mesh::VertexField x = rest_state(mesh).x;
+  linear::VertexField x = rest_state(mesh).x;
   for (Eigen::Index v = 0; v < x.cols(); ++v) {
     const double angle = x(0, v) / kRadius;
     x(0, v) = kRadius * std::sin(angle);
@@ -214,7 +214,7 @@ TEST(AngleBending, OfARollIsThatOfTheQuadraticForm) {
 TEST(AngleBending, TakesTheSlopesThatClampsHold) {
   const mesh::TriangleMesh mesh = jittered_square(9);
   Model model(mesh, orthotropic_cloth());
-  const mesh::VertexField rest = rest_state(mesh).x;
+  const linear::VertexField rest = rest_state(mesh).x;
   std::vector<Clamp> clamps;
   for (int v = 0; v < mesh.num_vertices(); ++v) {
     if (mesh.rest_position(v).x() == 0.0) clamps.push_back({v, Eigen::Matrix<double, 3, 2>::Identity()});
@@ -224,7 +224,7 @@ TEST(AngleBending, TakesTheSlopesThatClampsHold) {
   model.bend_by_angles(mesh);
   EXPECT_EQ(model.bending().energy(model.element_blocks(), rest), 0.0);
   // Tilted about the edge that is held, and moved along.
-  mesh::VertexField x = rest;
+  linear::VertexField x = rest;
   constexpr double kTilt = 1e-4;
   x.row(2) = kTilt * rest.row(0);
   x.colwise() += Eigen::Vector3d(0.3, 0.2, 0.1);
@@ -232,11 +232,11 @@ TEST(AngleBending, TakesTheSlopesThatClampsHold) {
   EXPECT_GT(expected, 0.0);
   EXPECT_NEAR(model.bending().energy(model.element_blocks(), x), expected, 1e-4 * expected);
   SeededRandom random(5);
-  const mesh::VertexField direction = random_field(random, x.cols(), 1.0);
+  const linear::VertexField direction = random_field(random, x.cols(), 1.0);
   x += 0.02 * random_field(random, x.cols(), 1.0);
-  mesh::VertexField f = Eigen::Matrix3Xd::Zero(3, x.cols());
-  mesh::VertexField scratch = f;
-  const mesh::VertexField at_rest = f;
+  linear::VertexField f = Eigen::Matrix3Xd::Zero(3, x.cols());
+  linear::VertexField scratch = f;
+  const linear::VertexField at_rest = f;
   model.bending().add_forces(model.element_blocks(), x, at_rest, {}, scratch, f);
   constexpr double kStep = 1e-6;
   const double slope = (model.bending().energy(model.element_blocks(), x + kStep * direction) -
@@ -268,24 +268,24 @@ TEST(AngleBending, HasTheDerivativesOfItsEnergyOnEveryMesh) {
       const AngleBending& angles = *model.bending().angles();
       const double size = 0.05 * least_height(mesh);
       const Eigen::Index n = mesh.num_vertices();
-      const mesh::VertexField x = rest_state(mesh).x + random_field(random, n, size);
-      const mesh::VertexField direction = random_field(random, n, 1.0);
-      const auto forces = [&](const mesh::VertexField& at) {
-        mesh::VertexField f = Eigen::Matrix3Xd::Zero(3, n);
+      const linear::VertexField x = rest_state(mesh).x + random_field(random, n, size);
+      const linear::VertexField direction = random_field(random, n, 1.0);
+      const auto forces = [&](const linear::VertexField& at) {
+        linear::VertexField f = Eigen::Matrix3Xd::Zero(3, n);
         angles.add_forces(at, f);
         return f;
       };
       const double step = 1e-3 * size;
-      const mesh::VertexField f = forces(x);
+      const linear::VertexField f = forces(x);
       const double slope = (angles.energy(x + step * direction) - angles.energy(x - step * direction)) / (2.0 * step);
       EXPECT_NEAR(-f.cwiseProduct(direction).sum(), slope, 1e-5 * f.cwiseProduct(direction).cwiseAbs().sum());
       TangentMatrix tangent;
       tangent.rebuild(model);
       tangent.blocks().set_zero();
       angles.add_stiffness(x, {}, false, tangent.blocks());
-      mesh::VertexField pull(n);
+      linear::VertexField pull(n);
       tangent.blocks().multiply(direction, pull);
-      const mesh::VertexField change = (forces(x - step * direction) - forces(x + step * direction)) / (2.0 * step);
+      const linear::VertexField change = (forces(x - step * direction) - forces(x + step * direction)) / (2.0 * step);
       EXPECT_LE((pull - change).norm(), 1e-5 * pull.norm());
     }
   }

@@ -30,7 +30,7 @@ JetVector minus(const JetVector& a, const JetVector& b) {
 
 // One hinge at x, with all that bounds its errors.
 struct Fold {
-  Fold(const AngleBending::Fold& fold, const mesh::VertexField& x, double moved) : vertex(fold.vertex) {
+  Fold(const AngleBending::Fold& fold, const linear::VertexField& x, double moved) : vertex(fold.vertex) {
     std::array<JetVector, 4> point;
     for (int i = 0; i < 12; ++i) {
       const long double value = x(i % 3, vertex[static_cast<std::size_t>(i / 3)]);
@@ -131,7 +131,7 @@ void for_blocks(const Fold& e, const Fold& f, const Add& add) {
 
 }  // namespace
 
-Reference angle_reference(const Model& model, const mesh::VertexField& x, double moved) {
+Reference angle_reference(const Model& model, const linear::VertexField& x, double moved) {
   const AngleBending& angles = *model.bending().angles();
   Reference sum(x.cols());
   std::vector<Fold> folds;

@@ -61,12 +61,12 @@ TEST(BendingEdges, ConstantMomentsAreInBalanceInside) {
     EXPECT_GT(model.bending().edges().num_entries(), 0U) << sheet.name;
     const std::vector<int> ring = rings_from_border(sheet.mesh);
     for (int form = 0; form < 3; ++form) {
-      mesh::VertexField x = rest_state(sheet.mesh).x;
+      linear::VertexField x = rest_state(sheet.mesh).x;
       for (Eigen::Index v = 0; v < x.cols(); ++v) {
         const Eigen::Vector3d terms(x(0, v) * x(0, v), x(1, v) * x(1, v), x(0, v) * x(1, v));
         x(2, v) = terms[form];
       }
-      mesh::VertexField f = Eigen::Matrix3Xd::Zero(3, x.cols());
+      linear::VertexField f = Eigen::Matrix3Xd::Zero(3, x.cols());
       add_bending_forces(model.bending().rows(), x, f);
       int num_inside = 0;
       double largest = 0.0;
@@ -131,24 +131,24 @@ TEST(BendingEdges, AreNotThereInsideWhereDiagonalsAreParallel) {
 TEST(BendingEdges, TakeTheSlopesThatClampsHold) {
   const mesh::TriangleMesh mesh = jittered_square(9);
   Model model(mesh, orthotropic_cloth());
-  mesh::VertexField x = rest_state(mesh).x;
+  linear::VertexField x = rest_state(mesh).x;
   std::vector<Clamp> clamps;
   for (int v = 0; v < mesh.num_vertices(); ++v) {
     if (mesh.rest_position(v).x() < 0.5) clamps.push_back({v, Eigen::Matrix<double, 3, 2>::Identity()});
   }
   model.set_clamps(mesh, clamps);
-  const auto energy = [&](const mesh::VertexField& at) {
+  const auto energy = [&](const linear::VertexField& at) {
     return bending_energy(model.bending().rows(), at) + clamp_energy(model.bending().clamp_forces(), at);
   };
-  const auto forces = [&](const mesh::VertexField& at) {
-    mesh::VertexField f = Eigen::Matrix3Xd::Zero(3, at.cols());
+  const auto forces = [&](const linear::VertexField& at) {
+    linear::VertexField f = Eigen::Matrix3Xd::Zero(3, at.cols());
     add_bending_forces(model.bending().rows(), at, f);
     add_clamp_forces(model.bending().clamp_forces(), f);
     return f;
   };
   SeededRandom random(5);
-  const mesh::VertexField direction = random_field(random, x.cols(), 1.0);
-  const mesh::VertexField bent = x + 0.1 * direction;
+  const linear::VertexField direction = random_field(random, x.cols(), 1.0);
+  const linear::VertexField bent = x + 0.1 * direction;
   const double scale = forces(bent).cwiseAbs().maxCoeff();
   EXPECT_LT(forces(x).cwiseAbs().maxCoeff(), 1e-11 * scale);
   EXPECT_LT(std::abs(energy(x)), 1e-11 * energy(bent));
@@ -163,9 +163,9 @@ TEST(BendingEdges, AroundAVertexOfThreeTrianglesAreSymmetric) {
       test::indexed({{0, 0}, {1, 0}, {0.4, 1}, {0.45, 0.35}}, {{0, 1, 3}, {1, 2, 3}, {2, 0, 3}});
   const Model model(mesh::import_mesh(sheet).value(), orthotropic_cloth());
   EXPECT_EQ(model.bending().edges().num_entries(), 3U);
-  mesh::VertexField x(4);
+  linear::VertexField x(4);
   x << 0, 1, 0.4, 0.45, 0, 0, 1, 0.35, 0, 0, 0, 0.1;
-  mesh::VertexField f = Eigen::Matrix3Xd::Zero(3, 4);
+  linear::VertexField f = Eigen::Matrix3Xd::Zero(3, 4);
   add_bending_forces(model.bending().rows(), x, f);
   EXPECT_LT(f.rowwise().sum().norm(), 1e-14 * f.norm());
   EXPECT_GT(bending_energy(model.bending().rows(), x), 0.0);

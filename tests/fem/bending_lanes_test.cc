@@ -49,7 +49,7 @@ void append(std::vector<double>& numbers, const PatchLanes& lanes, std::size_t l
 
 TEST(BendingLanes, GiveTheSameBitsOnEveryInstructionSetAndInEveryLane) {
   const Eigen::Matrix3d D = bending_law(orthotropic_cloth());
-  const std::vector<PatchGeometry> all = patches(kBlockLanes);
+  const std::vector<PatchGeometry> all = patches(linear::kBlockLanes);
   std::vector<double> expected;
   for (const PatchGeometry& patch : all) {
     PatchLanes alone;
@@ -111,7 +111,7 @@ TEST(PlaceInOrder, IsThatOfASortForAnyNumberOfKeysOnEveryInstructionSet) {
         keys[i] = static_cast<std::int32_t>(1000 * random.below(1000) + i);
       }
       std::vector<std::int32_t> places;
-      rank_ascending(keys, places);
+      linear::rank_ascending(keys, places);
       std::vector<std::int32_t> sorted(size, -1);
       for (std::size_t i = 0; i < size; ++i) sorted.at(static_cast<std::size_t>(places[i])) = keys[i];
       std::sort(keys.begin(), keys.end());

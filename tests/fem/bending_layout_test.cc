@@ -16,7 +16,7 @@ namespace {
 
 using Entries = std::map<std::pair<int, int>, double>;  // by row and column
 
-Entries entries_of(const RowStore<BendingEntry>& rows) {
+Entries entries_of(const linear::RowStore<BendingEntry>& rows) {
   Entries entries;
   for (int v = 0; v < rows.num_rows(); ++v) {
     for (const BendingEntry& entry : rows.row(v)) {
@@ -33,11 +33,11 @@ Entries entries_of(const BendingLayout<double>& layout, int num_vertices) {
     if (value == 0.0) return;
     EXPECT_TRUE(entries.insert({{row, column}, value}).second) << row << ' ' << column;
   };
-  const auto kLanesInBlock = static_cast<int>(kBlockLanes);
+  const auto kLanesInBlock = static_cast<int>(linear::kBlockLanes);
   for (int v = 0; v < num_vertices; v += kLanesInBlock) {
     const auto block = static_cast<std::size_t>(v / kLanesInBlock);
     for (std::size_t k = 0; k < layout.offsets(block).size(); ++k) {
-      for (std::size_t l = 0; l < kBlockLanes; ++l) {
+      for (std::size_t l = 0; l < linear::kBlockLanes; ++l) {
         const int row = v + static_cast<int>(l);
         add(row, row + layout.offsets(block)[k], layout.diagonals(block)[k].lane[l]);
       }
@@ -57,7 +57,7 @@ BendingLayout<double> layout_of(const Model& model) {
   BendingLayout<double> layout;
   const int n = model.bending().rows().num_rows();
   layout.resize(n);
-  for (std::size_t block = 0; block * kBlockLanes < static_cast<std::size_t>(n); ++block) {
+  for (std::size_t block = 0; block * linear::kBlockLanes < static_cast<std::size_t>(n); ++block) {
     layout.set_block(model.bending().rows(), block);
   }
   return layout;
@@ -78,12 +78,12 @@ TEST(BendingLayout, KeepsOfAGridWhatMostRowsHaveAsDiagonals) {
   const mesh::TriangleMesh mesh = square_grid(20);
   const Model model(mesh, *find_preset("demo"));
   const BendingLayout<double> layout = layout_of(model);
-  for (std::size_t block = 0; block * kBlockLanes < 400; ++block) {
+  for (std::size_t block = 0; block * linear::kBlockLanes < 400; ++block) {
     const std::span<const std::int32_t> offsets = layout.offsets(block);
     EXPECT_TRUE(std::is_sorted(offsets.begin(), offsets.end()));
     EXPECT_GE(offsets.size(), 11U);
     EXPECT_LE(offsets.size(), 18U);  // of two rings
-    for (const Lanes16<double>& diagonal : layout.diagonals(block)) {
+    for (const linear::Lanes16<double>& diagonal : layout.diagonals(block)) {
       const auto zeros = static_cast<std::size_t>(std::count(diagonal.lane.begin(), diagonal.lane.end(), 0.0));
       EXPECT_LE(zeros + BendingLayout<double>::kLeastInDiagonal, 16U);
     }
@@ -99,12 +99,12 @@ TEST(BendingLayout, FollowsTheMatrixAlone) {
   const auto follow = [&] {
     const int n = model.bending().rows().num_rows();
     layout.resize(n);
-    layout.set_block(model.bending().rows(), static_cast<std::size_t>(n - 1) / kBlockLanes);
+    layout.set_block(model.bending().rows(), static_cast<std::size_t>(n - 1) / linear::kBlockLanes);
     for (const mesh::VertexId v : model.changed_rows()) {
-      layout.set_block(model.bending().rows(), static_cast<std::size_t>(v) / kBlockLanes);
+      layout.set_block(model.bending().rows(), static_cast<std::size_t>(v) / linear::kBlockLanes);
     }
     const BendingLayout<double> fresh = layout_of(model);
-    for (std::size_t block = 0; block * kBlockLanes < static_cast<std::size_t>(n); ++block) {
+    for (std::size_t block = 0; block * linear::kBlockLanes < static_cast<std::size_t>(n); ++block) {
       EXPECT_TRUE(std::ranges::equal(layout.offsets(block), fresh.offsets(block))) << block;
     }
     EXPECT_EQ(entries_of(layout, n), entries_of(model.bending().rows()));

@@ -19,7 +19,7 @@ class ClusterPushOf : public testing::Test {
  protected:
   // x 4, of each vertex of a cluster.
   struct Values {
-    std::vector<Lanes16<T>> lanes;
+    std::vector<linear::Lanes16<T>> lanes;
     explicit Values(std::size_t vertices) : lanes(vertices / 4 + 1) {}
     T* data() { return lanes.front().lane.data(); }
     T& at(std::size_t i, std::size_t c) { return data()[4 * i + c]; }

@@ -74,28 +74,28 @@ class CovarianceRootOf : public testing::TestWithParam<int> {
 TEST_P(CovarianceRootOf, LdltIsThatOfTheFormulas) {
   const Eigen::MatrixXd M = covariance(system_.dense);
   for (const double p : {0.5, 1.0, 0.25}) {
-    CovarianceRoot root({EigenvalueNorm::kPower, p, 1});
-    root.resize(system_.A.num_rows(), LinearSolverKind::kEsCgm);
+    linear::CovarianceRoot root({linear::EigenvalueNorm::kPower, p, 1});
+    root.resize(system_.A.num_rows(), linear::LinearSolverKind::kEsCgm);
     const Eigen::MatrixXd expected = exact_root(M, [p](double d) { return std::pow(d, p); });
     EXPECT_LT(relative_difference(root.exact(system_.A), expected), 1e-8) << p;
   }
-  CovarianceRoot root({EigenvalueNorm::kLog, 0.5, 1});
-  root.resize(system_.A.num_rows(), LinearSolverKind::kEsCgm);
+  linear::CovarianceRoot root({linear::EigenvalueNorm::kLog, 0.5, 1});
+  root.resize(system_.A.num_rows(), linear::LinearSolverKind::kEsCgm);
   const Eigen::MatrixXd expected = exact_root(M, [](double d) { return std::log10(d); });
   EXPECT_LT(relative_difference(root.exact(system_.A), expected), 1e-8);
 }
 
 TEST_P(CovarianceRootOf, ThePowerOneGivesTheCovarianceBack) {
   scale(system_, 1e4);  // beside which the 1e-6 added to D is nothing
-  CovarianceRoot root({EigenvalueNorm::kPower, 1.0, 1});
-  root.resize(system_.A.num_rows(), LinearSolverKind::kEsCgm);
+  linear::CovarianceRoot root({linear::EigenvalueNorm::kPower, 1.0, 1});
+  root.resize(system_.A.num_rows(), linear::LinearSolverKind::kEsCgm);
   EXPECT_LT(relative_difference(root.exact(system_.A), covariance(system_.dense)), 1e-10);
 }
 
 TEST_P(CovarianceRootOf, NewtonSchulzIsThatOfTheFormulas) {
   for (const int iterations : {1, 3}) {
-    CovarianceRoot root({EigenvalueNorm::kPower, 0.5, iterations});
-    root.resize(system_.A.num_rows(), LinearSolverKind::kAsCgm);
+    linear::CovarianceRoot root({linear::EigenvalueNorm::kPower, 0.5, iterations});
+    root.resize(system_.A.num_rows(), linear::LinearSolverKind::kAsCgm);
     const Eigen::MatrixXd expected = newton_schulz(covariance(system_.dense), iterations);
     EXPECT_LT(relative_difference(root.approximate(system_.A), expected), 1e-9) << iterations;
   }
@@ -112,48 +112,48 @@ TEST(CovarianceRoot, NewtonSchulzConvergesForSmallCovariance) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(M);
   const Eigen::VectorXd roots = eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt();
   const Eigen::MatrixXd expected = eigen.eigenvectors() * roots.asDiagonal() * eigen.eigenvectors().transpose();
-  CovarianceRoot root({EigenvalueNorm::kPower, 0.5, 40});
-  root.resize(system.A.num_rows(), LinearSolverKind::kAsCgm);
+  linear::CovarianceRoot root({linear::EigenvalueNorm::kPower, 0.5, 40});
+  root.resize(system.A.num_rows(), linear::LinearSolverKind::kAsCgm);
   EXPECT_LT(relative_difference(root.approximate(system.A), expected), 1e-6);
 }
 
 TEST(CovarianceRoot, NewtonSchulzDivergesAsStatedAndEndsEarly) {
   const System system = random_system(6, 1e4, 5);
-  CovarianceRoot root({EigenvalueNorm::kPower, 0.5, 1'000'000});
-  root.resize(system.A.num_rows(), LinearSolverKind::kAsCgm);
+  linear::CovarianceRoot root({linear::EigenvalueNorm::kPower, 0.5, 1'000'000});
+  root.resize(system.A.num_rows(), linear::LinearSolverKind::kAsCgm);
   EXPECT_FALSE(root.approximate(system.A).allFinite());
 }
 
 TEST(CovarianceRoot, TheLargestSheetIsAcceptedAndNoLarger) {
-  CovarianceRoot root({});
-  root.resize(kMaxCovarianceVertices, LinearSolverKind::kEsCgm);
-  EXPECT_DEATH(root.resize(kMaxCovarianceVertices + 1, LinearSolverKind::kEsCgm), "dense");
+  linear::CovarianceRoot root({});
+  root.resize(linear::kMaxCovarianceVertices, linear::LinearSolverKind::kEsCgm);
+  EXPECT_DEATH(root.resize(linear::kMaxCovarianceVertices + 1, linear::LinearSolverKind::kEsCgm), "dense");
 }
 
-class CovarianceRootSolvers : public testing::TestWithParam<LinearSolverKind> {
+class CovarianceRootSolvers : public testing::TestWithParam<linear::LinearSolverKind> {
  protected:
-  std::unique_ptr<LinearSolver> solver_ = make_linear_solver(GetParam(), 100000);
+  std::unique_ptr<linear::LinearSolver> solver_ = linear::make_linear_solver(GetParam(), 100000);
 };
 
 TEST_P(CovarianceRootSolvers, SolveTheOtherSystemAndReportTheResidualOfTheTrueOne) {
   System system = random_system(5, 1.0, 31);
   scale(system, 0.5 / std::sqrt(covariance(system.dense).norm()));  // that Newton-Schulz does not diverge
   const Eigen::MatrixXd M = covariance(system.dense);
-  const Eigen::MatrixXd other = GetParam() == LinearSolverKind::kEsCgm
+  const Eigen::MatrixXd other = GetParam() == linear::LinearSolverKind::kEsCgm
                                     ? exact_root(M, [](double d) { return std::sqrt(d); })
-                                    : newton_schulz(M, CovarianceRootOptions{}.newton_schulz_iterations);
+                                    : newton_schulz(M, linear::CovarianceRootOptions{}.newton_schulz_iterations);
   // A right-hand side that the system has a solution for: centred, the covariance is singular, and only ES-CGM adds to
   // it.
   SeededRandom random(2);
-  mesh::VertexField b = random_field(random, system.A.num_rows(), 1.0);
+  linear::VertexField b = random_field(random, system.A.num_rows(), 1.0);
   b.reshaped() = Eigen::VectorXd(other * b.reshaped());
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition;
   decomposition.setThreshold(1e-10);
   decomposition.compute(other);
   const Eigen::VectorXd expected = decomposition.solve(Eigen::VectorXd(b.reshaped()));
-  mesh::VertexField x = Eigen::Matrix3Xd::Zero(3, b.cols());
+  linear::VertexField x = Eigen::Matrix3Xd::Zero(3, b.cols());
   solver_->analyse(system.A);
-  const LinearStats stats = solver_->solve(system.A, b, 1e-12, x);
+  const linear::LinearStats stats = solver_->solve(system.A, b, 1e-12, x);
   EXPECT_LT((x.reshaped() - expected).norm(), 1e-4 * expected.norm());
   const double residual = (b.reshaped() - system.dense * x.reshaped()).norm() / b.norm();
   EXPECT_NEAR(stats.residual, residual, 1e-10 * residual);
@@ -165,10 +165,10 @@ TEST_P(CovarianceRootSolvers, LeaveTheGuessWhereTheMatrixIsNotFinite) {
   System system = random_system(4, 1.0, 31);
   scale(system, 1e200);
   SeededRandom random(2);
-  const mesh::VertexField b = random_field(random, system.A.num_rows(), 1.0);
-  mesh::VertexField x = Eigen::Matrix3Xd::Zero(3, b.cols());
+  const linear::VertexField b = random_field(random, system.A.num_rows(), 1.0);
+  linear::VertexField x = Eigen::Matrix3Xd::Zero(3, b.cols());
   solver_->analyse(system.A);
-  const LinearStats stats = solver_->solve(system.A, b, 1e-6, x);
+  const linear::LinearStats stats = solver_->solve(system.A, b, 1e-6, x);
   EXPECT_FALSE(stats.converged);
   EXPECT_EQ(x.norm(), 0.0);
   EXPECT_EQ(stats.residual, 1.0);
@@ -178,8 +178,8 @@ TEST_P(CovarianceRootSolvers, DoNotAllocateOnceTheyHaveSeenThePattern) {
   if (!test::counts_allocations()) GTEST_SKIP() << "the sanitizer has its own malloc";
   const System system = random_system(12, 1.0, 31);
   SeededRandom random(2);
-  const mesh::VertexField b = random_field(random, system.A.num_rows(), 1.0);
-  mesh::VertexField x = Eigen::Matrix3Xd::Zero(3, b.cols());
+  const linear::VertexField b = random_field(random, system.A.num_rows(), 1.0);
+  linear::VertexField x = Eigen::Matrix3Xd::Zero(3, b.cols());
   solver_->analyse(system.A);
   const std::size_t before = test::num_allocations();
   solver_->solve(system.A, b, 1e-6, x);
@@ -187,9 +187,9 @@ TEST_P(CovarianceRootSolvers, DoNotAllocateOnceTheyHaveSeenThePattern) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, CovarianceRootSolvers,
-                         testing::Values(LinearSolverKind::kEsCgm, LinearSolverKind::kAsCgm),
-                         [](const testing::TestParamInfo<LinearSolverKind>& tested) {
-                           return tested.param == LinearSolverKind::kEsCgm ? "EsCgm" : "AsCgm";
+                         testing::Values(linear::LinearSolverKind::kEsCgm, linear::LinearSolverKind::kAsCgm),
+                         [](const testing::TestParamInfo<linear::LinearSolverKind>& tested) {
+                           return tested.param == linear::LinearSolverKind::kEsCgm ? "EsCgm" : "AsCgm";
                          });
 
 }  // namespace

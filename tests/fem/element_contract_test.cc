@@ -29,7 +29,7 @@ constexpr double kRounding = 0x1p-53;
 struct TestedElement {
   const char* name;
   std::function<std::unique_ptr<Element>(const mesh::TriangleMesh& mesh)> make;
-  Reference (*reference)(const Model& model, const mesh::VertexField& x, double moved);
+  Reference (*reference)(const Model& model, const linear::VertexField& x, double moved);
 };
 void PrintTo(const TestedElement& tested, std::ostream* out) {
   *out << tested.name;
@@ -120,7 +120,7 @@ Eigen::VectorXd least_heights(const mesh::TriangleMesh& mesh) {
 
 struct Shape {
   const char* name;
-  mesh::VertexField x;
+  linear::VertexField x;
   bool keeps_areas = true;  // no triangle and no edge has less than kLeastArea of its size
 };
 
@@ -134,14 +134,14 @@ class ElementContractOnMeshes : public testing::TestWithParam<std::tuple<TestedE
   static bool bends_by_angles(const Element& element) { return element.model.bending().angles() != nullptr; }
 
   // Returns the rest positions, displaced by up to `share` of the least height at each vertex.
-  mesh::VertexField jittered(double share) {
+  linear::VertexField jittered(double share) {
     return rest_ + random_field(random_, rest_.cols(), share) * heights_.asDiagonal();
   }
-  mesh::VertexField turned(const mesh::VertexField& x) {
+  linear::VertexField turned(const linear::VertexField& x) {
     return (random_rotation(random_) * x).colwise() + random_vector(random_, 2.0);
   }
   // Folds the left `share` of the width over the rest.
-  static mesh::VertexField folded(mesh::VertexField x, double share) {
+  static linear::VertexField folded(linear::VertexField x, double share) {
     const double least = x.row(0).minCoeff();
     const double edge = least + share * (x.row(0).maxCoeff() - least);
     x.row(0) = (x.row(0).array() - edge).abs();
@@ -155,12 +155,12 @@ class ElementContractOnMeshes : public testing::TestWithParam<std::tuple<TestedE
       return turned(Eigen::Vector3d(x, y, 1.0).asDiagonal() * jittered(kSmall));
     };
     const auto sheared = [&] {
-      mesh::VertexField x = jittered(kSmall);
+      linear::VertexField x = jittered(kSmall);
       x.row(0) += 3.0 * x.row(1);
       return turned(x);
     };
     const auto inverted = [&] {
-      mesh::VertexField x = jittered(kSmall);
+      linear::VertexField x = jittered(kSmall);
       x.col(0).head<2>() = 2.0 * rest_.rowwise().mean().head<2>() - x.col(0).head<2>();
       return turned(x);
     };
@@ -183,8 +183,8 @@ class ElementContractOnMeshes : public testing::TestWithParam<std::tuple<TestedE
   // Some triangles at least are a line or a point, to rounding.
   std::vector<Shape> collapsed_shapes() {
     const Eigen::Index n = rest_.cols();
-    const mesh::VertexField line = Eigen::Vector3d(1.0, 2.0, -0.5) * rest_.row(0);
-    mesh::VertexField coincident = rest_;
+    const linear::VertexField line = Eigen::Vector3d(1.0, 2.0, -0.5) * rest_.row(0);
+    linear::VertexField coincident = rest_;
     coincident.col(1) = coincident.col(0);
     return {
         {"a point", Eigen::Matrix3Xd::Zero(3, n)},
@@ -200,10 +200,10 @@ class ElementContractOnMeshes : public testing::TestWithParam<std::tuple<TestedE
   }
 
   // Energy, forces and stiffness at x.
-  void expect_derivatives(const Element& element, const mesh::VertexField& x) {
+  void expect_derivatives(const Element& element, const linear::VertexField& x) {
     const Reference reference = tested().reference(element.model, x, 0.0);
     EXPECT_NEAR(element.energy(x), static_cast<double>(reference.energy), kRoundings * reference.energy_noise);
-    const mesh::VertexField f = element.forces(x);
+    const linear::VertexField f = element.forces(x);
     const Eigen::MatrixXd K = element.stiffness(x, false);
     for (Eigen::Index i = 0; i < x.cols(); ++i) {
       EXPECT_LE(f.col(i).norm(), reference.force_bound[i]) << i;
@@ -220,7 +220,7 @@ class ElementContractOnMeshes : public testing::TestWithParam<std::tuple<TestedE
     }
   }
   // No resultant and no torque; noise: N, length V.
-  static void expect_balance(const mesh::VertexField& f, const mesh::VertexField& x, const Eigen::VectorXd& noise) {
+  static void expect_balance(const linear::VertexField& f, const linear::VertexField& x, const Eigen::VectorXd& noise) {
     const Eigen::Vector3d centre = x.rowwise().mean();
     Eigen::Vector3d torque = Eigen::Vector3d::Zero();
     double torque_noise = 0.0;
@@ -233,7 +233,7 @@ class ElementContractOnMeshes : public testing::TestWithParam<std::tuple<TestedE
     EXPECT_LE(torque.norm(), kRoundings * torque_noise);
   }
 
-  mesh::VertexField rest_;
+  linear::VertexField rest_;
   Eigen::VectorXd heights_;
   SeededRandom random_{7};
 };
@@ -264,11 +264,11 @@ TEST_P(ElementContractOnMeshes, CollapsedTrianglesStayFiniteAndBounded) {
 TEST_P(ElementContractOnMeshes, ExertsNoForceAtRestAnywhere) {
   const std::unique_ptr<Element> element = tested().make(mesh());
   for (int trial = 0; trial < 3; ++trial) {
-    const mesh::VertexField x = trial == 0 ? rest_ : turned(rest_);
+    const linear::VertexField x = trial == 0 ? rest_ : turned(rest_);
     const double moved = 4.0 * kRounding * x.cwiseAbs().maxCoeff();
     const Reference reference = tested().reference(element->model, x, moved);
     EXPECT_LE(std::abs(element->energy(x)), kRoundings * reference.energy_noise);
-    const mesh::VertexField f = element->forces(x);
+    const linear::VertexField f = element->forces(x);
     for (Eigen::Index i = 0; i < x.cols(); ++i) {
       EXPECT_LE(f.col(i).norm(), kRoundings * reference.force_noise[i]) << i;
     }
@@ -280,11 +280,11 @@ TEST_P(ElementContractOnMeshes, RigidMotionTurnsForcesAndKeepsEnergy) {
   for (const Shape& shape : shapes()) {
     SCOPED_TRACE(shape.name);
     const Eigen::Matrix3d R = random_rotation(random_);
-    const mesh::VertexField moved = (R * shape.x).colwise() + Eigen::Vector3d(1.0, 2.0, 3.0);
+    const linear::VertexField moved = (R * shape.x).colwise() + Eigen::Vector3d(1.0, 2.0, 3.0);
     const double rounded = 4.0 * kRounding * (shape.x.cwiseAbs().maxCoeff() + moved.cwiseAbs().maxCoeff());
     const Reference reference = tested().reference(element->model, shape.x, rounded);
     EXPECT_LE(std::abs(element->energy(moved) - element->energy(shape.x)), kRoundings * reference.energy_noise);
-    const mesh::VertexField off = element->forces(moved) - R * element->forces(shape.x);
+    const linear::VertexField off = element->forces(moved) - R * element->forces(shape.x);
     for (Eigen::Index i = 0; i < off.cols(); ++i) {
       if (!reference.is_smooth[static_cast<std::size_t>(i)]) continue;
       EXPECT_LE(off.col(i).norm(), kRoundings * reference.force_noise[i]) << i;

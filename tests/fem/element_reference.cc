@@ -26,7 +26,7 @@ JetVector cross(const JetVector& a, const JetVector& b) {
 
 // One triangle of a model at x.
 struct Triangle {
-  Triangle(const ElementBlock& block, std::size_t lane, const MaterialTable& materials, const mesh::VertexField& x,
+  Triangle(const ElementBlock& block, std::size_t lane, const MaterialTable& materials, const linear::VertexField& x,
            double moved)
       : C(materials.of(block, lane).membrane),
         area(block.area[lane]),
@@ -151,7 +151,7 @@ void add_derivatives(const Triangle& triangle, const OfGradient& density, Refere
 
 // E = 1/2 sum Q_ab x_a.x_b of one term of bending, the positions seen from the first vertex.
 template <typename Entry>
-void add_bending_term(std::span<const mesh::VertexId> vertices, const mesh::VertexField& x, double moved,
+void add_bending_term(std::span<const mesh::VertexId> vertices, const linear::VertexField& x, double moved,
                       const Entry& entry, Reference& sum) {
   const Vector3 origin = x.col(vertices[0]).cast<long double>();
   const auto seen = [&](mesh::VertexId v) { return Vector3(x.col(v).cast<long double>() - origin); };
@@ -187,7 +187,7 @@ Reference::Reference(Eigen::Index num_vertices)
       force_bound(Eigen::VectorXd::Zero(num_vertices)),
       is_smooth(static_cast<std::size_t>(num_vertices), true) {}
 
-Reference membrane_reference(const Model& model, const mesh::VertexField& x, double moved) {
+Reference membrane_reference(const Model& model, const linear::VertexField& x, double moved) {
   const MembraneLaw law = model.materials().membrane_law();
   Reference sum(x.cols());
   for (const ElementBlock& block : model.element_blocks()) {
@@ -213,7 +213,7 @@ Reference membrane_reference(const Model& model, const mesh::VertexField& x, dou
   return sum;
 }
 
-Reference bending_reference(const Model& model, const mesh::VertexField& x, double moved) {
+Reference bending_reference(const Model& model, const linear::VertexField& x, double moved) {
   Reference sum(x.cols());
   const BendingTerms terms = model.bending().terms(model.element_blocks());
   for (std::size_t slot = 0; slot < terms.patches.size(); ++slot) {
@@ -230,7 +230,7 @@ Reference bending_reference(const Model& model, const mesh::VertexField& x, doub
 }
 
 double stiffness_terms(const ElementBlock& block, std::size_t lane, const MaterialTable& materials,
-                       const mesh::VertexField& x) {
+                       const linear::VertexField& x) {
   const Triangle triangle(block, lane, materials, x, 0.0);
   const auto F = static_cast<double>(triangle.F.norm());
   const double unit = triangle.area * triangle.size * triangle.size * triangle.C.norm();

@@ -50,14 +50,14 @@ struct Reference {
 };
 
 // x (3 x V, m), known to within `moved` (m).
-Reference membrane_reference(const Model& model, const mesh::VertexField& x, double moved);
-Reference bending_reference(const Model& model, const mesh::VertexField& x, double moved);
+Reference membrane_reference(const Model& model, const linear::VertexField& x, double moved);
+Reference bending_reference(const Model& model, const linear::VertexField& x, double moved);
 // Returns the reference of a model that bends by angles, without clamps.
-Reference angle_reference(const Model& model, const mesh::VertexField& x, double moved);
+Reference angle_reference(const Model& model, const linear::VertexField& x, double moved);
 
 // N/m, of the terms that the stiffness of one triangle is summed of: A G^2 |C| (1 + |e| / s), without s where it is not
 // resolved or the law is that of Green's strain. They cancel each other on a sliver that is folded nearly to a line.
 double stiffness_terms(const ElementBlock& block, std::size_t lane, const MaterialTable& materials,
-                       const mesh::VertexField& x);
+                       const linear::VertexField& x);
 
 }  // namespace kerf::fem

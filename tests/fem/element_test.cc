@@ -46,7 +46,7 @@ class ElementContract : public testing::Test {
   ElementContract() : mesh_(jittered_square(kSide)), element_(mesh_), rest_(rest_state(mesh_).x) {}
 
   // Rotated, moved, and every vertex displaced by up to `size` (m); edges are 0.25 m.
-  mesh::VertexField deformed(double size) {
+  linear::VertexField deformed(double size) {
     const Eigen::Matrix3d R = random_rotation(random_);
     return (R * (rest_ + random_field(random_, rest_.cols(), size))).colwise() + random_vector(random_, 2.0);
   }
@@ -55,7 +55,7 @@ class ElementContract : public testing::Test {
 
   mesh::TriangleMesh mesh_;
   Tested element_;
-  mesh::VertexField rest_;
+  linear::VertexField rest_;
   SeededRandom random_{7};
 };
 
@@ -67,24 +67,24 @@ TYPED_TEST_SUITE(ElementContract, Elements);
 TYPED_TEST(ElementContract, ExertsNoForceAtRestAnywhere) {
   const double scale = this->force_scale();
   const Eigen::Matrix3d R = random_rotation(this->random_);
-  const mesh::VertexField moved = (R * this->rest_).colwise() + Eigen::Vector3d(3.0, -2.0, 1.0);
+  const linear::VertexField moved = (R * this->rest_).colwise() + Eigen::Vector3d(3.0, -2.0, 1.0);
   EXPECT_LT(this->element_.forces(this->rest_).cwiseAbs().maxCoeff(), 1e-13 * scale);
   EXPECT_LT(this->element_.forces(moved).cwiseAbs().maxCoeff(), 1e-12 * scale);
   EXPECT_NEAR(this->element_.energy(moved), 0.0, 1e-13 * scale);
 }
 
 TYPED_TEST(ElementContract, RigidMotionTurnsForcesAndKeepsEnergy) {
-  const mesh::VertexField x = this->deformed(0.05);
+  const linear::VertexField x = this->deformed(0.05);
   const Eigen::Matrix3d R = random_rotation(this->random_);
-  const mesh::VertexField moved = (R * x).colwise() + Eigen::Vector3d(1.0, 2.0, 3.0);
-  const mesh::VertexField f = this->element_.forces(x);
+  const linear::VertexField moved = (R * x).colwise() + Eigen::Vector3d(1.0, 2.0, 3.0);
+  const linear::VertexField f = this->element_.forces(x);
   EXPECT_NEAR(this->element_.energy(moved), this->element_.energy(x), 1e-11 * this->element_.energy(x));
   EXPECT_THAT(this->element_.forces(moved), test::MatrixNear(R * f, 1e-11 * f.cwiseAbs().maxCoeff()));
 }
 
 TYPED_TEST(ElementContract, ForceIsMinusTheGradientOfTheEnergy) {
-  mesh::VertexField x = this->deformed(0.05);
-  const mesh::VertexField f = this->element_.forces(x);
+  linear::VertexField x = this->deformed(0.05);
+  const linear::VertexField f = this->element_.forces(x);
   constexpr double kStep = 1e-5;  // m
   double worst = 0.0;
   for (Eigen::Index i = 0; i < x.size(); ++i) {
@@ -104,20 +104,20 @@ TYPED_TEST(ElementContract, ForceIsMinusTheGradientOfTheEnergy) {
 }
 
 TYPED_TEST(ElementContract, StiffnessIsMinusTheGradientOfTheForce) {
-  mesh::VertexField x = this->deformed(0.05);
+  linear::VertexField x = this->deformed(0.05);
   const Eigen::MatrixXd K = this->element_.stiffness(x, false);
   constexpr double kStep = 1e-5;  // m
   double worst = 0.0;
   for (Eigen::Index i = 0; i < x.size(); ++i) {
     const double keep = x.data()[i];
-    std::array<mesh::VertexField, 4> f;
+    std::array<linear::VertexField, 4> f;
     const std::array<double, 4> offsets{-2.0, -1.0, 1.0, 2.0};
     for (std::size_t k = 0; k < 4; ++k) {
       x.data()[i] = keep + offsets[k] * kStep;
       f[k] = this->element_.forces(x);
     }
     x.data()[i] = keep;
-    const mesh::VertexField slope = (f[0] - 8.0 * f[1] + 8.0 * f[2] - f[3]) / (12.0 * kStep);
+    const linear::VertexField slope = (f[0] - 8.0 * f[1] + 8.0 * f[2] - f[3]) / (12.0 * kStep);
     worst = std::max(worst, (slope.reshaped() + K.col(i)).cwiseAbs().maxCoeff());
   }
   EXPECT_LT(worst, 1e-7 * K.cwiseAbs().maxCoeff());
@@ -125,7 +125,7 @@ TYPED_TEST(ElementContract, StiffnessIsMinusTheGradientOfTheForce) {
 
 TYPED_TEST(ElementContract, StiffnessIsSymmetricAndItsProjectionPositiveSemidefinite) {
   for (const double size : {0.0, 0.02, 0.1, 0.5}) {
-    const mesh::VertexField x = this->deformed(size);
+    const linear::VertexField x = this->deformed(size);
     const Eigen::MatrixXd K = this->element_.stiffness(x, true);
     const double scale = K.cwiseAbs().maxCoeff();
     EXPECT_THAT(K, test::MatrixNear(K.transpose(), 1e-13 * scale)) << size;
@@ -136,8 +136,8 @@ TYPED_TEST(ElementContract, StiffnessIsSymmetricAndItsProjectionPositiveSemidefi
 }
 
 TYPED_TEST(ElementContract, ForcesHaveNoResultantAndNoTorque) {
-  const mesh::VertexField x = this->deformed(0.1);
-  const mesh::VertexField f = this->element_.forces(x);
+  const linear::VertexField x = this->deformed(0.1);
+  const linear::VertexField f = this->element_.forces(x);
   Eigen::Vector3d torque = Eigen::Vector3d::Zero();
   for (Eigen::Index i = 0; i < x.cols(); ++i) torque += x.col(i).cross(f.col(i));
   const double scale = f.cwiseAbs().sum();
@@ -147,7 +147,7 @@ TYPED_TEST(ElementContract, ForcesHaveNoResultantAndNoTorque) {
 
 TYPED_TEST(ElementContract, StaysFiniteHoweverTheSheetIsCollapsed) {
   const Eigen::Index n = this->rest_.cols();
-  std::vector<mesh::VertexField> shapes;
+  std::vector<linear::VertexField> shapes;
   shapes.push_back(Eigen::Matrix3Xd::Zero(3, n));                                                 // a point
   shapes.push_back(Eigen::Matrix3Xd::Constant(3, n, 7.25));                                       // another
   shapes.push_back(Eigen::Vector3d(1.0, 2.0, -0.5) * this->rest_.row(0));                         // a line
@@ -167,8 +167,8 @@ TEST(MembraneElement, PullsACollapsedLineBackAlongItself) {
   const mesh::TriangleMesh mesh = square_grid(2);
   const Membrane<Isotropic> membrane(mesh);
   // Everything on the x axis, stretched to twice its length: ends are pulled inwards as in a stretched strip.
-  const mesh::VertexField x = Eigen::Vector3d(2.0, 0.0, 0.0).asDiagonal() * rest_state(mesh).x;
-  const mesh::VertexField f = membrane.forces(x);
+  const linear::VertexField x = Eigen::Vector3d(2.0, 0.0, 0.0).asDiagonal() * rest_state(mesh).x;
+  const linear::VertexField f = membrane.forces(x);
   EXPECT_GT(f(0, 0) + f(0, 2), 100.0);  // vertices 0 and 2 lie at x = 0
   EXPECT_LT(f(0, 1) + f(0, 3), -100.0);
 }
@@ -176,7 +176,7 @@ TEST(MembraneElement, PullsACollapsedLineBackAlongItself) {
 TEST(MembraneElement, MirroredTriangleIsUnstrained) {
   const mesh::TriangleMesh mesh = jittered_square(4);
   const Membrane<Orthotropic> membrane(mesh);
-  const mesh::VertexField x = Eigen::Vector3d(-1.0, 1.0, 1.0).asDiagonal() * rest_state(mesh).x;
+  const linear::VertexField x = Eigen::Vector3d(-1.0, 1.0, 1.0).asDiagonal() * rest_state(mesh).x;
   EXPECT_LT(membrane.energy(x), 1e-20);
 }
 
@@ -188,10 +188,10 @@ TEST(MembraneElement, UniaxialStretchGivesTheEngineeringConstants) {
   const Model model(mesh, material);
   constexpr double kStrain = 0.3;
   const Eigen::Vector3d stretch(1.0 + kStrain, 1.0 - material.poissons_ratio_12 * kStrain, 1.0);
-  const mesh::VertexField x = stretch.asDiagonal() * rest_state(mesh).x;
+  const linear::VertexField x = stretch.asDiagonal() * rest_state(mesh).x;
   const double energy = membrane_energy(model.element_blocks(), model.materials(), x);
   EXPECT_NEAR(energy, 0.5 * material.youngs_modulus_1 * material.thickness * kStrain * kStrain, 1e-9);
-  mesh::VertexField f(x.cols());
+  linear::VertexField f(x.cols());
   model.internal_forces(x, f);
   double pull = 0.0;
   for (int j = 0; j < 3; ++j) pull += f(0, 3 * j);
@@ -208,11 +208,11 @@ void expect_shear_modulus(Material material, double direction, double expected) 
   const Model model(mesh, material);
   for (const double e : {1e-4, 0.1}) {
     const Eigen::Matrix3d F{{1.0, e, 0.0}, {e, 1.0, 0.0}, {0.0, 0.0, 1.0}};
-    const mesh::VertexField x = F * rest_state(mesh).x;
+    const linear::VertexField x = F * rest_state(mesh).x;
     const double shear_force = expected * material.thickness * 2.0 * e;  // N, on each side of 1 m
     const double energy = membrane_energy(model.element_blocks(), model.materials(), x);
     EXPECT_NEAR(energy, 0.5 * shear_force * 2.0 * e, 1e-9 * shear_force * e);
-    mesh::VertexField f(x.cols());
+    linear::VertexField f(x.cols());
     model.internal_forces(x, f);
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
     for (int i = 0; i < mesh.num_vertices(); ++i) {
@@ -248,22 +248,22 @@ TEST(MembraneDamping, NeverAddsEnergyAndIgnoresRigidMotion) {
                                     Model(mesh, orthotropic_cloth(), MembraneLaw::kGreen)};
   const std::array<double, 1> beta{1e-2};
   SeededRandom random(3);
-  const mesh::VertexField zero = Eigen::Matrix3Xd::Zero(3, mesh.num_vertices());
+  const linear::VertexField zero = Eigen::Matrix3Xd::Zero(3, mesh.num_vertices());
   for (std::size_t trial = 0; trial < 40; ++trial) {
     const Model& model = models[trial % 2];
-    const mesh::VertexField x = rest_state(mesh).x + random_field(random, zero.cols(), 0.1);
-    const mesh::VertexField v = random_field(random, zero.cols(), 1.0);
-    const auto damping = [&](const mesh::VertexField& velocity) {
-      mesh::VertexField f = zero;
-      mesh::VertexField elastic = zero;
+    const linear::VertexField x = rest_state(mesh).x + random_field(random, zero.cols(), 0.1);
+    const linear::VertexField v = random_field(random, zero.cols(), 1.0);
+    const auto damping = [&](const linear::VertexField& velocity) {
+      linear::VertexField f = zero;
+      linear::VertexField elastic = zero;
       add_membrane_forces(model.element_blocks(), model.materials(), beta, x, velocity, f);
       add_membrane_forces(model.element_blocks(), model.materials(), {}, x, velocity, elastic);
-      return mesh::VertexField(f - elastic);
+      return linear::VertexField(f - elastic);
     };
-    const mesh::VertexField f = damping(v);
+    const linear::VertexField f = damping(v);
     EXPECT_LT(f.cwiseProduct(v).sum(), 0.0);
     const Eigen::Vector3d omega = random_vector(random, 1.0);
-    mesh::VertexField rigid(x.cols());
+    linear::VertexField rigid(x.cols());
     for (Eigen::Index i = 0; i < x.cols(); ++i) rigid.col(i) = omega.cross(x.col(i)) + Eigen::Vector3d(1.0, 2.0, 3.0);
     EXPECT_LT(damping(rigid).cwiseAbs().maxCoeff(), 1e-12 * f.cwiseAbs().maxCoeff());
   }
@@ -278,7 +278,7 @@ TEST(BendingElement, CylinderHasThePlateEnergyInEveryDirection) {
     const mesh::TriangleMesh mesh = jittered ? jittered_square(40) : square_grid(40);
     const Model model(mesh, material);
     for (const double angle : {0.0, 0.5235987755982988, 0.7853981633974483}) {
-      mesh::VertexField x(mesh.num_vertices());
+      linear::VertexField x(mesh.num_vertices());
       for (int i = 0; i < mesh.num_vertices(); ++i) {
         const Eigen::Vector2d X = mesh.rest_position(i);
         const double across = X.x() * std::cos(angle) + X.y() * std::sin(angle);

@@ -23,10 +23,10 @@ class Element {
   Element(Element&&) = delete;
   Element& operator=(Element&&) = delete;
 
-  [[nodiscard]] virtual double energy(const mesh::VertexField& x) const = 0;             // J
-  [[nodiscard]] virtual mesh::VertexField forces(const mesh::VertexField& x) const = 0;  // 3 x V, N
+  [[nodiscard]] virtual double energy(const linear::VertexField& x) const = 0;               // J
+  [[nodiscard]] virtual linear::VertexField forces(const linear::VertexField& x) const = 0;  // 3 x V, N
   // 3V x 3V, N/m; where `project`, changed to be positive semidefinite.
-  [[nodiscard]] virtual Eigen::MatrixXd stiffness(const mesh::VertexField& x, bool project) const = 0;
+  [[nodiscard]] virtual Eigen::MatrixXd stiffness(const linear::VertexField& x, bool project) const = 0;
 
   Model model;
 };
@@ -35,15 +35,15 @@ class MembraneElement : public Element {
  public:
   using Element::Element;
 
-  [[nodiscard]] double energy(const mesh::VertexField& x) const override {
+  [[nodiscard]] double energy(const linear::VertexField& x) const override {
     return membrane_energy(model.element_blocks(), model.materials(), x);
   }
-  [[nodiscard]] mesh::VertexField forces(const mesh::VertexField& x) const override {
-    mesh::VertexField f = Eigen::Matrix3Xd::Zero(3, x.cols());
+  [[nodiscard]] linear::VertexField forces(const linear::VertexField& x) const override {
+    linear::VertexField f = Eigen::Matrix3Xd::Zero(3, x.cols());
     add_membrane_forces(model.element_blocks(), model.materials(), {}, x, x, f);
     return f;
   }
-  [[nodiscard]] Eigen::MatrixXd stiffness(const mesh::VertexField& x, bool project) const override {
+  [[nodiscard]] Eigen::MatrixXd stiffness(const linear::VertexField& x, bool project) const override {
     Eigen::MatrixXd K = Eigen::MatrixXd::Zero(3 * x.cols(), 3 * x.cols());
     for_triangles(x, project, [&](const ElementBlock& block, std::size_t lane, const ElementMatrix& element) {
       for (std::size_t i = 0; i < 3; ++i) {
@@ -57,7 +57,7 @@ class MembraneElement : public Element {
   }
   // visit(block, lane, K) of every triangle with material.
   template <typename Visit>
-  void for_triangles(const mesh::VertexField& x, bool project, const Visit& visit) const {
+  void for_triangles(const linear::VertexField& x, bool project, const Visit& visit) const {
     LaneFrames frames;
     ElementMatrix element;
     for (const ElementBlock& block : model.element_blocks()) {
@@ -77,15 +77,15 @@ class BendingElement : public Element {
   BendingElement(const mesh::TriangleMesh& mesh, const Material& material)
       : Element(mesh, material, MembraneLaw::kCorotational) {}
 
-  [[nodiscard]] double energy(const mesh::VertexField& x) const override {
+  [[nodiscard]] double energy(const linear::VertexField& x) const override {
     return bending_energy(model.bending().rows(), x);
   }
-  [[nodiscard]] mesh::VertexField forces(const mesh::VertexField& x) const override {
-    mesh::VertexField f = Eigen::Matrix3Xd::Zero(3, x.cols());
+  [[nodiscard]] linear::VertexField forces(const linear::VertexField& x) const override {
+    linear::VertexField f = Eigen::Matrix3Xd::Zero(3, x.cols());
     add_bending_forces(model.bending().rows(), x, f);
     return f;
   }
-  [[nodiscard]] Eigen::MatrixXd stiffness(const mesh::VertexField& x, bool /*project*/) const override {
+  [[nodiscard]] Eigen::MatrixXd stiffness(const linear::VertexField& x, bool /*project*/) const override {
     Eigen::MatrixXd K = Eigen::MatrixXd::Zero(3 * x.cols(), 3 * x.cols());
     for (int i = 0; i < model.bending().rows().num_rows(); ++i) {
       for (const BendingEntry& entry : model.bending().rows().row(i)) {
@@ -103,16 +103,16 @@ class AngleBendingElement : public Element {
     model.bend_by_angles(mesh);
   }
 
-  [[nodiscard]] double energy(const mesh::VertexField& x) const override { return angles().energy(x); }
-  [[nodiscard]] mesh::VertexField forces(const mesh::VertexField& x) const override {
-    mesh::VertexField f = Eigen::Matrix3Xd::Zero(3, x.cols());
+  [[nodiscard]] double energy(const linear::VertexField& x) const override { return angles().energy(x); }
+  [[nodiscard]] linear::VertexField forces(const linear::VertexField& x) const override {
+    linear::VertexField f = Eigen::Matrix3Xd::Zero(3, x.cols());
     angles().add_forces(x, f);
     return f;
   }
-  [[nodiscard]] Eigen::MatrixXd stiffness(const mesh::VertexField& x, bool project) const override {
+  [[nodiscard]] Eigen::MatrixXd stiffness(const linear::VertexField& x, bool project) const override {
     TangentMatrix tangent;
     tangent.rebuild(model);
-    BlockMatrix& blocks = tangent.blocks();
+    linear::BlockMatrix& blocks = tangent.blocks();
     blocks.set_zero();
     angles().add_stiffness(x, {}, project, blocks);
     Eigen::MatrixXd K = Eigen::MatrixXd::Zero(3 * x.cols(), 3 * x.cols());

@@ -25,7 +25,7 @@ struct Cantilever {
 
   mesh::TriangleMesh mesh;
   Model model;
-  mesh::VertexField x;
+  linear::VertexField x;
   Loads loads;
 };
 
@@ -83,10 +83,10 @@ TEST(Equilibrium, MovesUnderALoadThatRoundingOfTheForcesHides) {
   constexpr double kForce = 1e-9;  // N; rounding leaves some 3e-9
   Cantilever strip(20);
   strip.loads.gravity.setZero();
-  strip.loads.external_forces = mesh::VertexField::Zero(3, strip.x.cols());
+  strip.loads.external_forces = linear::VertexField::Zero(3, strip.x.cols());
   for (const int j : {0, 1, 2, 3})
     strip.loads.external_forces(0, 21 * j + 20) = kForce / (j == 0 || j == 3 ? 6.0 : 3.0);
-  const mesh::VertexField start = strip.x;
+  const linear::VertexField start = strip.x;
   EquilibriumSolver solver({});
   solver.rebuild(strip.model);
   const EquilibriumStats stats = solver.solve(strip.model, strip.loads, {}, strip.x);

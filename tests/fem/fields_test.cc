@@ -20,7 +20,7 @@ using Eigen::Vector3d;
 TEST(Reactions, HoldTheWeightOfAHangingSheetAndNothingElse) {
   const mesh::TriangleMesh mesh = square_grid(7);
   const Model model(mesh, isotropic(1.0e5, 0.3, 1.0e-3, 300.0));
-  mesh::VertexField x = rest_state(mesh).x;
+  linear::VertexField x = rest_state(mesh).x;
   Loads loads;
   loads.pressure.assign(static_cast<std::size_t>(mesh.num_triangle_slots()), 0.5);
   for (int i = 0; i < 7; ++i) loads.pins.push_back({42 + i, x.col(42 + i), Vector3d::Zero()});
@@ -28,7 +28,7 @@ TEST(Reactions, HoldTheWeightOfAHangingSheetAndNothingElse) {
   EquilibriumSolver solver({});
   solver.rebuild(model);
   ASSERT_TRUE(solver.solve(model, loads, nullptr, x).converged);
-  mesh::VertexField reactions;
+  linear::VertexField reactions;
   find_reactions(model, loads, x, reactions);
   const Vector3d push = [&] {
     Vector3d sum = Vector3d::Zero();
@@ -45,8 +45,8 @@ TEST(Reactions, HoldTheWeightOfAHangingSheetAndNothingElse) {
   EXPECT_EQ(reactions(1, 0), 0.0);
   EXPECT_EQ(reactions(2, 0), 0.0);
   // At rest, and with pins that do not accelerate, both are the same.
-  mesh::VertexField moving;
-  const mesh::VertexField still = Matrix3Xd::Zero(3, x.cols());
+  linear::VertexField moving;
+  const linear::VertexField still = Matrix3Xd::Zero(3, x.cols());
   find_reactions(model, loads, State{x, still}, still, moving);
   EXPECT_THAT(moving, test::MatrixNear(reactions, 1e-12));
 }
@@ -58,12 +58,12 @@ TEST(Reactions, AccelerateWhatTheyHoldAgainstDampingAndWind) {
   const Model model(mesh, material);
   State state = rest_state(mesh);
   state.v.row(2).setConstant(2.0);
-  mesh::VertexField acceleration = Matrix3Xd::Zero(3, state.x.cols());
+  linear::VertexField acceleration = Matrix3Xd::Zero(3, state.x.cols());
   acceleration.row(0).setConstant(5.0);
   Loads loads;
   for (int v = 0; v < mesh.num_vertices(); ++v) loads.pins.push_back({v, state.x.col(v), state.v.col(v)});
   loads.wind.air_density = 1.2;
-  mesh::VertexField reactions;
+  linear::VertexField reactions;
   find_reactions(model, loads, state, acceleration, reactions);
   // 0.3 kg: inertia, weight, mass damping; and drag 1/2 rho A c v^2 on 1 m^2.
   const double drag = 0.5 * 1.2 * loads.wind.normal_drag * 4.0;
@@ -84,7 +84,7 @@ TEST(Reactions, ArePulledByGrabsThatStretchAndMove) {
                          {0.0, 3.0, 0.0},
                          10.0,
                          0.5});
-  mesh::VertexField reactions;
+  linear::VertexField reactions;
   find_reactions(model, loads, state.x, reactions);
   EXPECT_LT((reactions.col(4) - Vector3d(0.0, 0.0, -2.0)).norm(), 1e-12);
   find_reactions(model, loads, state, state.v, reactions);
@@ -92,8 +92,8 @@ TEST(Reactions, ArePulledByGrabsThatStretchAndMove) {
 }
 
 // x = Q F X with F in the plane.
-mesh::VertexField mapped(const mesh::TriangleMesh& mesh, const Matrix2d& F, const Eigen::Matrix3d& Q) {
-  mesh::VertexField x = Matrix3Xd::Zero(3, mesh.num_vertices());
+linear::VertexField mapped(const mesh::TriangleMesh& mesh, const Matrix2d& F, const Eigen::Matrix3d& Q) {
+  linear::VertexField x = Matrix3Xd::Zero(3, mesh.num_vertices());
   for (int v = 0; v < mesh.num_vertices(); ++v) x.col(v).head<2>() = F * mesh.rest_position(v);
   return Q * x;
 }
@@ -107,7 +107,7 @@ TEST(TriangleField, IsThatOfAHomogeneousStretchInEitherAxesHoweverTheSheetIsTurn
       {0.07, 0.90},
   };
   SeededRandom random(2);
-  const mesh::VertexField x = mapped(mesh, U, random_rotation(random));
+  const linear::VertexField x = mapped(mesh, U, random_rotation(random));
   const double c = std::cos(0.4);
   const double s = std::sin(0.4);
   const Matrix2d to_material{
@@ -146,11 +146,11 @@ TEST(TriangleField, CauchyStressIsWhatReactionsTransmit) {
       {1.20, 0.07},
       {0.07, 0.90},
   };
-  const mesh::VertexField x = mapped(mesh, F, Eigen::Matrix3d::Identity());
+  const linear::VertexField x = mapped(mesh, F, Eigen::Matrix3d::Identity());
   Loads loads;
   loads.gravity.setZero();
   for (int v = 0; v < mesh.num_vertices(); ++v) loads.pins.push_back({v, x.col(v), Vector3d::Zero()});
-  mesh::VertexField reactions;
+  linear::VertexField reactions;
   find_reactions(model, loads, x, reactions);
   Vector2d force = Vector2d::Zero();  // on the right half of the sheet: what crosses its middle
   for (int v = 0; v < mesh.num_vertices(); ++v) {
@@ -172,7 +172,7 @@ double worst_recovery(int n, Recovery recovery) {
   constexpr double kBend = 1e-6;  // 1/m
   const mesh::TriangleMesh mesh = square_grid(n);
   const Model model(mesh, isotropic(1.0e6, 0.3, 1.0e-3, 300.0));
-  mesh::VertexField x = Matrix3Xd::Zero(3, mesh.num_vertices());
+  linear::VertexField x = Matrix3Xd::Zero(3, mesh.num_vertices());
   for (int v = 0; v < mesh.num_vertices(); ++v) {
     const Vector2d X = mesh.rest_position(v);
     x.col(v).head<2>() = X + kBend * Vector2d(X.x() * X.y(), -0.5 * X.x() * X.x() - 0.15 * X.y() * X.y());
@@ -220,7 +220,7 @@ TEST(VertexField, KeepsTheTwoSidesOfACutApart) {
   const auto num_above = std::count(is_above.begin(), is_above.end(), true);
   EXPECT_GT(num_above, 15);
   EXPECT_GT(mesh.num_vertices() - num_above, 15);
-  mesh::VertexField x = Matrix3Xd::Zero(3, mesh.num_vertices());
+  linear::VertexField x = Matrix3Xd::Zero(3, mesh.num_vertices());
   for (int v = 0; v < mesh.num_vertices(); ++v) {
     const double stretch = is_above[static_cast<std::size_t>(v)] ? 1.1 : 0.9;
     x.col(v) << stretch * mesh.rest_position(v).x(), mesh.rest_position(v).y(), 0.0;

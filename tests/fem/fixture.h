@@ -59,26 +59,26 @@ inline Eigen::Vector3d random_vector(SeededRandom& random, double size) {
   return {a, b, c};
 }
 
-inline mesh::VertexField random_field(SeededRandom& random, Eigen::Index n, double size) {
-  mesh::VertexField field(n);
+inline linear::VertexField random_field(SeededRandom& random, Eigen::Index n, double size) {
+  linear::VertexField field(n);
   for (Eigen::Index i = 0; i < n; ++i) field.col(i) = random_vector(random, size);
   return field;
 }
 
 // Returns the largest eigenvalue of M^-1 K at `rest`, by power iteration on differences of forces, 1/s^2.
-inline double largest_eigenvalue(const Model& model, const mesh::VertexField& rest, int iterations) {
+inline double largest_eigenvalue(const Model& model, const linear::VertexField& rest, int iterations) {
   const Eigen::Index n = rest.cols();
   SeededRandom random(31);
-  mesh::VertexField p = random_field(random, n, 1.0);
-  mesh::VertexField up(n);
-  mesh::VertexField down(n);
+  linear::VertexField p = random_field(random, n, 1.0);
+  linear::VertexField up(n);
+  linear::VertexField down(n);
   double largest = 0.0;
   for (int i = 0; i < iterations; ++i) {
     p /= p.norm();
     constexpr double kStep = 1e-7;
     model.internal_forces(rest + kStep * p, up);
     model.internal_forces(rest - kStep * p, down);
-    mesh::VertexField Kp = (down - up) / (2.0 * kStep);
+    linear::VertexField Kp = (down - up) / (2.0 * kStep);
     double mass = 0.0;
     for (Eigen::Index k = 0; k < n; ++k) mass += model.mass()[static_cast<std::size_t>(k)] * p.col(k).squaredNorm();
     largest = Kp.cwiseProduct(p).sum() / mass;

@@ -14,34 +14,34 @@ using Eigen::Matrix3Xd;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 
-mesh::VertexField forces(const Model& model, const Loads& loads, const mesh::VertexField& x) {
-  mesh::VertexField f = Matrix3Xd::Zero(3, x.cols());
+linear::VertexField forces(const Model& model, const Loads& loads, const linear::VertexField& x) {
+  linear::VertexField f = Matrix3Xd::Zero(3, x.cols());
   add_follower_forces(model.element_blocks(), loads, x, f);
   return f;
 }
 
 // -df/dx by central differences.
-MatrixXd numeric_stiffness(const Model& model, const Loads& loads, const mesh::VertexField& x) {
+MatrixXd numeric_stiffness(const Model& model, const Loads& loads, const linear::VertexField& x) {
   constexpr double kStep = 1e-6;
   MatrixXd K(x.size(), x.size());
   for (Eigen::Index i = 0; i < x.size(); ++i) {
-    mesh::VertexField up = x;
-    mesh::VertexField down = x;
+    linear::VertexField up = x;
+    linear::VertexField down = x;
     up.data()[i] += kStep;
     down.data()[i] -= kStep;
-    const mesh::VertexField change = (forces(model, loads, down) - forces(model, loads, up)) / (2.0 * kStep);
+    const linear::VertexField change = (forces(model, loads, down) - forces(model, loads, up)) / (2.0 * kStep);
     K.col(i) = Eigen::Map<const Eigen::VectorXd>(change.data(), change.size());
   }
   return K;
 }
 
-MatrixXd assembled_stiffness(const Model& model, const Loads& loads, const mesh::VertexField& x, MatrixPart part) {
+MatrixXd assembled_stiffness(const Model& model, const Loads& loads, const linear::VertexField& x, MatrixPart part) {
   TangentMatrix matrix;
   matrix.rebuild(model);
   matrix.blocks().set_zero();
   matrix.add_follower_loads(model, loads, x, 1.0, part);
   MatrixXd K = MatrixXd::Zero(x.size(), x.size());
-  const BlockMatrix& blocks = matrix.blocks();
+  const linear::BlockMatrix& blocks = matrix.blocks();
   for (int i = 0; i < blocks.num_rows(); ++i) {
     for (int at = blocks.row_begin(i); at < blocks.row_end(i); ++at) {
       K.block<3, 3>(3 * i, 3 * blocks.column(at)) = blocks.block(at);
@@ -50,7 +50,7 @@ MatrixXd assembled_stiffness(const Model& model, const Loads& loads, const mesh:
   return K;
 }
 
-void expect_parts(const Model& model, const Loads& loads, const mesh::VertexField& x, const MatrixXd& K) {
+void expect_parts(const Model& model, const Loads& loads, const linear::VertexField& x, const MatrixXd& K) {
   const MatrixXd symmetric = assembled_stiffness(model, loads, x, MatrixPart::kSymmetric);
   const MatrixXd skew = assembled_stiffness(model, loads, x, MatrixPart::kSkew);
   EXPECT_LT((symmetric + skew - K).norm(), 1e-6 * K.norm());
@@ -58,11 +58,11 @@ void expect_parts(const Model& model, const Loads& loads, const mesh::VertexFiel
   EXPECT_LT((skew + skew.transpose()).norm(), 1e-14 * K.norm());
 }
 
-Vector3d resultant(const mesh::VertexField& f) {
+Vector3d resultant(const linear::VertexField& f) {
   return f.rowwise().sum();
 }
 
-Vector3d torque(const mesh::VertexField& x, const mesh::VertexField& f) {
+Vector3d torque(const linear::VertexField& x, const linear::VertexField& f) {
   Vector3d sum = Vector3d::Zero();
   for (Eigen::Index i = 0; i < x.cols(); ++i) sum += x.col(i).cross(f.col(i));
   return sum;
@@ -85,7 +85,7 @@ std::vector<EdgeMoment> moments_at_right(const Model& model, const mesh::Triangl
 }
 
 // A field that is bent and stretched by about `size`.
-mesh::VertexField bent(const mesh::TriangleMesh& mesh, double size, std::uint64_t seed) {
+linear::VertexField bent(const mesh::TriangleMesh& mesh, double size, std::uint64_t seed) {
   SeededRandom random(seed);
   return random_rotation(random) * rest_state(mesh).x + random_field(random, mesh.num_vertices(), size);
 }
@@ -95,12 +95,12 @@ TEST(Pressure, OnADomeHasTheForceAndTheMomentOfTheDiscBelowIt) {
   const Model model(mesh, orthotropic_cloth());
   Loads loads;
   loads.pressure.assign(static_cast<std::size_t>(mesh.num_triangle_slots()), 70.0);
-  mesh::VertexField x = rest_state(mesh).x;
+  linear::VertexField x = rest_state(mesh).x;
   SeededRandom random(3);
   for (int v = 0; v < mesh.num_vertices(); ++v) {
     if (!is_on_border(mesh, v)) x.col(v) += random_vector(random, 0.03) + Vector3d(0.0, 0.0, 0.4);
   }
-  const mesh::VertexField f = forces(model, loads, x);
+  const linear::VertexField f = forces(model, loads, x);
   EXPECT_LT((resultant(f) - Vector3d(0.0, 0.0, 70.0)).norm(), 1e-12);
   EXPECT_LT((torque(x, f) - Vector3d(0.5, 0.5, 0.0).cross(Vector3d(0.0, 0.0, 70.0))).norm(), 1e-12);
   EXPECT_LT((follower_resultant(model.element_blocks(), loads, x) - resultant(f)).norm(), 1e-12);
@@ -112,7 +112,7 @@ TEST(Pressure, ActsOnTheSlotsItIsGivenForAlone) {
   Loads loads;
   loads.pressure.assign(static_cast<std::size_t>(mesh.num_triangle_slots()), 0.0);
   loads.pressure[3] = 6.0;
-  const mesh::VertexField f = forces(model, loads, rest_state(mesh).x);
+  const linear::VertexField f = forces(model, loads, rest_state(mesh).x);
   for (int v = 0; v < mesh.num_vertices(); ++v) {
     const std::array<mesh::VertexId, 3> corners = mesh.vertices(3);
     const bool touches = std::find(corners.begin(), corners.end(), v) != corners.end();
@@ -123,7 +123,7 @@ TEST(Pressure, ActsOnTheSlotsItIsGivenForAlone) {
 TEST(Pressure, TangentIsTheDerivativeWhoseSkewPartIsOnTheBorder) {
   const mesh::TriangleMesh mesh = jittered_square(5);
   const Model model(mesh, orthotropic_cloth());
-  const mesh::VertexField x = bent(mesh, 0.05, 7);
+  const linear::VertexField x = bent(mesh, 0.05, 7);
   Loads loads;
   for (const bool is_even : {false, true}) {
     SeededRandom random(11);
@@ -149,14 +149,14 @@ TEST(Pressure, TangentIsTheDerivativeWhoseSkewPartIsOnTheBorder) {
 }
 
 // By Simpson's rule on many parts of the way.
-double integrated_work(const Model& model, const Loads& loads, const mesh::VertexField& from,
-                       const mesh::VertexField& to) {
+double integrated_work(const Model& model, const Loads& loads, const linear::VertexField& from,
+                       const linear::VertexField& to) {
   constexpr int kParts = 200;
-  const mesh::VertexField way = to - from;
+  const linear::VertexField way = to - from;
   double sum = 0.0;
   for (int i = 0; i <= 2 * kParts; ++i) {
     const double share = i == 0 || i == 2 * kParts ? 1.0 : i % 2 == 1 ? 4.0 : 2.0;
-    const mesh::VertexField x = from + (0.5 * i / kParts) * way;
+    const linear::VertexField x = from + (0.5 * i / kParts) * way;
     sum += share * forces(model, loads, x).cwiseProduct(way).sum();
   }
   return sum / (6.0 * kParts);
@@ -165,8 +165,8 @@ double integrated_work(const Model& model, const Loads& loads, const mesh::Verte
 TEST(FollowerWork, IsTheIntegralOfTheForcesAlongTheWay) {
   const mesh::TriangleMesh mesh = jittered_square(4);
   const Model model(mesh, orthotropic_cloth());
-  const mesh::VertexField from = rest_state(mesh).x;
-  const mesh::VertexField to = bent(mesh, 0.1, 5);
+  const linear::VertexField from = rest_state(mesh).x;
+  const linear::VertexField to = bent(mesh, 0.1, 5);
   Loads loads;
   SeededRandom random(13);
   for (int t = 0; t < mesh.num_triangle_slots(); ++t) loads.pressure.push_back(random.uniform(-50.0, 50.0));
@@ -175,7 +175,7 @@ TEST(FollowerWork, IsTheIntegralOfTheForcesAlongTheWay) {
   loads.pressure.clear();
   loads.edge_moments = moments_at_right(model, mesh, 2.0);
   ASSERT_EQ(loads.edge_moments.size(), 3U);
-  mesh::VertexField rolled = from;
+  linear::VertexField rolled = from;
   for (Eigen::Index v = 0; v < rolled.cols(); ++v) {
     const double angle = 1.2 * from(0, v);
     rolled.col(v) << std::sin(angle) / 1.2, from(1, v), (1.0 - std::cos(angle)) / 1.2;
@@ -195,8 +195,8 @@ TEST(EdgeMoment, HasNoForceAndItsMomentAboutTheEdgeHoweverTheSheetLies) {
     for (const EdgeMoment& moment : moments_at_right(model, mesh, 3.0)) {
       Loads loads;
       loads.edge_moments = {moment};
-      const mesh::VertexField x = bent(mesh, 0.02, 17);
-      const mesh::VertexField f = forces(model, loads, x);
+      const linear::VertexField x = bent(mesh, 0.02, 17);
+      const linear::VertexField f = forces(model, loads, x);
       const Vector3d edge = x.col(moment.vertex[(moment.edge + 2) % 3]) - x.col(moment.vertex[(moment.edge + 1) % 3]);
       EXPECT_LT(resultant(f).norm(), 1e-12);
       EXPECT_NEAR(torque(x, f).dot(edge.normalized()), -moment.moment, 1e-12);
@@ -212,7 +212,7 @@ TEST(EdgeMoment, TangentIsTheDerivative) {
   const Model model(mesh, orthotropic_cloth());
   Loads loads;
   loads.edge_moments = moments_at_right(model, mesh, 3.0);
-  const mesh::VertexField x = bent(mesh, 0.02, 19);
+  const linear::VertexField x = bent(mesh, 0.02, 19);
   const MatrixXd K = numeric_stiffness(model, loads, x);
   expect_parts(model, loads, x, K);
 }
@@ -223,7 +223,7 @@ TEST(EdgeMoment, StaysFiniteWhereTheSheetHasCollapsed) {
   Loads loads;
   loads.edge_moments = moments_at_right(model, mesh, 3.0);
   loads.pressure.assign(static_cast<std::size_t>(mesh.num_triangle_slots()), 5.0);
-  const mesh::VertexField x = Matrix3Xd::Zero(3, mesh.num_vertices());
+  const linear::VertexField x = Matrix3Xd::Zero(3, mesh.num_vertices());
   EXPECT_TRUE(forces(model, loads, x).allFinite());
   EXPECT_TRUE(assembled_stiffness(model, loads, x, MatrixPart::kSymmetric).allFinite());
   EXPECT_TRUE(std::isfinite(follower_work(model.element_blocks(), loads, x, rest_state(mesh).x)));
@@ -268,7 +268,7 @@ struct Strip {
 
   mesh::TriangleMesh mesh;
   Model model;
-  mesh::VertexField x;
+  linear::VertexField x;
   Loads loads;
 };
 
@@ -290,7 +290,7 @@ TEST(Pressure, InflatesAStripToTheArcOfTheClosedForm) {
     for (int i = 0; i < 100; ++i) phi -= (phi - std::sin(phi) - share) / (1.0 - std::cos(phi));
     const double sag = 0.5 * std::tan(0.5 * phi);
     const double tension = std::abs(pressure) / (2.0 * std::sin(phi));
-    mesh::VertexField f(strip.x.cols());
+    linear::VertexField f(strip.x.cols());
     strip.model.internal_forces(strip.x, f);
     add_follower_forces(strip.model.element_blocks(), strip.loads, strip.x, f);
     const double pull = (f(0, 0) + f(0, 41)) / 0.05;

@@ -110,7 +110,7 @@ double worst_frequency(int cells, double direction) {
   const Model model(mesh, material);
   Loads loads;
   loads.gravity.setZero();
-  const mesh::VertexField x = rest_state(mesh).x;
+  const linear::VertexField x = rest_state(mesh).x;
   for (int v = 0; v < mesh.num_vertices(); ++v) {
     const int i = v % (cells + 1);
     const int j = v / (cells + 1);
@@ -150,7 +150,7 @@ double relative_sag(const Material& material, int breadths_long, double D) {
   loads.gravity.setZero();
   loads.external_forces = Eigen::Matrix3Xd::Zero(3, mesh.num_vertices());
   std::vector<Clamp> clamps;
-  mesh::VertexField x = rest_state(mesh).x;
+  linear::VertexField x = rest_state(mesh).x;
   for (int j = 0; j <= across; ++j) {
     const int held = j * (along + 1);
     loads.pins.push_back({held, x.col(held), Eigen::Vector3d::Zero()});

@@ -24,8 +24,8 @@ Eigen::Matrix3d uniaxial(double lambda, const Material& material) {
   return Eigen::Vector3d(lambda, across, 1.0).asDiagonal();
 }
 
-mesh::VertexField forces_at(const Model& model, const mesh::VertexField& x) {
-  mesh::VertexField f(x.cols());
+linear::VertexField forces_at(const Model& model, const linear::VertexField& x) {
+  linear::VertexField f(x.cols());
   model.internal_forces(x, f);
   return f;
 }
@@ -37,11 +37,11 @@ TEST(GreenMembrane, IsTheCorotationalOneForSmallStrains) {
   SeededRandom random(5);
   const Eigen::Matrix3d R = random_rotation(random);
   // In the plane: out of it displacements strain the sheet by their squares alone.
-  mesh::VertexField field = random_field(random, mesh.num_vertices(), 1.0);
+  linear::VertexField field = random_field(random, mesh.num_vertices(), 1.0);
   field.row(2).setZero();
   for (const double size : {1e-3, 1e-4}) {
-    const mesh::VertexField x = R * (rest_state(mesh).x + size * field);
-    const mesh::VertexField expected = forces_at(corotational, x);
+    const linear::VertexField x = R * (rest_state(mesh).x + size * field);
+    const linear::VertexField expected = forces_at(corotational, x);
     const double scale = expected.cwiseAbs().maxCoeff();
     EXPECT_THAT(forces_at(green, x), test::MatrixNear(expected, 30.0 * size * scale));  // edges are 0.25 m
     EXPECT_GT((forces_at(green, x) - expected).cwiseAbs().maxCoeff(), 0.1 * size * scale);
@@ -56,8 +56,8 @@ TEST(GreenMembrane, UniaxialStretchPullsAsTheFormulaSays) {
   const mesh::TriangleMesh mesh = square_grid(3);
   const Model model(mesh, material, kGreen);
   for (const double lambda : {0.4, 0.58, 0.9, 1.01, 1.05, 1.2, 2.0}) {
-    const mesh::VertexField x = uniaxial(lambda, material) * rest_state(mesh).x;
-    const mesh::VertexField f = forces_at(model, x);
+    const linear::VertexField x = uniaxial(lambda, material) * rest_state(mesh).x;
+    const linear::VertexField f = forces_at(model, x);
     const double linear = material.youngs_modulus_1 * material.thickness * (lambda - 1.0);  // the co-rotational one
     const double pull = f(0, 0) + f(0, 3) + f(0, 6);
     std::printf("stretched to %.2f: %.4f times the co-rotational pull\n", lambda, pull / linear);
@@ -73,7 +73,7 @@ TEST(GreenMembrane, ResistsShorteningLessAndLessBelowPointFiveEight) {
   const mesh::TriangleMesh mesh = square_grid(3);
   const Model model(mesh, material, kGreen);
   const auto push = [&](double lambda) {
-    const mesh::VertexField f = forces_at(model, uniaxial(lambda, material) * rest_state(mesh).x);
+    const linear::VertexField f = forces_at(model, uniaxial(lambda, material) * rest_state(mesh).x);
     return -(f(0, 0) + f(0, 3) + f(0, 6));
   };
   const double softest = 1.0 / std::numbers::sqrt3;
@@ -86,7 +86,7 @@ TEST(GreenStretch, IsWhatAUniformStretchMakesOfTheStiffness) {
   const Material material = isotropic(1.0e6, 0.0, 1.0e-3, 300.0);
   const mesh::TriangleMesh mesh = jittered_square(5);
   const Model model(mesh, material, kGreen);
-  const auto stiffening = [&](const mesh::VertexField& x) {
+  const auto stiffening = [&](const linear::VertexField& x) {
     return green_stretch(model.element_blocks(), model.materials(), x).stiffening;
   };
   EXPECT_NEAR(stiffening(rest_state(mesh).x), 1.0, 1e-12);
@@ -105,7 +105,7 @@ TEST(GreenStretch, BoundsTheStiffnessOfAnyShape) {
       const Model model(mesh, material, kGreen);
       for (int trial = 0; trial < 8; ++trial) {
         const Eigen::Matrix3d F = Eigen::Matrix3d::Identity() + 0.5 * random_field(random, 3, 1.0);
-        const mesh::VertexField x = F * rest_state(mesh).x + random_field(random, mesh.num_vertices(), 0.01);
+        const linear::VertexField x = F * rest_state(mesh).x + random_field(random, mesh.num_vertices(), 0.01);
         const double bound =
             model.stiffness_bound().value() * green_stretch(model.element_blocks(), model.materials(), x).stiffening;
         const double largest = largest_eigenvalue(model, x, 100);
@@ -125,7 +125,7 @@ TEST(GreenFields, StressesAreThoseThatThePullMakes) {
   constexpr double kStretch = 1.3;
   const Eigen::Matrix3d F = uniaxial(kStretch, material);
   SeededRandom random(3);
-  const mesh::VertexField x = random_rotation(random) * F * rest_state(mesh).x;
+  const linear::VertexField x = random_rotation(random) * F * rest_state(mesh).x;
   const double pull = material.youngs_modulus_1 * 0.5 * (kStretch * kStretch - 1.0) * kStretch;  // Pa at rest
   const auto expect_everywhere = [&](MembraneField field, const Eigen::Vector3d& expected, double tolerance) {
     const std::vector<Eigen::Vector3d> values = triangle_field(model, x, field, FieldAxes::kMaterial);

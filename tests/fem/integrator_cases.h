@@ -18,7 +18,7 @@ inline void PrintTo(const IntegratorCase& tested, std::ostream* out) {
   *out << tested.name;
 }
 
-inline IntegratorCase integrator_case(std::string name, IntegratorKind kind, LinearSolverKind solver) {
+inline IntegratorCase integrator_case(std::string name, IntegratorKind kind, linear::LinearSolverKind solver) {
   IntegratorCase result{std::move(name), {}};
   result.options.kind = kind;
   result.options.precision = Precision::kDouble;
@@ -27,29 +27,30 @@ inline IntegratorCase integrator_case(std::string name, IntegratorKind kind, Lin
 }
 
 inline IntegratorCase mixed_case() {
-  IntegratorCase result = integrator_case("ExplicitMixed", IntegratorKind::kExplicit, LinearSolverKind::kBlockJacobiCg);
+  IntegratorCase result =
+      integrator_case("ExplicitMixed", IntegratorKind::kExplicit, linear::LinearSolverKind::kBlockJacobiCg);
   result.options.precision = Precision::kMixed;
   return result;
 }
 
 inline std::vector<IntegratorCase> all_integrators() {
   return {
-      integrator_case("Explicit", IntegratorKind::kExplicit, LinearSolverKind::kBlockJacobiCg),
+      integrator_case("Explicit", IntegratorKind::kExplicit, linear::LinearSolverKind::kBlockJacobiCg),
       mixed_case(),
-      integrator_case("ImplicitEulerCg", IntegratorKind::kImplicitEuler, LinearSolverKind::kBlockJacobiCg),
-      integrator_case("ImplicitEulerPlainCg", IntegratorKind::kImplicitEuler, LinearSolverKind::kPlainCg),
-      integrator_case("ImplicitEulerJacobiCg", IntegratorKind::kImplicitEuler, LinearSolverKind::kJacobiCg),
-      integrator_case("ImplicitEulerDirect", IntegratorKind::kImplicitEuler, LinearSolverKind::kDirect),
-      integrator_case("TrBdf2FactorCg", IntegratorKind::kTrBdf2, LinearSolverKind::kFactorCg),
-      integrator_case("TrBdf2MultigridCg", IntegratorKind::kTrBdf2, LinearSolverKind::kMultigridCg),
-      integrator_case("TrBdf2Direct", IntegratorKind::kTrBdf2, LinearSolverKind::kDirect),
-      integrator_case("Bdf2Direct", IntegratorKind::kBdf2, LinearSolverKind::kDirect),
+      integrator_case("ImplicitEulerCg", IntegratorKind::kImplicitEuler, linear::LinearSolverKind::kBlockJacobiCg),
+      integrator_case("ImplicitEulerPlainCg", IntegratorKind::kImplicitEuler, linear::LinearSolverKind::kPlainCg),
+      integrator_case("ImplicitEulerJacobiCg", IntegratorKind::kImplicitEuler, linear::LinearSolverKind::kJacobiCg),
+      integrator_case("ImplicitEulerDirect", IntegratorKind::kImplicitEuler, linear::LinearSolverKind::kDirect),
+      integrator_case("TrBdf2FactorCg", IntegratorKind::kTrBdf2, linear::LinearSolverKind::kFactorCg),
+      integrator_case("TrBdf2MultigridCg", IntegratorKind::kTrBdf2, linear::LinearSolverKind::kMultigridCg),
+      integrator_case("TrBdf2Direct", IntegratorKind::kTrBdf2, linear::LinearSolverKind::kDirect),
+      integrator_case("Bdf2Direct", IntegratorKind::kBdf2, linear::LinearSolverKind::kDirect),
   };
 }
 
 // For steps that resolve what happens.
 inline std::vector<IntegratorCase> undamped_integrators() {
-  return {integrator_case("TrapezoidalDirect", IntegratorKind::kTrapezoidal, LinearSolverKind::kDirect)};
+  return {integrator_case("TrapezoidalDirect", IntegratorKind::kTrapezoidal, linear::LinearSolverKind::kDirect)};
 }
 
 class IntegratorTest : public testing::TestWithParam<IntegratorCase> {

@@ -21,7 +21,7 @@ class CountingContact final : public ContactConstraint {
   explicit CountingContact(int num_vertices) {
     for (int b = 0; b * static_cast<int>(mesh::kVertexLanes) < num_vertices; ++b) blocks.push_back(b);
   }
-  void begin(const mesh::VertexField& x) override { EXPECT_GE(x.row(2).minCoeff(), kFloor); }
+  void begin(const linear::VertexField& x) override { EXPECT_GE(x.row(2).minCoeff(), kFloor); }
   int num_inside() const override { return 0; }
   void enforce(double dt, State& state) override {
     count(dt);
@@ -72,7 +72,7 @@ TEST_P(IntegratorContact, EnforcesContactOnceASubstepAndLastOfAll) {
 // Spoils the first attempt at a step.
 class SpoilingContact final : public ContactConstraint {
  public:
-  void begin(const mesh::VertexField& x) override {
+  void begin(const linear::VertexField& x) override {
     ++attempts;
     if (attempts == 1) first = x;
     EXPECT_EQ(x, first) << "every attempt begins where the first one did";
@@ -92,7 +92,7 @@ class SpoilingContact final : public ContactConstraint {
     return 0;
   }
   int attempts = 0;
-  mesh::VertexField first;
+  linear::VertexField first;
   std::array<std::int32_t, 1> first_block{0};
 };
 

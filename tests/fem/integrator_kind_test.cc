@@ -23,7 +23,7 @@ TEST(ExplicitIntegrator, AgreesWithAFinelyResolvedImplicitOne) {
   const std::unique_ptr<Integrator> first = make_integrator(options);
   first->rebuild(model);
   options.kind = IntegratorKind::kTrBdf2;
-  options.linear_solver = LinearSolverKind::kDirect;
+  options.linear_solver = linear::LinearSolverKind::kDirect;
   options.newton_iterations = 8;
   const std::unique_ptr<Integrator> second = make_integrator(options);
   second->rebuild(model);
@@ -174,7 +174,7 @@ double error_of(IntegratorKind kind, double dt) {
     const Loads loads = hang_by_corners(9, state);
     IntegratorOptions options;
     options.kind = tested;
-    options.linear_solver = LinearSolverKind::kDirect;
+    options.linear_solver = linear::LinearSolverKind::kDirect;
     options.newton_iterations = 20;
     options.newton_tolerance = 1e-9;
     options.highest_mode_damping = 0.0;
@@ -217,7 +217,7 @@ TEST(ImplicitIntegrator, LeavesWhatSecondOrderFailsAtToImplicitEulerAndSaysSo) {
   const auto step = [&](IntegratorKind kind, State& state) {
     IntegratorOptions options;
     options.kind = kind;
-    options.linear_solver = LinearSolverKind::kDirect;
+    options.linear_solver = linear::LinearSolverKind::kDirect;
     options.newton_iterations = 1;
     const std::unique_ptr<Integrator> integrator = make_integrator(options);
     integrator->rebuild(model);
@@ -238,7 +238,7 @@ TEST(ImplicitIntegrator, KeepsTheMomentumOfAStiffSheetThatIsLetGo) {
   for (const IntegratorKind kind : {IntegratorKind::kTrBdf2, IntegratorKind::kTrapezoidal, IntegratorKind::kBdf2}) {
     IntegratorOptions options;
     options.kind = kind;
-    options.linear_solver = LinearSolverKind::kDirect;
+    options.linear_solver = linear::LinearSolverKind::kDirect;
     const std::unique_ptr<Integrator> integrator = make_integrator(options);
     integrator->rebuild(model);
     State state = rest_state(mesh);
@@ -259,7 +259,7 @@ TEST(TrapezoidalRule, KeepsTheEnergyOfASheetThatVibrates) {
   state.x.row(0) *= 1.01;  // within its plane
   IntegratorOptions options;
   options.kind = IntegratorKind::kTrapezoidal;
-  options.linear_solver = LinearSolverKind::kDirect;
+  options.linear_solver = linear::LinearSolverKind::kDirect;
   options.newton_iterations = 20;
   options.newton_tolerance = 1e-10;
   const std::unique_ptr<Integrator> integrator = make_integrator(options);
@@ -339,7 +339,7 @@ TEST(AutomaticIntegrator, SolvesLargeSheetsWithTheFloatFactor) {
   mesh::TriangleMesh mesh = mesh::make_grid({.num_x = 44, .num_y = 45}).value();
   Model model(mesh, isotropic(1.0e10, 0.3, 5.0e-4, 1000.0));
   integrator->rebuild(model);
-  const auto expect_bits_of = [&](LinearSolverKind solver) {
+  const auto expect_bits_of = [&](linear::LinearSolverKind solver) {
     IntegratorOptions asked;
     asked.kind = IntegratorKind::kTrBdf2;
     asked.linear_solver = solver;
@@ -353,10 +353,10 @@ TEST(AutomaticIntegrator, SolvesLargeSheetsWithTheFloatFactor) {
     integrator->step(model, loads, kTick, nullptr, state);
     expected->step(model, loads, kTick, nullptr, other);
     EXPECT_TRUE(equal_bits(state, other)) << integrator->explanation();
-    EXPECT_NE(integrator->explanation().find(name_of(solver).description), std::string_view::npos);
+    EXPECT_NE(integrator->explanation().find(linear::name_of(solver).description), std::string_view::npos);
   };
   ASSERT_LT(model.num_vertices(), 2000);
-  expect_bits_of(LinearSolverKind::kDirect);
+  expect_bits_of(linear::LinearSolverKind::kDirect);
   const Result<cut::CutPlan> plan = cut::plan(mesh, {cut::Polyline{{{0.2, 0.37}, {0.83, 0.41}}}, {}, {}});
   ASSERT_TRUE(plan.ok());
   Result<cut::CutOutcome> outcome = cut::apply(mesh, *plan);
@@ -364,7 +364,7 @@ TEST(AutomaticIntegrator, SolvesLargeSheetsWithTheFloatFactor) {
   model.follow(mesh, outcome->edit.rewritten_triangles);
   integrator->follow(model);
   ASSERT_GE(model.num_vertices(), 2000);
-  expect_bits_of(LinearSolverKind::kFactorCg);
+  expect_bits_of(linear::LinearSolverKind::kFactorCg);
 }
 
 }  // namespace

@@ -37,7 +37,7 @@ TEST_P(IntegratorContract, FreeFallIsTheExactParabolaOfTheScheme) {
   // Implicit Euler: z = v t - g t (t + dt) / 2. The others are of second order: exact.
   const double late = is(IntegratorKind::kImplicitEuler) ? kTick : 0.0;
   const Eigen::Vector3d expected = Eigen::Vector3d(1.0, 0.5, 2.0) * t + 0.5 * t * (t + late) * loads.gravity;
-  const mesh::VertexField moved = state.x - start.x;
+  const linear::VertexField moved = state.x - start.x;
   const double lost = rounding(substeps, 5.0);
   EXPECT_THAT(moved, test::MatrixNear(expected.replicate(1, moved.cols()), 1e-11 + t * lost));
   const Eigen::Vector3d velocity = start.v.col(0) + t * loads.gravity;
@@ -109,7 +109,7 @@ TEST_P(IntegratorContract, HangsAtRestWhereForcesBalance) {
   for (int i = 72; i < 81; ++i) loads.pins.push_back({i, state.x.col(i), Eigen::Vector3d::Zero()});
   for (int i = 0; i < 240; ++i) integrator->step(model, loads, kTick, nullptr, state);
   EXPECT_LT(state.v.cwiseAbs().maxCoeff(), 1e-4);
-  mesh::VertexField f(state.x.cols());
+  linear::VertexField f(state.x.cols());
   model.internal_forces(state.x, f);
   for (int i = 0; i < 72; ++i) {
     EXPECT_LT((f.col(i) + model.mass()[static_cast<std::size_t>(i)] * loads.gravity).norm(),
@@ -242,7 +242,7 @@ TEST_P(IntegratorContract, AnInflatedSheetComesToRestInItsEquilibrium) {
   EXPECT_EQ(flags & (kFrozen | kRepaired), 0U);
   EquilibriumSolver solver({});
   solver.rebuild(model);
-  mesh::VertexField x = state.x;
+  linear::VertexField x = state.x;
   EXPECT_TRUE(solver.solve(model, loads, nullptr, x).converged);
   EXPECT_GT(x(2, 40), 0.1);
   EXPECT_THAT(state.x, test::MatrixNear(x, 1e-5));
@@ -323,7 +323,7 @@ TEST(ImplicitIntegrator, NeverAllocatesInAMajorizedStep) {
   const Model model(mesh, isotropic(1.0e9, 0.3, 5.0e-4, 1000.0));
   IntegratorOptions options;
   options.kind = IntegratorKind::kImplicitEuler;
-  options.linear_solver = LinearSolverKind::kDirect;
+  options.linear_solver = linear::LinearSolverKind::kDirect;
   options.newton_iterations = 1;
   options.max_halvings = 1;
   const std::unique_ptr<Integrator> integrator = make_integrator(options);

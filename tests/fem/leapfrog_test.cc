@@ -19,7 +19,7 @@ namespace {
 
 // Returns the error of one substep so short that the sheet hardly moves, v = step f / m: over the largest f / m.
 double acceleration_error(const Model& model, const State& start, Precision precision, double step) {
-  mesh::VertexField expected(start.x.cols());
+  linear::VertexField expected(start.x.cols());
   model.internal_forces(start.x, expected);
   for (int i = 0; i < model.num_vertices(); ++i) expected.col(i) *= model.inverse_mass()[static_cast<std::size_t>(i)];
   IntegratorOptions options = options_of(precision);
@@ -212,7 +212,7 @@ TEST(MembraneLayout, FindsThePatternOfAGridAlone) {
 class KnockingContact final : public ContactConstraint {
  public:
   explicit KnockingContact(double longest) : longest_(longest) {}
-  void begin(const mesh::VertexField& /*x*/) override { is_first_ = true; }
+  void begin(const linear::VertexField& /*x*/) override { is_first_ = true; }
   [[nodiscard]] int num_inside() const override { return 0; }
   void enforce(double /*dt*/, State& /*state*/) override {}
   std::span<const std::int32_t> find_due_blocks(double dt, double /*travel*/) override {

@@ -12,7 +12,7 @@
 namespace kerf::fem {
 
 struct System {
-  BlockMatrix A;
+  linear::BlockMatrix A;
   Eigen::MatrixXd dense;
 };
 

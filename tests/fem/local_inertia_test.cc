@@ -54,8 +54,8 @@ TEST(LocalInertia, ClustersSolveForTheirInertia) {
   const auto num_vertices = static_cast<std::size_t>(sheet.mesh.num_vertices());
   for (const InertiaCluster* const cluster : integrator.inertia().clusters()) {
     const std::span<const mesh::VertexId> vertices = cluster->vertices();
-    std::vector<Lanes16<double>> of_double(vertices.size() / 4 + 1);
-    std::vector<Lanes16<float>> of_float(of_double.size());
+    std::vector<linear::Lanes16<double>> of_double(vertices.size() / 4 + 1);
+    std::vector<linear::Lanes16<float>> of_float(of_double.size());
     double* const values = of_double.front().lane.data();
     float* const rounded = of_float.front().lane.data();
     for (std::size_t i = 0; i < 4 * vertices.size(); ++i) {
@@ -94,7 +94,7 @@ TEST(LocalInertia, ClustersSolveAsBeforeOnceNothingIsHeldAnyMore) {
   for (InertiaCluster* const cluster : integrator.inertia().clusters()) {
     const std::size_t n = cluster->vertices().size();
     const auto solved = [&] {
-      std::vector<Lanes16<float>> lanes(n / 4 + 1);
+      std::vector<linear::Lanes16<float>> lanes(n / 4 + 1);
       float* const values = lanes.front().lane.data();
       for (std::size_t i = 0; i < 4 * n; ++i) values[i] = 0.25F * static_cast<float>(i % 7) - 0.5F;
       cluster->solve(values);

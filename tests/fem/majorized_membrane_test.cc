@@ -28,23 +28,23 @@ struct Triangle {
   }
   [[nodiscard]] const ElementBlock& block() const { return model.element_blocks()[0]; }
   // Corners with the deformation gradient F, of material axes.
-  [[nodiscard]] mesh::VertexField positions(const Eigen::Matrix<double, 3, 2>& F) const {
+  [[nodiscard]] linear::VertexField positions(const Eigen::Matrix<double, 3, 2>& F) const {
     const Eigen::Matrix2d Dm_inv{
         {block().g1[0][0], block().g1[1][0]},
         {block().g2[0][0], block().g2[1][0]},
     };
     const Eigen::Matrix<double, 3, 2> edges = F * Dm_inv.inverse();
-    mesh::VertexField x = Eigen::Matrix3Xd::Zero(3, 3);
+    linear::VertexField x = Eigen::Matrix3Xd::Zero(3, 3);
     x.col(block().vertex[1][0]) = edges.col(0);
     x.col(block().vertex[2][0]) = edges.col(1);
     return x;
   }
-  [[nodiscard]] MajorizedTriangle majorized(const mesh::VertexField& x) const {
+  [[nodiscard]] MajorizedTriangle majorized(const linear::VertexField& x) const {
     LaneFrames frames;
     frames_at(block(), x, frames);
     return {block(), 0, frames, model.materials()};
   }
-  [[nodiscard]] double energy(const mesh::VertexField& x) const {
+  [[nodiscard]] double energy(const linear::VertexField& x) const {
     return membrane_energy(model.element_blocks(), model.materials(), x);
   }
 
@@ -121,14 +121,14 @@ TEST(MajorizedTriangle, LiesAboveTheEnergyEverywhere) {
 
 TEST(MajorizedTriangle, TouchesWithTheSameForces) {
   for_triangles([&](SeededRandom& /*random*/, const Triangle& triangle, const Deformation& at, double stiffness) {
-    const mesh::VertexField x = triangle.positions(at.F);
+    const linear::VertexField x = triangle.positions(at.F);
     const double gap = triangle.majorized(x).energy(at.F) - triangle.energy(x);
     const double size = 1.0 + at.F.squaredNorm();
     const bool touches = at.least_stretch > MajorizedTriangle::kLeastStretch;
     EXPECT_LE(std::abs(gap), (touches ? 1e-11 : MajorizedTriangle::kLeastStretch) * stiffness * size);
     if (!touches) return;
-    mesh::VertexField forces = Eigen::Matrix3Xd::Zero(3, 3);
-    mesh::VertexField expected = forces;
+    linear::VertexField forces = Eigen::Matrix3Xd::Zero(3, 3);
+    linear::VertexField expected = forces;
     add_majorized_forces(triangle.model.element_blocks(), triangle.model.materials(), x, forces);
     add_membrane_forces(triangle.model.element_blocks(), triangle.model.materials(), {}, x, x, expected);
     const double force = stiffness * triangle.model.elements().largest_gradient() * std::sqrt(size);
@@ -141,7 +141,7 @@ TEST(MajorizedTriangle, IsAConvexQuadraticWithItsStiffness) {
   for_triangles([&](SeededRandom& random, const Triangle& triangle, const Deformation& at, double stiffness) {
     const MajorizedTriangle q = triangle.majorized(triangle.positions(at.F));
     const Eigen::Matrix<double, 3, 2> moved = random_gradient(random, 1.0);
-    const mesh::VertexField dx = triangle.positions(moved);
+    const linear::VertexField dx = triangle.positions(moved);
     double expected = 0.0;
     for (int i = 0; i < 3; ++i) {
       for (int j = 0; j < 3; ++j) {

@@ -21,7 +21,7 @@ std::vector<State> bad_states(const mesh::TriangleMesh& mesh) {
   const State rest = rest_state(mesh);
   const Eigen::Index n = rest.x.cols();
   std::vector<State> states;
-  const auto add = [&](const mesh::VertexField& x, double speed) {
+  const auto add = [&](const linear::VertexField& x, double speed) {
     states.push_back({x, random_field(random, n, speed)});
   };
   add(random_field(random, n, 1.0), 0.0);
@@ -31,7 +31,7 @@ std::vector<State> bad_states(const mesh::TriangleMesh& mesh) {
   add(Eigen::Vector3d(1.0, 0.0, 0.0).asDiagonal() * rest.x, 1.0);
   add(Eigen::Vector3d(-1.0, 1.0, 1.0).asDiagonal() * rest.x, 10.0);
   add(Eigen::Vector3d(5.0, 0.01, 1.0).asDiagonal() * rest.x, 0.0);
-  mesh::VertexField folded = rest.x;
+  linear::VertexField folded = rest.x;
   folded.row(0) = (rest.x.row(0).array() - 0.5).abs().matrix();
   add(folded, 0.1);
   // About the smallest height that the bound distinguishes from 0.
@@ -58,7 +58,7 @@ MajorizedStep step_majorized(const Model& model, const Loads& loads, double dt, 
   stage.momentum = model.momentum(start).linear;
   stage.d = dt;
   MajorizedStep step{start, {}};
-  const mesh::VertexField none = Eigen::Matrix3Xd::Zero(3, model.num_vertices());
+  const linear::VertexField none = Eigen::Matrix3Xd::Zero(3, model.num_vertices());
   EXPECT_TRUE(solver.solve_majorized(model, loads, none, stage, step.end, step.stats));
   return step;
 }
@@ -82,9 +82,9 @@ void expect_no_gain(const Model& model, double dt, const IntegratorOptions& opti
 TEST(MajorizedStep, NeverGainsEnergyAndKeepsMomentum) {
   const mesh::TriangleMesh mesh = jittered_square(6);
   IntegratorOptions direct;
-  direct.linear_solver = LinearSolverKind::kDirect;
+  direct.linear_solver = linear::LinearSolverKind::kDirect;
   IntegratorOptions stopped;
-  stopped.linear_solver = LinearSolverKind::kBlockJacobiCg;
+  stopped.linear_solver = linear::LinearSolverKind::kBlockJacobiCg;
   stopped.max_linear_iterations = 4;
   SeededRandom random(5);
   for (int i = 0; i < 5 * kMaterialKinds; ++i) {
@@ -109,7 +109,7 @@ TEST(MajorizedStep, GainsNoMoreThanTheWorkOfLoadsOnAPinnedSheet) {
   const mesh::TriangleMesh mesh = jittered_square(6);
   const Model model(mesh, orthotropic_cloth());
   IntegratorOptions options;
-  options.linear_solver = LinearSolverKind::kDirect;
+  options.linear_solver = linear::LinearSolverKind::kDirect;
   for (const double dt : {1e-3, 1.0 / 60.0, 1.0}) {
     int moved = 0;  // where nothing holds it; a sheet squashed to 1e-7 of its width is too stiff to
     for (const State& start : bad_states(mesh)) {
@@ -136,7 +136,7 @@ struct Thrown {
       : mesh(square_grid(6)), model(mesh, isotropic(1.0e9, 0.3, 5.0e-4, 1000.0), law) {
     IntegratorOptions options;
     options.kind = kind;
-    options.linear_solver = LinearSolverKind::kDirect;
+    options.linear_solver = linear::LinearSolverKind::kDirect;
     options.newton_iterations = 1;
     options.max_halvings = 1;
     integrator = make_integrator(options);

@@ -98,7 +98,7 @@ TEST(MassRedistribution, CostsWhatACutTouchesAmongManyOthers) {
 
 TEST(MassRedistribution, StopsWhereThereIsNotEnoughMass) {
   // One triangle: no neighbour to take from, and no vertex above its floor.
-  RowStore<mesh::TriangleId> incident;
+  linear::RowStore<mesh::TriangleId> incident;
   incident.resize(3);
   const std::vector<mesh::TriangleId> slot{0};
   for (int v = 0; v < 3; ++v) incident.set_row(v, slot);

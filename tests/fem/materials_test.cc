@@ -68,7 +68,7 @@ double region_area(const mesh::TriangleMesh& mesh, std::int32_t region) {
 }
 
 // A shape that is strained and bent everywhere.
-mesh::VertexField bent(const mesh::TriangleMesh& mesh, double size) {
+linear::VertexField bent(const mesh::TriangleMesh& mesh, double size) {
   SeededRandom random(5);
   return rest_state(mesh).x + random_field(random, mesh.num_vertices(), size);
 }
@@ -78,12 +78,12 @@ TEST(Materials, StrainOfABimaterialStripJumpsAsTheModuliDo) {
   std::array<Material, 2> materials{isotropic(1.0e6, 0.0, 1e-3, 300.0), isotropic(4.0e6, 0.0, 1e-3, 300.0)};
   for (Material& material : materials) material.bending_scale = 0.0;  // bending resists kinks within the sheet, too
   const Model model(mesh, materials);
-  mesh::VertexField x = rest_state(mesh).x;
+  linear::VertexField x = rest_state(mesh).x;
   for (Eigen::Index i = 0; i < x.cols(); ++i) {
     const double at = x(0, i);
     x(0, i) = at + 0.04 * std::min(at, 0.5) + 0.01 * std::max(at - 0.5, 0.0);
   }
-  mesh::VertexField f(x.cols());
+  linear::VertexField f(x.cols());
   model.internal_forces(x, f);
   for (Eigen::Index i = 0; i < x.cols(); ++i) {
     const double at = mesh.rest_position(static_cast<int>(i)).x();
@@ -143,10 +143,10 @@ TEST(Materials, OneIsForAllWhateverTheRegions) {
 TEST(Materials, ForcesOfEqualOnesAreThoseOfOneBitForBit) {
   const mesh::TriangleMesh mesh = with_inclusion(jittered_square(9));
   const std::array<Material, 2> materials{soft(), soft()};
-  const mesh::VertexField x = bent(mesh, 0.02), v = bent(mesh, 0.5);
+  const linear::VertexField x = bent(mesh, 0.02), v = bent(mesh, 0.5);
   const std::array<double, 2> beta{1e-3, 1e-3};
   const Model one(mesh, soft()), two(mesh, materials);
-  mesh::VertexField f(x.cols()), g(x.cols());
+  linear::VertexField f(x.cols()), g(x.cols());
   f.setZero();
   g.setZero();
   add_membrane_forces(one.element_blocks(), one.materials(), std::span(beta).first(1), x, v, f);
@@ -158,16 +158,16 @@ void expect_derivatives(MembraneLaw law) {
   const mesh::TriangleMesh mesh = with_inclusion(jittered_square(7));
   const std::array<Material, 2> materials = both();
   const Model model(mesh, materials, law);
-  const mesh::VertexField x = bent(mesh, 0.01);
+  const linear::VertexField x = bent(mesh, 0.01);
   SeededRandom random(8);
-  const mesh::VertexField p = random_field(random, x.cols(), 1.0);
+  const linear::VertexField p = random_field(random, x.cols(), 1.0);
   constexpr double kStep = 1e-6;
   const auto energy = [&](double s) {
     const Energies energies = model.energies({x + s * p, p}, Eigen::Vector3d::Zero());
     return energies.membrane + energies.bending;
   };
   const auto forces = [&](double s) {
-    mesh::VertexField f(x.cols());
+    linear::VertexField f(x.cols());
     model.internal_forces(x + s * p, f);
     return f;
   };
@@ -178,9 +178,9 @@ void expect_derivatives(MembraneLaw law) {
   tangent.set_mass(model, 0.0);
   tangent.add_membrane(model, x, {}, {}, 1.0, false);
   tangent.add_bending(model, {});
-  mesh::VertexField Kp(x.cols());
+  linear::VertexField Kp(x.cols());
   tangent.blocks().multiply(p, Kp);
-  const mesh::VertexField difference = (forces(-kStep) - forces(kStep)) / (2.0 * kStep);
+  const linear::VertexField difference = (forces(-kStep) - forces(kStep)) / (2.0 * kStep);
   EXPECT_LT((Kp - difference).norm(), 1e-6 * Kp.norm());
 }
 
@@ -192,9 +192,9 @@ TEST(Materials, DampingPatchByPatchIsThatOfTheSumsWhereItIsTheSame) {
   const mesh::TriangleMesh mesh = with_inclusion(jittered_square(7));
   const std::array<Material, 2> materials = both();
   const Model model(mesh, materials);
-  const mesh::VertexField v = bent(mesh, 0.5);
+  const linear::VertexField v = bent(mesh, 0.5);
   constexpr std::array<double, 2> kBeta{2e-3, 2e-3};
-  mesh::VertexField by_patch(v.cols()), of_sums(v.cols());
+  linear::VertexField by_patch(v.cols()), of_sums(v.cols());
   by_patch.setZero();
   of_sums.setZero();
   add_bending_damping(model.bending().terms(model.element_blocks()), kBeta, v, by_patch);
@@ -207,7 +207,7 @@ TEST(Materials, DampingPatchByPatchIsThatOfTheSumsWhereItIsTheSame) {
   tangent.set_mass(model, 0.0);
   const std::array<double, 2> beta{1e-3, 5e-3};
   tangent.add_bending(model, {0.0, 1.0, beta});
-  mesh::VertexField product(v.cols());
+  linear::VertexField product(v.cols());
   tangent.blocks().multiply(v, product);
   by_patch.setZero();
   add_bending_damping(model.bending().terms(model.element_blocks()), beta, v, by_patch);
@@ -227,7 +227,7 @@ TEST(Materials, DampingOfNoneGainsEnergy) {
   const Eigen::Index n = mesh.num_vertices();
   Eigen::MatrixXd damping(n, n);
   for (Eigen::Index j = 0; j < n; ++j) {
-    mesh::VertexField unit(n), column(n);
+    linear::VertexField unit(n), column(n);
     unit.setZero();
     unit(0, j) = 1.0;
     tangent.blocks().multiply(unit, column);
@@ -257,12 +257,12 @@ TEST(Materials, WithoutBendingInOneThePatternOfTheMatrixIsWhole) {
   std::array<Material, 2> materials = both();
   materials[1].bending_scale = 0.0;
   const Model model(mesh, materials);
-  const mesh::VertexField x = bent(mesh, 0.01);
+  const linear::VertexField x = bent(mesh, 0.01);
   TangentMatrix tangent;
   tangent.rebuild(model);
   tangent.set_mass(model, 0.0);
   tangent.add_membrane(model, x, {}, {}, 1.0, false);
-  mesh::VertexField p = bent(mesh, 1.0), Kp(x.cols()), up(x.cols()), down(x.cols());
+  linear::VertexField p = bent(mesh, 1.0), Kp(x.cols()), up(x.cols()), down(x.cols());
   tangent.add_bending(model, {});
   tangent.blocks().multiply(p, Kp);
   model.internal_forces(x + 1e-6 * p, up);
@@ -271,9 +271,9 @@ TEST(Materials, WithoutBendingInOneThePatternOfTheMatrixIsWhole) {
   // Bent like a cylinder, the half without has no bending force away from the other.
   const Model other(right_half(square_grid(9)), materials);
   const mesh::TriangleMesh grid = square_grid(9);
-  mesh::VertexField roll = rest_state(grid).x;
+  linear::VertexField roll = rest_state(grid).x;
   for (Eigen::Index i = 0; i < roll.cols(); ++i) roll(2, i) = 0.1 * roll(0, i) * roll(0, i) * roll(0, i);
-  mesh::VertexField f(roll.cols());
+  linear::VertexField f(roll.cols());
   f.setZero();
   add_bending_forces(other.bending().rows(), roll, f);
   double left = 0.0;

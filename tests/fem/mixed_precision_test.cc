@@ -67,7 +67,7 @@ TEST(MixedPrecision, FollowsDoubleThroughASwing) {
 // Forces that move nothing: what the sheet does by itself is not put right by where its centre must be (FreeFlight).
 Loads pushed_by_nothing(const State& state) {
   Loads loads = no_loads();
-  loads.external_forces = mesh::VertexField(state.x.cols());
+  loads.external_forces = linear::VertexField(state.x.cols());
   loads.external_forces.setConstant(std::numeric_limits<double>::denorm_min());
   return loads;
 }
@@ -78,13 +78,13 @@ TEST(MixedPrecision, KeepsMotionSlowerThanItsUnitOfLength) {
   const std::unique_ptr<Integrator> integrator = make_integrator(options_of(Precision::kMixed));
   integrator->rebuild(model);
   State state = rest_state(mesh);
-  const mesh::VertexField start = state.x;
+  const linear::VertexField start = state.x;
   const Eigen::Vector3d velocity(1e-7, -3e-8, 7e-8);  // m/s; about a unit of 2^-30 m in a tick
   state.v.colwise() = velocity;
   constexpr int kTicks = 600;
   state = stepped(model, *integrator, state, kTicks, pushed_by_nothing(state));
   const Eigen::Vector3d way = kTicks * kTick * velocity;
-  const mesh::VertexField moved = state.x - start;
+  const linear::VertexField moved = state.x - start;
   EXPECT_LT((model.centre_of_mass(moved) - way).norm(), 1e-2 * way.norm());
   // Rounded constants make the rest shape, 1 m wide, another one by some 2^-24 of it.
   EXPECT_THAT(moved, test::MatrixNear(way.replicate(1, moved.cols()), 1e-2 * way.norm() + 2.0 * 0x1p-24));

@@ -80,8 +80,8 @@ TEST(BendingOperator, OpposesCurvatureOnlyAndIsTheGradientOfItsEnergy) {
 
   SeededRandom random(3);
   const Eigen::Index n = mesh.num_vertices();
-  const mesh::VertexField bent = random_field(random, n, 0.1);
-  mesh::VertexField force(n);
+  const linear::VertexField bent = random_field(random, n, 0.1);
+  linear::VertexField force(n);
   force.setZero();
   bending.add_forces(elements.blocks(), bent, force);
   const double energy = bending.energy(elements.blocks(), bent);
@@ -89,9 +89,9 @@ TEST(BendingOperator, OpposesCurvatureOnlyAndIsTheGradientOfItsEnergy) {
   EXPECT_NEAR(-0.5 * force.cwiseProduct(bent).sum(), energy, 1e-11 * energy) << "a quadratic form";
   EXPECT_LT(force.rowwise().sum().norm(), 1e-11 * force.norm()) << "without resultant";
 
-  mesh::VertexField flat = rest_state(mesh).x;
+  linear::VertexField flat = rest_state(mesh).x;
   flat = random_rotation(random) * flat;
-  mesh::VertexField none(n);
+  linear::VertexField none(n);
   none.setZero();
   bending.add_forces(elements.blocks(), flat, none);
   EXPECT_THAT(none, test::MatrixNear(Eigen::Matrix3Xd::Zero(3, n), 1e-11 * force.norm()));

@@ -142,7 +142,7 @@ TEST(Material, PoissonRatioIsLimitedByPositiveDefinitenessAlone) {
 }
 
 TEST(RowStore, KeepsRowsThroughGrowthAndPacking) {
-  RowStore<int> store;
+  linear::RowStore<int> store;
   std::vector<std::vector<int>> expected(50);
   store.resize(50);
   SeededRandom random(5);
@@ -162,7 +162,7 @@ TEST(RowStore, KeepsRowsThroughGrowthAndPacking) {
 }
 
 TEST(RowStore, WithRoomMadeRowsGrowWithoutMovingTheOthers) {
-  RowStore<int> store;
+  linear::RowStore<int> store;
   store.resize(128);  // full: 512 entries
   const std::vector<int> content{1, 2, 3, 4};
   for (int i = 0; i < 128; ++i) store.set_row(i, content);
@@ -296,7 +296,7 @@ TEST(Transfer, ConservesLinearMomentumAndCopiesDuplicatesBitForBit) {
     state.x += random_field(random, state.x.cols(), 1e-3);
     state.v = random_field(random, state.v.cols(), 2.0);
     const Momentum before = model.momentum(state);
-    const mesh::VertexField x_before = state.x;
+    const linear::VertexField x_before = state.x;
     const mesh::MeshEdit edit = edits.next(mesh);
     const MassChange change = model.apply(mesh, edit);
     transfer_state(edit, model, change, state);

@@ -10,7 +10,7 @@ TEST(Modes, AreTheLowestOfAnUnstableStateToo) {
   const Model model(mesh, isotropic(1.0e6, 0.3, 1.0e-3, 300.0));
   Loads loads;
   loads.gravity.setZero();
-  const mesh::VertexField x = 0.8 * rest_state(mesh).x;
+  const linear::VertexField x = 0.8 * rest_state(mesh).x;
   const Modes few = find_modes(model, loads, x, 3);
   const Modes many = find_modes(model, loads, x, 60);
   ASSERT_TRUE(few.converged && many.converged);
@@ -80,7 +80,7 @@ TEST(Modes, AreTheFirstOfMore) {
   const Model model(mesh, isotropic(1.0e5, 0.3, 1.0e-2, 1000.0));
   Loads loads;
   loads.gravity.setZero();
-  const mesh::VertexField x = rest_state(mesh).x;
+  const linear::VertexField x = rest_state(mesh).x;
   for (int v = 0; v < mesh.num_vertices(); ++v)
     loads.pins.push_back({v, x.col(v), Eigen::Vector3d::Zero(), {false, false, true}});
   const Modes all = find_modes(model, loads, x, 20);

@@ -53,51 +53,51 @@ struct Rolled {
       b.col(v) = rotation *
                  (model.mass()[static_cast<std::size_t>(v)] * (Eigen::Vector3d(0, 0, 1) + random_vector(random, 0.3)));
     }
-    mesh::VertexField step = Eigen::Matrix3Xd::Zero(3, x.cols());
+    linear::VertexField step = Eigen::Matrix3Xd::Zero(3, x.cols());
     tangent.constrain(model, pins, 0.0, x, b, step);
   }
 
   Model model;
-  mesh::VertexField x;  // 3 x V, m
+  linear::VertexField x;  // 3 x V, m
   TangentMatrix tangent;
-  mesh::VertexField b;  // 3 x V
+  linear::VertexField b;  // 3 x V
 };
 
 Rolled rolled_grid(int side) {
   return Rolled(square_grid(side), side);
 }
 
-void set_places(const Rolled& sheet, Preconditioner& preconditioner) {
+void set_places(const Rolled& sheet, linear::Preconditioner& preconditioner) {
   find_vertex_frames(sheet.model.element_blocks(), sheet.x, *preconditioner.frames());
   *preconditioner.positions() = sheet.x;
 }
 
 int iterations(const Rolled& sheet, bool knows_positions = true) {
-  auto preconditioner = std::make_unique<MultigridPreconditioner>();
-  MultigridPreconditioner& multigrid = *preconditioner;
-  ConjugateGradient solver(std::move(preconditioner), 5000);
+  auto preconditioner = std::make_unique<linear::MultigridPreconditioner>();
+  linear::MultigridPreconditioner& multigrid = *preconditioner;
+  linear::ConjugateGradient solver(std::move(preconditioner), 5000);
   solver.analyse(sheet.tangent.blocks());
   set_places(sheet, multigrid);
   if (!knows_positions) multigrid.positions()->setZero();
-  mesh::VertexField x = Eigen::Matrix3Xd::Zero(3, sheet.b.cols());
-  const LinearStats stats = solver.solve(sheet.tangent.blocks(), sheet.b, 1e-6, x);
+  linear::VertexField x = Eigen::Matrix3Xd::Zero(3, sheet.b.cols());
+  const linear::LinearStats stats = solver.solve(sheet.tangent.blocks(), sheet.b, 1e-6, x);
   EXPECT_TRUE(stats.converged);
   EXPECT_LT(stats.residual, 1.1e-6);
   return stats.iterations;
 }
 
-VertexAggregates aggregates_of(const mesh::TriangleMesh& mesh) {
+linear::VertexAggregates aggregates_of(const mesh::TriangleMesh& mesh) {
   const Model model(mesh, find_preset("wool").value());
   TangentMatrix tangent;
   tangent.rebuild(model);
-  VertexAggregates aggregates;
+  linear::VertexAggregates aggregates;
   aggregates.find(tangent.blocks());
   return aggregates;
 }
 
 TEST(VertexAggregates, HoldEachVertexOnceAndAreOfAboutNine) {
   const mesh::TriangleMesh mesh = jittered_square(40);
-  const VertexAggregates aggregates = aggregates_of(mesh);
+  const linear::VertexAggregates aggregates = aggregates_of(mesh);
   std::vector<int> times(static_cast<std::size_t>(mesh.num_vertices()), 0);
   for (int g = 0; g < aggregates.size(); ++g) {
     const std::span<const int> members = aggregates.members(g);
@@ -117,7 +117,7 @@ TEST(VertexAggregates, HoldEachVertexOnceAndAreOfAboutNine) {
 TEST(VertexAggregates, DoNotCrossCuts) {
   mesh::TriangleMesh mesh = square_grid(30);
   cut(mesh, {0.2, 0.51}, {0.8, 0.51});
-  const VertexAggregates aggregates = aggregates_of(mesh);
+  const linear::VertexAggregates aggregates = aggregates_of(mesh);
   const auto side_of = [&mesh](int v) {
     double height = 0.0;  // m, of the triangles around v above the cut
     std::vector<mesh::TriangleId> triangles;
@@ -166,16 +166,16 @@ TEST(Multigrid, NeedsToKnowWhereVerticesAreToTurnBodies) {
 
 TEST(Multigrid, IsSymmetricAndPositive) {
   const Rolled sheet = rolled_grid(12);
-  MultigridPreconditioner multigrid;
+  linear::MultigridPreconditioner multigrid;
   multigrid.analyse(sheet.tangent.blocks());
   set_places(sheet, multigrid);
   ASSERT_TRUE(multigrid.prepare(sheet.tangent.blocks()));
   SeededRandom random(5);
   for (int i = 0; i < 5; ++i) {
-    const mesh::VertexField first = random_field(random, sheet.b.cols(), 1.0);
-    const mesh::VertexField second = random_field(random, sheet.b.cols(), 1.0);
-    mesh::VertexField of_first(sheet.b.cols());
-    mesh::VertexField of_second(sheet.b.cols());
+    const linear::VertexField first = random_field(random, sheet.b.cols(), 1.0);
+    const linear::VertexField second = random_field(random, sheet.b.cols(), 1.0);
+    linear::VertexField of_first(sheet.b.cols());
+    linear::VertexField of_second(sheet.b.cols());
     multigrid.apply(first, of_first);
     multigrid.apply(second, of_second);
     const double size = std::sqrt(first.cwiseProduct(of_first).sum() * second.cwiseProduct(of_second).sum());
@@ -187,36 +187,37 @@ TEST(Multigrid, IsSymmetricAndPositive) {
 // A pinned vertex has a row of its own, whose entry says nothing about the others.
 TEST(Multigrid, LeavesPinnedVerticesOutOfBodies) {
   Rolled sheet = rolled_grid(12);
-  BlockMatrix& A = sheet.tangent.blocks();
-  MultigridPreconditioner multigrid;
+  linear::BlockMatrix& A = sheet.tangent.blocks();
+  linear::MultigridPreconditioner multigrid;
   multigrid.analyse(A);
   set_places(sheet, multigrid);
   SeededRandom random(6);
-  mesh::VertexField r = random_field(random, sheet.b.cols(), 1e-3);
+  linear::VertexField r = random_field(random, sheet.b.cols(), 1e-3);
   r.col(11).setZero();
   const auto applied = [&] {
     EXPECT_TRUE(multigrid.prepare(A));
-    mesh::VertexField z(sheet.b.cols());
+    linear::VertexField z(sheet.b.cols());
     multigrid.apply(r, z);
     return z;
   };
-  const mesh::VertexField before = applied();
+  const linear::VertexField before = applied();
   A.block(A.diagonal(11)) *= 1e4;
   EXPECT_EQ(applied(), before);
   EXPECT_EQ(before.col(11).norm(), 0.0);
 }
 
 TEST(Multigrid, SolvesWhatHasNoBodies) {
-  BlockMatrix A;
+  linear::BlockMatrix A;
   A.resize(2);
   for (const int i : {0, 1}) {
     A.set_row(i, std::array<int, 1>{i});
     A.block(A.diagonal(i)) = (i + 1.0) * Eigen::Matrix3d::Identity();
   }
-  const std::unique_ptr<LinearSolver> solver = make_linear_solver(LinearSolverKind::kMultigridCg, 10);
+  const std::unique_ptr<linear::LinearSolver> solver =
+      linear::make_linear_solver(linear::LinearSolverKind::kMultigridCg, 10);
   solver->analyse(A);
-  mesh::VertexField x = Eigen::Matrix3Xd::Zero(3, 2);
-  const mesh::VertexField b = Eigen::Matrix3Xd::Ones(3, 2);
+  linear::VertexField x = Eigen::Matrix3Xd::Zero(3, 2);
+  const linear::VertexField b = Eigen::Matrix3Xd::Ones(3, 2);
   EXPECT_TRUE(solver->solve(A, b, 1e-12, x).converged);
   EXPECT_NEAR(x(0, 1), 0.5, 1e-12);
 }

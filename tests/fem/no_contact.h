@@ -12,7 +12,7 @@ namespace kerf::fem {
 class NoContact final : public ContactConstraint {
  public:
   explicit NoContact(bool is_calm = false) : is_calm_(is_calm) {}
-  void begin(const mesh::VertexField& /*x*/) override {}
+  void begin(const linear::VertexField& /*x*/) override {}
   [[nodiscard]] int num_inside() const override { return 0; }
   [[nodiscard]] bool is_calm() const override { return is_calm_; }
   void enforce(double /*dt*/, State& /*state*/) override {}

@@ -34,7 +34,7 @@ CutShell cut_roll(std::size_t num_cuts, const Material& material = *find_preset(
 }
 
 // v.(sum of all stiff parts) v, J/s^2 kg, as the clusters would have it.
-double bound_by_parts(const Model& model, const mesh::VertexField& v) {
+double bound_by_parts(const Model& model, const linear::VertexField& v) {
   std::vector<StiffPart> all;
   std::vector<PartAtVertex> found;
   std::vector<mesh::TriangleId> slots;
@@ -66,9 +66,9 @@ double bound_by_parts(const Model& model, const mesh::VertexField& v) {
 }
 
 // v.K v at rest, from differences of forces.
-double stiffness_at_rest(const Model& model, const mesh::VertexField& rest, const mesh::VertexField& v) {
+double stiffness_at_rest(const Model& model, const linear::VertexField& rest, const linear::VertexField& v) {
   constexpr double kStep = 1e-7;  // s
-  mesh::VertexField ahead(rest.cols()), behind(rest.cols());
+  linear::VertexField ahead(rest.cols()), behind(rest.cols());
   model.internal_forces(rest + kStep * v, ahead);
   model.internal_forces(rest - kStep * v, behind);
   return (behind - ahead).cwiseProduct(v).sum() / (2.0 * kStep);
@@ -81,9 +81,9 @@ TEST(ShellInertia, StiffPartsBoundTheStiffness) {
     Material material = *find_preset("demo");
     material.thickness = 0.3;  // so that bending decides
     const CutShell shell(4, sheet, material);
-    const mesh::VertexField rest = rest_on_surface(shell.mesh).x;
+    const linear::VertexField rest = rest_on_surface(shell.mesh).x;
     for (int i = 0; i < 40; ++i) {
-      mesh::VertexField v = random_field(random, rest.cols(), 1.0);
+      linear::VertexField v = random_field(random, rest.cols(), 1.0);
       // Every other field turns facets without bending a flat patch.
       const Eigen::Matrix3d map = random_field(random, 3, 1.0);
       if (i % 2 == 1) {

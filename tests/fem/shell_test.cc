@@ -23,7 +23,7 @@ std::vector<mesh::IndexedMesh> shells() {
           test::creased_sheet(7)};
 }
 
-double energy(const Model& model, const mesh::VertexField& x) {
+double energy(const Model& model, const linear::VertexField& x) {
   State state;
   state.x = x;
   state.v = x;
@@ -32,8 +32,8 @@ double energy(const Model& model, const mesh::VertexField& x) {
   return energies.membrane + energies.bending;
 }
 
-mesh::VertexField turned(const mesh::VertexField& x, const Eigen::Matrix3d& turn, const Eigen::Vector3d& shift) {
-  mesh::VertexField moved(x.cols());
+linear::VertexField turned(const linear::VertexField& x, const Eigen::Matrix3d& turn, const Eigen::Vector3d& shift) {
+  linear::VertexField moved(x.cols());
   for (Eigen::Index i = 0; i < x.cols(); ++i) moved.col(i) = turn * Eigen::Vector3d(x.col(i)) + shift;
   return moved;
 }
@@ -46,13 +46,13 @@ TEST(Shell, FeelsNothingAtRestHoweverItIsTurned) {
     const Model model(mesh, shell_material());
     const State rest = rest_on_surface(mesh);
     // Forces of a flat sheet in this shape.
-    mesh::VertexField flat(rest.x.cols());
+    linear::VertexField flat(rest.x.cols());
     flat.setZero();
     add_bending_forces(model.bending().rows(), rest.x, flat);
     ASSERT_GT(flat.norm(), 0.0);
-    mesh::VertexField f(rest.x.cols());
+    linear::VertexField f(rest.x.cols());
     for (int i = 0; i < 3; ++i) {
-      const mesh::VertexField x = turned(rest.x, random_rotation(random), random_vector(random, 1.0));
+      const linear::VertexField x = turned(rest.x, random_rotation(random), random_vector(random, 1.0));
       model.internal_forces(x, f);
       EXPECT_LT(f.norm(), 1e-9 * flat.norm());
       EXPECT_LT(std::abs(energy(model, x)), 1e-10 * bending_energy(model.bending().rows(), x));
@@ -65,12 +65,12 @@ TEST(Shell, ForcesAreTheGradientOfTheEnergy) {
   for (const mesh::IndexedMesh& sheet : shells()) {
     const mesh::TriangleMesh mesh = test::must(mesh::import_mesh(sheet));
     const Model model(mesh, shell_material());
-    mesh::VertexField x = turned(rest_on_surface(mesh).x, random_rotation(random), Eigen::Vector3d::Zero());
+    linear::VertexField x = turned(rest_on_surface(mesh).x, random_rotation(random), Eigen::Vector3d::Zero());
     x += random_field(random, x.cols(), 0.02);
-    mesh::VertexField f(x.cols());
+    linear::VertexField f(x.cols());
     model.internal_forces(x, f);
     for (int i = 0; i < 5; ++i) {
-      const mesh::VertexField p = random_field(random, x.cols(), 1.0);
+      const linear::VertexField p = random_field(random, x.cols(), 1.0);
       constexpr double kStep = 1e-6;
       const double slope = (energy(model, x + kStep * p) - energy(model, x - kStep * p)) / (2.0 * kStep);
       EXPECT_NEAR(-f.cwiseProduct(p).sum(), slope, 1e-6 * f.norm() * p.norm());
@@ -92,7 +92,7 @@ TEST(Shell, ForcesHaveNoResultantAndDampingLetsItTurn) {
             is_rigid ? Eigen::Vector3d(turn.cross(Eigen::Vector3d(state.x.col(i)))) : random_vector(random, 1.0);
       }
       constexpr double kBeta = 0.01;
-      mesh::VertexField f(state.x.cols());
+      linear::VertexField f(state.x.cols());
       f.setZero();
       add_bending_forces(model.bending().rows(), state.x + kBeta * state.v, f);
       const double scale = f.norm();
@@ -116,11 +116,11 @@ TEST(Shell, DampingTakesEnergy) {
   for (const mesh::IndexedMesh& sheet : shells()) {
     const mesh::TriangleMesh mesh = test::must(mesh::import_mesh(sheet));
     const Model model(mesh, shell_material());
-    const mesh::VertexField x = rest_on_surface(mesh).x + random_field(random, mesh.num_vertices(), 0.02);
+    const linear::VertexField x = rest_on_surface(mesh).x + random_field(random, mesh.num_vertices(), 0.02);
     for (int i = 0; i < 20; ++i) {
-      const mesh::VertexField v = random_field(random, x.cols(), 1.0);
+      const linear::VertexField v = random_field(random, x.cols(), 1.0);
       const auto power = [&](double beta) {
-        mesh::VertexField f(x.cols());
+        linear::VertexField f(x.cols());
         f.setZero();
         add_bending_forces(model.bending().rows(), x + beta * v, f);
         add_rest_bending_forces(model.bending().rest(model.element_blocks()), x, v, std::array{beta}, f);
@@ -174,7 +174,7 @@ TEST(Shell, BothIntegratorsKeepItsShape) {
     for (Eigen::Index i = 0; i < state.x.cols(); ++i) state.v.col(i) = turn.cross(Eigen::Vector3d(state.x.col(i)));
     Loads loads;
     loads.gravity.setZero();
-    loads.external_forces = mesh::VertexField(state.x.cols());
+    loads.external_forces = linear::VertexField(state.x.cols());
     loads.external_forces.setZero();
     for (int i = 0; i < 60; ++i) {
       const StepStats stats = integrator->step(model, loads, 1.0 / 60.0, nullptr, state);
@@ -207,10 +207,10 @@ TEST(Shell, ACutUpdatesTheModelToWhatAFreshOneIs) {
     model.apply(mesh, applied->edit);
     EXPECT_EQ(model.hash(), Model(mesh, shell_material()).hash());
     EXPECT_NEAR(model.masses().total(), mass, 1e-12 * mass);
-    mesh::VertexField f(mesh.num_vertices());
+    linear::VertexField f(mesh.num_vertices());
     const State rest = rest_on_surface(mesh);
     model.internal_forces(rest.x, f);
-    mesh::VertexField flat(mesh.num_vertices());
+    linear::VertexField flat(mesh.num_vertices());
     flat.setZero();
     add_bending_forces(model.bending().rows(), rest.x, flat);
     EXPECT_LT(f.norm(), 1e-6 * flat.norm());

@@ -18,29 +18,29 @@ struct Start {
 std::vector<Start> bad_starts(const mesh::TriangleMesh& mesh) {
   const State rest = rest_state(mesh);
   const Eigen::Index n = rest.x.cols();
-  const mesh::VertexField centred = rest.x.colwise() - Eigen::Vector3d(0.5, 0.5, 0.0);
+  const linear::VertexField centred = rest.x.colwise() - Eigen::Vector3d(0.5, 0.5, 0.0);
   SeededRandom random(77);
   std::vector<Start> starts;
-  const auto add = [&](std::string name, const mesh::VertexField& x, const mesh::VertexField& v) {
+  const auto add = [&](std::string name, const linear::VertexField& x, const linear::VertexField& v) {
     starts.push_back({std::move(name), {x, v}});
   };
-  const mesh::VertexField still = Eigen::Matrix3Xd::Zero(3, n);
+  const linear::VertexField still = Eigen::Matrix3Xd::Zero(3, n);
   add("random box", random_field(random, n, 1.0), still);
   add("point", still, still);
   add("line", Eigen::Vector3d(1.0, 0.0, 0.0).asDiagonal() * rest.x, still);
   add("stretched five times", 5.0 * rest.x, still);
   add("squashed", Eigen::Vector3d(1.0, 0.01, 1.0).asDiagonal() * rest.x, still);
   add("mirrored patch", Eigen::Vector3d(-1.0, 1.0, 1.0).asDiagonal() * rest.x, still);
-  mesh::VertexField sheared = rest.x;
+  linear::VertexField sheared = rest.x;
   sheared.row(0) += 10.0 * rest.x.row(1);
   add("sheared ten times", sheared, still);
-  mesh::VertexField folded = rest.x;
+  linear::VertexField folded = rest.x;
   folded.row(0) = (rest.x.row(0).array() - 0.5).abs().matrix();
   add("folded flat", folded, still);
-  mesh::VertexField inverted = rest.x;
+  linear::VertexField inverted = rest.x;
   inverted.col(n / 2).head<2>() += Eigen::Vector2d(0.4, 0.3);
   add("inverted triangles", inverted, still);
-  mesh::VertexField spin(n);
+  linear::VertexField spin(n);
   for (Eigen::Index i = 0; i < n; ++i) spin.col(i) = Eigen::Vector3d(0.0, 0.0, 1000.0).cross(centred.col(i));
   add("1000 rad/s", centred, spin);
   add("1000 m/s at random", rest.x, random_field(random, n, 1000.0));

@@ -18,7 +18,7 @@ namespace kerf::fem {
 namespace {
 
 // Returns the lower triangle's pattern by columns of the elimination order, vertices.
-std::vector<std::set<int>> dense_pattern(const BlockMatrix& A, const Supernodes& supernodes) {
+std::vector<std::set<int>> dense_pattern(const linear::BlockMatrix& A, const linear::Supernodes& supernodes) {
   const int n = A.num_rows();
   std::vector<std::set<int>> rows(static_cast<std::size_t>(n));
   for (int i = 0; i < n; ++i) {
@@ -73,15 +73,15 @@ std::vector<System> systems() {
 struct Solved {
   bool factorised = false;
   std::size_t replaced = 0;
-  mesh::VertexField x;
+  linear::VertexField x;
 };
 
 template <typename T>
-Solved solved(const System& system, std::span<const Eigen::Matrix3d> frames, const mesh::VertexField& b,
+Solved solved(const System& system, std::span<const Eigen::Matrix3d> frames, const linear::VertexField& b,
               bool replaces = false) {
-  SupernodalCholesky<T> factor;
+  linear::SupernodalCholesky<T> factor;
   factor.analyse(system.A);
-  PivotRule<T> rule;
+  linear::PivotRule<T> rule;
   rule.replaces = replaces;
   Solved result;
   result.factorised = factor.factorise(system.A, frames, rule);
@@ -93,7 +93,7 @@ Solved solved(const System& system, std::span<const Eigen::Matrix3d> frames, con
 
 TEST(Supernodes, HoldThePatternOfTheFactorInAPostorder) {
   for (const System& system : systems()) {
-    Supernodes supernodes;
+    linear::Supernodes supernodes;
     supernodes.analyse(system.A);
     const int n = system.A.num_rows();
     ASSERT_EQ(supernodes.num_vertices(), n);
@@ -131,7 +131,7 @@ TEST(Supernodes, HoldThePatternOfTheFactorInAPostorder) {
 TEST(SupernodalCholesky, SolvesAsADenseFactorDoes) {
   SeededRandom random(5);
   for (const System& system : systems()) {
-    const mesh::VertexField b = random_field(random, system.A.num_rows(), 1.0);
+    const linear::VertexField b = random_field(random, system.A.num_rows(), 1.0);
     const Eigen::VectorXd exact = system.dense.llt().solve(Eigen::VectorXd(b.reshaped()));
     const double scale = exact.cwiseAbs().maxCoeff();
     const Solved in_double = solved<double>(system, {}, b);
@@ -154,7 +154,7 @@ TEST(SupernodalCholesky, FactorsInFramesOfItsVertices) {
     frames[i] = random_rotation(random);
     Q.block<3, 3>(static_cast<Eigen::Index>(3 * i), static_cast<Eigen::Index>(3 * i)) = frames[i];
   }
-  const mesh::VertexField b = random_field(random, system.A.num_rows(), 1.0);
+  const linear::VertexField b = random_field(random, system.A.num_rows(), 1.0);
   const Eigen::MatrixXd turned = Q.transpose() * system.dense * Q;
   const Eigen::VectorXd exact = turned.llt().solve(Eigen::VectorXd(b.reshaped()));
   const Solved found = solved<double>(system, frames, b);
@@ -166,10 +166,10 @@ template <typename T>
 void expect_equal_on_all_instruction_sets() {
   SeededRandom random(7);
   for (const System& system : systems()) {
-    const mesh::VertexField b = random_field(random, system.A.num_rows(), 1.0);
-    std::vector<mesh::VertexField> found;
+    const linear::VertexField b = random_field(random, system.A.num_rows(), 1.0);
+    std::vector<linear::VertexField> found;
     for_each_instruction_set([&] { found.push_back(solved<T>(system, {}, b).x); });
-    for (const mesh::VertexField& x : found) EXPECT_EQ(x, found.front());
+    for (const linear::VertexField& x : found) EXPECT_EQ(x, found.front());
   }
 }
 
@@ -182,7 +182,7 @@ TEST(SupernodalCholesky, RefusesOrReplacesPivotsThatAreNotPositive) {
   SeededRandom random(9);
   System system = random_system(6, 1.0, 3);
   system.A.block(system.A.diagonal(7))(1, 1) = 1e-3;  // positive, but less than its row has beside it
-  const mesh::VertexField b = random_field(random, system.A.num_rows(), 1.0);
+  const linear::VertexField b = random_field(random, system.A.num_rows(), 1.0);
   EXPECT_FALSE(solved<double>(system, {}, b).factorised);
   const Solved replaced = solved<float>(system, {}, b, true);
   EXPECT_TRUE(replaced.factorised);

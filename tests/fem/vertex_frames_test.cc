@@ -5,7 +5,7 @@
 namespace kerf::fem {
 namespace {
 
-std::vector<Eigen::Matrix3d> frames_of(const Model& model, const mesh::VertexField& x) {
+std::vector<Eigen::Matrix3d> frames_of(const Model& model, const linear::VertexField& x) {
   std::vector<Eigen::Matrix3d> frames(static_cast<std::size_t>(model.num_vertices()));
   find_vertex_frames(model.element_blocks(), x, frames);
   return frames;
@@ -36,7 +36,7 @@ TEST(VertexFrames, OfCollapsedSheetsAreRotationsToo) {
   const Model model(mesh, Material{});
   State state = rest_state(mesh);
   for (const Eigen::Vector3d& scale : {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(-1, 1, 1)}) {
-    const mesh::VertexField x = scale.asDiagonal() * state.x;
+    const linear::VertexField x = scale.asDiagonal() * state.x;
     for (const Eigen::Matrix3d& frame : frames_of(model, x)) {
       EXPECT_LT((frame.transpose() * frame - Eigen::Matrix3d::Identity()).norm(), 1e-12);
       EXPECT_NEAR(frame.determinant(), 1.0, 1e-12);

@@ -155,14 +155,14 @@ class LiveSheet {
   // A batch of cuts more, or one cut that is audited, as it comes. What is wrong in words, or nothing.
   audit::Finding cut() {
     const bool in_depth = ++batches_ % kBetweenSheetAudits == 0;
-    sheet::CutBatch batch;
+    scene::CutBatch batch;
     const std::uint64_t size = in_depth ? 1 : 1 + random_.below(kMostOfABatch);
     for (std::uint64_t i = 0; i < size; ++i) batch.cuts.push_back(any_cut());
     mesh::TriangleMesh expected = sheet_.mesh();
     if (in_depth) {
       if (audit::Finding flaw = audit_on(expected, batch.cuts.front())) return flaw;
     }
-    const std::vector<sheet::Command> commands{batch};
+    const std::vector<scene::Command> commands{batch};
     const sheet::TickReport report = sheet_.apply(commands);
     count(report.replies.at(0), batch.cuts.size());
     if (!in_depth) return std::nullopt;
@@ -179,7 +179,7 @@ class LiveSheet {
     }
     if (!sheet_.state().x.allFinite() || sheet_.frozen()) return "the sheet has stopped moving";
     double pieces = 0.0;
-    for (const sheet::Piece& piece : sheet_.pieces()) pieces += piece.mass;
+    for (const scene::Piece& piece : sheet_.pieces()) pieces += piece.mass;
     const double mass = total_mass(sheet_.model());
     if (std::abs(pieces - mass) > kMostDrift * mass_) return "the pieces have not the mass of the sheet";
     tally_.area_drift =
@@ -198,26 +198,26 @@ class LiveSheet {
 
   static sheet::Sheet make(std::uint64_t seed) {
     const mesh::TriangleMesh grid = test::jittered_grid(120, seed);
-    sheet::ArraySource arrays{Eigen::Matrix2Xd(2, grid.num_vertices()), Eigen::Matrix3Xi(3, grid.num_solid_triangles()),
+    scene::ArraySource arrays{Eigen::Matrix2Xd(2, grid.num_vertices()), Eigen::Matrix3Xi(3, grid.num_solid_triangles()),
                               Eigen::Matrix3Xd(3, 0), Eigen::Matrix3Xd(3, 0)};
     for (mesh::VertexId v = 0; v < grid.num_vertices(); ++v) arrays.material_positions.col(v) = grid.rest_position(v);
     Eigen::Index next = 0;
     for (const std::array<int, 3>& t : triangles_of(grid)) arrays.triangles.col(next++) << t[0], t[1], t[2];
-    sheet::SheetConfig config;
+    scene::SheetConfig config;
     config.mesh = std::move(arrays);
-    config.integrator.kind = sheet::IntegratorKind::kExplicitLeapfrog;
+    config.integrator.kind = scene::IntegratorKind::kExplicitLeapfrog;
     config.integrator.max_substeps = 1;  // the motion need not keep up, it only has to be there
     Result<sheet::Sheet> made = sheet::Sheet::create(config);
     KERF_CHECK(made.ok(), "a jittered grid is a valid sheet");
     return std::move(made).value();
   }
 
-  static audit::Finding audit_on(mesh::TriangleMesh& mesh, const sheet::Cut& cut) {
+  static audit::Finding audit_on(mesh::TriangleMesh& mesh, const scene::Cut& cut) {
     return audit::cut_and_audit(mesh, {cut.curve, cut.options, {}}, audit::kDeepest).flaw;
   }
 
-  sheet::Cut any_cut() {
-    sheet::Cut cut;
+  scene::Cut any_cut() {
+    scene::Cut cut;
     cut.curve = short_curve(random_);
     cut.options.tolerance = 0.1;
     if (random_.below(8) != 0) cut.options.min_angle_deg = 5.0;
@@ -225,13 +225,13 @@ class LiveSheet {
     return cut;
   }
 
-  void count(const Result<sheet::CommandReply>& reply, std::size_t size) {
+  void count(const Result<scene::CommandReply>& reply, std::size_t size) {
     tally_.tried += static_cast<int>(size);
     if (!reply.ok()) {  // the whole batch is taken back
       ++tally_.refused[reply.error().reason];
       return;
     }
-    for (const sheet::CutReply& cut : reply->batch) {
+    for (const scene::CutReply& cut : reply->batch) {
       if (cut.status != cut::CutStatus::kApplied) {
         ++tally_.missed;
         continue;

@@ -21,14 +21,14 @@ using namespace kerf;
 constexpr std::int32_t kVertices = 6;              // a side
 constexpr std::int32_t kMostNewTriangles = 4'000;  // so that no input takes long
 
-std::optional<sheet::Command> decode(std::string_view text, bool is_json) {
+std::optional<scene::Command> decode(std::string_view text, bool is_json) {
   v1::CreateCutRequest request;
   if (is_json) {
     if (!wire::from_json(text, request).ok()) return std::nullopt;
   } else if (!request.ParseFromArray(text.data(), static_cast<int>(text.size()))) {
     return std::nullopt;
   }
-  const Result<sheet::Command> command = wire::decode_cut(request.cut());
+  const Result<scene::Command> command = wire::decode_cut(request.cut());
   if (!command.ok()) {
     KERF_CHECK(!command.error().reason.empty() && !command.error().message.empty(), "a refusal says why");
     return std::nullopt;
@@ -43,15 +43,15 @@ std::optional<sheet::Command> decode(std::string_view text, bool is_json) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
-  std::optional<sheet::Command> command = decode({reinterpret_cast<const char*>(data + 1), size - 1}, data[0] == '{');
+  std::optional<scene::Command> command = decode({reinterpret_cast<const char*>(data + 1), size - 1}, data[0] == '{');
   if (!command) return 0;
-  auto& cut = std::get<sheet::Cut>(*command);
+  auto& cut = std::get<scene::Cut>(*command);
   cut.options.max_new_triangles = std::min(cut.options.max_new_triangles, kMostNewTriangles);
-  static const sheet::SheetConfig config = scenes::hanging(kVertices);
+  static const scene::SheetConfig config = scenes::hanging(kVertices);
   Result<sheet::Sheet> made = sheet::Sheet::create(config);
   KERF_CHECK(made.ok(), "the scene is good");
   const std::uint64_t before = made->mesh().state_hash();
-  const std::array<sheet::Command, 1> commands{*command};
+  const std::array<scene::Command, 1> commands{*command};
   made->apply(commands);
   if (made->topology_version() == 0) KERF_CHECK(made->mesh().state_hash() == before, "nothing was cut");
   if (const audit::Finding flaw = audit::find_flaw(made->mesh())) KERF_CHECK(false, flaw->c_str());

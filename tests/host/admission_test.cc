@@ -69,8 +69,8 @@ class AdmissionTest : public HostTest {
   AdmissionTest() : HostTest(one_worker()) {}
 
   // That does not fall asleep.
-  static sheet::SheetConfig restless_sheet() {
-    sheet::SheetConfig config = small_sheet();
+  static scene::SheetConfig restless_sheet() {
+    scene::SheetConfig config = small_sheet();
     config.gravity_history = {{0.0, 1.0e6}, {1.0, 1.0}};
     return config;
   }
@@ -139,7 +139,7 @@ TEST_F(AdmissionTest, OnlyWhatRunsCounts) {
 }
 
 TEST_F(AdmissionTest, SheetsThatAreBeingBuiltCountByTheirSize) {
-  sheet::SheetConfig quick = restless_sheet();
+  scene::SheetConfig quick = restless_sheet();
   quick.mesh = scenes::hanging(25).mesh;
   quick.tick_rate_hz = 1000.0;
   Answers<SheetStatus> answers;

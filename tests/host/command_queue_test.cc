@@ -14,7 +14,7 @@ using namespace std::chrono_literals;
 class CommandQueueTest : public testing::Test {
  protected:
   // Queues a command; returns the reason of a refusal, or "".
-  std::string push(sheet::Command command) {
+  std::string push(scene::Command command) {
     Callback<CommandResult> done = [this](const auto&) { ++answers_; };
     const Status pushed = queue_.push(std::move(command), done, 5ms);
     EXPECT_EQ(done == nullptr, pushed.ok()) << "the callback is moved exactly if the command is queued";
@@ -33,13 +33,13 @@ class CommandQueueTest : public testing::Test {
 };
 
 TEST_F(CommandQueueTest, GivesBackWhatWasQueuedInOrder) {
-  EXPECT_EQ(push(sheet::SetGravity{}), "");
-  EXPECT_EQ(push(sheet::Reset{}), "");
+  EXPECT_EQ(push(scene::SetGravity{}), "");
+  EXPECT_EQ(push(scene::Reset{}), "");
   EXPECT_EQ(counted(), 2);
   const std::vector<PendingCommand> taken = queue_.take_queued();
   ASSERT_EQ(taken.size(), 2U);
-  EXPECT_TRUE(std::holds_alternative<sheet::SetGravity>(taken[0].command));
-  EXPECT_TRUE(std::holds_alternative<sheet::Reset>(taken[1].command));
+  EXPECT_TRUE(std::holds_alternative<scene::SetGravity>(taken[0].command));
+  EXPECT_TRUE(std::holds_alternative<scene::Reset>(taken[1].command));
   EXPECT_EQ(taken[0].queued_at, Nanoseconds(5ms));
   EXPECT_EQ(taken[0].schedule_id.number, 0);
   EXPECT_EQ(counted(), 0);
@@ -48,39 +48,39 @@ TEST_F(CommandQueueTest, GivesBackWhatWasQueuedInOrder) {
 }
 
 TEST_F(CommandQueueTest, RefusesMoreThanItsLimitButTakesEveryRelease) {
-  EXPECT_EQ(push(sheet::SetGravity{}), "");
-  EXPECT_EQ(push(sheet::SetGravity{}), "");
-  EXPECT_EQ(push(sheet::SetGravity{}), "QUEUE_FULL");
+  EXPECT_EQ(push(scene::SetGravity{}), "");
+  EXPECT_EQ(push(scene::SetGravity{}), "");
+  EXPECT_EQ(push(scene::SetGravity{}), "QUEUE_FULL");
   queue_.push_release("hand", 6ms);
   EXPECT_EQ(counted(), 3);
   const std::vector<PendingCommand> taken = queue_.take_queued();
   ASSERT_EQ(taken.size(), 3U);
-  EXPECT_EQ(std::get<sheet::Release>(taken[2].command).grab_id, "hand");
+  EXPECT_EQ(std::get<scene::Release>(taken[2].command).grab_id, "hand");
   taken[2].done(Error{});  // A release has a callback too, which does nothing.
-  EXPECT_EQ(push(sheet::SetGravity{}), "");
+  EXPECT_EQ(push(scene::SetGravity{}), "");
 }
 
 TEST_F(CommandQueueTest, SaysWhetherACommandTakesBackTheTickInProgress) {
-  push(sheet::SetGravity{});
+  push(scene::SetGravity{});
   EXPECT_FALSE(queue_.has_revert());
-  push(sheet::UndoCut{});
+  push(scene::UndoCut{});
   EXPECT_TRUE(queue_.has_revert());
   (void)queue_.take_queued();
   EXPECT_FALSE(queue_.has_revert());
-  push(sheet::Reset{});
+  push(scene::Reset{});
   EXPECT_TRUE(queue_.has_revert());
 }
 
 TEST_F(CommandQueueTest, PopsScheduledCommandsByTickThenByNumber) {
-  EXPECT_EQ(queue_.schedule(sheet::SetGravity{}, 9, 0).value(), 1);
-  EXPECT_EQ(queue_.schedule(sheet::Reset{}, 4, 0).value(), 2);
-  EXPECT_EQ(queue_.schedule(sheet::UndoCut{}, 4, 0).value(), 3);
+  EXPECT_EQ(queue_.schedule(scene::SetGravity{}, 9, 0).value(), 1);
+  EXPECT_EQ(queue_.schedule(scene::Reset{}, 4, 0).value(), 2);
+  EXPECT_EQ(queue_.schedule(scene::UndoCut{}, 4, 0).value(), 3);
   EXPECT_EQ(waiting(), (std::vector<std::int64_t>{2, 3, 1}));
   EXPECT_EQ(counted(), 0);
   EXPECT_TRUE(queue_.pop_due(3).empty());
   const std::vector<PendingCommand> due = queue_.pop_due(5);
   ASSERT_EQ(due.size(), 2U);
-  EXPECT_TRUE(std::holds_alternative<sheet::Reset>(due[0].command));
+  EXPECT_TRUE(std::holds_alternative<scene::Reset>(due[0].command));
   EXPECT_EQ(due[0].schedule_id.number, 2);
   EXPECT_EQ(due[1].schedule_id.at_tick, 4);
   EXPECT_FALSE(due[1].done);
@@ -89,24 +89,24 @@ TEST_F(CommandQueueTest, PopsScheduledCommandsByTickThenByNumber) {
 }
 
 TEST_F(CommandQueueTest, SchedulesOnlyAheadAndUpToItsLimit) {
-  EXPECT_EQ(queue_.schedule(sheet::SetGravity{}, 7, 7).error().reason, "TICK_PAST");
-  for (std::int64_t i = 1; i <= 3; ++i) EXPECT_EQ(queue_.schedule(sheet::SetGravity{}, 8, 7).value(), i);
-  const Error full = queue_.schedule(sheet::SetGravity{}, 8, 7).error();
+  EXPECT_EQ(queue_.schedule(scene::SetGravity{}, 7, 7).error().reason, "TICK_PAST");
+  for (std::int64_t i = 1; i <= 3; ++i) EXPECT_EQ(queue_.schedule(scene::SetGravity{}, 8, 7).value(), i);
+  const Error full = queue_.schedule(scene::SetGravity{}, 8, 7).error();
   EXPECT_EQ(full.reason, "TOO_MANY_SCHEDULED");
   EXPECT_EQ(full.field, "at_tick");
 }
 
 TEST_F(CommandQueueTest, CancelsEachCommandOnce) {
-  ASSERT_TRUE(queue_.schedule(sheet::SetGravity{}, 8, 0).ok());
-  ASSERT_TRUE(queue_.schedule(sheet::Reset{}, 9, 0).ok());
+  ASSERT_TRUE(queue_.schedule(scene::SetGravity{}, 8, 0).ok());
+  ASSERT_TRUE(queue_.schedule(scene::Reset{}, 9, 0).ok());
   const Result<ScheduledCommand> cancelled = queue_.cancel(2);
   ASSERT_TRUE(cancelled.ok());
   EXPECT_EQ(cancelled->id.at_tick, 9);
-  EXPECT_TRUE(std::holds_alternative<sheet::Reset>(cancelled->command));
+  EXPECT_TRUE(std::holds_alternative<scene::Reset>(cancelled->command));
   EXPECT_EQ(queue_.cancel(2).error().reason, "SCHEDULED_CUTS_SETTLED");
   EXPECT_EQ(queue_.cancel(3).error().reason, "SCHEDULED_CUTS_NOT_FOUND");
   EXPECT_EQ(queue_.cancel(0).error().reason, "SCHEDULED_CUTS_NOT_FOUND");
-  EXPECT_EQ(queue_.schedule(sheet::SetGravity{}, 9, 0).value(), 3) << "numbers are never used twice";
+  EXPECT_EQ(queue_.schedule(scene::SetGravity{}, 9, 0).value(), 3) << "numbers are never used twice";
 }
 
 }  // namespace

@@ -112,7 +112,7 @@ TEST_F(HostTest, APausedSheetKeepsItsSpeedForLaterAndAResetLeavesIt) {
   host_->set_speed("a", 0.5, answers.callback());
   run_for(10 * kTick);
   EXPECT_EQ(status("a").tick, 0);
-  ASSERT_TRUE(submit("a", sheet::Reset{}).ok());
+  ASSERT_TRUE(submit("a", scene::Reset{}).ok());
   host_->resume("a", answers.callback());
   run_for(10 * kTick);
   EXPECT_EQ(status("a").tick, 6) << "one at once, then every other tick's time";

@@ -10,8 +10,8 @@ namespace {
 constexpr int kSheets = 8;
 constexpr int kTicks = 40;
 
-sheet::SheetConfig scene(int i) {
-  sheet::SheetConfig config = i % 2 == 0 ? scenes::hanging_with_three_cuts(8 + i) : scenes::draped_over_sphere(7 + i);
+scene::SheetConfig scene(int i) {
+  scene::SheetConfig config = i % 2 == 0 ? scenes::hanging_with_three_cuts(8 + i) : scenes::draped_over_sphere(7 + i);
   config.commands.push_back({12, scenes::line_cut({0.1 * i, -0.1}, {0.5, 1.1})});
   return config;
 }
@@ -66,7 +66,7 @@ TEST(HostDeterminism, RealTimeGivesTheHashesOfSimulatedTime) {
   options.workers = 3;
   options.make_recording = [&](const std::string& id) { return id == "s0" ? recorder : nullptr; };
   Host host(options, clock, entropy);
-  sheet::SheetConfig config = scene(0);
+  scene::SheetConfig config = scene(0);
   config.tick_rate_hz = 1000.0;
   std::mutex mutex;
   std::condition_variable reached;

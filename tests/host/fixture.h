@@ -91,13 +91,13 @@ class HostTest : public testing::Test {
 
   explicit HostTest(HostOptions options = {}) : host_(std::make_unique<Host>(std::move(options), clock_, entropy_)) {}
 
-  static sheet::SheetConfig at_50_hz(sheet::SheetConfig config) {
+  static scene::SheetConfig at_50_hz(scene::SheetConfig config) {
     config.tick_rate_hz = 50.0;
     return config;
   }
-  static sheet::SheetConfig small_sheet() { return at_50_hz(scenes::hanging(5)); }
+  static scene::SheetConfig small_sheet() { return at_50_hz(scenes::hanging(5)); }
 
-  SheetStatus create(const std::string& id, sheet::SheetConfig config, bool paused = false) {
+  SheetStatus create(const std::string& id, scene::SheetConfig config, bool paused = false) {
     Answers<SheetStatus> answers;
     host_->create_sheet(id, std::move(config), paused, answers.callback());
     host_->wait_idle();
@@ -133,7 +133,7 @@ class HostTest : public testing::Test {
     return answers.at(0).value();
   }
 
-  Result<CommandResult> submit(const std::string& id, sheet::Command command) {
+  Result<CommandResult> submit(const std::string& id, scene::Command command) {
     Answers<CommandResult> answers;
     host_->submit(id, std::move(command), answers.callback());
     run_for(2 * kTick);

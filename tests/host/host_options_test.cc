@@ -24,7 +24,7 @@ TEST_F(SmallHostTest, LimitsOnSheetsVerticesAndCommands) {
   Answers<SheetStatus> answers;
   host_->create_sheet("big", scenes::hanging(6), false, answers.callback());
   EXPECT_EQ(answers.reason(0), "TOO_MANY_VERTICES");
-  sheet::SheetConfig obj = small_sheet();
+  scene::SheetConfig obj = small_sheet();
   obj.pins.clear();
   std::string text;
   for (int i = 0; i < 26; ++i) text += "v " + std::to_string(i) + " " + std::to_string(i % 2) + " 0\n";
@@ -33,7 +33,7 @@ TEST_F(SmallHostTest, LimitsOnSheetsVerticesAndCommands) {
     const int c = i % 2 == 1 ? i + 2 : i + 1;
     text += "f " + std::to_string(i) + " " + std::to_string(c) + " " + std::to_string(b) + "\n";
   }
-  obj.mesh = sheet::ObjSource{text};
+  obj.mesh = scene::ObjSource{text};
   host_->create_sheet("obj", obj, false, answers.callback());
   host_->wait_idle();
   EXPECT_EQ(answers.reason(1), "TOO_MANY_VERTICES");  // known only once it is built
@@ -42,10 +42,10 @@ TEST_F(SmallHostTest, LimitsOnSheetsVerticesAndCommands) {
   host_->create_sheet("c", small_sheet(), false, answers.callback());
   EXPECT_EQ(answers.reason(2), "TOO_MANY_SHEETS");
   Answers<CommandResult> commands;
-  host_->submit("a", sheet::Reset{}, commands.callback());
-  host_->submit("a", sheet::Reset{}, commands.callback());
+  host_->submit("a", scene::Reset{}, commands.callback());
+  host_->submit("a", scene::Reset{}, commands.callback());
   EXPECT_EQ(commands.reason(0), "QUEUE_FULL");
-  host_->submit("b", sheet::Reset{}, commands.callback());  // each sheet has its own
+  host_->submit("b", scene::Reset{}, commands.callback());  // each sheet has its own
   run_for(kTick);
   EXPECT_EQ(commands.count(), 3U);
 }
@@ -75,7 +75,7 @@ class BudgetHostTest : public HostTest {
   }
   explicit BudgetHostTest(HostOptions options = budget()) : HostTest(std::move(options)) {}
 
-  std::string try_to_create(const std::string& id, sheet::SheetConfig config) {
+  std::string try_to_create(const std::string& id, scene::SheetConfig config) {
     Answers<SheetStatus> answers;
     host_->create_sheet(id, std::move(config), true, answers.callback());
     host_->wait_idle();
@@ -89,10 +89,10 @@ class BudgetHostTest : public HostTest {
     host_->wait_idle();
   }
   // Returns a disk, whose number of vertices is unknown before it is built.
-  static sheet::SheetConfig outlined_sheet(double edge_length) {
-    sheet::SheetConfig config = small_sheet();
+  static scene::SheetConfig outlined_sheet(double edge_length) {
+    scene::SheetConfig config = small_sheet();
     config.pins.clear();
-    sheet::OutlineSource outline;
+    scene::OutlineSource outline;
     outline.boundary = cut::Circle{{0.5, 0.5}, 0.5};
     outline.edge_length = edge_length;
     config.mesh = outline;
@@ -127,10 +127,10 @@ TEST_F(BudgetHostTest, AReplayCountsAsAnyOtherSheet) {
 }
 
 TEST_F(BudgetHostTest, ASheetThatIsNotMadeTakesNothing) {
-  sheet::SheetConfig bad = small_sheet();
+  scene::SheetConfig bad = small_sheet();
   bad.tick_rate_hz = -1.0;
   for (int i = 0; i < 3; ++i) EXPECT_NE(try_to_create("a", bad), "TOO_MANY_VERTICES_IN_ALL");
-  bad.mesh = sheet::GridSource{30'000, 30'000, 1.0, 1.0};
+  bad.mesh = scene::GridSource{30'000, 30'000, 1.0, 1.0};
   EXPECT_NE(try_to_create("a", bad), "TOO_MANY_VERTICES_IN_ALL") << "more than any sheet may have, whatever there is";
   EXPECT_EQ(try_to_create("A!", 5), "SHEET_ID");
   EXPECT_EQ(try_to_create("a", 5), "done");
@@ -163,7 +163,7 @@ TEST_F(BudgetHostTest, WhatCutsAddCountsAndIsNotRefused) {
   ASSERT_GT(status("a").num_vertices, 25);
   remove("b");
   EXPECT_EQ(try_to_create("b", 5), "TOO_MANY_VERTICES_IN_ALL");
-  ASSERT_TRUE(submit("a", sheet::UndoCut{}).ok());
+  ASSERT_TRUE(submit("a", scene::UndoCut{}).ok());
   EXPECT_EQ(try_to_create("b", 5), "done") << "an undo gives them back";
 }
 
@@ -231,7 +231,7 @@ TEST_F(FailingHostTest, AFailingSheetFreezesAloneAndAResetStartsItAgain) {
   create("a", small_sheet());
   create("b", small_sheet());
   run_for(3 * kTick);
-  ASSERT_TRUE(submit("a", sheet::SetGravity{{0, 0, scenes::kGivesUp}}).ok());
+  ASSERT_TRUE(submit("a", scene::SetGravity{{0, 0, scenes::kGivesUp}}).ok());
   run_for(10 * kTick);
   const SheetStatus frozen = status("a");
   EXPECT_EQ(frozen.run_state, RunState::kFailed);
@@ -251,7 +251,7 @@ TEST_F(FailingHostTest, AFailingSheetFreezesAloneAndAResetStartsItAgain) {
   host_->resume("a", stepped.callback());
   host_->wait_idle();
   EXPECT_EQ(stepped.reason(1), "SHEET_FROZEN");
-  ASSERT_TRUE(submit("a", sheet::Reset{}).ok());
+  ASSERT_TRUE(submit("a", scene::Reset{}).ok());
   EXPECT_EQ(status("a").run_state, RunState::kRunning);
   EXPECT_GT(status("a").tick, frozen.tick);
   EXPECT_EQ(status("a").flagged_ticks[3], 3) << "kept through a reset";
@@ -259,7 +259,7 @@ TEST_F(FailingHostTest, AFailingSheetFreezesAloneAndAResetStartsItAgain) {
 
 TEST_F(FailingHostTest, AStepCallEndsWhereTheSheetFreezes) {
   create("a", small_sheet(), true);
-  ASSERT_TRUE(submit("a", sheet::SetGravity{{0, 0, scenes::kWritesNonsense}}).ok());
+  ASSERT_TRUE(submit("a", scene::SetGravity{{0, 0, scenes::kWritesNonsense}}).ok());
   Answers<SheetStatus> stepped;
   host_->step("a", 100, stepped.callback());
   host_->wait_idle();
@@ -286,7 +286,7 @@ TEST_F(FailingHostTest, ASheetThatFreezesIsRecordedInOrder) {
   host_ = std::make_unique<Host>(std::move(options), clock_, entropy_);
   create("a", small_sheet());
   run_for(3 * kTick);
-  ASSERT_TRUE(submit("a", sheet::SetGravity{{0, 0, scenes::kGivesUp}}).ok());
+  ASSERT_TRUE(submit("a", scene::SetGravity{{0, 0, scenes::kGivesUp}}).ok());
   run_for(10 * kTick);
   ASSERT_EQ(status("a").run_state, RunState::kFailed);
   ASSERT_TRUE(submit("a", scenes::line_cut({-0.1, 0.4}, {1.1, 0.4})).ok());
@@ -295,7 +295,7 @@ TEST_F(FailingHostTest, ASheetThatFreezesIsRecordedInOrder) {
   host_->step("a", 1, stepped.callback());
   host_->resume("a", stepped.callback());
   run_for(3 * kTick);
-  ASSERT_TRUE(submit("a", sheet::Reset{}).ok());
+  ASSERT_TRUE(submit("a", scene::Reset{}).ok());
   run_for(3 * kTick);
   host_->stop();
   const Status order = sheet::check_order(recorder->recording().entries);
@@ -308,7 +308,7 @@ TEST_F(RecordingHostTest, WhatWasServedReplaysBitForBit) {
   create("b", small_sheet());
   run_for(5 * kTick);
   ASSERT_TRUE(submit("a", scenes::line_cut({0.2, 0.5}, {0.8, 0.4})).ok());
-  ASSERT_TRUE(submit("a", sheet::SetGravity{{0, 1, -2}}).ok());
+  ASSERT_TRUE(submit("a", scene::SetGravity{{0, 1, -2}}).ok());
   Answers<SheetStatus> done;
   host_->pause("a", done.callback());
   ASSERT_TRUE(submit("a", scenes::circle_cut({0.5, 0.7}, 0.1)).ok());
@@ -317,7 +317,7 @@ TEST_F(RecordingHostTest, WhatWasServedReplaysBitForBit) {
   run_for(5 * kTick);
   host_->resume("a", done.callback());
   run_for(5 * kTick);
-  ASSERT_TRUE(submit("a", sheet::Reset{}).ok());
+  ASSERT_TRUE(submit("a", scene::Reset{}).ok());
   run_for(5 * kTick);
   const std::int64_t tick = status("a").tick;
   host_->stop();

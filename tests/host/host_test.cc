@@ -14,7 +14,7 @@ TEST_F(HostTest, APausedSheetIsCutAtOnce) {
   create("a", at_50_hz(scenes::hanging(10)), true);
   Answers<CommandResult> answers;
   host_->submit("a", scenes::line_cut({-0.5, 0.5}, {1.5, 0.45}), answers.callback());
-  host_->submit("a", sheet::SetPins{}, answers.callback());
+  host_->submit("a", scene::SetPins{}, answers.callback());
   host_->wait_idle();
   ASSERT_EQ(answers.count(), 2U);
   EXPECT_EQ(answers.at(0)->reply.tick, 0);
@@ -45,7 +45,7 @@ TEST_F(HostTest, ARunningSheetIsCutAtTheNextTick) {
 TEST_F(HostTest, TheQueueIsBounded) {
   create("a", small_sheet());
   Answers<CommandResult> answers;
-  for (int i = 0; i < 66; ++i) host_->submit("a", sheet::SetGravity{{0, 0, -1.0}}, answers.callback());
+  for (int i = 0; i < 66; ++i) host_->submit("a", scene::SetGravity{{0, 0, -1.0}}, answers.callback());
   ASSERT_EQ(answers.count(), 2U);  // the 65th and 66th, at once
   EXPECT_EQ(answers.reason(0), "QUEUE_FULL");
   EXPECT_EQ(answers.at(1).error().code, ErrorCode::kResourceExhausted);
@@ -58,25 +58,25 @@ TEST_F(HostTest, TheQueueIsBounded) {
 
 TEST_F(HostTest, AGrabIsReleasedThoughTheQueueIsFull) {
   create("a", small_sheet());
-  ASSERT_TRUE(submit("a", sheet::Grab{"hand", 0, std::nullopt, 0.0}).ok());
+  ASSERT_TRUE(submit("a", scene::Grab{"hand", 0, std::nullopt, 0.0}).ok());
   Answers<CommandResult> answers;
-  for (int i = 0; i < 65; ++i) host_->submit("a", sheet::SetGravity{{0, 0, -1.0}}, answers.callback());
+  for (int i = 0; i < 65; ++i) host_->submit("a", scene::SetGravity{{0, 0, -1.0}}, answers.callback());
   ASSERT_EQ(answers.reason(0), "QUEUE_FULL");
   host_->release_grab("a", "hand");
   host_->release_grab("nobody", "hand");
   EXPECT_EQ(host_->metrics().queued_commands, 65);
   run_for(kTick);
   EXPECT_EQ(host_->metrics().queued_commands, 0);
-  EXPECT_EQ(submit("a", sheet::Release{"hand"}).error().reason, "GRAB_NOT_FOUND");
+  EXPECT_EQ(submit("a", scene::Release{"hand"}).error().reason, "GRAB_NOT_FOUND");
 }
 
 TEST_F(HostTest, AnUnknownSheetIsRefusedAtOnceAndWhatTheSheetRefusesAtTheTick) {
   create("a", small_sheet());
   Answers<CommandResult> answers;
-  host_->submit("nobody", sheet::Reset{}, answers.callback());
+  host_->submit("nobody", scene::Reset{}, answers.callback());
   EXPECT_EQ(answers.reason(0), "SHEET_NOT_FOUND");
   EXPECT_EQ(submit("a", scenes::circle_cut({0, 0}, -1.0)).error().reason, "RADIUS_NOT_POSITIVE");
-  EXPECT_EQ(submit("a", sheet::Release{"x"}).error().reason, "GRAB_NOT_FOUND");
+  EXPECT_EQ(submit("a", scene::Release{"x"}).error().reason, "GRAB_NOT_FOUND");
   EXPECT_EQ(host_->metrics().commands_refused, 3);
 }
 
@@ -103,7 +103,7 @@ TEST_F(HostTest, ASheetAtRestCostsNothingUntilTouched) {
   EXPECT_TRUE(sink->snapshots()[0]->stats.sleeping);
   EXPECT_EQ(host_->metrics().ticks, asleep.ticks);
 
-  const Result<CommandResult> reply = submit("a", sheet::Grab{"hand", 0, std::nullopt, 0.0});
+  const Result<CommandResult> reply = submit("a", scene::Grab{"hand", 0, std::nullopt, 0.0});
   ASSERT_TRUE(reply.ok());
   EXPECT_EQ(status("a").run_state, RunState::kRunning);
   EXPECT_EQ(status("a").stats.slipped_s, 0.0);
@@ -156,7 +156,7 @@ TEST_F(HostTest, DeleteEndsSinksAndAnswersWhatWaits) {
   Answers<Nothing> done;
   host_->add_sink("a", sink, done.callback());
   Answers<CommandResult> waiting;
-  host_->submit("a", sheet::Reset{}, waiting.callback());
+  host_->submit("a", scene::Reset{}, waiting.callback());
   host_->delete_sheet("a", done.callback());
   host_->wait_idle();
   EXPECT_EQ(done.count(), 2U);
@@ -183,7 +183,7 @@ TEST_F(HostTest, ANameIsFreeOnceItsSheetIsClosed) {
   Answers<Nothing> deleted;
   Answers<CommandResult> waiting;
   std::atomic<bool> closed = false;
-  host_->submit("a", sheet::Reset{}, waiting.callback());
+  host_->submit("a", scene::Reset{}, waiting.callback());
   host_->delete_sheet("a", deleted.callback(), [&] { closed = waiting.count() == 1 && deleted.count() == 1; });
   Answers<SheetStatus> created;
   host_->create_sheet("a", small_sheet(), true, created.callback());
@@ -205,7 +205,7 @@ TEST_F(HostTest, StopAnswersEverythingAndRefusesWhatComesAfter) {
   Answers<Nothing> done;
   host_->add_sink("a", sink, done.callback());
   Answers<CommandResult> waiting;
-  host_->submit("a", sheet::Reset{}, waiting.callback());
+  host_->submit("a", scene::Reset{}, waiting.callback());
   Answers<SheetStatus> stepped;
   host_->step("b", 100'000, stepped.callback());
   host_->create_sheet("c", small_sheet(), false, stepped.callback());
@@ -222,7 +222,7 @@ TEST_F(HostTest, StopAnswersEverythingAndRefusesWhatComesAfter) {
   host_->create_sheet("d", small_sheet(), false, after.callback());
   host_->status("a", after.callback());
   host_->pause("a", after.callback());
-  host_->submit("a", sheet::Reset{}, waiting.callback());
+  host_->submit("a", scene::Reset{}, waiting.callback());
   ASSERT_EQ(after.count(), 3U);
   for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(after.at(i).error().code, ErrorCode::kUnavailable);
   EXPECT_EQ(waiting.at(1).error().code, ErrorCode::kUnavailable);
@@ -237,11 +237,11 @@ TEST_F(HostTest, NamesAreCheckedUniqueSortedAndMadeUpWhereNoneIsGiven) {
   EXPECT_EQ(answers.reason(0), "SHEET_EXISTS");
   host_->create_sheet("B", small_sheet(), false, answers.callback());
   EXPECT_EQ(answers.at(1).error().field, "sheet_id");
-  sheet::SheetConfig named = small_sheet();
+  scene::SheetConfig named = small_sheet();
   named.sheet_id = "from-config";
   EXPECT_EQ(create("", named).id, "from-config");
   const std::string made_up = create("", small_sheet()).id;
-  EXPECT_TRUE(sheet::is_valid_sheet_id(made_up)) << made_up;
+  EXPECT_TRUE(scene::is_valid_sheet_id(made_up)) << made_up;
   EXPECT_EQ(host_->list(), (std::vector<std::string>{"a", "b", "from-config", made_up}));
   const std::vector<SheetStatus> found = host_->statuses({"b", "nobody", "a"});
   ASSERT_EQ(found.size(), 2U);
@@ -250,7 +250,7 @@ TEST_F(HostTest, NamesAreCheckedUniqueSortedAndMadeUpWhereNoneIsGiven) {
 }
 
 TEST_F(HostTest, ABadConfigLeavesNoTrace) {
-  sheet::SheetConfig config = small_sheet();
+  scene::SheetConfig config = small_sheet();
   config.gravity.x() = 2e4;
   Answers<SheetStatus> answers;
   host_->create_sheet("a", config, false, answers.callback());

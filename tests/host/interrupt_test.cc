@@ -50,7 +50,7 @@ class LongTickTest : public HostTest {
 
   LongTickTest() : LongTickTest(std::make_shared<Watched>(), std::make_shared<Entries>()) {}
 
-  static sheet::Command cut() { return scenes::line_cut({0.2, 0.5}, {0.8, 0.4}); }
+  static scene::Command cut() { return scenes::line_cut({0.2, 0.5}, {0.8, 0.4}); }
 
   // Sheet a, in the middle of the tick that cuts it; not long yet.
   void begin_long_tick() {
@@ -108,7 +108,7 @@ TEST_F(LongTickTest, IsEndedByAPauseAndKeepsItsCommands) {
   EXPECT_GT(paused.at(0)->num_vertices, kVertices);
   const std::int64_t ticks = paused.at(0)->tick;
 
-  ASSERT_TRUE(submit("a", sheet::UndoCut{}).ok());
+  ASSERT_TRUE(submit("a", scene::UndoCut{}).ok());
   Answers<SheetStatus> resumed;
   host_->resume("a", resumed.callback());
   run_for(5 * kTick);
@@ -125,7 +125,7 @@ TEST_F(LongTickTest, KeepsNoStatusWaiting) {
   EXPECT_FALSE(statuses.at(0)->state_hash);
 
   Answers<CommandResult> undone;
-  host_->submit("a", sheet::UndoCut{}, undone.callback());
+  host_->submit("a", scene::UndoCut{}, undone.callback());
   host_->wait_idle();
   EXPECT_TRUE(status("a").state_hash) << "between two ticks, however long the last one was";
   host_->submit("a", cut(), cut_.callback());
@@ -147,7 +147,7 @@ TEST_F(LongTickTest, IsEndedByAnUndoWhichTakesTheCutBack) {
   begin_long_tick();
   let_it_be_long();
   Answers<CommandResult> undone;
-  host_->submit("a", sheet::UndoCut{}, undone.callback());
+  host_->submit("a", scene::UndoCut{}, undone.callback());
   host_->wait_idle();
   ASSERT_EQ(undone.reason(0), "done");
   EXPECT_EQ(undone.at(0)->reply.tick, cut_.at(0)->reply.tick + 1);
@@ -159,7 +159,7 @@ TEST_F(LongTickTest, IsNotEndedByOtherCommands) {
   begin_long_tick();
   let_it_be_long();
   Answers<CommandResult> wind;
-  host_->submit("a", sheet::SetWind{}, wind.callback());
+  host_->submit("a", scene::SetWind{}, wind.callback());
   let_it_ask();
   EXPECT_EQ(watched_->begun, 1);
   EXPECT_EQ(wind.count(), 0U);
@@ -258,7 +258,7 @@ TEST_F(LongTickTest, DoesNotDelayTheOneThatTakesItsPlace) {
   const Nanoseconds begun = clock_.now();
   let_it_be_long();
   Answers<CommandResult> undone;
-  host_->submit("a", sheet::UndoCut{}, undone.callback());
+  host_->submit("a", scene::UndoCut{}, undone.callback());
   host_->wait_idle();
   ASSERT_EQ(undone.reason(0), "done");
   EXPECT_EQ(clock_.next_deadline().value(), begun + period);
@@ -305,7 +305,7 @@ TEST_F(LongTickTest, IsEndedByAnUndoThatCameJustTooLateForIt) {
   host.wait_idle();
   host.submit("a", cut(), cut_.callback());
   Answers<CommandResult> undone;
-  clock.hook([&] { host.submit("a", sheet::UndoCut{}, undone.callback()); });
+  clock.hook([&] { host.submit("a", scene::UndoCut{}, undone.callback()); });
   clock.move_to(clock.next_deadline().value());
   until_begun(1);
   clock.move_to(clock.now() + Host::kLongTick + 1ms);
@@ -321,13 +321,13 @@ TEST_F(LongTickTest, LeavesARecordingThatReplays) {
     Answers<SheetStatus> paused;
     host_->pause("a", paused.callback());
     host_->wait_idle();
-    ASSERT_TRUE(submit("a", sheet::UndoCut{}).ok());
-    ASSERT_TRUE(submit("a", sheet::SetWind{{{1.0 + round, 0.0, 0.0}, 1.2, 1.0}}).ok());
+    ASSERT_TRUE(submit("a", scene::UndoCut{}).ok());
+    ASSERT_TRUE(submit("a", scene::SetWind{{{1.0 + round, 0.0, 0.0}, 1.2, 1.0}}).ok());
     Answers<SheetStatus> resumed;
     host_->resume("a", resumed.callback());
     run_for(round * kTick);
     Answers<CommandResult> drawn;
-    host_->submit("a", sheet::SetWind{{{0.0, 1.0 + round, 0.0}, 1.2, 1.0}}, drawn.callback());
+    host_->submit("a", scene::SetWind{{{0.0, 1.0 + round, 0.0}, 1.2, 1.0}}, drawn.callback());
     host_->submit("a", cut(), cut_.callback());
     begin_next_tick();
   }

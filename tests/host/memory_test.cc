@@ -52,7 +52,7 @@ TEST_F(HostMemoryTest, ATickThatFindsNoneFreezesItsSheetAsItWasAndNoOther) {
   run_for(3 * kTick);
   const SheetStatus before = status("a");
   Answers<CommandResult> done;
-  host_->submit("a", sheet::SetGravity{{0, 0, scenes::kRunsShort}}, done.callback());
+  host_->submit("a", scene::SetGravity{{0, 0, scenes::kRunsShort}}, done.callback());
   run_for(5 * kTick);
   EXPECT_EQ(done.reason(0), "done") << "the command itself was done";
   const SheetStatus frozen = status("a");
@@ -63,7 +63,7 @@ TEST_F(HostMemoryTest, ATickThatFindsNoneFreezesItsSheetAsItWasAndNoOther) {
   EXPECT_EQ(status("b").tick, before.tick + 5);
   EXPECT_EQ(status("b").state_hash, status("control").state_hash);
   ASSERT_TRUE(submit("a", scenes::line_cut({-0.1, 0.4}, {1.1, 0.4})).ok()) << "it can be cut, and";
-  ASSERT_TRUE(submit("a", sheet::Reset{}).ok());
+  ASSERT_TRUE(submit("a", scene::Reset{}).ok());
   EXPECT_EQ(status("a").run_state, RunState::kRunning) << "begun again";
   EXPECT_GT(status("a").tick, frozen.tick);
 }
@@ -77,7 +77,7 @@ TEST_F(HostMemoryTest, AChangeThatFindsNoneEndsItsSheetAlone) {
   run_for(3 * kTick);
   *poor_ = true;
   Answers<CommandResult> done;
-  host_->submit("a", sheet::Reset{}, done.callback());
+  host_->submit("a", scene::Reset{}, done.callback());
   host_->submit("a", scenes::line_cut({-0.1, 0.4}, {1.1, 0.4}), done.callback());
   run_for(5 * kTick);
   ASSERT_EQ(done.count(), 2U) << "both are answered";
@@ -96,7 +96,7 @@ TEST_F(HostMemoryTest, WorkOnAPausedSheetThatFindsNoneIsAnsweredToo) {
   create("a", small_sheet(), true);
   *poor_ = true;
   Answers<CommandResult> done;
-  host_->submit("a", sheet::Reset{}, done.callback());
+  host_->submit("a", scene::Reset{}, done.callback());
   host_->wait_idle();
   EXPECT_EQ(done.reason(0), "OUT_OF_MEMORY");
   EXPECT_TRUE(host_->list().empty());
@@ -130,7 +130,7 @@ class CreationTest : public HostTest {
  protected:
   CreationTest() : CreationTest(std::make_shared<std::function<void()>>([] {})) {}
 
-  static sheet::SheetConfig large_sheet() { return at_50_hz(scenes::hanging(40)); }
+  static scene::SheetConfig large_sheet() { return at_50_hz(scenes::hanging(40)); }
 
   std::shared_ptr<std::function<void()>> meanwhile_;
 

@@ -60,14 +60,14 @@ class KeepingHostTest : public HostTest {
     Answers<SheetStatus> done;
     host_->pause("a", done.callback());
     ASSERT_TRUE(submit("a", scenes::circle_cut({0.5, 0.7}, 0.1)).ok());
-    ASSERT_FALSE(submit("a", sheet::Drag{"nothing", {0, 0, 0}}).ok());
+    ASSERT_FALSE(submit("a", scene::Drag{"nothing", {0, 0, 0}}).ok());
     host_->step("a", 60, done.callback());
     host_->resume("a", done.callback());
     run_for(3 * kTick);
     host_->resume("a", done.callback());
     run_for(3 * kTick);
-    ASSERT_TRUE(submit("a", sheet::SetGravity{{0, 1, -2}}).ok());
-    ASSERT_TRUE(submit("a", sheet::SetMaterial{fem::find_preset("silk").value(), std::nullopt}).ok());
+    ASSERT_TRUE(submit("a", scene::SetGravity{{0, 1, -2}}).ok());
+    ASSERT_TRUE(submit("a", scene::SetMaterial{fem::find_preset("silk").value(), std::nullopt}).ok());
     run_for(3 * kTick);
   }
 
@@ -98,9 +98,9 @@ TEST_F(KeepingHostTest, ASheetPlaysARecordingAndIsPausedAtItsEnd) {
   EXPECT_EQ(halfway.replay->state, ReplayState::kPlaying);
   EXPECT_EQ(halfway.replay->end_tick, original.tick);
   EXPECT_EQ(halfway.tick, 21);
-  EXPECT_EQ(submit("b", sheet::SetPins{}).error().reason, "REPLAYING");
+  EXPECT_EQ(submit("b", scene::SetPins{}).error().reason, "REPLAYING");
   Answers<std::int64_t> scheduled;
-  host_->schedule("b", sheet::SetPins{}, 1000, scheduled.callback());
+  host_->schedule("b", scene::SetPins{}, 1000, scheduled.callback());
   host_->wait_idle();
   EXPECT_EQ(scheduled.reason(0), "REPLAYING");
   run_for(200 * kTick);
@@ -111,7 +111,7 @@ TEST_F(KeepingHostTest, ASheetPlaysARecordingAndIsPausedAtItsEnd) {
   EXPECT_EQ(ended.state_hash, original.state_hash);
   EXPECT_EQ(ended.materials, original.materials);
   EXPECT_GT(ended.stats.settings_version, halfway.stats.settings_version);
-  ASSERT_TRUE(submit("b", sheet::Reset{}).ok()) << "anybody's from here on";
+  ASSERT_TRUE(submit("b", scene::Reset{}).ok()) << "anybody's from here on";
 }
 
 TEST_F(KeepingHostTest, APlayedRecordingIsPausedSteppedAndSpedUp) {
@@ -179,9 +179,9 @@ TEST_F(KeepingHostTest, AnEmptyRecordingIsDoneAtOnce) {
 
 TEST_F(KeepingHostTest, ARecordingThatOutgrowsItsLimitIsGivenUpAsAWhole) {
   create("a", small_sheet(), true);
-  for (int i = 0; i < 40; ++i) ASSERT_TRUE(submit("a", sheet::SetGravity{{0, 0, -1.0}}).ok());
+  for (int i = 0; i < 40; ++i) ASSERT_TRUE(submit("a", scene::SetGravity{{0, 0, -1.0}}).ok());
   EXPECT_EQ(recording("a")->entries.size(), 40 * kEntryBytes) << "at the limit";
-  ASSERT_TRUE(submit("a", sheet::SetGravity{{0, 0, -1.0}}).ok());
+  ASSERT_TRUE(submit("a", scene::SetGravity{{0, 0, -1.0}}).ok());
   const Result<KeptRun> run = recording("a");
   ASSERT_FALSE(run.ok());
   EXPECT_EQ(run.error().code, ErrorCode::kFailedPrecondition);
@@ -200,17 +200,17 @@ class EntriesHostTest : public HostTest {
   sheet::Recording recorded() {
     create("a", small_sheet(), true);
     sheet::Recording run{small_sheet(), {}};
-    const auto note = [&](sheet::Command command) {
+    const auto note = [&](scene::Command command) {
       EXPECT_TRUE(submit("a", command).ok());
       const SheetStatus now = status("a");
       run.entries.push_back({now.tick, {std::move(command)}, *now.state_hash});
     };
-    for (int i = 0; i < kEntries; ++i) note(sheet::SetGravity{{0, 0, -1.0 - i}});
+    for (int i = 0; i < kEntries; ++i) note(scene::SetGravity{{0, 0, -1.0 - i}});
     Answers<SheetStatus> stepped;
     host_->step("a", 1, stepped.callback());
     host_->wait_idle();
     run.entries.push_back({1, {}, *stepped.at(0)->state_hash});
-    for (int i = 0; i < kEntries; ++i) note(sheet::SetGravity{{0, 1.0 + i, 0}});
+    for (int i = 0; i < kEntries; ++i) note(scene::SetGravity{{0, 1.0 + i, 0}});
     return run;
   }
 

@@ -5,8 +5,8 @@ namespace kerf::host {
 namespace {
 
 // Its own cut comes at tick 10, it falls asleep some 100 ticks later, and plays again after 150.
-sheet::SheetConfig story() {
-  sheet::SheetConfig config = scenes::flat(5);
+scene::SheetConfig story() {
+  scene::SheetConfig config = scenes::flat(5);
   config.gravity = Eigen::Vector3d::Zero();
   config.tick_rate_hz = 50.0;
   config.commands = {{10, scenes::line_cut({-0.1, 0.4}, {1.1, 0.6})}};
@@ -36,7 +36,7 @@ TEST_F(HostRepeatTest, AStoryPlaysAgainWhileSomebodyWatches) {
   run_for(15 * kTick);
   EXPECT_EQ(status("a").pieces, 2);
   EXPECT_EQ(status("a").stats.resets, 0) << "no client asked for that";
-  EXPECT_EQ(submit("a", sheet::UndoCut{})->reply.undone->cuts.size(), 1U);
+  EXPECT_EQ(submit("a", scene::UndoCut{})->reply.undone->cuts.size(), 1U);
 }
 
 TEST_F(HostRepeatTest, AStoryThatNobodyWatchesSleepsUntilSomebodyComes) {
@@ -66,7 +66,7 @@ TEST_F(HostRepeatTest, WhatAClientChangedIsNotTakenAway) {
   EXPECT_EQ(status("a").run_state, RunState::kSleeping);
   EXPECT_EQ(clock_.num_timers(), 0U) << "asleep it costs nothing";
   // After a reset it is the scene's own story again.
-  ASSERT_TRUE(submit("a", sheet::Reset{}).ok());
+  ASSERT_TRUE(submit("a", scene::Reset{}).ok());
   EXPECT_EQ(status("a").stats.resets, 1);
   run_for(165 * kTick);
   EXPECT_EQ(status("a").pieces, 2);
@@ -77,7 +77,7 @@ TEST_F(HostRepeatTest, ARefusedCommandIsNoChange) {
   create("a", story());
   const auto sink = watch();
   run_for(20 * kTick);
-  EXPECT_FALSE(submit("a", sheet::Release{"nobody"}).ok());
+  EXPECT_FALSE(submit("a", scene::Release{"nobody"}).ok());
   run_for(140 * kTick);
   EXPECT_LT(status("a").scene_tick, 20);
 }
@@ -95,9 +95,9 @@ TEST_F(HostRepeatTest, APausedStoryWaits) {
 
 TEST_F(HostRepeatTest, ResetsAndTheirUndosAreCounted) {
   create("a", story());
-  ASSERT_TRUE(submit("a", sheet::Reset{}).ok());
-  ASSERT_TRUE(submit("a", sheet::UndoCut{}).ok());
-  ASSERT_TRUE(submit("a", sheet::RedoCut{}).ok());
+  ASSERT_TRUE(submit("a", scene::Reset{}).ok());
+  ASSERT_TRUE(submit("a", scene::UndoCut{}).ok());
+  ASSERT_TRUE(submit("a", scene::RedoCut{}).ok());
   EXPECT_EQ(status("a").stats.resets, 2);
   EXPECT_EQ(status("a").stats.resets_undone, 1);
 }

@@ -18,7 +18,7 @@ class RunRecorderTest : public testing::Test {
  protected:
   void begin(bool with_sink) { recorder_.begin(with_sink ? sink_ : nullptr, {}); }
   void append(std::int64_t tick, std::size_t num_commands) {
-    sheet::RecordedTick entry{tick, std::vector<sheet::Command>(num_commands, sheet::SetGravity{}), 0};
+    sheet::RecordedTick entry{tick, std::vector<scene::Command>(num_commands, scene::SetGravity{}), 0};
     recorder_.append(entry, [this] { return hash(); });
   }
   void prepare(std::int64_t tick) {

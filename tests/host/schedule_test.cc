@@ -13,20 +13,20 @@ namespace {
 TEST_F(HostTest, ACommandWithATickIsDoneAtTheStartOfItInTheOrderOfTheCalls) {
   create("a", small_sheet());
   std::vector<std::string> told;
-  host_->set_command_listener([&](const std::string& id, const sheet::Command& command,
+  host_->set_command_listener([&](const std::string& id, const scene::Command& command,
                                   const Result<CommandResult>& result, const ScheduleId& schedule_id) {
-    const auto* released = std::get_if<sheet::Release>(&command);
+    const auto* released = std::get_if<scene::Release>(&command);
     told.push_back(id + " " + (released != nullptr ? released->grab_id : "other") + " " +
                    std::to_string(schedule_id.at_tick) + "#" + std::to_string(schedule_id.number) + " " +
                    (result.ok() ? std::to_string(result->reply.tick) : result.error().reason));
   });
   Answers<std::int64_t> answers;
-  host_->schedule("a", sheet::Grab{"x", 0, std::nullopt, 0.0}, 4, answers.callback());
-  host_->schedule("a", sheet::Release{"x"}, 4, answers.callback());
-  host_->schedule("a", sheet::Release{"x"}, 4, answers.callback());
-  host_->schedule("a", sheet::SetPins{}, 3, answers.callback());
-  host_->schedule("a", sheet::SetPins{}, 0, answers.callback());
-  host_->schedule("nobody", sheet::SetPins{}, 9, answers.callback());
+  host_->schedule("a", scene::Grab{"x", 0, std::nullopt, 0.0}, 4, answers.callback());
+  host_->schedule("a", scene::Release{"x"}, 4, answers.callback());
+  host_->schedule("a", scene::Release{"x"}, 4, answers.callback());
+  host_->schedule("a", scene::SetPins{}, 3, answers.callback());
+  host_->schedule("a", scene::SetPins{}, 0, answers.callback());
+  host_->schedule("nobody", scene::SetPins{}, 9, answers.callback());
   host_->wait_idle();
   ASSERT_EQ(answers.count(), 6U);
   std::vector<std::string> reasons;
@@ -40,7 +40,7 @@ TEST_F(HostTest, ACommandWithATickIsDoneAtTheStartOfItInTheOrderOfTheCalls) {
   ASSERT_EQ(commands.size(), 4U);
   EXPECT_EQ(commands[0].id.at_tick, 3);
   EXPECT_EQ(commands[0].id.number, 4);
-  EXPECT_TRUE(std::holds_alternative<sheet::Grab>(commands[1].command));
+  EXPECT_TRUE(std::holds_alternative<scene::Grab>(commands[1].command));
   run_for(6 * kTick);
   EXPECT_EQ(told, (std::vector<std::string>{"a other 3#4 3", "a other 4#1 4", "a x 4#2 4", "a x 4#3 GRAB_NOT_FOUND"}));
   EXPECT_EQ(host_->metrics().commands_refused, 3);
@@ -74,7 +74,7 @@ TEST_F(HostTest, ACommandThatWaitsIsTakenBack) {
   for (const double y : {0.3, 0.5, 0.7}) {
     host_->schedule("a", scenes::line_cut({-0.1, y}, {1.1, y}), 600, answers.callback());
   }
-  host_->schedule("a", sheet::SetPins{}, 3, answers.callback());
+  host_->schedule("a", scene::SetPins{}, 3, answers.callback());
   run_for(5 * kTick);
   EXPECT_EQ(answers.at(2).value(), 3);
   Answers<ScheduledCommand> cancelled;
@@ -97,7 +97,7 @@ TEST_F(HostTest, ACommandThatWaitsIsTakenBack) {
   run_for(600 * kTick);
   EXPECT_EQ(status("a").pieces, 3);
   EXPECT_EQ(told, (std::vector<std::int64_t>{4, 1, 3}));
-  host_->schedule("a", sheet::SetPins{}, status("a").tick + 100'000, answers.callback());
+  host_->schedule("a", scene::SetPins{}, status("a").tick + 100'000, answers.callback());
   run_for(400 * kTick);
   EXPECT_EQ(status("a").run_state, RunState::kRunning);
   host_->cancel("a", 5, cancelled.callback());
@@ -113,9 +113,9 @@ TEST_F(HostTest, CommandsWithATickAreReplayed) {
   host_ = std::make_unique<Host>(std::move(options), clock_, entropy_);
   create("a", small_sheet());
   Answers<std::int64_t> answers;
-  host_->schedule("a", sheet::CutBatch{scenes::three_cuts()}, 5, answers.callback());
+  host_->schedule("a", scene::CutBatch{scenes::three_cuts()}, 5, answers.callback());
   host_->schedule("a", scenes::circle_cut({0.5, 0.5}, 0.1), 6, answers.callback());
-  host_->schedule("a", sheet::UndoCut{}, 8, answers.callback());
+  host_->schedule("a", scene::UndoCut{}, 8, answers.callback());
   run_for(2 * kTick);
   Answers<ScheduledCommand> cancelled;
   host_->cancel("a", 2, cancelled.callback());

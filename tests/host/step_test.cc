@@ -110,7 +110,7 @@ TEST_F(HostTest, ResetEndsAStepCall) {
   host_->inspect(
       "a", [posted = all_posted.get_future().share()](const sheet::Sheet&) { posted.wait(); }, [](const Status&) {});
   host_->step("a", 100'000, stepped.callback());
-  host_->submit("a", sheet::Reset{}, reset.callback());
+  host_->submit("a", scene::Reset{}, reset.callback());
   all_posted.set_value();
   host_->wait_idle();
   EXPECT_EQ(stepped.at(0)->tick, 1);

@@ -60,7 +60,7 @@ TEST_F(TickEstimateTest, ACutSaysWhatTicksTakeBeforeItAndAfter) {
   create("a", small_sheet());
   run_for(10 * kTick);
   const double before = status("a").tick_estimate.total_us();
-  sheet::Cut cut;
+  scene::Cut cut;
   cut.curve = cut::Circle{{0.5, 0.5}, 0.21};
   const CommandResult result = submit("a", cut).value();
   EXPECT_NEAR(result.timings.tick_before_us, before, 1e-2 * before);

@@ -12,7 +12,7 @@ namespace kerf::mesh {
 namespace {
 
 TEST(VertexField, GrowsWithinItsRoomWithoutMovingAndKeepsItsColumns) {
-  VertexField field(Eigen::Matrix3Xd::Random(3, 100));
+  linear::VertexField field(Eigen::Matrix3Xd::Random(3, 100));
   const Eigen::Matrix3Xd before = field;
   EXPECT_EQ(field.capacity(), 100);
   field.resize(101);
@@ -28,16 +28,16 @@ TEST(VertexField, GrowsWithinItsRoomWithoutMovingAndKeepsItsColumns) {
 }
 
 TEST(VertexField, CopiesValuesAndMovesStorage) {
-  const VertexField field(Eigen::Matrix3Xd::Random(3, 7));
-  VertexField copy = field;
+  const linear::VertexField field(Eigen::Matrix3Xd::Random(3, 7));
+  linear::VertexField copy = field;
   EXPECT_NE(copy.data(), field.data());
   EXPECT_EQ(copy, field);
   copy = copy + 2.0 * field;  // coefficient by coefficient
   EXPECT_EQ(copy, Eigen::Matrix3Xd(field + 2.0 * field));
   const double* const place = copy.data();
-  VertexField moved = std::move(copy);
+  linear::VertexField moved = std::move(copy);
   EXPECT_EQ(moved.data(), place);
-  moved = VertexField();
+  moved = linear::VertexField();
   EXPECT_EQ(moved.cols(), 0);
   moved = field;
   EXPECT_EQ(moved, field);

@@ -14,7 +14,7 @@ TEST(OfflineScene, NamesFilesRelativeToItself) {
   test::MemoryDisk disk;
   ASSERT_TRUE(disk.write_file("scenes/a.json", kScene).ok());
   ASSERT_TRUE(disk.write_file("scenes/cloth.obj", kTriangle).ok());
-  const Result<sheet::SheetConfig> config = read_scene(disk, "scenes/a.json");
+  const Result<scene::SheetConfig> config = read_scene(disk, "scenes/a.json");
   ASSERT_TRUE(config.ok()) << config.error().message;
   EXPECT_EQ(to_message(*config).sheet_id(), "cloth");
   EXPECT_EQ(to_message(*config).obj().text(), kTriangle);
@@ -30,15 +30,15 @@ TEST(OfflineScene, ThatIsMissingOrNamesAMissingFileIsRefused) {
 }
 
 TEST(OfflineOverrides, ReplaceOnlyWhatTheyName) {
-  sheet::SheetConfig config;
-  config.integrator.precision = sheet::Precision::kMixed;
+  scene::SheetConfig config;
+  config.integrator.precision = scene::Precision::kMixed;
   ASSERT_TRUE(apply({}, config).ok());
-  EXPECT_EQ(config.integrator.kind, sheet::SheetConfig().integrator.kind);
+  EXPECT_EQ(config.integrator.kind, scene::SheetConfig().integrator.kind);
   ASSERT_TRUE(apply({"bdf2", "", "direct", "real-time", "green"}, config).ok());
-  EXPECT_EQ(config.integrator.kind, sheet::IntegratorKind::kBdf2);
-  EXPECT_EQ(config.integrator.precision, sheet::Precision::kMixed);
-  EXPECT_EQ(config.integrator.solver, sheet::LinearSolverKind::kDirect);
-  EXPECT_EQ(config.fidelity, sheet::Fidelity::kRealTime);
+  EXPECT_EQ(config.integrator.kind, scene::IntegratorKind::kBdf2);
+  EXPECT_EQ(config.integrator.precision, scene::Precision::kMixed);
+  EXPECT_EQ(config.integrator.solver, scene::LinearSolverKind::kDirect);
+  EXPECT_EQ(config.fidelity, scene::Fidelity::kRealTime);
   EXPECT_EQ(config.membrane_law, fem::MembraneLaw::kGreen);
 }
 
@@ -50,11 +50,11 @@ TEST(OfflineOverrides, KnowEveryNameThatTheyList) {
 }
 
 TEST(OfflineOverrides, LeaveTheSceneAsItIsIfANameIsUnknown) {
-  sheet::SheetConfig config;
+  scene::SheetConfig config;
   const Status applied = apply({.integrator = "bdf2", .membrane_law = "hooke"}, config);
   EXPECT_EQ(applied.error().reason, "UNKNOWN_CHOICE");
   EXPECT_EQ(applied.error().field, "membrane_law");
-  EXPECT_EQ(config.integrator.kind, sheet::SheetConfig().integrator.kind);
+  EXPECT_EQ(config.integrator.kind, scene::SheetConfig().integrator.kind);
   EXPECT_FALSE(Overrides{.fidelity = "exact"}.change_integrator());
   EXPECT_TRUE(Overrides{.precision = "mixed"}.change_integrator());
 }

@@ -15,14 +15,14 @@ namespace kerf::offline {
 namespace {
 
 // Returns a small cloth that is cut at tick 3 of 6.
-sheet::SheetConfig falling_cloth() {
+scene::SheetConfig falling_cloth() {
   test::MemoryDisk disk;
   const std::string scene = R"({
     "sheet_id": "cloth", "ticks": 6, "grid": {"columns": 5, "rows": 5, "width_m": 1, "height_m": 1},
     "pins": [{"edge": "TOP"}],
     "commands": [{"tick": 3, "command": {"cut": {"curve": {"circle": {"center": {"x": 0.5, "y": 0.5}, "radius_m": 0.2}}}}}]})";
   EXPECT_TRUE(disk.write_file("cloth.json", scene).ok());
-  Result<sheet::SheetConfig> config = read_scene(disk, "cloth.json");
+  Result<scene::SheetConfig> config = read_scene(disk, "cloth.json");
   EXPECT_TRUE(config.ok()) << config.error().message;
   return std::move(config).value();
 }
@@ -64,9 +64,9 @@ TEST(OfflineRun, ReportsItsProgressAndEndsEarlyIfAsked) {
 }
 
 TEST(OfflineRun, RecordsDynamicScenesOnly) {
-  sheet::SheetConfig config = falling_cloth();
+  scene::SheetConfig config = falling_cloth();
   config.commands.clear();
-  config.analysis = sheet::StaticAnalysis{};
+  config.analysis = scene::StaticAnalysis{};
   EXPECT_EQ(run_scene(config, {.record = true}).error().reason, "RECORDING_DYNAMIC_ONLY");
 }
 

@@ -17,11 +17,11 @@
 // Random sheets that move, and what looks at them.
 namespace kerf::property {
 
-using sheet::Command;
-using sheet::Grab;
-using sheet::Release;
+using scene::Command;
+using scene::Grab;
+using scene::Release;
+using scene::SheetConfig;
 using sheet::Sheet;
-using sheet::SheetConfig;
 using sheet::Topology;
 
 // A viewer that is given patches only, as Topology's comment describes them.
@@ -55,7 +55,7 @@ inline SheetConfig random_config(SeededRandom& random, Frame& frame) {
   RandomArrays made = random_arrays(random);
   frame = made.frame;
   SheetConfig config;
-  config.mesh = sheet::ArraySource{std::move(made.arrays.rest), std::move(made.arrays.triangles),
+  config.mesh = scene::ArraySource{std::move(made.arrays.rest), std::move(made.arrays.triangles),
                                    Eigen::Matrix3Xd(3, 0), std::move(made.arrays.surface)};
   config.material.youngs_modulus_2 *= random.uniform(0.5, 1.0);
   config.material.direction = random.uniform(0.0, 3.0);
@@ -63,7 +63,7 @@ inline SheetConfig random_config(SeededRandom& random, Frame& frame) {
   if (random.below(4) == 0) config.pins = {std::vector<mesh::VertexId>{0}};
   config.gravity = {0.0, 0.0, -9.81 * frame.scale};
   config.wind = {std::min(frame.scale, 100.0) * Eigen::Vector3d(1.0, 3.0, -2.0), 1.2, 1.0};
-  config.integrator.kind = sheet::IntegratorKind::kExplicitLeapfrog;
+  config.integrator.kind = scene::IntegratorKind::kExplicitLeapfrog;
   config.integrator.max_substeps = 4;  // the motion need not keep up, it only has to be there
   return config;
 }

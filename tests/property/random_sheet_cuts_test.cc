@@ -33,7 +33,7 @@ struct Tally {
 };
 
 void cut_once(SeededRandom& random, const cut::Curve& curve, double scale, Sheet& sheet, Tally& tally) {
-  Cut cut;
+  scene::Cut cut;
   cut.curve = curve;
   cut.options.tolerance = std::pow(10.0, random.uniform(-3.0, -1.0));
   cut.options.min_angle_deg = random.uniform(5.0, 25.0);
@@ -43,7 +43,7 @@ void cut_once(SeededRandom& random, const cut::Curve& curve, double scale, Sheet
   const fem::State state_before = sheet.state();
   const fem::Momentum momentum = model_before.momentum(state_before);
   const std::uint64_t hash_before = sheet.state_hash();
-  const std::vector<Command> commands{cut};
+  const std::vector<scene::Command> commands{cut};
   const TickReport report = sheet.apply(commands);
   ++tally.cuts;
   ASSERT_EQ(sheet.mesh().find_violation(), std::nullopt);
@@ -89,7 +89,7 @@ void run_trial(std::uint64_t seed, Tally& tally) {
     if (random.below(3) == 0) stir(random, frame, sheet);
     earlier.push_back(property::random_curve(random, sheet.mesh(), frame, earlier));
     cut_once(random, earlier.back(), frame.scale, sheet, tally);
-    if (random.below(40) == 0) sheet.apply(std::vector<Command>{Reset{}});
+    if (random.below(40) == 0) sheet.apply(std::vector<scene::Command>{scene::Reset{}});
     if (::testing::Test::HasFatalFailure()) return;
     if (random.below(3) == 0) continue;  // a viewer may skip versions
     const std::shared_ptr<const Snapshot> snapshot = sheet.snapshot();

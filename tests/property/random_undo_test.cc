@@ -45,7 +45,7 @@ double area_of(const mesh::TriangleMesh& mesh) {
 
 std::vector<std::int64_t> ids_of(const Sheet& sheet) {
   std::vector<std::int64_t> ids;
-  for (const Piece& piece : sheet.pieces()) ids.push_back(piece.birth.id);
+  for (const scene::Piece& piece : sheet.pieces()) ids.push_back(piece.birth.id);
   return ids;
 }
 
@@ -76,8 +76,8 @@ class Trial {
     return std::move(made).value();
   }
 
-  Result<CommandReply> apply(Command command) {
-    TickReport report = sheet_.apply(std::vector<Command>{std::move(command)});
+  Result<scene::CommandReply> apply(scene::Command command) {
+    TickReport report = sheet_.apply(std::vector<scene::Command>{std::move(command)});
     return std::move(report.replies.at(0));
   }
 
@@ -90,11 +90,11 @@ class Trial {
   }
 
   void cut() {
-    CutBatch batch;
+    scene::CutBatch batch;
     const std::uint64_t num_cuts = random_.below(3) == 0 ? 1 + random_.below(4) : 1;
     for (std::uint64_t i = 0; i < num_cuts; ++i) {
       earlier_.push_back(property::random_curve(random_, sheet_.mesh(), frame_, earlier_));
-      Cut cut;
+      scene::Cut cut;
       cut.curve = earlier_.back();
       cut.options.max_new_triangles = 10'000;
       if (random_.below(4) == 0) cut.options.width_m = frame_.scale * std::pow(10.0, random_.uniform(-3.0, -0.5));
@@ -104,7 +104,7 @@ class Trial {
     const std::size_t undone_before = sheet_.history().num_undone();
     const std::int32_t version = sheet_.topology_version();
     const bool single = num_cuts == 1 && random_.below(2) == 0;
-    const Result<CommandReply> reply = single ? apply(batch.cuts[0]) : apply(batch);
+    const Result<scene::CommandReply> reply = single ? apply(batch.cuts[0]) : apply(batch);
     if (sheet_.topology_version() == version) {
       ASSERT_EQ(sheet_.state_hash(), before) << "what was not cut changed";
       ASSERT_EQ(sheet_.history().num_undone(), undone_before);
@@ -117,9 +117,9 @@ class Trial {
     levels_.resize(++at_);
     double removed = 0.0;
     bool took_material = false;
-    std::vector<CutReply> replies = reply->batch;
+    std::vector<scene::CutReply> replies = reply->batch;
     if (reply->cut) replies.push_back(*reply->cut);
-    for (const CutReply& done : replies) {
+    for (const scene::CutReply& done : replies) {
       removed += done.removed_mass.value_or(0.0);
       took_material = took_material || done.removed_mass.has_value();
     }
@@ -136,7 +136,7 @@ class Trial {
 
   void undo() {
     const Energy before = measure();
-    const Result<CommandReply> reply = apply(UndoCut{});
+    const Result<scene::CommandReply> reply = apply(scene::UndoCut{});
     if (at_ == 0) {
       ASSERT_FALSE(reply.ok());
       ASSERT_EQ(reply.error().reason, "NOTHING_TO_UNDO");
@@ -151,7 +151,7 @@ class Trial {
 
   void redo() {
     const Energy before = measure();
-    const Result<CommandReply> reply = apply(RedoCut{});
+    const Result<scene::CommandReply> reply = apply(scene::RedoCut{});
     if (at_ + 1 == levels_.size()) {
       ASSERT_FALSE(reply.ok());
       ASSERT_EQ(reply.error().reason, "NOTHING_TO_REDO");
@@ -194,7 +194,7 @@ class Trial {
     ASSERT_NEAR(fresh.masses().total(), level_mass, 1e-12 * levels_[0].mass);
     ASSERT_NEAR(area_of(sheet_.mesh()), level_area, 1e-12 * levels_[0].area);
     double mass = 0.0;
-    for (const Piece& piece : sheet_.pieces()) mass += piece.mass;
+    for (const scene::Piece& piece : sheet_.pieces()) mass += piece.mass;
     ASSERT_NEAR(mass, level_mass, 1e-12 * levels_[0].mass);
     for (const mesh::VertexId v : sheet_.pinned_vertices()) {
       ASSERT_LT(v, sheet_.mesh().num_vertices());

@@ -32,7 +32,7 @@ class FileRecordingTest : public ::testing::Test {
   FileRecordingTest() { open("a.kerf"); }
 
   void open(const std::string& path) { open(disk_, path); }
-  void open(host::Disk& disk, const std::string& path) {
+  void open(Disk& disk, const std::string& path) {
     recording_ = std::make_unique<FileRecording>(disk, clock_, board_, path,
                                                  [this](const std::string& line) { lines_.push_back(line); });
   }
@@ -52,7 +52,7 @@ class FileRecordingTest : public ::testing::Test {
   }
   // Appends an entry of some 100 kB.
   void append_long() {
-    sheet::Cut cut;
+    scene::Cut cut;
     cut.curve = cut::Polyline{std::vector<Eigen::Vector2d>(4096, Eigen::Vector2d(0.25, 0.75))};
     expected_.push_back({++tick_, {cut}, 1});
     recording_->append(expected_.back());
@@ -73,7 +73,7 @@ class FileRecordingTest : public ::testing::Test {
     return read->recording.entries.size();
   }
 
-  const sheet::SheetConfig config_ = scenes::hanging(3);
+  const scene::SheetConfig config_ = scenes::hanging(3);
   test::MemoryDisk disk_{kRoom};
   test::ManualClock clock_;
   RecordingBoard board_;
@@ -199,7 +199,7 @@ TEST_F(FileRecordingTest, WhatIsNeverWrittenIsCountedInALine) {
 
 TEST_F(FileRecordingTest, AFileThatCannotBeMadeIsMadeLater) {
   const test::TemporaryFolder folder;
-  host::RealDisk disk;
+  RealDisk disk;
   const std::string path = folder / "later/a.kerf";
   open(disk, path);
   recording_->start(config_);

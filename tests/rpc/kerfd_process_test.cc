@@ -228,7 +228,7 @@ TEST(KerfdConfig, VerticesOfAllSheetsFitInHalfOfTheMemoryUnlessSaidOtherwise) {
   EXPECT_EQ(app::default_total_vertices(std::int64_t{16'000'000'000}), 1'000'000);
   EXPECT_EQ(app::default_total_vertices(std::int64_t{400'000'000}), 25'000) << "a small container";
   EXPECT_EQ(app::default_total_vertices(1), 1) << "0 would be no limit";
-  EXPECT_EQ(app::default_total_vertices(0), sheet::kMaxVertices) << "where the system does not tell";
+  EXPECT_EQ(app::default_total_vertices(0), scene::kMaxVertices) << "where the system does not tell";
   EXPECT_EQ(parsed({}).max_total_vertices, app::default_total_vertices(memory_limit()));
   EXPECT_EQ(parsed({"--max-total-vertices", "0"}).max_total_vertices, 0);
   EXPECT_EQ(parsed({"--max-total-vertices", "1000000000000"}).max_total_vertices, app::kMostTotalVertices);

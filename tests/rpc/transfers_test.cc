@@ -54,7 +54,7 @@ TEST_F(RpcServerTest, ARecordingOfManyChunksIsFetchedWhole) {
   ASSERT_GT(bytes.size(), std::size_t{10} << 16) << "chunks of 64 KiB";
   const Result<wire::RecordingFile> recording = wire::decode_recording(bytes);
   ASSERT_TRUE(recording.ok()) << recording.error().message;
-  EXPECT_EQ(std::get<sheet::ObjSource>(recording->recording.config.mesh).text, file);
+  EXPECT_EQ(std::get<scene::ObjSource>(recording->recording.config.mesh).text, file);
 }
 
 TEST_F(RpcServerTest, UploadsAreRefusedByTheirFirstMessage) {

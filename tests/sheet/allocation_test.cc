@@ -19,8 +19,8 @@ constexpr double kReach = 1e-3;  // m, within which a vertex counts as in contac
 
 // A sheet with everything switched on that acts without a command: it falls on every kind of collider, is held at two
 // pins and by two grabs, is cut often, and the wind blows.
-Sheet busy_sheet(const IntegratorSettings& integrator) {
-  SheetConfig config = scenes::draped_over_sphere(12);
+Sheet busy_sheet(const scene::IntegratorSettings& integrator) {
+  scene::SheetConfig config = scenes::draped_over_sphere(12);
   config.integrator = integrator;
   config.pins = {std::vector<mesh::VertexId>{0, 1}};
   config.wind = {{1.0, 0.0, 0.0}, 1.2, 1.0};
@@ -28,16 +28,16 @@ Sheet busy_sheet(const IntegratorSettings& integrator) {
   config.colliders.push_back({contact::OrientedBox{{0.3, 0.3, 0.2}, {0.1, 0.1, 0.1}, {1.0, 0.0, 1.0}, 0.5}, 0.2});
   config.colliders.push_back({contact::Capsule{{-0.4, -0.4, 0.2}, {0.0, -0.4, 0.2}, 0.1}, 0.0});
   Sheet sheet = Sheet::create(config).value();
-  std::vector<Command> commands{Grab{"hand", Eigen::Vector2d(0.5, 0.9), std::nullopt, 0.0},
-                                Grab{"corner", mesh::VertexId{143}, Eigen::Vector3d(0.6, 0.6, 0.6), 0.0},
-                                scenes::line_cut({0.2, 0.5}, {0.8, 0.45})};
+  std::vector<scene::Command> commands{scene::Grab{"hand", Eigen::Vector2d(0.5, 0.9), std::nullopt, 0.0},
+                                       scene::Grab{"corner", mesh::VertexId{143}, Eigen::Vector3d(0.6, 0.6, 0.6), 0.0},
+                                       scenes::line_cut({0.2, 0.5}, {0.8, 0.45})};
   SeededRandom random(1);
   for (int i = 0; i < 8; ++i) {
-    Cut cut;
+    scene::Cut cut;
     cut.curve = test::random_cubic(random);
     commands.emplace_back(cut);
   }
-  for (const Result<CommandReply>& reply : sheet.apply(commands).replies) EXPECT_TRUE(reply.ok());
+  for (const Result<scene::CommandReply>& reply : sheet.apply(commands).replies) EXPECT_TRUE(reply.ok());
   return sheet;
 }
 
@@ -50,13 +50,13 @@ int num_touching(const Sheet& sheet) {
   return touching;
 }
 
-class SheetAllocation : public testing::TestWithParam<IntegratorSettings> {};
+class SheetAllocation : public testing::TestWithParam<scene::IntegratorSettings> {};
 
 TEST_P(SheetAllocation, ATickWithoutCommandsAllocatesNothing) {
   if (!test::counts_allocations()) GTEST_SKIP() << "the sanitizer has its own malloc";
   Sheet sheet = busy_sheet(GetParam());
   EXPECT_EQ(num_touching(sheet), 0);
-  const bool is_explicit = GetParam().kind == IntegratorKind::kExplicitLeapfrog;
+  const bool is_explicit = GetParam().kind == scene::IntegratorKind::kExplicitLeapfrog;
   EXPECT_EQ(sheet.integrator_description().find("clusters") != std::string::npos, is_explicit);
   const std::size_t before = test::num_allocations();
   for (int i = 0; i < 60; ++i) sheet.step({});
@@ -76,24 +76,25 @@ TEST_P(SheetAllocation, TheCounterSeesWhatAViewerAndAMatrixCost) {
   EXPECT_EQ(copy.cols(), sheet.mesh().num_vertices());
 }
 
-IntegratorSettings settings(IntegratorKind kind, LinearSolverKind solver) {
-  IntegratorSettings made;
+scene::IntegratorSettings settings(scene::IntegratorKind kind, scene::LinearSolverKind solver) {
+  scene::IntegratorSettings made;
   made.kind = kind;
   made.solver = solver;
   return made;
 }
 
-INSTANTIATE_TEST_SUITE_P(Integrators, SheetAllocation,
-                         testing::Values(settings(IntegratorKind::kExplicitLeapfrog, LinearSolverKind::kDirect),
-                                         settings(IntegratorKind::kImplicitEuler, LinearSolverKind::kDirect),
-                                         settings(IntegratorKind::kImplicitEuler, LinearSolverKind::kBlockJacobiCg),
-                                         settings(IntegratorKind::kImplicitEuler, LinearSolverKind::kMultigridCg)),
-                         [](const testing::TestParamInfo<IntegratorSettings>& tested) {
-                           if (tested.param.kind == IntegratorKind::kExplicitLeapfrog) return std::string("Explicit");
-                           if (tested.param.solver == LinearSolverKind::kDirect) return std::string("ImplicitDirect");
-                           const bool is_multigrid = tested.param.solver == LinearSolverKind::kMultigridCg;
-                           return std::string(is_multigrid ? "ImplicitMultigrid" : "ImplicitIterative");
-                         });
+INSTANTIATE_TEST_SUITE_P(
+    Integrators, SheetAllocation,
+    testing::Values(settings(scene::IntegratorKind::kExplicitLeapfrog, scene::LinearSolverKind::kDirect),
+                    settings(scene::IntegratorKind::kImplicitEuler, scene::LinearSolverKind::kDirect),
+                    settings(scene::IntegratorKind::kImplicitEuler, scene::LinearSolverKind::kBlockJacobiCg),
+                    settings(scene::IntegratorKind::kImplicitEuler, scene::LinearSolverKind::kMultigridCg)),
+    [](const testing::TestParamInfo<scene::IntegratorSettings>& tested) {
+      if (tested.param.kind == scene::IntegratorKind::kExplicitLeapfrog) return std::string("Explicit");
+      if (tested.param.solver == scene::LinearSolverKind::kDirect) return std::string("ImplicitDirect");
+      const bool is_multigrid = tested.param.solver == scene::LinearSolverKind::kMultigridCg;
+      return std::string(is_multigrid ? "ImplicitMultigrid" : "ImplicitIterative");
+    });
 
 }  // namespace
 }  // namespace kerf::sheet

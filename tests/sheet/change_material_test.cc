@@ -13,25 +13,25 @@ fem::Material preset(const char* name) {
   return fem::find_preset(name).value();
 }
 
-SetMaterial everywhere(fem::Material material) {
+scene::SetMaterial everywhere(fem::Material material) {
   return {std::move(material), std::nullopt};
 }
 
-SetMaterial in_part(fem::Material material, std::int32_t part) {
+scene::SetMaterial in_part(fem::Material material, std::int32_t part) {
   return {std::move(material), part};
 }
 
 // Wool whose right half is denim, with a spot of silk in the middle.
-SheetConfig three_materials() {
-  SheetConfig config = scenes::hanging(11);
+scene::SheetConfig three_materials() {
+  scene::SheetConfig config = scenes::hanging(11);
   config.material = preset("wool");
-  config.materials = {{MaterialBox{{0.5, 0.0}, {1.0, 1.0}}, preset("denim")},
-                      {MaterialBox{{0.3, 0.3}, {0.7, 0.7}}, preset("silk")}};
+  config.materials = {{scene::MaterialBox{{0.5, 0.0}, {1.0, 1.0}}, preset("denim")},
+                      {scene::MaterialBox{{0.3, 0.3}, {0.7, 0.7}}, preset("silk")}};
   return config;
 }
 
 TEST(SetMaterial, TheSheetGoesOnAsOneMadeOfIt) {
-  SheetConfig config = scenes::hanging(11);
+  scene::SheetConfig config = scenes::hanging(11);
   config.material = preset("wool");
   Sheet changed = make(config);
   config.material = preset("rubber");
@@ -49,8 +49,8 @@ TEST(SetMaterial, KeepsStatePinsGrabsCutsAndHistory) {
   Sheet sheet = make(scenes::hanging(11));
   run(sheet, 5);
   ASSERT_TRUE(apply(sheet, scenes::three_cuts()[0]).ok());
-  ASSERT_TRUE(apply(sheet, Grab{"given", 0, std::nullopt, 12.5}).ok());
-  ASSERT_TRUE(apply(sheet, Grab{"default", 5, std::nullopt, 0.0}).ok());
+  ASSERT_TRUE(apply(sheet, scene::Grab{"given", 0, std::nullopt, 12.5}).ok());
+  ASSERT_TRUE(apply(sheet, scene::Grab{"default", 5, std::nullopt, 0.0}).ok());
   run(sheet, 5);
   const Sheet before = sheet;
   ASSERT_TRUE(apply(sheet, everywhere(preset("silk"))).ok());
@@ -67,8 +67,8 @@ TEST(SetMaterial, KeepsStatePinsGrabsCutsAndHistory) {
   EXPECT_NE(sheet.state_hash(), before.state_hash()) << "it will move otherwise";
   EXPECT_EQ(sheet.grabs()[0].stiffness, 12.5);
   Sheet anew = sheet;
-  ASSERT_TRUE(apply(anew, Release{"default"}).ok());
-  ASSERT_TRUE(apply(anew, Grab{"default", 5, std::nullopt, 0.0}).ok());
+  ASSERT_TRUE(apply(anew, scene::Release{"default"}).ok());
+  ASSERT_TRUE(apply(anew, scene::Grab{"default", 5, std::nullopt, 0.0}).ok());
   EXPECT_EQ(sheet.grabs()[1].stiffness, anew.grabs()[1].stiffness) << "as stiff as the new material bears";
   EXPECT_NE(sheet.grabs()[1].stiffness, before.grabs()[1].stiffness);
   EXPECT_NEAR(sheet.pieces()[0].mass, sheet.model().masses().total(), 1e-12);
@@ -81,10 +81,10 @@ TEST(SetMaterial, OnePartAtATime) {
   ASSERT_TRUE(apply(sheet, in_part(preset("rubber"), 1)).ok());
   EXPECT_NEAR(sheet.model().masses().total() - mass, 0.16 * (density(preset("rubber")) - density(preset("silk"))),
               1e-9);
-  ASSERT_TRUE(apply(sheet, in_part(preset("cotton"), SetMaterial::kOwn)).ok());
+  ASSERT_TRUE(apply(sheet, in_part(preset("cotton"), scene::SetMaterial::kOwn)).ok());
   const std::vector<fem::Material> expected{preset("cotton"), preset("denim"), preset("rubber")};
   EXPECT_EQ(sheet.materials().entries, expected);
-  SheetConfig config = three_materials();
+  scene::SheetConfig config = three_materials();
   config.material = preset("cotton");
   config.materials[1].material = preset("rubber");
   EXPECT_EQ(sheet.model().hash(), make(config).model().hash());
@@ -95,14 +95,14 @@ TEST(SetMaterial, OnePartAtATime) {
 }
 
 TEST(SetMaterial, PartsThatWereEqualAreOneAndCoveredOnesAreNowhere) {
-  SheetConfig config = scenes::hanging(9);
-  config.materials = {{MaterialBox{{0.0, 0.0}, {0.5, 0.5}}, preset("denim")},
-                      {MaterialBox{{0.5, 0.5}, {1.0, 1.0}}, preset("denim")},
-                      {MaterialBox{{0.0, 0.5}, {0.5, 1.0}}, preset("silk")},
-                      {MaterialBox{{0.0, 0.5}, {0.5, 1.0}}, preset("foil")}};
+  scene::SheetConfig config = scenes::hanging(9);
+  config.materials = {{scene::MaterialBox{{0.0, 0.0}, {0.5, 0.5}}, preset("denim")},
+                      {scene::MaterialBox{{0.5, 0.5}, {1.0, 1.0}}, preset("denim")},
+                      {scene::MaterialBox{{0.0, 0.5}, {0.5, 1.0}}, preset("silk")},
+                      {scene::MaterialBox{{0.0, 0.5}, {0.5, 1.0}}, preset("foil")}};
   Sheet sheet = make(config);
   const std::uint64_t model = sheet.model().hash();
-  const Result<CommandReply> shared = apply(sheet, in_part(preset("wool"), 1));
+  const Result<scene::CommandReply> shared = apply(sheet, in_part(preset("wool"), 1));
   ASSERT_EQ(reason(shared), "MATERIAL_SHARED");
   EXPECT_EQ(shared.error().message.substr(0, 19), "part 1 and part 0 h");
   EXPECT_EQ(sheet.model().hash(), model);
@@ -127,24 +127,24 @@ TEST(SetMaterial, CutsUnderAnotherMaterialAreUndoneAndMadeAgain) {
     EXPECT_TRUE(sheet.state().x.allFinite());
   };
   for (int i = 0; i < 2; ++i) {
-    ASSERT_TRUE(apply(sheet, UndoCut{}).ok());
+    ASSERT_TRUE(apply(sheet, scene::UndoCut{}).ok());
     expect_model_of_mesh();
   }
   EXPECT_EQ(sheet.mesh().state_hash(), uncut);
   for (int i = 0; i < 2; ++i) {
-    ASSERT_TRUE(apply(sheet, RedoCut{}).ok());
+    ASSERT_TRUE(apply(sheet, scene::RedoCut{}).ok());
     expect_model_of_mesh();
   }
   EXPECT_EQ(sheet.mesh().state_hash(), cut);
 }
 
 TEST(SetMaterial, ARecordingWithItReplaysBitForBit) {
-  std::vector<std::vector<Command>> ticks(20);
+  std::vector<std::vector<scene::Command>> ticks(20);
   ticks[2] = {scenes::three_cuts()[0]};
   ticks[5] = {everywhere(preset("foil")), in_part(preset("rubber"), 1)};
-  ticks[9] = {UndoCut{}};
-  ticks[12] = {RedoCut{}, in_part(preset("silk"), SetMaterial::kOwn)};
-  ticks[16] = {Reset{}};
+  ticks[9] = {scene::UndoCut{}};
+  ticks[12] = {scene::RedoCut{}, in_part(preset("silk"), scene::SetMaterial::kOwn)};
+  ticks[16] = {scene::Reset{}};
   expect_equal_replay(three_materials(), ticks);
 }
 
@@ -159,7 +159,7 @@ TEST(SetMaterial, ACopyGoesOnEqually) {
 }
 
 TEST(SetMaterial, TooStiffIsRefusedWithTheNumberAndChangesNothing) {
-  SheetConfig config = scenes::hanging(9);
+  scene::SheetConfig config = scenes::hanging(9);
   config.tick_rate_hz = 1.0;
   Sheet sheet = make(config);
   run(sheet, 3);
@@ -171,7 +171,7 @@ TEST(SetMaterial, TooStiffIsRefusedWithTheNumberAndChangesNothing) {
   ASSERT_EQ(refused(config), "SHEET_TOO_STIFF material.youngs_modulus_pa");
   const std::uint64_t state = sheet.state_hash(), model = sheet.model().hash();
   const std::int32_t settings = sheet.settings_version();
-  const Result<CommandReply> reply = apply(sheet, everywhere(diamond));
+  const Result<scene::CommandReply> reply = apply(sheet, everywhere(diamond));
   ASSERT_EQ(reason(reply), "SHEET_TOO_STIFF");
   EXPECT_EQ(reply.error().field, "set_material.material.youngs_modulus_pa");
   const double condition = fem::condition_number(fem::Model(sheet.mesh(), diamond), 1.0);
@@ -187,7 +187,7 @@ TEST(SetMaterial, IsRefusedOutOfItsRanges) {
   Sheet sheet = make(scenes::hanging(5));
   fem::Material bad = preset("wool");
   bad.thickness = 2.0;
-  const Result<CommandReply> thick = apply(sheet, everywhere(bad));
+  const Result<scene::CommandReply> thick = apply(sheet, everywhere(bad));
   ASSERT_FALSE(thick.ok());
   EXPECT_EQ(thick.error().field, "set_material.material.thickness_m");
   EXPECT_EQ(apply(sheet, in_part(preset("wool"), -2)).error().field, "set_material.part");
@@ -201,7 +201,7 @@ TEST(SetMaterial, AResetGoesBackToTheScenes) {
   ASSERT_TRUE(apply(sheet, everywhere(preset("foil"))).ok());
   EXPECT_NE(sheet.shape_hash(), shape);
   run(sheet, 5);
-  ASSERT_TRUE(apply(sheet, Reset{}).ok());
+  ASSERT_TRUE(apply(sheet, scene::Reset{}).ok());
   EXPECT_EQ(sheet.shape_hash(), shape);
   EXPECT_EQ(sheet.model().hash(), model);
 }
@@ -215,7 +215,7 @@ TEST(SetMaterial, TheSceneSOwnMaterialSetAgainLeavesTheHashAlone) {
 }
 
 TEST(SetMaterial, APlanarSheetStillBendsNowhere) {
-  SheetConfig config = scenes::hanging(7);
+  scene::SheetConfig config = scenes::hanging(7);
   config.planar = true;
   Sheet sheet = make(config);
   ASSERT_TRUE(apply(sheet, everywhere(preset("denim"))).ok());
@@ -224,14 +224,14 @@ TEST(SetMaterial, APlanarSheetStillBendsNowhere) {
 }
 
 TEST(SetMaterial, AThickerSheetLiesHigher) {
-  SheetConfig config = scenes::lying_on_floor(7);
+  scene::SheetConfig config = scenes::lying_on_floor(7);
   Sheet sheet = make(config);
   fem::Material thick = config.material;
   thick.thickness = 0.02;
   ASSERT_TRUE(apply(sheet, everywhere(thick)).ok());
   run(sheet, 240);
   EXPECT_NEAR(sheet.state().x.row(2).minCoeff(), 0.01, 1e-3);
-  ASSERT_TRUE(apply(sheet, Reset{}).ok());
+  ASSERT_TRUE(apply(sheet, scene::Reset{}).ok());
   run(sheet, 60);
   EXPECT_NEAR(sheet.state().x.row(2).minCoeff(), 0.5 * config.material.thickness, 1e-4);
 }
@@ -245,13 +245,13 @@ TEST(SetMaterial, WakesASheetAtRest) {
 }
 
 TEST(SetMaterial, OfASheetWithASlopeHeldAndAMomentIsTheModelOfAFreshOne) {
-  SheetConfig config = scenes::flat(9);
-  Constraint clamp = hold(RegionEdge::kLeft);
+  scene::SheetConfig config = scenes::flat(9);
+  scene::Constraint clamp = hold(scene::RegionEdge::kLeft);
   clamp.slope = true;
   config.constraints = {clamp};
   config.material = preset("rubber");
-  Load moment;
-  moment.kind = EdgeMoment{RegionEdge::kRight, 1.0e-4, true};
+  scene::Load moment;
+  moment.kind = scene::EdgeMoment{scene::RegionEdge::kRight, 1.0e-4, true};
   config.loads = {moment};
   Sheet changed = make(config);
   ASSERT_TRUE(apply(changed, everywhere(preset("paper"))).ok());

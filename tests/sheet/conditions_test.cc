@@ -28,9 +28,9 @@ const fem::Pin* find_pin(const Sheet& sheet, mesh::VertexId v) {
 }
 
 TEST(Constraints, HoldTheChosenComponentsAndNoOthers) {
-  SheetConfig config = flat(5);
+  scene::SheetConfig config = flat(5);
   config.gravity = {1.0, 2.0, -3.0};
-  config.constraints = {hold(RegionEdge::kTop)};
+  config.constraints = {hold(scene::RegionEdge::kTop)};
   config.constraints[0].held = {false, true, false};
   Sheet sheet = make(config);
   run(sheet, 30);
@@ -43,11 +43,11 @@ TEST(Constraints, HoldTheChosenComponentsAndNoOthers) {
 }
 
 TEST(Constraints, FollowTheirHistoriesStretchesAndRotations) {
-  SheetConfig config = flat(5);
-  Constraint moved = hold(WholeSheet{});
+  scene::SheetConfig config = flat(5);
+  scene::Constraint moved = hold(scene::WholeSheet{});
   moved.displacement = {0.0, 0.0, 0.5};
   moved.stretch.col(0) = Vector3d(0.1, 0.0, 0.0);
-  moved.rotation = Rotation{{0.0, 0.0, 2.0}, {1.0, 0.0, 0.0}, std::numbers::pi};
+  moved.rotation = scene::Rotation{{0.0, 0.0, 2.0}, {1.0, 0.0, 0.0}, std::numbers::pi};
   moved.history = {{0.0, 1.0}, {0.0, 1.0}};
   config.constraints = {moved};
   Sheet sheet = make(config);
@@ -67,9 +67,9 @@ TEST(Constraints, FollowTheirHistoriesStretchesAndRotations) {
 }
 
 TEST(Constraints, EndWhenTheirTimeIsOver) {
-  SheetConfig config = flat(5);
+  scene::SheetConfig config = flat(5);
   config.gravity = {0.0, 0.0, -9.81};
-  config.constraints = {hold(WholeSheet{})};
+  config.constraints = {hold(scene::WholeSheet{})};
   config.constraints[0].until = 0.5;
   Sheet sheet = make(config);
   run(sheet, 29);
@@ -80,12 +80,12 @@ TEST(Constraints, EndWhenTheirTimeIsOver) {
 }
 
 TEST(Constraints, TheLastOfSeveralAndAConstraintOverAPinHold) {
-  SheetConfig config = flat(5);
-  config.pins = {RegionEdge::kTop};
-  Constraint first = hold(RegionEdge::kTop);
+  scene::SheetConfig config = flat(5);
+  config.pins = {scene::RegionEdge::kTop};
+  scene::Constraint first = hold(scene::RegionEdge::kTop);
   first.displacement = {1.0, 1.0, 1.0};
   first.held = {true, true, false};
-  Constraint second = hold(NearestVertex{{1.0, 1.0}});
+  scene::Constraint second = hold(scene::NearestVertex{{1.0, 1.0}});
   second.displacement = {2.0, 0.0, 0.0};
   second.held = {true, false, false};
   config.constraints = {first, second};
@@ -98,7 +98,7 @@ TEST(Constraints, TheLastOfSeveralAndAConstraintOverAPinHold) {
 }
 
 TEST(Constraints, ListedVerticesMayEachGoTheirOwnWay) {
-  SheetConfig config = flat(5);
+  scene::SheetConfig config = flat(5);
   config.constraints = {hold(std::vector<mesh::VertexId>{7, 2})};
   config.constraints[0].displacements.resize(3, 2);
   config.constraints[0].displacements << 0.7, 0.2, 0.0, 0.0, 0.0, 0.0;
@@ -109,8 +109,8 @@ TEST(Constraints, ListedVerticesMayEachGoTheirOwnWay) {
 
 TEST(Constraints, ReachNewVerticesOnTheirPlaceAndLeaveWithAnUndo) {
   for (const bool listed : {false, true}) {
-    SheetConfig config = flat(5);
-    Region top = RegionEdge::kTop;
+    scene::SheetConfig config = flat(5);
+    scene::Region top = scene::RegionEdge::kTop;
     if (listed) top = std::vector<mesh::VertexId>{20, 21, 22, 23, 24};
     config.constraints = {hold(top)};
     config.constraints[0].stretch.col(0) = Vector3d(0.0, 1.0, 0.0);
@@ -128,37 +128,37 @@ TEST(Constraints, ReachNewVerticesOnTheirPlaceAndLeaveWithAnUndo) {
       new_on_top += v >= 25 ? 1 : 0;
     }
     EXPECT_GE(new_on_top, 2) << "a vertex for each lip";
-    ASSERT_TRUE(apply(sheet, UndoCut{}).ok());
+    ASSERT_TRUE(apply(sheet, scene::UndoCut{}).ok());
     EXPECT_EQ(sheet.loads().pins.size(), 5U);
     EXPECT_EQ(sheet.shape_hash(), before);
-    ASSERT_TRUE(apply(sheet, RedoCut{}).ok());
+    ASSERT_TRUE(apply(sheet, scene::RedoCut{}).ok());
     EXPECT_EQ(sheet.loads().pins.size(), static_cast<std::size_t>(5 + new_on_top));
   }
 }
 
 TEST(Constraints, AResetBeginsTheirHistoriesAnew) {
-  SheetConfig config = flat(5);
-  config.constraints = {hold(WholeSheet{})};
+  scene::SheetConfig config = flat(5);
+  config.constraints = {hold(scene::WholeSheet{})};
   config.constraints[0].displacement = {1.0, 0.0, 0.0};
   config.constraints[0].history = {{0.0, 1.0}, {0.0, 1.0}};
   Sheet sheet = make(config);
   run(sheet, 20);
   const Vector3d there = sheet.state().x.col(3);
-  ASSERT_TRUE(apply(sheet, Reset{}).ok());
+  ASSERT_TRUE(apply(sheet, scene::Reset{}).ok());
   EXPECT_EQ(Vector3d(sheet.state().x.col(3)), Vector3d(0.75, 0.0, 0.0));
   run(sheet, 20);
   EXPECT_EQ(Vector3d(sheet.state().x.col(3)), there);
 }
 
 TEST(Constraints, CopiesGoOnAlike) {
-  SheetConfig config = flat(9);
+  scene::SheetConfig config = flat(9);
   config.gravity = {0.0, 0.0, -9.81};
-  config.constraints = {hold(RegionEdge::kTop), hold(RegionEdge::kBottom)};
+  config.constraints = {hold(scene::RegionEdge::kTop), hold(scene::RegionEdge::kBottom)};
   config.constraints[0].slope = true;
-  config.constraints[0].rotation = Rotation{{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, 1.0};
+  config.constraints[0].rotation = scene::Rotation{{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, 1.0};
   config.constraints[0].history = {{0.0, 0.5}, {0.0, 1.0}};
   config.constraints[1].until = 0.4;
-  config.loads = {{PointForce{Vector2d(0.4, 0.4), Vector3d(0.0, 0.0, 0.01)}, {{0.0, 0.3}, {0.0, 1.0}}}};
+  config.loads = {{scene::PointForce{Vector2d(0.4, 0.4), Vector3d(0.0, 0.0, 0.01)}, {{0.0, 0.3}, {0.0, 1.0}}}};
   Sheet sheet = make(config);
   run(sheet, 11);
   ASSERT_TRUE(apply(sheet, scenes::line_cut({0.3, 0.2}, {0.7, 1.2})).ok());
@@ -169,21 +169,21 @@ TEST(Constraints, CopiesGoOnAlike) {
 }
 
 TEST(Constraints, AfterAResetSlopesAreHeldAsByAFreshSheet) {
-  SheetConfig config = flat(9);
+  scene::SheetConfig config = flat(9);
   config.gravity = {0.0, 0.0, -9.81};
-  config.constraints = {hold(RegionEdge::kTop)};
+  config.constraints = {hold(scene::RegionEdge::kTop)};
   config.constraints[0].slope = true;
   Sheet fresh = make(config);
   Sheet again = make(config);
   run(again, 11);
-  ASSERT_TRUE(apply(again, Reset{}).ok());
+  ASSERT_TRUE(apply(again, scene::Reset{}).ok());
   run(fresh, 20);
   run(again, 20);
   EXPECT_EQ(again.state().x, fresh.state().x);
 }
 
 TEST(PlanarSheets, StayInTheirPlaneAndDoNotBend) {
-  SheetConfig config = flat(6);
+  scene::SheetConfig config = flat(6);
   config.planar = true;
   config.gravity = {0.0, -1.0, -9.81};
   Sheet sheet = make(config);
@@ -197,34 +197,34 @@ TEST(PlanarSheets, StayInTheirPlaneAndDoNotBend) {
 }
 
 TEST(Forces, AddUpToWhatWasAskedForThroughCuts) {
-  SheetConfig config = flat(9);
+  scene::SheetConfig config = flat(9);
   const Vector3d force(1.0, -2.0, 0.5);
-  config.loads = {{EdgeForce{RegionEdge::kRight, force, true}, {}},
-                  {EdgeForce{RegionEdge::kTop, force, false}, {}},
-                  {AreaForce{WholeSheet{}, force, true}, {}},
-                  {AreaForce{MaterialBox{{0.0, 0.0}, {0.5, 0.5}}, force, false}, {}},
-                  {PointForce{Vector2d(0.3, 0.3), force}, {}},
-                  {PointForce{mesh::VertexId{44}, force}, {}}};
+  config.loads = {{scene::EdgeForce{scene::RegionEdge::kRight, force, true}, {}},
+                  {scene::EdgeForce{scene::RegionEdge::kTop, force, false}, {}},
+                  {scene::AreaForce{scene::WholeSheet{}, force, true}, {}},
+                  {scene::AreaForce{scene::MaterialBox{{0.0, 0.0}, {0.5, 0.5}}, force, false}, {}},
+                  {scene::PointForce{Vector2d(0.3, 0.3), force}, {}},
+                  {scene::PointForce{mesh::VertexId{44}, force}, {}}};
   Sheet sheet = make(config);
   const Vector3d all = (1.0 + 1.0 + 1.0 + 0.25 + 1.0 + 1.0) * force;
   EXPECT_LT((total_force(sheet) - all).norm(), 1e-12);
   ASSERT_TRUE(apply(sheet, scenes::line_cut({0.5, 0.7}, {1.2, 0.8})).ok());
   ASSERT_TRUE(apply(sheet, scenes::line_cut({0.72, 0.6}, {0.7, 1.2})).ok());
   EXPECT_LT((total_force(sheet) - all).norm(), 1e-9);
-  ASSERT_TRUE(apply(sheet, UndoCut{}).ok());
+  ASSERT_TRUE(apply(sheet, scene::UndoCut{}).ok());
   EXPECT_LT((total_force(sheet) - all).norm(), 1e-9);
   // Corners of an edge carry half of what its other vertices do.
-  config.loads = {{EdgeForce{RegionEdge::kRight, force, true}, {}}};
+  config.loads = {{scene::EdgeForce{scene::RegionEdge::kRight, force, true}, {}}};
   sheet = make(config);
   EXPECT_LT((Vector3d(sheet.loads().external_forces.col(8)) - force / 16.0).norm(), 1e-15);
   EXPECT_LT((Vector3d(sheet.loads().external_forces.col(17)) - force / 8.0).norm(), 1e-15);
 }
 
 TEST(Forces, ActOnLipsOnceAScheduledCutHasMadeThem) {
-  SheetConfig config = flat(9);
+  scene::SheetConfig config = flat(9);
   const Vector3d force(0.0, 0.0, 3.0);
-  const MaterialLine upper_lip{{0.0, 0.5}, {1.0, 0.5}, 0.0, MaterialLine::Side::kLeft};
-  config.loads = {{EdgeForce{upper_lip, force, true}, {}}};
+  const scene::MaterialLine upper_lip{{0.0, 0.5}, {1.0, 0.5}, 0.0, scene::MaterialLine::Side::kLeft};
+  config.loads = {{scene::EdgeForce{upper_lip, force, true}, {}}};
   EXPECT_EQ(refused(config), "NOTHING_LOADED loads[0].edge.region");
   config.commands = {{2, scenes::line_cut({0.25, 0.5}, {0.75, 0.5})}};
   Sheet sheet = make(config);
@@ -235,10 +235,10 @@ TEST(Forces, ActOnLipsOnceAScheduledCutHasMadeThem) {
 }
 
 TEST(Forces, FollowTheirHistories) {
-  SheetConfig config = flat(5);
+  scene::SheetConfig config = flat(5);
   config.gravity = {0.0, 0.0, -1.0};
   config.gravity_history = {{0.0, 1.0}, {0.0, 1.0}};
-  config.loads = {{AreaForce{WholeSheet{}, {0.0, 0.0, 2.0}, true}, {{0.0, 0.5}, {1.0, 0.0}}}};
+  config.loads = {{scene::AreaForce{scene::WholeSheet{}, {0.0, 0.0, 2.0}, true}, {{0.0, 0.5}, {1.0, 0.0}}}};
   Sheet sheet = make(config);
   run(sheet, 15);
   EXPECT_NEAR(total_force(sheet).z(), 1.0, 1e-12);
@@ -249,7 +249,7 @@ TEST(Forces, FollowTheirHistories) {
 }
 
 TEST(Forces, KeepASheetAwakeThatTheyWillStillMove) {
-  SheetConfig config = flat(5);
+  scene::SheetConfig config = flat(5);
   config.material.mass_damping = 0.0;
   config.gravity = {0.0, 0.0, -1.0};
   config.gravity_history = {{1.5, 1.6}, {0.0, 1.0}};
@@ -262,11 +262,11 @@ TEST(Forces, KeepASheetAwakeThatTheyWillStillMove) {
 }
 
 TEST(Forces, PressureAndMomentsStayWhereTheyActThroughCuts) {
-  SheetConfig config = flat(9);
-  config.loads = {{Pressure{WholeSheet{}, 3.0}, {}},
-                  {Pressure{MaterialBox{{0.0, 0.0}, {0.5, 1.0}}, 2.0}, {{0.0, 1.0}, {0.0, 1.0}}},
-                  {EdgeMoment{RegionEdge::kRight, 0.5, true}, {}},
-                  {EdgeMoment{RegionEdge::kTop, 0.25, false}, {}}};
+  scene::SheetConfig config = flat(9);
+  config.loads = {{scene::Pressure{scene::WholeSheet{}, 3.0}, {}},
+                  {scene::Pressure{scene::MaterialBox{{0.0, 0.0}, {0.5, 1.0}}, 2.0}, {{0.0, 1.0}, {0.0, 1.0}}},
+                  {scene::EdgeMoment{scene::RegionEdge::kRight, 0.5, true}, {}},
+                  {scene::EdgeMoment{scene::RegionEdge::kTop, 0.25, false}, {}}};
   Sheet sheet = make(config);
   const auto pressed = [&] {
     double force = 0.0;  // N, while the sheet is flat
@@ -299,8 +299,9 @@ TEST(Forces, PressureAndMomentsStayWhereTheyActThroughCuts) {
 // Two moments at one edge are one: what they store at the border goes by their sum.
 TEST(Forces, MomentsOfSeveralLoadsAddUpEdgeByEdge) {
   const auto stored = [](const std::vector<double>& moments) {
-    SheetConfig config = flat(5);
-    for (const double moment : moments) config.loads.push_back({EdgeMoment{RegionEdge::kTop, moment, false}, {}});
+    scene::SheetConfig config = flat(5);
+    for (const double moment : moments)
+      config.loads.push_back({scene::EdgeMoment{scene::RegionEdge::kTop, moment, false}, {}});
     const Sheet sheet = make(config);
     EXPECT_EQ(sheet.loads().edge_moments.size(), 4U);
     return sheet.energies().bending;
@@ -313,14 +314,14 @@ TEST(Forces, MomentsOfSeveralLoadsAddUpEdgeByEdge) {
 }
 
 TEST(Forces, WithoutAnythingToActOnAreRefused) {
-  SheetConfig config = flat(5);
-  config.loads = {{EdgeForce{NearestVertex{{0.0, 0.0}}, {1.0, 0.0, 0.0}, true}, {}}};
+  scene::SheetConfig config = flat(5);
+  config.loads = {{scene::EdgeForce{scene::NearestVertex{{0.0, 0.0}}, {1.0, 0.0, 0.0}, true}, {}}};
   EXPECT_EQ(refused(config), "NOTHING_LOADED loads[0].edge.region");
-  config.loads = {{AreaForce{RegionEdge::kTop, {1.0, 0.0, 0.0}, true}, {}}};
+  config.loads = {{scene::AreaForce{scene::RegionEdge::kTop, {1.0, 0.0, 0.0}, true}, {}}};
   EXPECT_EQ(refused(config), "NOTHING_LOADED loads[0].area.region");
-  config.loads = {{PointForce{Vector2d(1.5, 0.0), {1.0, 0.0, 0.0}}, {}}};
+  config.loads = {{scene::PointForce{Vector2d(1.5, 0.0), {1.0, 0.0, 0.0}}, {}}};
   EXPECT_EQ(refused(config), "POINT_OUTSIDE loads[0].point.material");
-  config.loads = {{PointForce{mesh::VertexId{25}, {1.0, 0.0, 0.0}}, {}}};
+  config.loads = {{scene::PointForce{mesh::VertexId{25}, {1.0, 0.0, 0.0}}, {}}};
   EXPECT_EQ(refused(config), "UNKNOWN_VERTEX loads[0].point.vertex");
   config.loads.clear();
   config.constraints = {hold(std::vector<mesh::VertexId>{3, 25})};
@@ -328,8 +329,8 @@ TEST(Forces, WithoutAnythingToActOnAreRefused) {
 }
 
 TEST(InitialVelocities, TurnAboutTheCentreOfMassUnlessToldOtherwise) {
-  SheetConfig config = flat(5);
-  config.initial_velocity = InitialVelocity{{1.0, 0.0, 0.0}, {0.0, 0.0, 2.0}, {}};
+  scene::SheetConfig config = flat(5);
+  config.initial_velocity = scene::InitialVelocity{{1.0, 0.0, 0.0}, {0.0, 0.0, 2.0}, {}};
   Sheet sheet = make(config);
   EXPECT_LT(
       (sheet.model().momentum(sheet.state()).linear - sheet.model().masses().total() * Vector3d(1.0, 0.0, 0.0)).norm(),
@@ -338,22 +339,22 @@ TEST(InitialVelocities, TurnAboutTheCentreOfMassUnlessToldOtherwise) {
   config.initial_velocity->centre = Vector3d(1.0, 1.0, 0.0);
   EXPECT_LT((Vector3d(make(config).state().v.col(24)) - Vector3d(1.0, 0.0, 0.0)).norm(), 1e-12);
   run(sheet, 5);
-  ASSERT_TRUE(apply(sheet, Reset{}).ok());
+  ASSERT_TRUE(apply(sheet, scene::Reset{}).ok());
   EXPECT_LT((Vector3d(sheet.state().v.col(24)) - Vector3d(0.0, 1.0, 0.0)).norm(), 1e-12);
 }
 
 TEST(Integrators, AreThoseThatTheSceneAsksFor) {
-  SheetConfig config = flat(5);
+  scene::SheetConfig config = flat(5);
   config.gravity = {0.0, 0.0, -9.81};
   config.material.mass_damping = 0.0;
   // Free fall by one tick tells them apart: implicit Euler is half a tick late, those of second order are right.
-  for (const IntegratorKind kind :
-       {IntegratorKind::kImplicitEuler, IntegratorKind::kTrapezoidal, IntegratorKind::kBdf2, IntegratorKind::kTrBdf2}) {
+  for (const scene::IntegratorKind kind : {scene::IntegratorKind::kImplicitEuler, scene::IntegratorKind::kTrapezoidal,
+                                           scene::IntegratorKind::kBdf2, scene::IntegratorKind::kTrBdf2}) {
     config.integrator.kind = kind;
     Sheet sheet = make(config);
     sheet.step({});
     const double exact = -0.5 * 9.81 * sheet.dt() * sheet.dt();
-    const double factor = kind == IntegratorKind::kImplicitEuler ? 2.0 : 1.0;
+    const double factor = kind == scene::IntegratorKind::kImplicitEuler ? 2.0 : 1.0;
     EXPECT_NEAR(sheet.state().x(2, 12), factor * exact, 1e-6 * std::abs(exact)) << sheet.integrator_description();
   }
 }

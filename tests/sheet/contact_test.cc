@@ -16,9 +16,9 @@ namespace {
 
 constexpr double kGravity = 9.81;  // m/s^2
 
-class SheetContact : public ::testing::TestWithParam<IntegratorKind> {
+class SheetContact : public ::testing::TestWithParam<scene::IntegratorKind> {
  protected:
-  static Sheet make(SheetConfig config) {
+  static Sheet make(scene::SheetConfig config) {
     config.integrator.kind = GetParam();
     Result<Sheet> created = Sheet::create(std::move(config));
     if (!created.ok()) ADD_FAILURE() << created.error().message;
@@ -26,7 +26,7 @@ class SheetContact : public ::testing::TestWithParam<IntegratorKind> {
   }
   // On a plane that gravity is inclined to, by an angle of this tangent.
   static Sheet on_incline(double tangent, double friction) {
-    SheetConfig config = scenes::lying_on_floor(6);
+    scene::SheetConfig config = scenes::lying_on_floor(6);
     config.material.mass_damping = 0.0;
     config.colliders[0].friction = friction;
     const double angle = std::atan(tangent);
@@ -48,7 +48,7 @@ TEST_P(SheetContact, SlidesDownAnInclineAsCoulombSays) {
 
 TEST_P(SheetContact, SticksOnAnInclineWithoutCreeping) {
   Sheet sheet = on_incline(0.5, 0.6);
-  const mesh::VertexField before = sheet.state().x;
+  const linear::VertexField before = sheet.state().x;
   for (int tick = 0; tick < 120; ++tick) sheet.step({});
   EXPECT_LT((sheet.state().x - before).cwiseAbs().maxCoeff(), 1e-7);
 }
@@ -56,7 +56,7 @@ TEST_P(SheetContact, SticksOnAnInclineWithoutCreeping) {
 // The part below the sphere pulls at the vertices that touch it. A solve without contact stretches the sheet by the
 // distance that each vertex is then moved back.
 TEST_P(SheetContact, ASheetDrapedOverASphereIsHardlyStretched) {
-  SheetConfig config = scenes::draped_over_sphere(14);
+  scene::SheetConfig config = scenes::draped_over_sphere(14);
   config.material.mass_damping = 5.0;
   Sheet sheet = make(std::move(config));
   double deepest = 0.0;
@@ -73,7 +73,7 @@ TEST_P(SheetContact, ASheetDrapedOverASphereIsHardlyStretched) {
 }
 
 TEST_P(SheetContact, CollidersOutOfReachChangeNothing) {
-  SheetConfig config = scenes::draped_over_sphere(8);
+  scene::SheetConfig config = scenes::draped_over_sphere(8);
   const contact::Collider ball = config.colliders[0];
   Sheet alone = make(config);
   config.colliders.clear();
@@ -89,9 +89,9 @@ TEST_P(SheetContact, CollidersOutOfReachChangeNothing) {
 
 // Far from everything a sheet moves as without bodies, to the last bit.
 TEST(ExplicitContact, ABodyThatNothingComesNearChangesNoBit) {
-  for (const Precision precision : {Precision::kMixed, Precision::kDouble}) {
-    SheetConfig config = scenes::hanging(12);
-    config.integrator.kind = IntegratorKind::kExplicitLeapfrog;
+  for (const scene::Precision precision : {scene::Precision::kMixed, scene::Precision::kDouble}) {
+    scene::SheetConfig config = scenes::hanging(12);
+    config.integrator.kind = scene::IntegratorKind::kExplicitLeapfrog;
     config.integrator.precision = precision;
     Result<Sheet> alone = Sheet::create(config);
     config.colliders = {{contact::Plane{{0.0, 0.0, -50.0}, {0.0, 0.0, 1.0}}, 0.5},
@@ -108,7 +108,7 @@ TEST(ExplicitContact, ABodyThatNothingComesNearChangesNoBit) {
 }
 
 TEST_P(SheetContact, ASheetThatStartsInsideABodyIsBroughtOutGently) {
-  SheetConfig config = scenes::draped_over_sphere(14);
+  scene::SheetConfig config = scenes::draped_over_sphere(14);
   config.placement.origin.z() -= 0.2;
   config.material.mass_damping = 1.0;
   Sheet sheet = make(std::move(config));
@@ -131,8 +131,8 @@ TEST_P(SheetContact, ASheetThatStartsInsideABodyIsBroughtOutGently) {
 // Offcuts and what they were cut from fall on a floor and come to rest on it, tiny triangles with local inertia among
 // them.
 TEST(ExplicitContact, WhatWasCutLandsOnTheFloor) {
-  SheetConfig config = scenes::lying_on_floor(30);
-  config.integrator.kind = IntegratorKind::kExplicitLeapfrog;
+  scene::SheetConfig config = scenes::lying_on_floor(30);
+  config.integrator.kind = scene::IntegratorKind::kExplicitLeapfrog;
   config.placement.origin.z() += 0.02;
   config.material.mass_damping = 2.0;
   config.colliders[0].friction = 0.5;
@@ -142,9 +142,9 @@ TEST(ExplicitContact, WhatWasCutLandsOnTheFloor) {
   SeededRandom random(4);
   const std::size_t wanted = static_cast<std::size_t>(test::num_trials({.few = 12, .usual = 16, .many = 30}));
   for (std::size_t done = 0; done < wanted;) {
-    Cut cut;
+    scene::Cut cut;
     cut.curve = test::random_cubic(random);
-    const std::array<Command, 1> commands{cut};
+    const std::array<scene::Command, 1> commands{cut};
     const TickReport report = sheet.step(commands);
     if (report.replies.front().ok()) ++done;
   }
@@ -166,9 +166,9 @@ TEST(ExplicitContact, WhatWasCutLandsOnTheFloor) {
 
 // One of these sheets gained 1.5e-4 J in a tick while bodies pushed the vertices of clusters one by one.
 TEST(ExplicitContact, WhatWasCutIsNotThrownWhereItComesUponAnIncline) {
-  SheetConfig config = scenes::flat(30);
+  scene::SheetConfig config = scenes::flat(30);
   config.gravity.z() = -kGravity;
-  config.integrator.kind = IntegratorKind::kExplicitLeapfrog;
+  config.integrator.kind = scene::IntegratorKind::kExplicitLeapfrog;
   config.material = fem::find_preset("demo").value();
   config.material.youngs_modulus_1 = config.material.youngs_modulus_2 = 1.5e5;
   config.material.shear_modulus = 1.5e5 / 2.6;
@@ -180,13 +180,13 @@ TEST(ExplicitContact, WhatWasCutIsNotThrownWhereItComesUponAnIncline) {
     ASSERT_TRUE(made.ok());
     Sheet& sheet = *made;
     SeededRandom random(seed);
-    std::vector<Command> cuts(20);
-    for (Command& command : cuts) {
-      Cut cut;
+    std::vector<scene::Command> cuts(20);
+    for (scene::Command& command : cuts) {
+      scene::Cut cut;
       cut.curve = test::random_cubic(random);
       command = cut;
     }
-    for (const Result<CommandReply>& reply : sheet.step(cuts).replies) EXPECT_TRUE(reply.ok());
+    for (const Result<scene::CommandReply>& reply : sheet.step(cuts).replies) EXPECT_TRUE(reply.ok());
     ASSERT_NE(sheet.integrator_description().find("clusters"), std::string::npos);
     const Eigen::Vector3d normal = Eigen::Vector3d(0.4, 0.2, 1.0).normalized();
     double before = sheet.energies().total();
@@ -206,9 +206,9 @@ TEST(ExplicitContact, WhatWasCutIsNotThrownWhereItComesUponAnIncline) {
 
 // Clusters that one wall pushes towards another are seen by both.
 TEST(ExplicitContact, WhatWasCutStaysOutsideBothWallsOfAValley) {
-  SheetConfig config = scenes::flat(30);
+  scene::SheetConfig config = scenes::flat(30);
   config.gravity.z() = -kGravity;
-  config.integrator.kind = IntegratorKind::kExplicitLeapfrog;
+  config.integrator.kind = scene::IntegratorKind::kExplicitLeapfrog;
   config.placement.origin = {-0.5, -0.5, 0.85};
   const std::array<Eigen::Vector3d, 2> normals{Eigen::Vector3d(0.8, 0.0, 0.6),
                                                Eigen::Vector3d(-0.8, 0.1, 0.6).normalized()};
@@ -219,9 +219,9 @@ TEST(ExplicitContact, WhatWasCutStaysOutsideBothWallsOfAValley) {
   ASSERT_TRUE(made.ok());
   Sheet& sheet = *made;
   SeededRandom random(1);
-  std::vector<Command> cuts(20);
-  for (Command& command : cuts) {
-    Cut cut;
+  std::vector<scene::Command> cuts(20);
+  for (scene::Command& command : cuts) {
+    scene::Cut cut;
     cut.curve = test::random_cubic(random);
     command = cut;
   }
@@ -246,9 +246,10 @@ TEST(ExplicitContact, WhatWasCutStaysOutsideBothWallsOfAValley) {
 }
 
 INSTANTIATE_TEST_SUITE_P(, SheetContact,
-                         ::testing::Values(IntegratorKind::kExplicitLeapfrog, IntegratorKind::kImplicitEuler),
-                         [](const ::testing::TestParamInfo<IntegratorKind>& tested) {
-                           const bool is_explicit = tested.param == IntegratorKind::kExplicitLeapfrog;
+                         ::testing::Values(scene::IntegratorKind::kExplicitLeapfrog,
+                                           scene::IntegratorKind::kImplicitEuler),
+                         [](const ::testing::TestParamInfo<scene::IntegratorKind>& tested) {
+                           const bool is_explicit = tested.param == scene::IntegratorKind::kExplicitLeapfrog;
                            return std::string(is_explicit ? "Explicit" : "Implicit");
                          });
 

@@ -14,20 +14,20 @@ constexpr double kEdge = 1.0 / 60.0;  // m, of every sheet, so that what is stif
 
 // Returns the same cut with the same number of triangles under it, for a sheet of `side` vertices a side. `offset`:
 // edge lengths from the middle of the sheet.
-Cut cut_of(int side, double offset) {
+scene::Cut cut_of(int side, double offset) {
   const double middle = 0.5 * (side - 1);
   const auto at = [&](double x, double y) -> Eigen::Vector2d {
     return {kEdge * (middle + x), kEdge * (middle + y + offset)};
   };
-  Cut cut;
+  scene::Cut cut;
   cut.curve = cut::CubicBezier{{at(-8.3, 0.2), at(-3.1, 4.7), at(2.9, -5.2), at(8.4, 0.3)}};
   return cut;
 }
 
 // A piece of the same number of triangles, cut out beside.
-Cut hole_of(int side) {
+scene::Cut hole_of(int side) {
   const double middle = 0.5 * (side - 1);
-  Cut cut;
+  scene::Cut cut;
   cut.curve = cut::Circle{{kEdge * (middle + 0.3), kEdge * (middle - 16.2)}, 5.1 * kEdge};
   return cut;
 }
@@ -41,16 +41,16 @@ struct Work {
   std::int32_t crossed = 0;
 };
 
-Work work_of(int side, IntegratorKind integrator) {
-  SheetConfig config = scenes::hanging(side);
+Work work_of(int side, scene::IntegratorKind integrator) {
+  scene::SheetConfig config = scenes::hanging(side);
   const double size = kEdge * (side - 1);
-  config.mesh = GridSource{side, side, size, size, GridPattern::kUniformDiagonals, 0};
+  config.mesh = scene::GridSource{side, side, size, size, scene::GridPattern::kUniformDiagonals, 0};
   config.integrator.kind = integrator;
   Sheet sheet = Sheet::create(config).value();
   // Makes buffers that grow with the sheet grow here, by half or more, so that they do not below.
-  EXPECT_TRUE(sheet.apply({{Command(cut_of(side, 12.0))}}).replies[0].ok());
+  EXPECT_TRUE(sheet.apply({{scene::Command(cut_of(side, 12.0))}}).replies[0].ok());
   Work work;
-  const auto bytes_of = [&](const Command& command) {
+  const auto bytes_of = [&](const scene::Command& command) {
     const std::size_t before = test::allocated_bytes();
     const TickReport report = sheet.apply({&command, 1});
     const std::size_t bytes = test::allocated_bytes() - before;
@@ -59,14 +59,14 @@ Work work_of(int side, IntegratorKind integrator) {
     return bytes;
   };
   work.cut_bytes = bytes_of(cut_of(side, 0.0));
-  work.undo_bytes = bytes_of(UndoCut{});
-  work.redo_bytes = bytes_of(RedoCut{});
+  work.undo_bytes = bytes_of(scene::UndoCut{});
+  work.redo_bytes = bytes_of(scene::RedoCut{});
   work.split_bytes = bytes_of(hole_of(side));
   work.pieces = sheet.pieces().size();
   return work;
 }
 
-class CutLocality : public testing::TestWithParam<IntegratorKind> {};
+class CutLocality : public testing::TestWithParam<scene::IntegratorKind> {};
 
 TEST_P(CutLocality, WhatACutItsUndoAndItsRedoAllocateDoesNotGrowWithTheSheet) {
   if (!test::counts_allocations()) GTEST_SKIP() << "the sanitizer has its own malloc";
@@ -84,24 +84,25 @@ TEST_P(CutLocality, WhatACutItsUndoAndItsRedoAllocateDoesNotGrowWithTheSheet) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Integrators, CutLocality,
-                         testing::Values(IntegratorKind::kExplicitLeapfrog, IntegratorKind::kImplicitEuler));
+                         testing::Values(scene::IntegratorKind::kExplicitLeapfrog,
+                                         scene::IntegratorKind::kImplicitEuler));
 
-class FollowedCuts : public testing::TestWithParam<IntegratorSettings> {};
+class FollowedCuts : public testing::TestWithParam<scene::IntegratorSettings> {};
 
 // A copy makes a new integrator.
 TEST_P(FollowedCuts, StepAsIfTheIntegratorWereNew) {
-  SheetConfig config = scenes::hanging(14);
+  scene::SheetConfig config = scenes::hanging(14);
   config.integrator = GetParam();
   Sheet sheet = Sheet::create(config).value();
-  const std::array<Command, 8> commands{scenes::line_cut({0.2, 0.31}, {0.8, 0.37}),
-                                        scenes::bezier_cut({0.1, 0.6}, {0.3, 0.4}, {0.5, 0.7}, {0.9, 0.6}),
-                                        scenes::line_cut({0.52, 0.1}, {0.47, 0.9}),
-                                        UndoCut{},
-                                        UndoCut{},
-                                        RedoCut{},
-                                        scenes::circle_cut({0.3, 0.6}, 0.15),
-                                        UndoCut{}};
-  for (const Command& command : commands) {
+  const std::array<scene::Command, 8> commands{scenes::line_cut({0.2, 0.31}, {0.8, 0.37}),
+                                               scenes::bezier_cut({0.1, 0.6}, {0.3, 0.4}, {0.5, 0.7}, {0.9, 0.6}),
+                                               scenes::line_cut({0.52, 0.1}, {0.47, 0.9}),
+                                               scene::UndoCut{},
+                                               scene::UndoCut{},
+                                               scene::RedoCut{},
+                                               scenes::circle_cut({0.3, 0.6}, 0.15),
+                                               scene::UndoCut{}};
+  for (const scene::Command& command : commands) {
     ASSERT_TRUE(sheet.apply({&command, 1}).replies[0].ok());
     Sheet copy = sheet;
     sheet.step({});
@@ -110,20 +111,20 @@ TEST_P(FollowedCuts, StepAsIfTheIntegratorWereNew) {
   }
 }
 
-IntegratorSettings settings_of(IntegratorKind kind, LinearSolverKind solver) {
-  IntegratorSettings settings;
+scene::IntegratorSettings settings_of(scene::IntegratorKind kind, scene::LinearSolverKind solver) {
+  scene::IntegratorSettings settings;
   settings.kind = kind;
   settings.solver = solver;
   return settings;
 }
 
-INSTANTIATE_TEST_SUITE_P(Integrators, FollowedCuts,
-                         testing::Values(settings_of(IntegratorKind::kExplicitLeapfrog,
-                                                     LinearSolverKind::kBlockJacobiCg),
-                                         settings_of(IntegratorKind::kImplicitEuler, LinearSolverKind::kBlockJacobiCg),
-                                         settings_of(IntegratorKind::kImplicitEuler, LinearSolverKind::kDirect),
-                                         settings_of(IntegratorKind::kImplicitEuler, LinearSolverKind::kMultigridCg),
-                                         settings_of(IntegratorKind::kAutomatic, LinearSolverKind::kBlockJacobiCg)));
+INSTANTIATE_TEST_SUITE_P(
+    Integrators, FollowedCuts,
+    testing::Values(settings_of(scene::IntegratorKind::kExplicitLeapfrog, scene::LinearSolverKind::kBlockJacobiCg),
+                    settings_of(scene::IntegratorKind::kImplicitEuler, scene::LinearSolverKind::kBlockJacobiCg),
+                    settings_of(scene::IntegratorKind::kImplicitEuler, scene::LinearSolverKind::kDirect),
+                    settings_of(scene::IntegratorKind::kImplicitEuler, scene::LinearSolverKind::kMultigridCg),
+                    settings_of(scene::IntegratorKind::kAutomatic, scene::LinearSolverKind::kBlockJacobiCg)));
 
 }  // namespace
 }  // namespace kerf::sheet

@@ -13,8 +13,8 @@ using Eigen::Vector3d;
 
 using scenes::flat;
 
-EdgeForce normal(Region region, double newtons_per_metre) {
-  EdgeForce edge;
+scene::EdgeForce normal(scene::Region region, double newtons_per_metre) {
+  scene::EdgeForce edge;
   edge.region = std::move(region);
   edge.normal = newtons_per_metre;
   return edge;
@@ -25,10 +25,10 @@ Vector3d force_at(const Sheet& sheet, mesh::VertexId v) {
 }
 
 TEST(NormalForces, PointAwayFromTheMaterialAsTheSheetIsPlaced) {
-  SheetConfig config = flat(5);
+  scene::SheetConfig config = flat(5);
   config.placement.x_axis = Vector3d(1.0, 1.0, 0.0).normalized();
   config.placement.y_axis = {0.0, 0.0, 1.0};
-  config.loads = {{normal(RegionEdge::kRight, 3.0), {}}};
+  config.loads = {{normal(scene::RegionEdge::kRight, 3.0), {}}};
   Sheet sheet = make(config);
   EXPECT_LT((force_at(sheet, 14) - 0.25 * 3.0 * config.placement.x_axis).norm(), 1e-12);
   EXPECT_LT((force_at(sheet, 4) - 0.125 * 3.0 * config.placement.x_axis).norm(), 1e-12);
@@ -40,13 +40,13 @@ TEST(NormalForces, PointAwayFromTheMaterialAsTheSheetIsPlaced) {
 }
 
 TEST(NormalForces, AroundAHoleAreInBalanceAndPushItOpen) {
-  SheetConfig config = flat(4);
-  OutlineSource outline;
+  scene::SheetConfig config = flat(4);
+  scene::OutlineSource outline;
   outline.boundary = cut::Circle{{0.0, 0.0}, 0.5};
   outline.holes = {cut::Ellipse{{0.1, 0.0}, {0.2, 0.1}, 0.4}};
   outline.edge_length = 0.05;
   config.mesh = outline;
-  config.loads = {{normal(NearestBorder{{0.1, 0.0}}, -2.0), {}}};
+  config.loads = {{normal(scene::NearestBorder{{0.1, 0.0}}, -2.0), {}}};
   const Sheet sheet = make(config);
   Vector3d sum = Vector3d::Zero();
   double area = 0.0;  // m^2, of the hole, by the divergence theorem
@@ -60,9 +60,9 @@ TEST(NormalForces, AroundAHoleAreInBalanceAndPushItOpen) {
 }
 
 TEST(NormalForces, ActOnBothLipsOfACutAgainstEachOther) {
-  SheetConfig config = flat(9);
+  scene::SheetConfig config = flat(9);
   config.commands = {{1, scenes::line_cut({0.25, 0.5}, {0.75, 0.5})}};
-  config.loads = {{normal(MaterialLine{{0.25, 0.5}, {0.75, 0.5}}, -1.0), {}}};
+  config.loads = {{normal(scene::MaterialLine{{0.25, 0.5}, {0.75, 0.5}}, -1.0), {}}};
   Sheet sheet = make(config);
   EXPECT_EQ(sheet.loads().external_forces.cwiseAbs().maxCoeff(), 0.0) << "no lips yet";
   sheet.step({});
@@ -78,12 +78,12 @@ TEST(NormalForces, ActOnBothLipsOfACutAgainstEachOther) {
 }
 
 TEST(LinearFactors, GiveTheIntegralsOfALinearTraction) {
-  SheetConfig config = flat(5);
-  EdgeForce edge;
-  edge.region = RegionEdge::kRight;
+  scene::SheetConfig config = flat(5);
+  scene::EdgeForce edge;
+  edge.region = scene::RegionEdge::kRight;
   edge.force = {2.0, 0.0, 0.0};
   edge.is_total = false;
-  edge.factor = LinearFactor{{0.7, 0.25}, {0.0, 4.0}};
+  edge.factor = scene::LinearFactor{{0.7, 0.25}, {0.0, 4.0}};
   config.loads = {{edge, {}}};
   const Sheet sheet = make(config);
   double force = 0.0;
@@ -99,13 +99,13 @@ TEST(LinearFactors, GiveTheIntegralsOfALinearTraction) {
 }
 
 TEST(LinearFactors, MultiplyTotalsAndNormalsAlike) {
-  SheetConfig config = flat(5);
-  config.mesh = GridSource{5, 5, 2.0, 1.0, GridPattern::kUniformDiagonals, 0};
-  EdgeForce total;
-  total.region = RegionEdge::kTop;
+  scene::SheetConfig config = flat(5);
+  config.mesh = scene::GridSource{5, 5, 2.0, 1.0, scene::GridPattern::kUniformDiagonals, 0};
+  scene::EdgeForce total;
+  total.region = scene::RegionEdge::kTop;
   total.force = {0.0, 6.0, 0.0};
-  total.factor = LinearFactor{{0.0, 0.0}, {0.5, 0.0}};  // 0 on the left, 1 on the right
-  EdgeForce along = normal(RegionEdge::kTop, 3.0);
+  total.factor = scene::LinearFactor{{0.0, 0.0}, {0.5, 0.0}};  // 0 on the left, 1 on the right
+  scene::EdgeForce along = normal(scene::RegionEdge::kTop, 3.0);
   along.factor = total.factor;
   config.loads = {{total, {}}};
   const Sheet of_total = make(config);
@@ -116,10 +116,10 @@ TEST(LinearFactors, MultiplyTotalsAndNormalsAlike) {
 }
 
 TEST(LinearFactors, AreRefusedByName) {
-  SheetConfig config = flat(5);
-  EdgeForce edge;
-  edge.region = RegionEdge::kRight;
-  const auto with = [&](const LinearFactor& factor) {
+  scene::SheetConfig config = flat(5);
+  scene::EdgeForce edge;
+  edge.region = scene::RegionEdge::kRight;
+  const auto with = [&](const scene::LinearFactor& factor) {
     edge.factor = factor;
     config.loads = {{edge, {}}};
     return refused(config);

@@ -15,8 +15,8 @@ fem::Material known_material(const char* name) {
 }
 
 // Held by an edge, level at first.
-SheetConfig level_sheet(const char* material, std::int32_t n, Fidelity fidelity) {
-  SheetConfig config = scenes::hanging(n);
+scene::SheetConfig level_sheet(const char* material, std::int32_t n, scene::Fidelity fidelity) {
+  scene::SheetConfig config = scenes::hanging(n);
   config.placement.y_axis = {0.0, 1.0, 0.0};
   config.material = known_material(material);
   config.fidelity = fidelity;
@@ -24,8 +24,8 @@ SheetConfig level_sheet(const char* material, std::int32_t n, Fidelity fidelity)
 }
 
 // Makes a sheet of wool that is softened 4 times.
-SheetConfig softened_wool() {
-  return level_sheet("wool", 42, Fidelity::kRealTime);
+scene::SheetConfig softened_wool() {
+  return level_sheet("wool", 42, scene::Fidelity::kRealTime);
 }
 
 std::int32_t substeps_of_a_tick(Sheet sheet) {
@@ -33,9 +33,9 @@ std::int32_t substeps_of_a_tick(Sheet sheet) {
 }
 
 // m, the largest distance to the exact sheet after 0.3 s.
-double largest_error(const SheetConfig& real_time) {
-  SheetConfig config = real_time;
-  config.fidelity = Fidelity::kExact;
+double largest_error(const scene::SheetConfig& real_time) {
+  scene::SheetConfig config = real_time;
+  config.fidelity = scene::Fidelity::kExact;
   Sheet exact = make(config), sheet = make(real_time);
   run(exact, kTicksToCompare);
   run(sheet, kTicksToCompare);
@@ -43,11 +43,11 @@ double largest_error(const SheetConfig& real_time) {
 }
 
 TEST(Fidelity, IsExactUnlessAskedFor) {
-  EXPECT_EQ(SheetConfig{}.fidelity, Fidelity::kExact);
-  Sheet exact = make(level_sheet("demo", 15, Fidelity::kExact));
+  EXPECT_EQ(scene::SheetConfig{}.fidelity, scene::Fidelity::kExact);
+  Sheet exact = make(level_sheet("demo", 15, scene::Fidelity::kExact));
   EXPECT_FALSE(exact.softening());
   EXPECT_EQ(exact.integrator_description().find("real time"), std::string::npos);
-  Sheet sheet = make(level_sheet("demo", 15, Fidelity::kRealTime));
+  Sheet sheet = make(level_sheet("demo", 15, scene::Fidelity::kRealTime));
   ASSERT_TRUE(sheet.softening());
   EXPECT_EQ(sheet.softening()->factor, 1) << "fits as it is";
   run(exact, 10);
@@ -56,7 +56,7 @@ TEST(Fidelity, IsExactUnlessAskedFor) {
 }
 
 TEST(Fidelity, StiffSheetsTakeFewerSubstepsAndBendAsBefore) {
-  const Sheet exact = make(level_sheet("wool", 42, Fidelity::kExact));
+  const Sheet exact = make(level_sheet("wool", 42, scene::Fidelity::kExact));
   const Sheet sheet = make(softened_wool());
   ASSERT_TRUE(sheet.softening());
   EXPECT_EQ(sheet.softening()->factor, 4);
@@ -71,14 +71,14 @@ TEST(Fidelity, StiffSheetsTakeFewerSubstepsAndBendAsBefore) {
 }
 
 TEST(Fidelity, TheErrorOfWoolIsWithinWhatIsStated) {
-  const SheetConfig config = softened_wool();
+  const scene::SheetConfig config = softened_wool();
   const double error = largest_error(config);
   EXPECT_GT(error, 1e-6);
   EXPECT_LT(error, make(config).softening()->expected_error);
 }
 
 TEST(Fidelity, TheErrorOfPaperIsWithinWhatIsStated) {
-  const SheetConfig config = level_sheet("paper", 40, Fidelity::kRealTime);
+  const scene::SheetConfig config = level_sheet("paper", 40, scene::Fidelity::kRealTime);
   ASSERT_EQ(make(config).softening()->factor, 4);
   const double error = largest_error(config);
   EXPECT_GT(error, 1e-6);
@@ -94,38 +94,38 @@ TEST(Fidelity, CutsUndoAndRedoKeepTheFactorAndAResetGivesItBack) {
     EXPECT_EQ(sheet.model().elements().law(sheet.mesh().triangle_at(0)).material, expected) << after;
     EXPECT_NE(sheet.integrator_description().find("4 times softer"), std::string::npos) << after;
   };
-  for (Cut& cut : scenes::three_cuts()) ASSERT_TRUE(apply(sheet, std::move(cut)).ok());
+  for (scene::Cut& cut : scenes::three_cuts()) ASSERT_TRUE(apply(sheet, std::move(cut)).ok());
   expect_softened("cuts");
   const std::uint64_t cut_model = sheet.model().hash();
-  for (int i = 0; i < 3; ++i) ASSERT_TRUE(apply(sheet, UndoCut{}).ok());
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(apply(sheet, scene::UndoCut{}).ok());
   expect_softened("undo");
   EXPECT_EQ(sheet.model().hash(), model);
-  for (int i = 0; i < 3; ++i) ASSERT_TRUE(apply(sheet, RedoCut{}).ok());
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(apply(sheet, scene::RedoCut{}).ok());
   EXPECT_EQ(sheet.model().hash(), cut_model);
-  ASSERT_TRUE(apply(sheet, SetMaterial{known_material("demo"), std::nullopt}).ok());
+  ASSERT_TRUE(apply(sheet, scene::SetMaterial{known_material("demo"), std::nullopt}).ok());
   EXPECT_EQ(sheet.softening()->factor, 1);
   EXPECT_EQ(sheet.model().elements().law(sheet.mesh().triangle_at(0)).material, known_material("demo"));
-  ASSERT_TRUE(apply(sheet, SetMaterial{known_material("wool"), std::nullopt}).ok());
+  ASSERT_TRUE(apply(sheet, scene::SetMaterial{known_material("wool"), std::nullopt}).ok());
   EXPECT_EQ(sheet.model().hash(), cut_model) << "chosen on the uncut mesh";
   expect_softened("another material and back");
-  ASSERT_TRUE(apply(sheet, SetMaterial{known_material("demo"), std::nullopt}).ok());
-  ASSERT_TRUE(apply(sheet, Reset{}).ok());
+  ASSERT_TRUE(apply(sheet, scene::SetMaterial{known_material("demo"), std::nullopt}).ok());
+  ASSERT_TRUE(apply(sheet, scene::Reset{}).ok());
   expect_softened("reset");
   EXPECT_EQ(sheet.model().hash(), model);
 }
 
 TEST(Fidelity, CopiesAndRecordingsGoTheSameWay) {
-  std::vector<std::vector<Command>> ticks(8);
+  std::vector<std::vector<scene::Command>> ticks(8);
   ticks[2] = {scenes::three_cuts()[0]};
-  ticks[3] = {UndoCut{}};
-  ticks[4] = {SetMaterial{known_material("paper"), std::nullopt}};
-  ticks[6] = {Reset{}};
+  ticks[3] = {scene::UndoCut{}};
+  ticks[4] = {scene::SetMaterial{known_material("paper"), std::nullopt}};
+  ticks[6] = {scene::Reset{}};
   expect_equal_replay(softened_wool(), ticks);
 }
 
 TEST(Fidelity, StaticScenesAreExact) {
-  SheetConfig config = softened_wool();
-  config.analysis = StaticAnalysis{};
+  scene::SheetConfig config = softened_wool();
+  config.analysis = scene::StaticAnalysis{};
   EXPECT_FALSE(make(config).softening());
 }
 

@@ -20,41 +20,41 @@ using Eigen::Vector3d;
 
 struct Golden {
   std::string scene;
-  std::function<SheetConfig()> config;
+  std::function<scene::SheetConfig()> config;
   int ticks;
   std::uint64_t hash;
 };
 
-SheetConfig stiff_implicit() {
-  SheetConfig config = scenes::hanging_with_three_cuts(14);
+scene::SheetConfig stiff_implicit() {
+  scene::SheetConfig config = scenes::hanging_with_three_cuts(14);
   config.material = fem::find_preset("wool").value();
-  config.integrator.kind = IntegratorKind::kTrBdf2;
-  config.integrator.solver = LinearSolverKind::kFactorCg;
+  config.integrator.kind = scene::IntegratorKind::kTrBdf2;
+  config.integrator.solver = scene::LinearSolverKind::kFactorCg;
   return config;
 }
 
-SheetConfig pulled_in_the_wind() {
-  SheetConfig config = scenes::hanging(16);
-  std::get<GridSource>(config.mesh).pattern = GridPattern::kJitteredDelaunay;
-  std::get<GridSource>(config.mesh).seed = 7;
-  config.pins = {RegionEdge::kTopCorners};
+scene::SheetConfig pulled_in_the_wind() {
+  scene::SheetConfig config = scenes::hanging(16);
+  std::get<scene::GridSource>(config.mesh).pattern = scene::GridPattern::kJitteredDelaunay;
+  std::get<scene::GridSource>(config.mesh).seed = 7;
+  config.pins = {scene::RegionEdge::kTopCorners};
   config.wind = {Vector3d(2.0, 5.0, 0.0), 1.2, 1.0};
-  config.commands = {{1, Grab{"hand", Vector2d(0.52, 0.33), std::nullopt, 0.0}},
-                     {5, Drag{"hand", Vector3d(0.5, 0.4, 0.5)}},
+  config.commands = {{1, scene::Grab{"hand", Vector2d(0.52, 0.33), std::nullopt, 0.0}},
+                     {5, scene::Drag{"hand", Vector3d(0.5, 0.4, 0.5)}},
                      {10, scenes::line_cut({0.45, 0.5}, {0.6, 0.1})},
-                     {20, Release{"hand"}}};
+                     {20, scene::Release{"hand"}}};
   return config;
 }
 
-SheetConfig cut_over_sphere() {
-  SheetConfig config = scenes::draped_over_sphere(20);
+scene::SheetConfig cut_over_sphere() {
+  scene::SheetConfig config = scenes::draped_over_sphere(20);
   config.commands = {{40, scenes::line_cut({-0.1, 0.5}, {0.7, 0.55})}};
   return config;
 }
 
-SheetConfig implicit_over_sphere() {
-  SheetConfig config = scenes::draped_over_sphere(10);
-  config.integrator.kind = IntegratorKind::kImplicitEuler;
+scene::SheetConfig implicit_over_sphere() {
+  scene::SheetConfig config = scenes::draped_over_sphere(10);
+  config.integrator.kind = scene::IntegratorKind::kImplicitEuler;
   return config;
 }
 
@@ -97,7 +97,7 @@ TEST(Golden, ACopyContinuesWithEqualHashes) {
     for (int i = 0; i < 15; ++i) original.step({});
     Sheet copy = original;
     ASSERT_EQ(copy.state_hash(), original.state_hash());
-    const std::vector<Command> cut{scenes::bezier_cut({0.1, 0.6}, {0.3, 0.4}, {0.5, 0.7}, {0.7, 0.6})};
+    const std::vector<scene::Command> cut{scenes::bezier_cut({0.1, 0.6}, {0.3, 0.4}, {0.5, 0.7}, {0.7, 0.6})};
     original.step(cut);
     copy.step(cut);
     for (int i = 0; i < 15; ++i) {
@@ -111,21 +111,21 @@ TEST(Golden, ACopyContinuesWithEqualHashes) {
 // A run with commands of every kind, some while time stands still.
 Recording record() {
   Recorder recorder;
-  SheetConfig config = pulled_in_the_wind();
+  scene::SheetConfig config = pulled_in_the_wind();
   recorder.start(config);
   Sheet sheet = make(config);
-  const auto note = [&](std::vector<Command> commands, bool advance) {
+  const auto note = [&](std::vector<scene::Command> commands, bool advance) {
     const TickReport report = advance ? sheet.step(commands) : sheet.apply(commands);
     recorder.append({report.tick, std::move(commands), sheet.state_hash()});
   };
   note({scenes::circle_cut({0.3, 0.6}, 0.1)}, false);
   for (int i = 0; i < 12; ++i) note({}, true);
-  note({SetGravity{Vector3d(0, 0, -3)}, Drag{"nobody", Vector3d(0, 0, 0)}}, true);
-  note({SetPins{{RegionEdge::kLeft}}, scenes::line_cut({0.2, -0.1}, {0.25, 1.1})}, false);
+  note({scene::SetGravity{Vector3d(0, 0, -3)}, scene::Drag{"nobody", Vector3d(0, 0, 0)}}, true);
+  note({scene::SetPins{{scene::RegionEdge::kLeft}}, scenes::line_cut({0.2, -0.1}, {0.25, 1.1})}, false);
   for (int i = 0; i < 12; ++i) note({}, true);
-  note({SetWind{{Vector3d(0, -3, 0), 1.2, 1.0}}, Grab{"second", 20, std::nullopt, 30.0}}, true);
+  note({scene::SetWind{{Vector3d(0, -3, 0), 1.2, 1.0}}, scene::Grab{"second", 20, std::nullopt, 30.0}}, true);
   for (int i = 0; i < 5; ++i) note({}, true);
-  note({Reset{}}, true);
+  note({scene::Reset{}}, true);
   for (int i = 0; i < 5; ++i) note({}, true);
   return recorder.recording();
 }
@@ -187,9 +187,9 @@ TEST(Recording, RefusesEntriesThatTellNothingAndTicksWithTooManyCommands) {
   const std::int64_t last = recording.entries.back().tick;
   recording.entries.push_back({last, {}, 0});
   EXPECT_EQ(check_order(recording.entries).error().reason, "RECORDING_ORDER");
-  recording.entries.back().commands.assign(kMaxTickCommands, UndoCut{});
+  recording.entries.back().commands.assign(kMaxTickCommands, scene::UndoCut{});
   EXPECT_TRUE(check_order(recording.entries).ok());
-  recording.entries.back().commands.emplace_back(UndoCut{});
+  recording.entries.back().commands.emplace_back(scene::UndoCut{});
   EXPECT_EQ(check_order(recording.entries).error().reason, "RECORDING_TICK");
 }
 

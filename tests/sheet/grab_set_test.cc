@@ -16,8 +16,8 @@ constexpr double kDt = 1.0 / 60.0;  // s
 
 class GrabSetTest : public testing::Test {
  protected:
-  Status add(const Grab& grab) { return grabs_.add(grab, sheet_.mesh(), sheet_.model(), sheet_.state().x, kDt); }
-  static Grab at_vertex(const std::string& id, mesh::VertexId vertex) { return {id, vertex, {}, 0.0}; }
+  Status add(const scene::Grab& grab) { return grabs_.add(grab, sheet_.mesh(), sheet_.model(), sheet_.state().x, kDt); }
+  static scene::Grab at_vertex(const std::string& id, mesh::VertexId vertex) { return {id, vertex, {}, 0.0}; }
 
   MovingSheet sheet_ = moving_sheet_of(scenes::flat(5));  // cells of 0.25 m
   GrabSet grabs_;
@@ -35,7 +35,7 @@ TEST_F(GrabSetTest, RefusesAnIdTwiceAndUnknownOnes) {
 TEST_F(GrabSetTest, RefusesPointsWithoutMaterialAndOneGrabTooMany) {
   EXPECT_EQ(add(at_vertex("a", 25)).error().reason, "UNKNOWN_VERTEX");
   EXPECT_EQ(add({"a", Eigen::Vector2d(1.5, 0.5), {}, 0.0}).error().reason, "POINT_OUTSIDE");
-  for (std::size_t i = 0; i < kMaxGrabs; ++i) ASSERT_TRUE(add(at_vertex(std::to_string(i), 6)).ok());
+  for (std::size_t i = 0; i < scene::kMaxGrabs; ++i) ASSERT_TRUE(add(at_vertex(std::to_string(i), 6)).ok());
   EXPECT_EQ(add(at_vertex("more", 6)).error().reason, "TOO_MANY_GRABS");
 }
 

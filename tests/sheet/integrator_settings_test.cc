@@ -8,10 +8,10 @@
 namespace kerf::sheet {
 namespace {
 
-SheetConfig dense_scene(LinearSolverKind solver, std::int32_t columns, std::int32_t rows) {
-  SheetConfig config = scenes::hanging(4);
-  config.mesh = GridSource{.columns = columns, .rows = rows};
-  config.integrator.kind = IntegratorKind::kImplicitEuler;
+scene::SheetConfig dense_scene(scene::LinearSolverKind solver, std::int32_t columns, std::int32_t rows) {
+  scene::SheetConfig config = scenes::hanging(4);
+  config.mesh = scene::GridSource{.columns = columns, .rows = rows};
+  config.integrator.kind = scene::IntegratorKind::kImplicitEuler;
   config.integrator.solver = solver;
   return config;
 }
@@ -21,7 +21,7 @@ double total_energy(const Sheet& sheet) {
   return energies.kinetic + energies.membrane + energies.bending + energies.gravity;
 }
 
-class DenseSolver : public testing::TestWithParam<LinearSolverKind> {};
+class DenseSolver : public testing::TestWithParam<scene::LinearSolverKind> {};
 
 TEST_P(DenseSolver, TakesFiveHundredVerticesAndNoMore) {
   EXPECT_TRUE(Sheet::create(dense_scene(GetParam(), 25, 20)).ok());
@@ -35,8 +35,9 @@ TEST_P(DenseSolver, TakesFiveHundredVerticesAndNoMore) {
 }
 
 TEST_P(DenseSolver, LimitsNoSheetWhoseIntegratorHasNoUseForIt) {
-  for (const IntegratorKind kind : {IntegratorKind::kExplicitLeapfrog, IntegratorKind::kAutomatic}) {
-    SheetConfig config = dense_scene(GetParam(), 23, 23);
+  for (const scene::IntegratorKind kind :
+       {scene::IntegratorKind::kExplicitLeapfrog, scene::IntegratorKind::kAutomatic}) {
+    scene::SheetConfig config = dense_scene(GetParam(), 23, 23);
     config.integrator.kind = kind;
     EXPECT_TRUE(Sheet::create(config).ok());
   }
@@ -50,12 +51,12 @@ TEST_P(DenseSolver, RefusesACutBeyondTheLimitAndGoesOn) {
 
 // A sheet that swings, cut as it does. Where it is afterwards is another matter.
 TEST_P(DenseSolver, GainsNoEnergyAndShowsItsResidual) {
-  for (const EigenvalueNorm norm : {EigenvalueNorm::kPower, EigenvalueNorm::kLog}) {
-    SheetConfig config = dense_scene(GetParam(), 6, 6);
+  for (const scene::EigenvalueNorm norm : {scene::EigenvalueNorm::kPower, scene::EigenvalueNorm::kLog}) {
+    scene::SheetConfig config = dense_scene(GetParam(), 6, 6);
     config.placement.y_axis = {0.0, 1.0, 0.0};
     config.integrator.covariance_root.norm = norm;
     Sheet tested = make(config);
-    config.integrator.solver = LinearSolverKind::kBlockJacobiCg;
+    config.integrator.solver = scene::LinearSolverKind::kBlockJacobiCg;
     Sheet sound = make(config);
     EXPECT_NE(tested.integrator_description().find("solves a different system"), std::string::npos);
     const double energy = total_energy(tested);
@@ -78,23 +79,24 @@ TEST_P(DenseSolver, GainsNoEnergyAndShowsItsResidual) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, DenseSolver, testing::Values(LinearSolverKind::kEsCgm, LinearSolverKind::kAsCgm),
-                         [](const testing::TestParamInfo<LinearSolverKind>& tested) {
-                           return tested.param == LinearSolverKind::kEsCgm ? "EsCgm" : "AsCgm";
+INSTANTIATE_TEST_SUITE_P(All, DenseSolver,
+                         testing::Values(scene::LinearSolverKind::kEsCgm, scene::LinearSolverKind::kAsCgm),
+                         [](const testing::TestParamInfo<scene::LinearSolverKind>& tested) {
+                           return tested.param == scene::LinearSolverKind::kEsCgm ? "EsCgm" : "AsCgm";
                          });
 
 TEST(LinearResidual, IsThatOfTheSolverAsked) {
-  const auto residual = [](LinearSolverKind solver, int max_iterations) {
-    SheetConfig config = dense_scene(solver, 8, 8);
+  const auto residual = [](scene::LinearSolverKind solver, int max_iterations) {
+    scene::SheetConfig config = dense_scene(solver, 8, 8);
     config.placement.y_axis = {0.0, 1.0, 0.0};
     config.integrator.max_linear_iterations = max_iterations;
     Sheet sheet = make(config);
     run(sheet, 5);
     return sheet.step({}).stats.linear_residual;
   };
-  EXPECT_LT(residual(LinearSolverKind::kDirect, 1), 1e-10);
-  EXPECT_GT(residual(LinearSolverKind::kPlainCg, 1), 1e-2);
-  EXPECT_LT(residual(LinearSolverKind::kPlainCg, 10000), 2e-4);
+  EXPECT_LT(residual(scene::LinearSolverKind::kDirect, 1), 1e-10);
+  EXPECT_GT(residual(scene::LinearSolverKind::kPlainCg, 1), 1e-2);
+  EXPECT_LT(residual(scene::LinearSolverKind::kPlainCg, 10000), 2e-4);
 }
 
 }  // namespace

@@ -8,27 +8,31 @@ namespace {
 const StopCondition kEnds = [] { return true; };
 
 // Gravity that grows, an edge that rises, a force that fades, a point that is held: all that a tick sets before it.
-SheetConfig under_changing_loads() {
-  SheetConfig config = scenes::hanging(7);
+scene::SheetConfig under_changing_loads() {
+  scene::SheetConfig config = scenes::hanging(7);
   config.pins.clear();
   config.gravity_history = {{0.0, 1.0}, {0.5, 1.0}};
-  Constraint top = hold(RegionEdge::kTop);
+  scene::Constraint top = hold(scene::RegionEdge::kTop);
   top.displacement = {0.0, 0.1, 0.3};
   top.history = {{0.0, 0.5}, {0.0, 1.0}};
   config.constraints = {top};
-  config.loads = {{AreaForce{WholeSheet{}, {0.0, 2.0, 0.0}, true}, {{0.0, 0.5}, {1.0, 0.0}}}};
+  config.loads = {{scene::AreaForce{scene::WholeSheet{}, {0.0, 2.0, 0.0}, true}, {{0.0, 0.5}, {1.0, 0.0}}}};
   return config;
 }
 
 TEST(InterruptedTicks, AreAsIfTimeHadStoodStill) {
-  for (const SheetConfig& config : {under_changing_loads(), scenes::hanging(7), scenes::draped_over_sphere(7)}) {
+  for (const scene::SheetConfig& config : {under_changing_loads(), scenes::hanging(7), scenes::draped_over_sphere(7)}) {
     Sheet ended = make(config);
     Sheet stood = make(config);
-    const Grab grab{.grab_id = "g", .point = mesh::VertexId{3}, .target = Eigen::Vector3d(0.1, 0.2, 0.3)};
-    const std::vector<Command> none;
-    const std::vector<std::vector<Command>> turns = {
-        none, {grab}, {scenes::line_cut({0.2, 0.5}, {0.7, 0.45})}, none, {SetGravity{{0.0, 1.0, -5.0}}}, {UndoCut{}}};
-    for (const std::vector<Command>& commands : turns) {
+    const scene::Grab grab{.grab_id = "g", .point = mesh::VertexId{3}, .target = Eigen::Vector3d(0.1, 0.2, 0.3)};
+    const std::vector<scene::Command> none;
+    const std::vector<std::vector<scene::Command>> turns = {none,
+                                                            {grab},
+                                                            {scenes::line_cut({0.2, 0.5}, {0.7, 0.45})},
+                                                            none,
+                                                            {scene::SetGravity{{0.0, 1.0, -5.0}}},
+                                                            {scene::UndoCut{}}};
+    for (const std::vector<scene::Command>& commands : turns) {
       run(ended, 2);
       run(stood, 2);
       const std::int64_t tick = ended.tick();
@@ -53,7 +57,7 @@ TEST(InterruptedTicks, AreAsIfTimeHadStoodStill) {
 }
 
 TEST(InterruptedTicks, WithScheduledCommandsGoOn) {
-  SheetConfig config = scenes::hanging(7);
+  scene::SheetConfig config = scenes::hanging(7);
   config.commands = {{2, scenes::line_cut({0.2, 0.5}, {0.7, 0.45})}};
   Sheet sheet = make(config);
   sheet.step({});

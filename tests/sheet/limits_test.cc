@@ -20,35 +20,35 @@ struct LimitedNumber {
   const char* field;  // as of the error
   double low;         // the least, and
   double high;        // the most there may be
-  std::function<void(SheetConfig& config, double value)> set;
+  std::function<void(scene::SheetConfig& config, double value)> set;
 };
 struct LimitedCount {
   const char* field;
   int limit;  // the most
-  std::function<void(SheetConfig& config, int count)> set;
+  std::function<void(scene::SheetConfig& config, int count)> set;
   const char* reason = "TOO_MANY";
 };
 
-const Region kAll = WholeSheet{};
+const scene::Region kAll = scene::WholeSheet{};
 
-Constraint& constraint_of(SheetConfig& config) {
+scene::Constraint& constraint_of(scene::SheetConfig& config) {
   return config.constraints.emplace_back(hold(kAll));
 }
 // A load of that kind, with a history or without.
-void load(SheetConfig& config, const decltype(Load::kind)& kind, const History& history = {}) {
+void load(scene::SheetConfig& config, const decltype(scene::Load::kind)& kind, const scene::History& history = {}) {
   config.loads = {{kind, history}};
 }
 // On the right edge, with that factor.
-void load_by(SheetConfig& config, const Vector2d& zero, const Vector2d& slope) {
-  EdgeForce edge{RegionEdge::kRight, {1.0, 0.0, 0.0}, false};
-  edge.factor = LinearFactor{zero, slope};
+void load_by(scene::SheetConfig& config, const Vector2d& zero, const Vector2d& slope) {
+  scene::EdgeForce edge{scene::RegionEdge::kRight, {1.0, 0.0, 0.0}, false};
+  edge.factor = scene::LinearFactor{zero, slope};
   load(config, edge);
 }
 
 void expect_limits(const std::vector<LimitedNumber>& numbers) {
   for (const LimitedNumber& number : numbers) {
     const auto with = [&](double value) {
-      SheetConfig config = flat(4);
+      scene::SheetConfig config = flat(4);
       number.set(config, value);
       return refused(config);
     };
@@ -63,7 +63,7 @@ void expect_limits(const std::vector<LimitedNumber>& numbers) {
 void expect_limits(const std::vector<LimitedCount>& counts) {
   for (const LimitedCount& count : counts) {
     const auto with = [&](int value) {
-      SheetConfig config = flat(4);
+      scene::SheetConfig config = flat(4);
       count.set(config, value);
       return refused(config);
     };
@@ -76,24 +76,24 @@ void expect_limits(const std::vector<LimitedCount>& counts) {
 TEST(Limits, OfRegions) {
   expect_limits({
       {"pins[0].line.within_m", 0.0, 1.0e4,
-       [](SheetConfig& c, double d) {
-         c.pins = {MaterialLine{{0.0, 0.0}, {1.0, 0.0}, d}};
+       [](scene::SheetConfig& c, double d) {
+         c.pins = {scene::MaterialLine{{0.0, 0.0}, {1.0, 0.0}, d}};
        }},
       {"constraints[0].region.curve.within_m", 0.0, 1.0e4,
-       [](SheetConfig& c, double d) {
-         c.constraints = {hold(MaterialCurve{cut::Polyline{{{0.0, 0.0}, {1.0, 0.0}}}, d})};
+       [](scene::SheetConfig& c, double d) {
+         c.constraints = {hold(scene::MaterialCurve{cut::Polyline{{{0.0, 0.0}, {1.0, 0.0}}}, d})};
        }},
       {"pins[0].line.a.x", -1.0e4, 1.0e4,
-       [](SheetConfig& c, double d) {
-         c.pins = {MaterialLine{{d, 0.0}, {0.0, 0.0}, 0.0}};
+       [](scene::SheetConfig& c, double d) {
+         c.pins = {scene::MaterialLine{{d, 0.0}, {0.0, 0.0}, 0.0}};
        }},
       {"pins[0].nearest.y", -1.0e4, 1.0e4,
-       [](SheetConfig& c, double d) {
-         c.pins = {NearestVertex{{0.0, d}}};
+       [](scene::SheetConfig& c, double d) {
+         c.pins = {scene::NearestVertex{{0.0, d}}};
        }},
       {"loads[0].edge.region.border.x", -1.0e4, 1.0e4,
-       [](SheetConfig& c, double d) {
-         load(c, EdgeForce{NearestBorder{{d, 0.0}}, {1.0, 0.0, 0.0}, true});
+       [](scene::SheetConfig& c, double d) {
+         load(c, scene::EdgeForce{scene::NearestBorder{{d, 0.0}}, {1.0, 0.0, 0.0}, true});
        }},
   });
 }
@@ -101,36 +101,36 @@ TEST(Limits, OfRegions) {
 TEST(Limits, OfConstraints) {
   expect_limits({
       {"constraints[0].displacement_m.z", -1.0e6, 1.0e6,
-       [](SheetConfig& c, double d) { constraint_of(c).displacement.z() = d; }},
+       [](scene::SheetConfig& c, double d) { constraint_of(c).displacement.z() = d; }},
       {"constraints[0].stretch_x.y", -1.0e6, 1.0e6,
-       [](SheetConfig& c, double d) { constraint_of(c).stretch(1, 0) = d; }},
+       [](scene::SheetConfig& c, double d) { constraint_of(c).stretch(1, 0) = d; }},
       {"constraints[0].stretch_y.x", -1.0e6, 1.0e6,
-       [](SheetConfig& c, double d) { constraint_of(c).stretch(0, 1) = d; }},
+       [](scene::SheetConfig& c, double d) { constraint_of(c).stretch(0, 1) = d; }},
       {"constraints[0].displacements_m[1].x", -1.0e6, 1.0e6,
-       [](SheetConfig& c, double d) {
-         Constraint& moved = c.constraints.emplace_back(hold(std::vector<mesh::VertexId>{3, 5}));
+       [](scene::SheetConfig& c, double d) {
+         scene::Constraint& moved = c.constraints.emplace_back(hold(std::vector<mesh::VertexId>{3, 5}));
          moved.displacements = Eigen::Matrix3Xd::Zero(3, 2);
          moved.displacements(0, 1) = d;
        }},
       {"constraints[0].axis.x", -1.0e6, 1.0e6,
-       [](SheetConfig& c, double d) {
-         constraint_of(c).rotation = Rotation{{d, 0.0, 0.0}, {0.0, 0.0, 0.0}, 1.0};
+       [](scene::SheetConfig& c, double d) {
+         constraint_of(c).rotation = scene::Rotation{{d, 0.0, 0.0}, {0.0, 0.0, 0.0}, 1.0};
        }},
       {"constraints[0].center.y", -1.0e6, 1.0e6,
-       [](SheetConfig& c, double d) {
-         constraint_of(c).rotation = Rotation{{0.0, 0.0, 1.0}, {0.0, d, 0.0}, 1.0};
+       [](scene::SheetConfig& c, double d) {
+         constraint_of(c).rotation = scene::Rotation{{0.0, 0.0, 1.0}, {0.0, d, 0.0}, 1.0};
        }},
       {"constraints[0].angle_rad", -1.0e4, 1.0e4,
-       [](SheetConfig& c, double d) {
-         constraint_of(c).rotation = Rotation{{0.0, 0.0, 1.0}, {0.0, 0.0, 0.0}, d};
+       [](scene::SheetConfig& c, double d) {
+         constraint_of(c).rotation = scene::Rotation{{0.0, 0.0, 1.0}, {0.0, 0.0, 0.0}, d};
        }},
-      {"constraints[0].until", -1.0e7, 1.0e7, [](SheetConfig& c, double d) { constraint_of(c).until = d; }},
+      {"constraints[0].until", -1.0e7, 1.0e7, [](scene::SheetConfig& c, double d) { constraint_of(c).until = d; }},
       {"constraints[0].history.times[0]", -1.0e7, 1.0e7,
-       [](SheetConfig& c, double d) {
+       [](scene::SheetConfig& c, double d) {
          constraint_of(c).history = {{d}, {1.0}};
        }},
       {"constraints[0].history.factors[0]", -1.0e6, 1.0e6,
-       [](SheetConfig& c, double d) {
+       [](scene::SheetConfig& c, double d) {
          constraint_of(c).history = {{0.0}, {d}};
        }},
   });
@@ -140,99 +140,99 @@ TEST(Limits, OfForces) {
   constexpr double kMost = 1.0e12;  // N, N/m, Pa, N m or N
   expect_limits({
       {"loads[0].point.force_n.x", -kMost, kMost,
-       [](SheetConfig& c, double d) {
-         load(c, PointForce{mesh::VertexId{5}, {d, 0.0, 0.0}});
+       [](scene::SheetConfig& c, double d) {
+         load(c, scene::PointForce{mesh::VertexId{5}, {d, 0.0, 0.0}});
        }},
       {"loads[0].edge.force_n.y", -kMost, kMost,
-       [](SheetConfig& c, double d) {
-         load(c, EdgeForce{RegionEdge::kTop, {0.0, d, 0.0}, true});
+       [](scene::SheetConfig& c, double d) {
+         load(c, scene::EdgeForce{scene::RegionEdge::kTop, {0.0, d, 0.0}, true});
        }},
       {"loads[0].edge.force_npm.z", -kMost, kMost,
-       [](SheetConfig& c, double d) {
-         load(c, EdgeForce{RegionEdge::kTop, {0.0, 0.0, d}, false});
+       [](scene::SheetConfig& c, double d) {
+         load(c, scene::EdgeForce{scene::RegionEdge::kTop, {0.0, 0.0, d}, false});
        }},
       {"loads[0].edge.normal_npm", -kMost, kMost,
-       [](SheetConfig& c, double d) {
-         load(c, EdgeForce{RegionEdge::kTop, {0.0, 0.0, 0.0}, false, d});
+       [](scene::SheetConfig& c, double d) {
+         load(c, scene::EdgeForce{scene::RegionEdge::kTop, {0.0, 0.0, 0.0}, false, d});
        }},
       {"loads[0].area.force_n.x", -kMost, kMost,
-       [](SheetConfig& c, double d) {
-         load(c, AreaForce{kAll, {d, 0.0, 0.0}, true});
+       [](scene::SheetConfig& c, double d) {
+         load(c, scene::AreaForce{kAll, {d, 0.0, 0.0}, true});
        }},
       {"loads[0].area.traction_pa.x", -kMost, kMost,
-       [](SheetConfig& c, double d) {
-         load(c, AreaForce{kAll, {d, 0.0, 0.0}, false});
+       [](scene::SheetConfig& c, double d) {
+         load(c, scene::AreaForce{kAll, {d, 0.0, 0.0}, false});
        }},
       {"loads[0].pressure.pressure_pa", -kMost, kMost,
-       [](SheetConfig& c, double d) {
-         load(c, Pressure{kAll, d});
+       [](scene::SheetConfig& c, double d) {
+         load(c, scene::Pressure{kAll, d});
        }},
       {"loads[0].moment.moment_nm", -kMost, kMost,
-       [](SheetConfig& c, double d) {
-         load(c, EdgeMoment{RegionEdge::kTop, d, true});
+       [](scene::SheetConfig& c, double d) {
+         load(c, scene::EdgeMoment{scene::RegionEdge::kTop, d, true});
        }},
       {"loads[0].moment.moment_nm_per_m", -kMost, kMost,
-       [](SheetConfig& c, double d) {
-         load(c, EdgeMoment{RegionEdge::kTop, d, false});
+       [](scene::SheetConfig& c, double d) {
+         load(c, scene::EdgeMoment{scene::RegionEdge::kTop, d, false});
        }},
       {"loads[0].edge.factor.zero.x", -1.0e4, 1.0e4,
-       [](SheetConfig& c, double d) {
+       [](scene::SheetConfig& c, double d) {
          load_by(c, {d, 0.0}, {1.0, 1.0});
        }},
       {"loads[0].edge.factor.by_x", -1.0e6, 1.0e6,
-       [](SheetConfig& c, double d) {
+       [](scene::SheetConfig& c, double d) {
          load_by(c, {0.0, 0.5}, {d, 1.0});
        }},
       {"loads[0].edge.factor.by_y", -1.0e6, 1.0e6,
-       [](SheetConfig& c, double d) {
+       [](scene::SheetConfig& c, double d) {
          load_by(c, {0.5, 0.5}, {1.0, d});
        }},
       {"loads[0].history.times[0]", -1.0e7, 1.0e7,
-       [](SheetConfig& c, double d) {
-         load(c, Pressure{kAll, 1.0}, {{d}, {1.0}});
+       [](scene::SheetConfig& c, double d) {
+         load(c, scene::Pressure{kAll, 1.0}, {{d}, {1.0}});
        }},
       {"loads[0].history.factors[0]", -1.0e6, 1.0e6,
-       [](SheetConfig& c, double d) {
-         load(c, Pressure{kAll, 1.0}, {{0.0}, {d}});
+       [](scene::SheetConfig& c, double d) {
+         load(c, scene::Pressure{kAll, 1.0}, {{0.0}, {d}});
        }},
       {"gravity_history.factors[0]", -1.0e6, 1.0e6,
-       [](SheetConfig& c, double d) {
+       [](scene::SheetConfig& c, double d) {
          c.gravity_history = {{0.0}, {d}};
        }},
       {"initial_velocity.linear_mps.x", -1.0e6, 1.0e6,
-       [](SheetConfig& c, double d) {
-         c.initial_velocity = InitialVelocity{{d, 0.0, 0.0}, {0.0, 0.0, 0.0}, {}};
+       [](scene::SheetConfig& c, double d) {
+         c.initial_velocity = scene::InitialVelocity{{d, 0.0, 0.0}, {0.0, 0.0, 0.0}, {}};
        }},
       {"initial_velocity.angular_radps.y", -1.0e6, 1.0e6,
-       [](SheetConfig& c, double d) {
-         c.initial_velocity = InitialVelocity{{0.0, 0.0, 0.0}, {0.0, d, 0.0}, {}};
+       [](scene::SheetConfig& c, double d) {
+         c.initial_velocity = scene::InitialVelocity{{0.0, 0.0, 0.0}, {0.0, d, 0.0}, {}};
        }},
       {"initial_velocity.center.z", -1.0e6, 1.0e6,
-       [](SheetConfig& c, double d) {
-         c.initial_velocity = InitialVelocity{{0.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, Vector3d(0.0, 0.0, d)};
+       [](scene::SheetConfig& c, double d) {
+         c.initial_velocity = scene::InitialVelocity{{0.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, Vector3d(0.0, 0.0, d)};
        }},
   });
 }
 
 TEST(Limits, OfSettings) {
   expect_limits({
-      {"tick_rate_hz", 1.0, 1000.0, [](SheetConfig& c, double d) { c.tick_rate_hz = d; }},
+      {"tick_rate_hz", 1.0, 1000.0, [](scene::SheetConfig& c, double d) { c.tick_rate_hz = d; }},
       {"integrator.solver_tolerance", 1.0e-14, 0.1,
-       [](SheetConfig& c, double d) { c.integrator.solver_tolerance = d; }},
+       [](scene::SheetConfig& c, double d) { c.integrator.solver_tolerance = d; }},
       {"integrator.highest_mode_damping", 0.0, 0.5,
-       [](SheetConfig& c, double d) { c.integrator.highest_mode_damping = d; }},
-      {"wind.air_density_kgpm3", 0.0, 100.0, [](SheetConfig& c, double d) { c.wind.air_density = d; }},
-      {"wind.drag_coefficient", 0.0, 10.0, [](SheetConfig& c, double d) { c.wind.drag_coefficient = d; }},
+       [](scene::SheetConfig& c, double d) { c.integrator.highest_mode_damping = d; }},
+      {"wind.air_density_kgpm3", 0.0, 100.0, [](scene::SheetConfig& c, double d) { c.wind.air_density = d; }},
+      {"wind.drag_coefficient", 0.0, 10.0, [](scene::SheetConfig& c, double d) { c.wind.drag_coefficient = d; }},
       {"analysis.static.tolerance", 1.0e-13, 0.1,
-       [](SheetConfig& c, double d) {
-         c.analysis = StaticAnalysis{{1.0}, d};
+       [](scene::SheetConfig& c, double d) {
+         c.analysis = scene::StaticAnalysis{{1.0}, d};
        }},
   });
 }
 
 TEST(Limits, OfLists) {
   const auto history = [](int count) {
-    History made;
+    scene::History made;
     for (int i = 0; i < count; ++i) {
       made.times.push_back(i);
       made.factors.push_back(1.0);
@@ -240,57 +240,63 @@ TEST(Limits, OfLists) {
     return made;
   };
   expect_limits({
-      {"pins", 64, [](SheetConfig& c, int n) { c.pins.resize(static_cast<std::size_t>(n), RegionEdge::kTop); }},
+      {"pins", 64,
+       [](scene::SheetConfig& c, int n) { c.pins.resize(static_cast<std::size_t>(n), scene::RegionEdge::kTop); }},
       {"materials", 64,
-       [](SheetConfig& c, int n) {
+       [](scene::SheetConfig& c, int n) {
          c.materials.resize(static_cast<std::size_t>(n), {kAll, c.material});
        }},
       {"colliders", 64,
-       [](SheetConfig& c, int n) {
+       [](scene::SheetConfig& c, int n) {
          c.colliders.resize(static_cast<std::size_t>(n), {contact::Plane{{0.0, 0.0, -1.0}, {0.0, 0.0, 1.0}}, 0.0});
        }},
       {"constraints", 64,
-       [](SheetConfig& c, int n) { c.constraints.resize(static_cast<std::size_t>(n), hold(RegionEdge::kTop)); }},
+       [](scene::SheetConfig& c, int n) {
+         c.constraints.resize(static_cast<std::size_t>(n), hold(scene::RegionEdge::kTop));
+       }},
       {"loads", 64,
-       [](SheetConfig& c, int n) {
-         c.loads.resize(static_cast<std::size_t>(n), {Pressure{kAll, 1.0}, {}});
+       [](scene::SheetConfig& c, int n) {
+         c.loads.resize(static_cast<std::size_t>(n), {scene::Pressure{kAll, 1.0}, {}});
        }},
       {"probes", 64,
-       [](SheetConfig& c, int n) {
+       [](scene::SheetConfig& c, int n) {
          c.probes.resize(static_cast<std::size_t>(n));
          for (int i = 0; i < n; ++i) {
            c.probes[static_cast<std::size_t>(i)].name = "e" + std::to_string(i);
-           c.probes[static_cast<std::size_t>(i)].quantity = Quantity::kEnergy;
+           c.probes[static_cast<std::size_t>(i)].quantity = scene::Quantity::kEnergy;
          }
        }},
       {"probes[0].points", 1024,
-       [](SheetConfig& c, int n) {
-         Probe& probe = c.probes.emplace_back();
+       [](scene::SheetConfig& c, int n) {
+         scene::Probe& probe = c.probes.emplace_back();
          probe.name = "x";
          probe.points.resize(static_cast<std::size_t>(n), Vector2d(0.5, 0.5));
        }},
       {"commands", 10'000,
-       [](SheetConfig& c, int n) {
-         c.commands.resize(static_cast<std::size_t>(n), {1, Reset{}});
+       [](scene::SheetConfig& c, int n) {
+         c.commands.resize(static_cast<std::size_t>(n), {1, scene::Reset{}});
        }},
-      {"constraints[0].history.times", 4096, [&](SheetConfig& c, int n) { constraint_of(c).history = history(n); }},
+      {"constraints[0].history.times", 4096,
+       [&](scene::SheetConfig& c, int n) { constraint_of(c).history = history(n); }},
       {"loads[0].history.times", 4096,
-       [&](SheetConfig& c, int n) {
-         load(c, Pressure{kAll, 1.0}, history(n));
+       [&](scene::SheetConfig& c, int n) {
+         load(c, scene::Pressure{kAll, 1.0}, history(n));
        }},
-      {"gravity_history.times", 4096, [&](SheetConfig& c, int n) { c.gravity_history = history(n); }},
-      {"description", 1000, [](SheetConfig& c, int n) { c.description.assign(static_cast<std::size_t>(n), 'a'); }},
-      {"sheet_id", 63, [](SheetConfig& c, int n) { c.sheet_id.assign(static_cast<std::size_t>(n), 'a'); }, "SHEET_ID"},
+      {"gravity_history.times", 4096, [&](scene::SheetConfig& c, int n) { c.gravity_history = history(n); }},
+      {"description", 1000,
+       [](scene::SheetConfig& c, int n) { c.description.assign(static_cast<std::size_t>(n), 'a'); }},
+      {"sheet_id", 63, [](scene::SheetConfig& c, int n) { c.sheet_id.assign(static_cast<std::size_t>(n), 'a'); },
+       "SHEET_ID"},
       {"probes[0].name", 63,
-       [](SheetConfig& c, int n) {
-         Probe& probe = c.probes.emplace_back();
+       [](scene::SheetConfig& c, int n) {
+         scene::Probe& probe = c.probes.emplace_back();
          probe.name.assign(static_cast<std::size_t>(n), 'a');
-         probe.quantity = Quantity::kEnergy;
+         probe.quantity = scene::Quantity::kEnergy;
        },
        "PROBE_NAME"},
       {"analysis.static.loads", 10'000,
-       [](SheetConfig& c, int n) {
-         StaticAnalysis analysis;
+       [](scene::SheetConfig& c, int n) {
+         scene::StaticAnalysis analysis;
          analysis.loads.clear();
          for (int i = 1; i <= n; ++i) analysis.loads.push_back(static_cast<double>(i) / n);
          c.analysis = analysis;
@@ -301,39 +307,42 @@ TEST(Limits, OfLists) {
 
 TEST(Limits, OfNumbersThatCount) {
   const auto about = [](std::int32_t iterations) {
-    StaticAnalysis analysis;
+    scene::StaticAnalysis analysis;
     analysis.max_iterations = iterations;
     return analysis;
   };
   const char* const kReason = "OUT_OF_RANGE";
   expect_limits({
-      {"integrator.max_substeps", 100'000, [](SheetConfig& c, int n) { c.integrator.max_substeps = n; }, kReason},
-      {"integrator.newton_iterations", 100, [](SheetConfig& c, int n) { c.integrator.newton_iterations = n; }, kReason},
+      {"integrator.max_substeps", 100'000, [](scene::SheetConfig& c, int n) { c.integrator.max_substeps = n; },
+       kReason},
+      {"integrator.newton_iterations", 100, [](scene::SheetConfig& c, int n) { c.integrator.newton_iterations = n; },
+       kReason},
       {"integrator.max_linear_iterations", 100'000,
-       [](SheetConfig& c, int n) { c.integrator.max_linear_iterations = n; }, kReason},
+       [](scene::SheetConfig& c, int n) { c.integrator.max_linear_iterations = n; }, kReason},
       {"analysis.modes.count", 200,
-       [](SheetConfig& c, int n) {
-         c.analysis = ModalAnalysis{n, {}};
+       [](scene::SheetConfig& c, int n) {
+         c.analysis = scene::ModalAnalysis{n, {}};
        },
        kReason},
       {"analysis.modes.about.max_iterations", 100'000,
-       [&](SheetConfig& c, int n) {
-         c.analysis = ModalAnalysis{1, about(n)};
+       [&](scene::SheetConfig& c, int n) {
+         c.analysis = scene::ModalAnalysis{1, about(n)};
        },
        kReason},
-      {"analysis.static.max_iterations", 100'000, [&](SheetConfig& c, int n) { c.analysis = about(n); }, kReason},
+      {"analysis.static.max_iterations", 100'000, [&](scene::SheetConfig& c, int n) { c.analysis = about(n); },
+       kReason},
       {"analysis.dynamic.ticks", 100'000,
-       [](SheetConfig& c, int n) {
-         c.analysis = DynamicAnalysis{n, 1};
+       [](scene::SheetConfig& c, int n) {
+         c.analysis = scene::DynamicAnalysis{n, 1};
        },
        kReason},
       {"analysis.dynamic.measure_every", 10'000'000,
-       [](SheetConfig& c, int n) {
-         c.analysis = DynamicAnalysis{0, n};
+       [](scene::SheetConfig& c, int n) {
+         c.analysis = scene::DynamicAnalysis{0, n};
        },
        kReason},
-      {"ticks", 10'000'000, [](SheetConfig& c, int n) { c.ticks = n; }, kReason},
-      {"max_vertices", 500'000, [](SheetConfig& c, int n) { c.max_vertices = n; }, kReason},
+      {"ticks", 10'000'000, [](scene::SheetConfig& c, int n) { c.ticks = n; }, kReason},
+      {"max_vertices", 500'000, [](scene::SheetConfig& c, int n) { c.max_vertices = n; }, kReason},
   });
 }
 
@@ -342,19 +351,19 @@ TEST(Limits, OfListedVertices) {
   const auto listed = [](int count) { return std::vector<mesh::VertexId>(static_cast<std::size_t>(count), 5); };
   constexpr int kMost = 1'000'000;
   expect_limits({
-      {"pins[0].vertices.vertices", kMost, [&](SheetConfig& c, int n) { c.pins = {listed(n)}; }},
+      {"pins[0].vertices.vertices", kMost, [&](scene::SheetConfig& c, int n) { c.pins = {listed(n)}; }},
       {"pins", kMost,
-       [&](SheetConfig& c, int n) {
+       [&](scene::SheetConfig& c, int n) {
          c.pins = {listed(kMost / 2), listed(n - kMost / 2)};
        }},
       {"constraints[0].region.vertices.vertices", kMost,
-       [&](SheetConfig& c, int n) { c.constraints = {hold(listed(n))}; }},
+       [&](scene::SheetConfig& c, int n) { c.constraints = {hold(listed(n))}; }},
   });
   std::vector<mesh::VertexId> all;  // of a triangle at least, which a material needs
   for (int i = 0; i < kMost; ++i) all.push_back(i % 16);
   expect_limits({
       {"materials", kMost,
-       [&](SheetConfig& c, int n) {
+       [&](scene::SheetConfig& c, int n) {
          const std::vector<mesh::VertexId> rest(all.begin(), all.begin() + (n - kMost / 2));
          c.materials = {{std::vector<mesh::VertexId>(all.begin(), all.begin() + kMost / 2), c.material},
                         {rest, c.material}};

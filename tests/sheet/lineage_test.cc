@@ -14,7 +14,7 @@ double surface_density(const Sheet& sheet) {
 
 TEST(Lineage, ASheetBeginsWithOnePieceThatHasNoParent) {
   const Sheet sheet = make(scenes::hanging(9));
-  const std::vector<Piece> pieces = sheet.pieces();
+  const std::vector<scene::Piece> pieces = sheet.pieces();
   ASSERT_EQ(pieces.size(), 1U);
   EXPECT_EQ(pieces[0].birth.id, 1);
   EXPECT_EQ(pieces[0].birth.parent, 0);
@@ -29,18 +29,18 @@ TEST(Lineage, ASheetBeginsWithOnePieceThatHasNoParent) {
 
 TEST(Lineage, APieceThatFallsApartEndsAndItsPartsAreItsChildren) {
   Sheet sheet = make(scenes::hanging(11));
-  const Result<CommandReply> slit = apply(sheet, scenes::line_cut({0.3, 0.45}, {0.7, 0.45}));
+  const Result<scene::CommandReply> slit = apply(sheet, scenes::line_cut({0.3, 0.45}, {0.7, 0.45}));
   ASSERT_TRUE(slit.ok());
   EXPECT_TRUE(slit->cut->split_pieces.empty()) << "a slit divides nothing";
 
-  const Result<CommandReply> halves = apply(sheet, scenes::line_cut({-0.1, 0.25}, {1.1, 0.25}));
+  const Result<scene::CommandReply> halves = apply(sheet, scenes::line_cut({-0.1, 0.25}, {1.1, 0.25}));
   ASSERT_TRUE(halves.ok());
   ASSERT_EQ(halves->cut->split_pieces.size(), 1U);
-  const SplitPiece& split = halves->cut->split_pieces[0];
+  const scene::SplitPiece& split = halves->cut->split_pieces[0];
   EXPECT_EQ(split.id, 1);
   ASSERT_EQ(split.children.size(), 2U);
   std::vector<double> areas;
-  for (const Piece& child : split.children) {
+  for (const scene::Piece& child : split.children) {
     EXPECT_EQ(child.birth.parent, 1);
     EXPECT_EQ(child.birth.cut, 2);
     areas.push_back(child.area);
@@ -55,14 +55,14 @@ TEST(Lineage, APieceThatFallsApartEndsAndItsPartsAreItsChildren) {
   EXPECT_NEAR(areas[0] + areas[1], 1.0, 1e-12);
 
   // One cut through the three pieces of another: each falls apart on its own.
-  const Result<CommandReply> down = apply(sheet, scenes::line_cut({0.1, -0.1}, {0.1, 1.1}));
+  const Result<scene::CommandReply> down = apply(sheet, scenes::line_cut({0.1, -0.1}, {0.1, 1.1}));
   ASSERT_TRUE(down.ok());
   ASSERT_EQ(down->cut->split_pieces.size(), 2U);
   EXPECT_EQ(down->cut->split_pieces[0].id, 2);
   EXPECT_EQ(down->cut->split_pieces[1].id, 3);
-  const std::vector<Piece> pieces = sheet.pieces();
+  const std::vector<scene::Piece> pieces = sheet.pieces();
   ASSERT_EQ(pieces.size(), 4U);
-  for (const Piece& piece : pieces) {
+  for (const scene::Piece& piece : pieces) {
     EXPECT_GE(piece.birth.id, 4);
     EXPECT_EQ(piece.birth.cut, 3);
     EXPECT_EQ(sheet.mesh().num_pieces(), 4);
@@ -71,20 +71,20 @@ TEST(Lineage, APieceThatFallsApartEndsAndItsPartsAreItsChildren) {
 
 TEST(Lineage, OfABatchHasEveryGeneration) {
   Sheet sheet = make(scenes::hanging(11));
-  const Result<CommandReply> reply =
-      apply(sheet, CutBatch{{scenes::line_cut({-0.1, 0.25}, {1.1, 0.25}), scenes::circle_cut({0.5, 0.6}, 0.2),
-                             scenes::line_cut({0.5, 0.3}, {0.5, 0.95})}});
+  const Result<scene::CommandReply> reply =
+      apply(sheet, scene::CutBatch{{scenes::line_cut({-0.1, 0.25}, {1.1, 0.25}), scenes::circle_cut({0.5, 0.6}, 0.2),
+                                    scenes::line_cut({0.5, 0.3}, {0.5, 0.95})}});
   ASSERT_TRUE(reply.ok()) << reply.error().message;
-  const SplitPiece& first = reply->batch[0].split_pieces.at(0);
+  const scene::SplitPiece& first = reply->batch[0].split_pieces.at(0);
   ASSERT_EQ(first.children.size(), 2U);
   EXPECT_NEAR(first.children[0].area + first.children[1].area, 1.0, 1e-12);
-  const SplitPiece& second = reply->batch[1].split_pieces.at(0);
-  const Piece& divided = second.id == first.children[0].birth.id ? first.children[0] : first.children[1];
+  const scene::SplitPiece& second = reply->batch[1].split_pieces.at(0);
+  const scene::Piece& divided = second.id == first.children[0].birth.id ? first.children[0] : first.children[1];
   EXPECT_EQ(divided.birth.id, second.id);
   EXPECT_EQ(divided.label, mesh::kNone) << "it is no more when the batch is done";
   EXPECT_NEAR(divided.area, 0.75, 1e-9);
   EXPECT_LT((divided.centroid - Eigen::Vector2d(0.5, 0.625)).norm(), 1e-9);
-  const SplitPiece& third = reply->batch[2].split_pieces.at(0);
+  const scene::SplitPiece& third = reply->batch[2].split_pieces.at(0);
   EXPECT_EQ(third.children.size(), 2U) << "the disc is halved, the rest of the line is a slit on either side";
   EXPECT_EQ(sheet.pieces().size(), 4U);
 }
@@ -93,16 +93,16 @@ TEST(Lineage, UndoEndsIdsAndRedoGivesThemBack) {
   Sheet sheet = make(scenes::hanging(11));
   ASSERT_TRUE(apply(sheet, scenes::line_cut({-0.1, 0.25}, {1.1, 0.25})).ok());
   const std::vector<std::int64_t> halves = piece_ids(sheet);
-  ASSERT_TRUE(apply(sheet, UndoCut{}).ok());
+  ASSERT_TRUE(apply(sheet, scene::UndoCut{}).ok());
   EXPECT_EQ(piece_ids(sheet), std::vector<std::int64_t>{1});
-  ASSERT_TRUE(apply(sheet, RedoCut{}).ok());
+  ASSERT_TRUE(apply(sheet, scene::RedoCut{}).ok());
   EXPECT_EQ(piece_ids(sheet), halves);
-  ASSERT_TRUE(apply(sheet, UndoCut{}).ok());
-  const Result<CommandReply> other = apply(sheet, scenes::line_cut({0.5, -0.1}, {0.5, 1.1}));
+  ASSERT_TRUE(apply(sheet, scene::UndoCut{}).ok());
+  const Result<scene::CommandReply> other = apply(sheet, scenes::line_cut({0.5, -0.1}, {0.5, 1.1}));
   ASSERT_TRUE(other.ok());
   EXPECT_EQ(other->cut->number, 2) << "a number is not given twice";
   for (const std::int64_t id : piece_ids(sheet)) EXPECT_GT(id, 3) << "nor is an id";
-  ASSERT_TRUE(apply(sheet, Reset{}).ok());
+  ASSERT_TRUE(apply(sheet, scene::Reset{}).ok());
   EXPECT_EQ(piece_ids(sheet), std::vector<std::int64_t>{1});
   ASSERT_TRUE(apply(sheet, scenes::line_cut({0.5, -0.1}, {0.5, 1.1})).ok());
   for (const std::int64_t id : piece_ids(sheet)) EXPECT_GT(id, 5);

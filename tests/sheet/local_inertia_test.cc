@@ -6,8 +6,8 @@
 namespace kerf::sheet {
 namespace {
 
-Command line(double left, double right) {
-  Cut cut;
+scene::Command line(double left, double right) {
+  scene::Cut cut;
   cut.curve = cut::Polyline{{Eigen::Vector2d(0.1, left), Eigen::Vector2d(0.9, right)}};
   return cut;
 }
@@ -31,13 +31,13 @@ TEST(SheetLocalInertia, IsToldOfWhileThereAreClusters) {
   EXPECT_LE(stats->vertices, sheet.mesh().num_vertices());
   EXPECT_GT(stats->plain_substeps, 2.0 * stats->planned_substeps);
   EXPECT_GE(sheet.step({}).stats.substeps, stats->planned_substeps);
-  for (int i = 0; i < 3; ++i) ASSERT_TRUE(apply(sheet, UndoCut{}).ok());
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(apply(sheet, scene::UndoCut{}).ok());
   EXPECT_FALSE(sheet.local_inertia());
 }
 
 TEST(SheetLocalInertia, IsOfExplicitStepsAlone) {
-  SheetConfig config = scenes::hanging(20);
-  config.integrator.kind = IntegratorKind::kTrBdf2;
+  scene::SheetConfig config = scenes::hanging(20);
+  config.integrator.kind = scene::IntegratorKind::kTrBdf2;
   Sheet sheet = make(config);
   cut_slivers(sheet);
   EXPECT_FALSE(sheet.local_inertia());

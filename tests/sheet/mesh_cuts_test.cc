@@ -14,7 +14,7 @@ namespace {
 
 class MeshCutsTest : public testing::Test {
  protected:
-  Result<MeshCuts> cut(const std::vector<Cut>& cuts, std::int32_t max_vertices = kMaxVertices) {
+  Result<MeshCuts> cut(const std::vector<scene::Cut>& cuts, std::int32_t max_vertices = scene::kMaxVertices) {
     const CutSurroundings around{max_vertices, sheet_.pins(), sheet_.grabs(), sheet_.state().x,
                                  sheet_.materials().by_region()};
     return cut_mesh(cuts, cuts.size() > 1, around, mesh_, nullptr);
@@ -52,7 +52,7 @@ TEST_F(MeshCutsTest, LogNumbersAppliedCutsAndNamesTheirPieces) {
   Result<MeshCuts> made = cut({scenes::line_cut({2.0, 0.3}, {3.0, 0.3}), scenes::line_cut({0.2, 0.3}, {0.8, 0.3}),
                                scenes::line_cut({-0.1, 0.6}, {1.1, 0.6})});
   ASSERT_TRUE(made.ok());
-  mesh::VertexField x = sheet_.state().x;
+  linear::VertexField x = sheet_.state().x;
   for (const DoneCut& done : made->done) fem::carry_over(done.edit.edit, x);
   CutLog log(1);
   log.add(std::move(made->done), mesh_, x, sheet_.materials().by_region(), made->replies);
@@ -67,7 +67,7 @@ TEST_F(MeshCutsTest, LogNumbersAppliedCutsAndNamesTheirPieces) {
 }
 
 TEST_F(MeshCutsTest, PinsLostAreThoseOfVerticesWithoutMaterial) {
-  Cut window = scenes::line_cut({-0.1, 0.95}, {1.1, 0.95});
+  scene::Cut window = scenes::line_cut({-0.1, 0.95}, {1.1, 0.95});
   window.options.width_m = 0.2;
   const Result<MeshCuts> made = cut({window});
   ASSERT_TRUE(made.ok()) << made.error().message;

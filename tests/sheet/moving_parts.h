@@ -11,13 +11,13 @@
 // Parts of a sheet for tests of one of them.
 namespace kerf::sheet {
 
-inline std::shared_ptr<const InitialState> initial_state_of(SheetConfig config) {
+inline std::shared_ptr<const InitialState> initial_state_of(scene::SheetConfig config) {
   Result<InitialState> initial = make_initial_state(std::move(config));
   if (!initial.ok()) ADD_FAILURE() << initial.error().message;
   return std::make_shared<const InitialState>(std::move(initial).value());
 }
 
-inline MovingSheet moving_sheet_of(SheetConfig config, IntegratorFactory make = fem::make_integrator) {
+inline MovingSheet moving_sheet_of(scene::SheetConfig config, IntegratorFactory make = fem::make_integrator) {
   return {initial_state_of(std::move(config)), std::move(make)};
 }
 

@@ -40,7 +40,7 @@ TEST(MovingSheet, RestoresItsInitialStateWithoutGrabs) {
 TEST(MovingSheet, RefusedMaterialChangesNothing) {
   MovingSheet sheet = moving_sheet_of(scenes::hanging(9));
   const std::uint64_t before = hash_of(sheet);
-  SetMaterial change{scenes::demo_material(), 3};
+  scene::SetMaterial change{scenes::demo_material(), 3};
   EXPECT_EQ(sheet.set_material(change).error().reason, "UNKNOWN_PART");
   EXPECT_EQ(hash_of(sheet), before);
 }

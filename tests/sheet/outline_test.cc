@@ -23,16 +23,16 @@ cut::Polyline rectangle(const Vector2d& low, const Vector2d& high) {
   return {{low, {high.x(), low.y()}, high, {low.x(), high.y()}, low}};
 }
 
-OutlineSource square_with_hole() {
-  OutlineSource outline;
+scene::OutlineSource square_with_hole() {
+  scene::OutlineSource outline;
   outline.boundary = rectangle({0, 0}, {1, 1});
   outline.holes = {cut::Circle{{0.5, 0.5}, 0.2}};
   outline.edge_length = 0.1;
   return outline;
 }
 
-SheetConfig config_of(const OutlineSource& outline) {
-  SheetConfig config = scenes::hanging(4);
+scene::SheetConfig config_of(const scene::OutlineSource& outline) {
+  scene::SheetConfig config = scenes::hanging(4);
   config.mesh = outline;
   config.pins.clear();
   return config;
@@ -47,12 +47,13 @@ double area_of(const Sheet& sheet) {
 }
 
 // "REASON field" of the refusal, or "accepted". Of a sheet that need not move.
-std::string refusal(const std::function<void(OutlineSource&)>& spoil, std::int32_t max_vertices = kMaxVertices) {
-  OutlineSource outline = square_with_hole();
+std::string refusal(const std::function<void(scene::OutlineSource&)>& spoil,
+                    std::int32_t max_vertices = scene::kMaxVertices) {
+  scene::OutlineSource outline = square_with_hole();
   spoil(outline);
-  SheetConfig config = config_of(outline);
+  scene::SheetConfig config = config_of(outline);
   config.max_vertices = max_vertices;
-  config.analysis = StaticAnalysis{};
+  config.analysis = scene::StaticAnalysis{};
   const Result<Sheet> created = Sheet::create(config);
   if (created.ok()) return "accepted";
   EXPECT_FALSE(created.error().message.empty());
@@ -74,7 +75,7 @@ int vertices_at(const Sheet& sheet, const Vector2d& at) {
 
 TEST(SheetOutline, EveryKindOfCurveBoundsASheet) {
   const double full = 0.25 * pi;
-  OutlineSource outline;
+  scene::OutlineSource outline;
   outline.edge_length = 0.02;
   const auto area_within = [&](cut::Curve boundary) {
     outline.boundary = std::move(boundary);
@@ -107,7 +108,7 @@ TEST(SheetOutline, EveryKindOfCurveBoundsASheet) {
 }
 
 TEST(SheetOutline, HolesOfManyLinesAndEndsOfPiecesAreVertices) {
-  OutlineSource outline = square_with_hole();
+  scene::OutlineSource outline = square_with_hole();
   // A quarter plate: the arc ends where the lines begin.
   outline.boundary = cut::Path{{{{0.3, 0.0},
                                  {cut::LineTo{{1, 0}}, cut::LineTo{{1, 1}}, cut::LineTo{{0, 1}}, cut::LineTo{{0, 0.3}},
@@ -134,7 +135,7 @@ TEST(SheetOutline, HolesOfManyLinesAndEndsOfPiecesAreVertices) {
 }
 
 TEST(SheetOutline, SizesAtPointsAndAlongCurves) {
-  OutlineSource outline = square_with_hole();
+  scene::OutlineSource outline = square_with_hole();
   const auto least_edge_near = [&](const Vector2d& at) {
     const Sheet sheet = make(config_of(outline));
     double least = 1.0;
@@ -160,16 +161,16 @@ TEST(SheetOutline, SizesAtPointsAndAlongCurves) {
 }
 
 TEST(SheetOutline, LongestEdgeIsAThirtySecondOfTheLargerSide) {
-  OutlineSource outline;
+  scene::OutlineSource outline;
   outline.boundary = rectangle({2, 0}, {10, 1});
   const Sheet sheet = make(config_of(outline));
   EXPECT_NEAR(sheet.mesh().num_vertices(), 8.0 / (0.5 * std::numbers::sqrt3 * 0.0625), 40.0);
 }
 
 TEST(SheetOutline, IsPlacedPinnedCutAndRunAsAnyOther) {
-  OutlineSource outline = square_with_hole();
-  SheetConfig config = config_of(outline);
-  config.pins = {RegionEdge::kTop};
+  scene::OutlineSource outline = square_with_hole();
+  scene::SheetConfig config = config_of(outline);
+  config.pins = {scene::RegionEdge::kTop};
   config.placement.origin = {1.0, 2.0, 3.0};
   Sheet sheet = make(config);
   EXPECT_EQ(sheet.state_hash(), make(config).state_hash());
@@ -186,60 +187,60 @@ TEST(SheetOutline, IsPlacedPinnedCutAndRunAsAnyOther) {
 }
 
 TEST(SheetOutline, RefusesWhatIsNoOutlineWithItsField) {
-  EXPECT_EQ(refusal([](OutlineSource&) {}), "accepted");
-  EXPECT_EQ(refusal([](OutlineSource& o) {
+  EXPECT_EQ(refusal([](scene::OutlineSource&) {}), "accepted");
+  EXPECT_EQ(refusal([](scene::OutlineSource& o) {
               o.boundary = cut::Polyline{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
             }),
             "OUTLINE_OPEN outline.boundary");
-  EXPECT_EQ(refusal([](OutlineSource& o) {
+  EXPECT_EQ(refusal([](scene::OutlineSource& o) {
               o.boundary = cut::Polyline{{{0, 0}, {1, kNan}, {0, 0}}};
             }),
             "CURVE_NOT_FINITE outline.boundary.polyline.points[1].y");
-  EXPECT_EQ(refusal([](OutlineSource& o) {
+  EXPECT_EQ(refusal([](scene::OutlineSource& o) {
               o.boundary = cut::Polyline{{{0, 0}, {1, 0.1}, {1, 0}, {0, 0.1}, {0, 0}}};
             }),
             "OUTLINE_CROSSES outline.boundary");
-  EXPECT_EQ(refusal([](OutlineSource& o) {
+  EXPECT_EQ(refusal([](scene::OutlineSource& o) {
               o.boundary = cut::Polyline{{{0, 0}, {1, 1}, {0, 0}}};
             }),
             "OUTLINE_DEGENERATE outline.boundary");
-  EXPECT_EQ(refusal([](OutlineSource& o) {
+  EXPECT_EQ(refusal([](scene::OutlineSource& o) {
               const cut::Subpath triangle{{0, 0}, {cut::LineTo{{1, 0}}, cut::LineTo{{0, 1}}}, true};
               o.boundary = cut::Path{{triangle, triangle}};
             }),
             "OUTLINE_BORDER outline.boundary");
-  EXPECT_EQ(refusal([](OutlineSource& o) {
+  EXPECT_EQ(refusal([](scene::OutlineSource& o) {
               o.boundary = cut::Circle{{9999, 0}, 2};
             }),
             "OUTLINE_OUT_OF_RANGE outline.boundary");
-  EXPECT_EQ(refusal([](OutlineSource& o) {
+  EXPECT_EQ(refusal([](scene::OutlineSource& o) {
               o.holes[0] = cut::Circle{{0.5, 0.5}, 0.0};
             }),
             "RADIUS_NOT_POSITIVE outline.holes[0].circle.radius_m");
-  EXPECT_EQ(refusal([](OutlineSource& o) {
+  EXPECT_EQ(refusal([](scene::OutlineSource& o) {
               o.holes.push_back(cut::Circle{{0.5, 0.7}, 0.1});
             }),
             "OUTLINE_CROSSES outline.holes[1]");
-  EXPECT_EQ(refusal([](OutlineSource& o) {
+  EXPECT_EQ(refusal([](scene::OutlineSource& o) {
               o.holes.push_back(cut::Circle{{0.1, 0.1}, 0.1});
             }),
             "OUTLINE_CROSSES outline.holes[1]");  // touches two sides
-  EXPECT_EQ(refusal([](OutlineSource& o) {
+  EXPECT_EQ(refusal([](scene::OutlineSource& o) {
               o.holes.push_back(cut::Circle{{0.5, 0.5}, 0.1});
             }),
             "OUTLINE_NESTING outline.holes[1]");
-  EXPECT_EQ(refusal([](OutlineSource& o) {
+  EXPECT_EQ(refusal([](scene::OutlineSource& o) {
               o.holes.push_back(cut::Circle{{1.5, 0.5}, 0.1});
             }),
             "OUTLINE_NESTING outline.holes[1]");
-  EXPECT_EQ(refusal([](OutlineSource& o) {
+  EXPECT_EQ(refusal([](scene::OutlineSource& o) {
               o.holes.push_back(cut::Polyline{{{0.1, 0.1}, {0.2, 0.1}, {0.2, 0.2}}});
             }),
             "OUTLINE_OPEN outline.holes[1]");
 }
 
 TEST(SheetOutline, EdgesTooShortForDoublePrecisionAreRefusedWithTheConditionNumber) {
-  OutlineSource outline = square_with_hole();
+  scene::OutlineSource outline = square_with_hole();
   outline.sizes = {{Vector2d(0.5, 0.1), 1e-9, 0.25}};
   const Result<Sheet> refused = Sheet::create(config_of(outline));
   ASSERT_FALSE(refused.ok());
@@ -258,7 +259,7 @@ TEST(SheetOutline, EdgesTooShortForDoublePrecisionAreRefusedWithTheConditionNumb
 
 TEST(SheetOutline, NumbersAreCheckedAtTheirLimits) {
   const auto with_size = [](double length, double growth) {
-    return refusal([=](OutlineSource& o) { o.sizes = {{Vector2d(0.5, 0.1), length, growth}}; });
+    return refusal([=](scene::OutlineSource& o) { o.sizes = {{Vector2d(0.5, 0.1), length, growth}}; });
   };
   EXPECT_EQ(with_size(0.05, 0.25), "accepted");
   EXPECT_EQ(with_size(1e-9, 0.25), "accepted");
@@ -272,38 +273,38 @@ TEST(SheetOutline, NumbersAreCheckedAtTheirLimits) {
   EXPECT_EQ(with_size(0.05, 10.0), "accepted");
   EXPECT_EQ(with_size(0.05, 10.1), "OUT_OF_RANGE outline.sizes[0].growth");
   // Finer than a billionth of the sheet.
-  EXPECT_EQ(refusal([](OutlineSource& o) {
+  EXPECT_EQ(refusal([](scene::OutlineSource& o) {
               o.boundary = rectangle({0, 0}, {2, 1});
               o.sizes = {{Vector2d(0.5, 0.1), 1e-9, 0.25}};
             }),
             "OUTLINE_EDGE_LENGTH outline.sizes[0].edge_length_m");
-  EXPECT_EQ(refusal([](OutlineSource& o) {
+  EXPECT_EQ(refusal([](scene::OutlineSource& o) {
               o.sizes = {{Vector2d(0.5, 1.1e4), 0.1, 0.25}};
             }),
             "OUT_OF_RANGE outline.sizes[0].point.y");
-  EXPECT_EQ(refusal([](OutlineSource& o) {
+  EXPECT_EQ(refusal([](scene::OutlineSource& o) {
               o.sizes = {{cut::Polyline{{{0, 0}}}, 0.1, 0.25}};
             }),
             "CURVE_TOO_SHORT outline.sizes[0].curve.polyline.points");
-  EXPECT_EQ(refusal([](OutlineSource& o) { o.edge_length = -0.1; }), "OUT_OF_RANGE outline.edge_length_m");
-  EXPECT_EQ(refusal([](OutlineSource& o) { o.edge_length = 1.1e4; }), "OUT_OF_RANGE outline.edge_length_m");
-  EXPECT_EQ(refusal([](OutlineSource& o) { o.min_angle_deg = 5.0; }), "accepted");
-  EXPECT_EQ(refusal([](OutlineSource& o) { o.min_angle_deg = 4.9; }), "OUT_OF_RANGE outline.min_angle_deg");
-  EXPECT_EQ(refusal([](OutlineSource& o) { o.min_angle_deg = 28.0; }), "accepted");
-  EXPECT_EQ(refusal([](OutlineSource& o) { o.min_angle_deg = 28.1; }), "OUT_OF_RANGE outline.min_angle_deg");
-  EXPECT_EQ(refusal([](OutlineSource& o) {
-              o.sizes.resize(kMaxOutlineSizes, {Vector2d(0, 0), 0.1, 0.25});
+  EXPECT_EQ(refusal([](scene::OutlineSource& o) { o.edge_length = -0.1; }), "OUT_OF_RANGE outline.edge_length_m");
+  EXPECT_EQ(refusal([](scene::OutlineSource& o) { o.edge_length = 1.1e4; }), "OUT_OF_RANGE outline.edge_length_m");
+  EXPECT_EQ(refusal([](scene::OutlineSource& o) { o.min_angle_deg = 5.0; }), "accepted");
+  EXPECT_EQ(refusal([](scene::OutlineSource& o) { o.min_angle_deg = 4.9; }), "OUT_OF_RANGE outline.min_angle_deg");
+  EXPECT_EQ(refusal([](scene::OutlineSource& o) { o.min_angle_deg = 28.0; }), "accepted");
+  EXPECT_EQ(refusal([](scene::OutlineSource& o) { o.min_angle_deg = 28.1; }), "OUT_OF_RANGE outline.min_angle_deg");
+  EXPECT_EQ(refusal([](scene::OutlineSource& o) {
+              o.sizes.resize(scene::kMaxOutlineSizes, {Vector2d(0, 0), 0.1, 0.25});
             }),
             "accepted");
-  EXPECT_EQ(refusal([](OutlineSource& o) {
-              o.sizes.resize(kMaxOutlineSizes + 1, {Vector2d(0, 0), 0.1, 0.25});
+  EXPECT_EQ(refusal([](scene::OutlineSource& o) {
+              o.sizes.resize(scene::kMaxOutlineSizes + 1, {Vector2d(0, 0), 0.1, 0.25});
             }),
             "TOO_MANY outline.sizes");
 }
 
 TEST(SheetOutline, HolesAndTheirChordsAreLimited) {
   const auto with_holes = [](std::size_t count, bool is_round) {
-    return refusal([=](OutlineSource& o) {
+    return refusal([=](scene::OutlineSource& o) {
       o.holes.clear();
       for (std::size_t i = 0; i < count; ++i) {
         const Vector2d at(0.03 * static_cast<double>(i % 32) + 0.02, 0.028 * static_cast<double>(i / 32) + 0.02);
@@ -316,17 +317,17 @@ TEST(SheetOutline, HolesAndTheirChordsAreLimited) {
       }
     });
   };
-  EXPECT_EQ(with_holes(kMaxOutlineHoles, false), "accepted");
-  EXPECT_EQ(with_holes(kMaxOutlineHoles + 1, false), "TOO_MANY outline.holes");
+  EXPECT_EQ(with_holes(scene::kMaxOutlineHoles, false), "accepted");
+  EXPECT_EQ(with_holes(scene::kMaxOutlineHoles + 1, false), "TOO_MANY outline.holes");
   EXPECT_EQ(with_holes(700, true), "accepted");
-  EXPECT_EQ(with_holes(kMaxOutlineHoles, true).substr(0, 28), "OUTLINE_CURVES outline.holes");
+  EXPECT_EQ(with_holes(scene::kMaxOutlineHoles, true).substr(0, 28), "OUTLINE_CURVES outline.holes");
 }
 
 TEST(SheetOutline, NoMoreVerticesThanTheSceneAllows) {
   const std::int32_t needed = make(config_of(square_with_hole())).mesh().num_vertices();
-  EXPECT_EQ(refusal([](OutlineSource&) {}, needed), "accepted");
-  EXPECT_EQ(refusal([](OutlineSource&) {}, needed - 1), "OUTLINE_TOO_FINE outline.edge_length_m");
-  EXPECT_EQ(refusal([](OutlineSource& o) { o.edge_length = 1e-8; }), "OUTLINE_TOO_FINE outline.edge_length_m");
+  EXPECT_EQ(refusal([](scene::OutlineSource&) {}, needed), "accepted");
+  EXPECT_EQ(refusal([](scene::OutlineSource&) {}, needed - 1), "OUTLINE_TOO_FINE outline.edge_length_m");
+  EXPECT_EQ(refusal([](scene::OutlineSource& o) { o.edge_length = 1e-8; }), "OUTLINE_TOO_FINE outline.edge_length_m");
 }
 
 }  // namespace

@@ -35,7 +35,7 @@ double motion_in_a_minute(Sheet sheet) {
 
 struct Case {
   std::string_view name;
-  SheetConfig config;
+  scene::SheetConfig config;
 };
 
 std::vector<Case> sheets_that_come_to_rest() {
@@ -46,7 +46,7 @@ std::vector<Case> sheets_that_come_to_rest() {
                           {"skin over a ball", scenes::draped_over_sphere(12)},
                           {"cotton over a ball", scenes::draped_over_sphere(12)},
                           {"skin over a box", scenes::draped_over_sphere(20)}};
-  const auto find = [&](std::string_view name) -> SheetConfig& {
+  const auto find = [&](std::string_view name) -> scene::SheetConfig& {
     return std::ranges::find(cases, name, &Case::name)->config;
   };
   find("skin over a ball").material = find("skin over a box").material = fem::find_preset("skin").value();
@@ -125,8 +125,8 @@ TEST(RestWatch, ASheetThatIsCutComesToRestAgain) {
 }
 
 TEST(RestWatch, ChangesNothingInTheFirstFiveSecondsNorWhereTheSceneSaysSo) {
-  SheetConfig config = scenes::hanging(8);
-  SheetConfig free_config = config;
+  scene::SheetConfig config = scenes::hanging(8);
+  scene::SheetConfig free_config = config;
   free_config.rest_damping = false;
   Sheet sheet = make(config);
   Sheet free_sheet = make(free_config);
@@ -139,7 +139,7 @@ TEST(RestWatch, ChangesNothingInTheFirstFiveSecondsNorWhereTheSceneSaysSo) {
 }
 
 TEST(RestWatch, StepsADrapeAsEverWhereTheSceneSaysSo) {
-  SheetConfig config = scenes::draped_over_sphere(8);
+  scene::SheetConfig config = scenes::draped_over_sphere(8);
   config.rest_damping = false;
   Sheet sheet = make(config);
   int most_before = 0;
@@ -158,15 +158,15 @@ TEST(RestWatch, ACutIsNotExpectedToCostWhatACalmSheetDoes) {
   const double awake = sheet.expected_cost().substeps;
   run(sheet, 900);
   EXPECT_GE(sheet.expected_cost().substeps, 1.4 * awake);
-  ASSERT_TRUE(apply(sheet, SetGravity{{0.0, 0.0, -9.0}}).ok());
+  ASSERT_TRUE(apply(sheet, scene::SetGravity{{0.0, 0.0, -9.0}}).ok());
   EXPECT_LT(sheet.expected_cost().substeps, 1.1 * awake);
 }
 
 TEST(RestWatch, DampsNoSheetWithoutDampingOfItsOwnThatTouchesNothing) {
-  SheetConfig config = scenes::hanging(8);
+  scene::SheetConfig config = scenes::hanging(8);
   config.material.mass_damping = 0.0;
   config.material.stiffness_damping = 0.0;
-  SheetConfig free_config = config;
+  scene::SheetConfig free_config = config;
   free_config.rest_damping = false;
   Sheet sheet = make(config);
   Sheet free_sheet = make(free_config);
@@ -176,22 +176,22 @@ TEST(RestWatch, DampsNoSheetWithoutDampingOfItsOwnThatTouchesNothing) {
 }
 
 TEST(RestWatch, AStillSheetRestsAfterAWindowAndIsWokenByWhatChangesIt) {
-  SheetConfig config = scenes::flat(6);
+  scene::SheetConfig config = scenes::flat(6);
   config.gravity = Vector3d::Zero();
   Sheet sheet = make(config);
   EXPECT_LE(ticks_to_rest(sheet, 600), 123);
-  ASSERT_TRUE(apply(sheet, SetGravity{{0.0, 0.0, -1.0}}).ok());
+  ASSERT_TRUE(apply(sheet, scene::SetGravity{{0.0, 0.0, -1.0}}).ok());
   EXPECT_FALSE(sheet.at_rest());
   run(sheet, 30);
   EXPECT_FALSE(sheet.at_rest());
 }
 
 TEST(RestWatch, ASlowDriftIsNoRest) {
-  SheetConfig config = scenes::flat(5);
+  scene::SheetConfig config = scenes::flat(5);
   config.gravity = Vector3d::Zero();
   config.pins.clear();
   config.material.mass_damping = 0.0;
-  config.initial_velocity = InitialVelocity{Vector3d(2.0e-6, 0.0, 0.0), Vector3d::Zero(), {}};
+  config.initial_velocity = scene::InitialVelocity{Vector3d(2.0e-6, 0.0, 0.0), Vector3d::Zero(), {}};
   Sheet sheet = make(config);
   run(sheet, 1200);
   EXPECT_FALSE(sheet.at_rest()) << "it goes 0.12 mm in a minute";

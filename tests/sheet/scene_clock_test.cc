@@ -15,8 +15,8 @@ using testing::ElementsAre;
 using testing::IsEmpty;
 
 SceneClock with_commands_at(const std::vector<std::int64_t>& ticks) {
-  auto config = std::make_shared<SheetConfig>(scenes::hanging(3));
-  for (const std::int64_t tick : ticks) config->commands.push_back({tick, SetGravity{}});
+  auto config = std::make_shared<scene::SheetConfig>(scenes::hanging(3));
+  for (const std::int64_t tick : ticks) config->commands.push_back({tick, scene::SetGravity{}});
   return SceneClock(std::move(config));
 }
 

@@ -11,11 +11,11 @@ namespace {
 using scenes::flat;
 
 TEST(Settling, FindsTheEquilibriumOfTheLoadAndLeavesTheTickAlone) {
-  SheetConfig config = flat(9);
+  scene::SheetConfig config = flat(9);
   config.planar = true;
-  config.constraints = {hold(RegionEdge::kBottom), hold(NearestVertex{{0.5, 0.0}})};
+  config.constraints = {hold(scene::RegionEdge::kBottom), hold(scene::NearestVertex{{0.5, 0.0}})};
   config.constraints[0].held = {false, true, false};
-  config.loads = {{EdgeForce{RegionEdge::kTop, {0.0, 2.0, 0.0}, true}, {}}};
+  config.loads = {{scene::EdgeForce{scene::RegionEdge::kTop, {0.0, 2.0, 0.0}, true}, {}}};
   Sheet sheet = make(config);
   const fem::Material& material = sheet.model().materials()[0].material;
   for (const double load : {0.5, 1.0}) {
@@ -30,9 +30,9 @@ TEST(Settling, FindsTheEquilibriumOfTheLoadAndLeavesTheTickAlone) {
 }
 
 TEST(Settling, BendsByAnglesUntilTheNextStep) {
-  SheetConfig config = flat(9);
-  config.pins = {RegionEdge::kTop};
-  config.integrator.kind = IntegratorKind::kTrBdf2;
+  scene::SheetConfig config = flat(9);
+  config.pins = {scene::RegionEdge::kTop};
+  config.integrator.kind = scene::IntegratorKind::kTrBdf2;
   Sheet sheet = make(config);
   Sheet other = sheet;
   EXPECT_TRUE(sheet.settle(1.0, {}, {}).converged);
@@ -48,8 +48,8 @@ TEST(Settling, BendsByAnglesUntilTheNextStep) {
 }
 
 TEST(Settling, LeavesTheStateAloneWhereNoEquilibriumIsFound) {
-  SheetConfig config = flat(9);  // nothing holds it
-  config.loads = {{EdgeForce{RegionEdge::kTop, {0.0, 2.0, 0.0}, true}, {}}};
+  scene::SheetConfig config = flat(9);  // nothing holds it
+  config.loads = {{scene::EdgeForce{scene::RegionEdge::kTop, {0.0, 2.0, 0.0}, true}, {}}};
   Sheet sheet = make(config);
   fem::EquilibriumOptions options;
   options.max_iterations = 5;
@@ -59,8 +59,8 @@ TEST(Settling, LeavesTheStateAloneWhereNoEquilibriumIsFound) {
 }
 
 TEST(Settling, StopsWhenTheWatchSaysSo) {
-  SheetConfig config = flat(9);
-  config.pins = {RegionEdge::kTop};
+  scene::SheetConfig config = flat(9);
+  config.pins = {scene::RegionEdge::kTop};
   config.gravity = {0.0, 0.0, -9.81};
   Sheet sheet = make(config);
   int calls = 0;

@@ -25,13 +25,13 @@ fem::Material third() {
   return m;
 }
 
-MaterialBox box(double x0, double y0, double x1, double y1) {
+scene::MaterialBox box(double x0, double y0, double x1, double y1) {
   return {{x0, y0}, {x1, y1}};
 }
 
 // The right half of the sheet heavy, with a spot of a third material in the middle.
-SheetConfig divided(std::int32_t n) {
-  SheetConfig config = scenes::hanging(n);
+scene::SheetConfig divided(std::int32_t n) {
+  scene::SheetConfig config = scenes::hanging(n);
   config.materials = {{box(0.5, 0.0, 1.0, 1.0), heavy()}, {box(0.3, 0.3, 0.7, 0.7), third()}};
   return config;
 }
@@ -45,7 +45,7 @@ std::vector<double> areas(const Sheet& sheet) {
   return areas;
 }
 
-std::string reason_of(SheetConfig config) {
+std::string reason_of(scene::SheetConfig config) {
   const Result<Sheet> created = Sheet::create(std::move(config));
   return created.ok() ? "made" : created.error().reason + " " + created.error().field;
 }
@@ -68,9 +68,9 @@ TEST(SheetMaterials, LaterEntriesWinAndTheRestHasTheSheetsOwn) {
 }
 
 TEST(SheetMaterials, OneThatIsAllOfTheSheetIsAsGoodAsItsOwn) {
-  SheetConfig all = scenes::hanging(9);
-  all.materials = {{box(0.0, 0.0, 0.4, 0.4), third()}, {WholeSheet{}, heavy()}};
-  SheetConfig own = scenes::hanging(9);
+  scene::SheetConfig all = scenes::hanging(9);
+  all.materials = {{box(0.0, 0.0, 0.4, 0.4), third()}, {scene::WholeSheet{}, heavy()}};
+  scene::SheetConfig own = scenes::hanging(9);
   own.material = heavy();
   Sheet a = make(all), b = make(own);
   run(a, 5);
@@ -79,31 +79,31 @@ TEST(SheetMaterials, OneThatIsAllOfTheSheetIsAsGoodAsItsOwn) {
 }
 
 void expect_kept_through_cuts(fem::MembraneLaw membrane_law) {
-  SheetConfig config = divided(21);
+  scene::SheetConfig config = divided(21);
   config.membrane_law = membrane_law;
   Sheet sheet = make(config);
   run(sheet, 3);
   const std::uint64_t mesh = sheet.mesh().state_hash(), model = sheet.model().hash();
   const std::vector<double> before = areas(sheet);
-  for (Cut& cut : scenes::three_cuts()) ASSERT_TRUE(apply(sheet, std::move(cut)).ok());
+  for (scene::Cut& cut : scenes::three_cuts()) ASSERT_TRUE(apply(sheet, std::move(cut)).ok());
   EXPECT_EQ(sheet.mesh().find_violation(), std::nullopt);
   const std::vector<double> after = areas(sheet);
   for (std::size_t i = 0; i < before.size(); ++i) EXPECT_NEAR(after[i], before[i], 1e-13);
   double mass = 0.0;
-  for (const Piece& piece : sheet.pieces()) mass += piece.mass;
+  for (const scene::Piece& piece : sheet.pieces()) mass += piece.mass;
   EXPECT_NEAR(mass, sheet.model().masses().total(), 1e-12);
   const std::uint64_t cut_mesh = sheet.mesh().state_hash(), cut_model = sheet.model().hash();
   std::vector<fem::Material> materials;
   for (const fem::MaterialLaw& law : sheet.model().materials()) materials.push_back(law.material);
   EXPECT_EQ(cut_model, fem::Model(sheet.mesh(), materials, membrane_law).hash());
   EXPECT_EQ(sheet.model().materials().membrane_law(), membrane_law);
-  for (int i = 0; i < 3; ++i) ASSERT_TRUE(apply(sheet, UndoCut{}).ok());
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(apply(sheet, scene::UndoCut{}).ok());
   EXPECT_EQ(sheet.mesh().state_hash(), mesh);
   EXPECT_EQ(sheet.model().hash(), model);
-  for (int i = 0; i < 3; ++i) ASSERT_TRUE(apply(sheet, RedoCut{}).ok());
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(apply(sheet, scene::RedoCut{}).ok());
   EXPECT_EQ(sheet.mesh().state_hash(), cut_mesh);
   EXPECT_EQ(sheet.model().hash(), cut_model);
-  ASSERT_TRUE(apply(sheet, Reset{}).ok());
+  ASSERT_TRUE(apply(sheet, scene::Reset{}).ok());
   EXPECT_EQ(sheet.model().hash(), model);
 }
 
@@ -116,7 +116,7 @@ TEST(SheetMaterials, CutsKeepThemAndUndoAndRedoGiveThemBack) {
 TEST(SheetMaterials, ElementWiseCutsKeepThemToo) {
   Sheet sheet = make(divided(15));
   const std::vector<double> before = areas(sheet);
-  Cut cut = scenes::bezier_cut({0.2, 0.5}, {0.4, 0.8}, {0.6, 0.2}, {0.8, 0.5});
+  scene::Cut cut = scenes::bezier_cut({0.2, 0.5}, {0.4, 0.8}, {0.6, 0.2}, {0.8, 0.5});
   cut.options.method = cut::Method::kElement;
   ASSERT_TRUE(apply(sheet, cut).ok());
   EXPECT_EQ(sheet.mesh().find_violation(), std::nullopt);
@@ -125,13 +125,13 @@ TEST(SheetMaterials, ElementWiseCutsKeepThemToo) {
 }
 
 TEST(SheetMaterials, AStripTakesTheMassOfWhatItCrosses) {
-  SheetConfig config = scenes::hanging(21);
+  scene::SheetConfig config = scenes::hanging(21);
   config.materials = {{box(0.5, 0.0, 1.0, 1.0), heavy()}};
   Sheet sheet = make(config);
   const double before = sheet.model().masses().total();
-  Cut cut = scenes::line_cut({0.2, 0.5}, {0.8, 0.5});
+  scene::Cut cut = scenes::line_cut({0.2, 0.5}, {0.8, 0.5});
   cut.options.width_m = 0.02;
-  const Result<CommandReply> done = apply(sheet, cut);
+  const Result<scene::CommandReply> done = apply(sheet, cut);
   ASSERT_TRUE(done.ok()) << done.error().message;
   EXPECT_NEAR(*done->cut->removed_mass, before - sheet.model().masses().total(), 1e-12);
   const double expected = 0.02 * 0.3 * (0.2 + 1.5) + 0.5 * 3.14159 * 1e-4 * (0.2 + 1.5);
@@ -139,16 +139,16 @@ TEST(SheetMaterials, AStripTakesTheMassOfWhatItCrosses) {
 }
 
 TEST(SheetMaterials, ARecordingReplaysBitForBit) {
-  std::vector<std::vector<Command>> ticks(25);
+  std::vector<std::vector<scene::Command>> ticks(25);
   ticks[3] = {scenes::three_cuts()[0]};
   ticks[7] = {scenes::three_cuts()[1], scenes::three_cuts()[2]};
-  ticks[11] = {UndoCut{}};
-  ticks[15] = {RedoCut{}};
+  ticks[11] = {scene::UndoCut{}};
+  ticks[15] = {scene::RedoCut{}};
   expect_equal_replay(divided(15), ticks);
 }
 
 TEST(SheetMaterials, OfACurvedSheetPartTheFacetsToo) {
-  SheetConfig config = of_arrays(test::rolled_square(9, 0.4));
+  scene::SheetConfig config = of_arrays(test::rolled_square(9, 0.4));
   config.materials = {{box(0.5, -1.0, 2.0, 2.0), heavy()}};
   Sheet sheet = make(config);
   ASSERT_TRUE(sheet.mesh().is_curved());
@@ -164,8 +164,8 @@ TEST(SheetMaterials, OfACurvedSheetPartTheFacetsToo) {
 }
 
 TEST(SheetMaterials, LinesAndListedVerticesNameTriangles) {
-  SheetConfig config = scenes::hanging(11);
-  config.materials = {{MaterialLine{{0.0, 0.5}, {1.0, 0.5}, 0.1, MaterialLine::Side::kLeft}, heavy()},
+  scene::SheetConfig config = scenes::hanging(11);
+  config.materials = {{scene::MaterialLine{{0.0, 0.5}, {1.0, 0.5}, 0.1, scene::MaterialLine::Side::kLeft}, heavy()},
                       {std::vector<mesh::VertexId>{0, 1, 11, 12}, third()}};
   const Sheet sheet = make(config);
   ASSERT_EQ(sheet.model().materials().size(), 3U);
@@ -180,10 +180,10 @@ TEST(SheetMaterials, LinesAndListedVerticesNameTriangles) {
 }
 
 TEST(SheetMaterials, RegionsWithoutTrianglesAreRefused) {
-  SheetConfig config = scenes::hanging(5);
-  config.materials = {{WholeSheet{}, heavy()}, {RegionEdge::kTop, third()}};
+  scene::SheetConfig config = scenes::hanging(5);
+  config.materials = {{scene::WholeSheet{}, heavy()}, {scene::RegionEdge::kTop, third()}};
   EXPECT_EQ(reason_of(config), "REGION_WITHOUT_TRIANGLES materials[1].region");
-  config.materials[1].region = NearestVertex{{0.5, 0.5}};
+  config.materials[1].region = scene::NearestVertex{{0.5, 0.5}};
   EXPECT_EQ(reason_of(config), "REGION_WITHOUT_TRIANGLES materials[1].region");
   config.materials[1].region = box(3.0, 3.0, 4.0, 4.0);
   EXPECT_EQ(reason_of(config), "REGION_EMPTY materials[1].region");
@@ -192,36 +192,36 @@ TEST(SheetMaterials, RegionsWithoutTrianglesAreRefused) {
 }
 
 TEST(SheetMaterials, AreAtMostSixteenInAtMostSixtyFourRegions) {
-  SheetConfig config = scenes::hanging(17);
+  scene::SheetConfig config = scenes::hanging(17);
   for (int i = 0; i < 15; ++i) {
     fem::Material material = heavy();
     material.density += i;
     config.materials.push_back({box(0.0625 * i, 0.0, 0.0625 * (i + 1), 1.0), material});
   }
   EXPECT_EQ(make(config).model().materials().size(), fem::kMaxMaterials);
-  SheetConfig more = config;
+  scene::SheetConfig more = config;
   more.materials.push_back({box(0.9, 0.0, 1.0, 1.0), third()});
   EXPECT_EQ(reason_of(more), "TOO_MANY_MATERIALS materials");
   // The same ones again do not count.
-  while (config.materials.size() < kMaxRegions) config.materials.push_back(config.materials[0]);
+  while (config.materials.size() < scene::kMaxRegions) config.materials.push_back(config.materials[0]);
   EXPECT_EQ(reason_of(config), "made");
   config.materials.push_back(config.materials[0]);
   EXPECT_EQ(reason_of(config), "TOO_MANY materials");
 }
 
 TEST(SheetMaterials, APlanarSheetBendsNowhere) {
-  SheetConfig config = divided(9);
+  scene::SheetConfig config = divided(9);
   config.planar = true;
   EXPECT_FALSE(make(config).model().materials().has_bending());
 }
 
 TEST(SheetMaterials, AGrabIsNoStifferThanTheMembraneThatItHolds) {
-  SheetConfig config = scenes::hanging(9);
+  scene::SheetConfig config = scenes::hanging(9);
   config.materials = {{box(0.5, 0.0, 1.0, 1.0), heavy()}};
   config.tick_rate_hz = 1000.0;  // so that the membrane is what limits it
   Sheet sheet = make(config);
-  ASSERT_TRUE(apply(sheet, Grab{"soft", 0, std::nullopt, 0.0}).ok());
-  ASSERT_TRUE(apply(sheet, Grab{"stiff", 8, std::nullopt, 0.0}).ok());
+  ASSERT_TRUE(apply(sheet, scene::Grab{"soft", 0, std::nullopt, 0.0}).ok());
+  ASSERT_TRUE(apply(sheet, scene::Grab{"stiff", 8, std::nullopt, 0.0}).ok());
   EXPECT_LT(sheet.grabs()[0].stiffness, 300.0);
   EXPECT_GT(sheet.grabs()[1].stiffness, 3000.0);
 }

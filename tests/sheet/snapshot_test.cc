@@ -57,7 +57,7 @@ TEST(Snapshot, PatchesByVersionLeadToTheSameTopologyFromAnyVersion) {
     joined.follow(*sheet.snapshot()->topology);
     mirrors.push_back(joined);
     if (round == 8) {
-      ASSERT_TRUE(apply(sheet, Reset{}).ok());
+      ASSERT_TRUE(apply(sheet, scene::Reset{}).ok());
       continue;
     }
     const double x0 = random.uniform(-0.2, 1.2);
@@ -79,7 +79,7 @@ TEST(Snapshot, CutsThatNobodyLookedAtAreInTheNextPatch) {
   Sheet sheet = make(scenes::hanging(12));
   Mirror mirror;
   mirror.follow(*sheet.snapshot()->topology);
-  for (const Cut& cut : scenes::three_cuts()) ASSERT_TRUE(apply(sheet, cut).ok());
+  for (const scene::Cut& cut : scenes::three_cuts()) ASSERT_TRUE(apply(sheet, cut).ok());
   const auto topology = sheet.snapshot()->topology;
   EXPECT_EQ(topology->version, 4);
   EXPECT_EQ(topology->patchable_since, 1);
@@ -88,7 +88,7 @@ TEST(Snapshot, CutsThatNobodyLookedAtAreInTheNextPatch) {
   EXPECT_EQ(mirror.pieces, topology->pieces);
   EXPECT_EQ(mirror.material, topology->material_positions);
   // After an undo that was not viewed either, a patch would not suffice.
-  ASSERT_TRUE(apply(sheet, UndoCut{}).ok());
+  ASSERT_TRUE(apply(sheet, scene::UndoCut{}).ok());
   ASSERT_TRUE(apply(sheet, scenes::circle_cut({0.7, 0.3}, 0.1)).ok());
   const auto after = sheet.snapshot()->topology;
   EXPECT_EQ(after->patchable_since, after->version);

@@ -13,8 +13,8 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-SheetConfig free_sheet(std::int32_t n) {
-  SheetConfig config = scenes::hanging(n);
+scene::SheetConfig free_sheet(std::int32_t n) {
+  scene::SheetConfig config = scenes::hanging(n);
   config.pins.clear();
   return config;
 }
@@ -22,16 +22,16 @@ SheetConfig free_sheet(std::int32_t n) {
 // Thrown into the air, turning and straining.
 Sheet flying(std::int32_t n) {
   Sheet sheet = make(free_sheet(n));
-  EXPECT_TRUE(apply(sheet, Grab{"hand", 0, Vector3d(0.03, 0.05, 0.02), 0.0}).ok());
+  EXPECT_TRUE(apply(sheet, scene::Grab{"hand", 0, Vector3d(0.03, 0.05, 0.02), 0.0}).ok());
   run(sheet, 6);
-  EXPECT_TRUE(apply(sheet, Release{"hand"}).ok());
+  EXPECT_TRUE(apply(sheet, scene::Release{"hand"}).ok());
   return sheet;
 }
 
-Cut across() {
+scene::Cut across() {
   return scenes::line_cut({-0.1, 0.47}, {1.1, 0.53});
 }
-Cut slit() {
+scene::Cut slit() {
   return scenes::bezier_cut({0.2, 0.5}, {0.4, 0.8}, {0.6, 0.2}, {0.8, 0.5});
 }
 
@@ -42,7 +42,7 @@ TEST(UndoCut, RightAfterTheCutGivesTheSheetBackAsItWas) {
   const std::uint64_t model = sheet.model().hash();
   const fem::Momentum momentum = sheet.model().momentum(before);
   ASSERT_TRUE(apply(sheet, slit()).ok());
-  const Result<CommandReply> undone = apply(sheet, UndoCut{});
+  const Result<scene::CommandReply> undone = apply(sheet, scene::UndoCut{});
   ASSERT_TRUE(undone.ok()) << undone.error().message;
   EXPECT_EQ(sheet.mesh().state_hash(), mesh);
   EXPECT_EQ(sheet.model().hash(), model);
@@ -62,14 +62,14 @@ TEST(UndoCut, ClosesLipsAtTheirMeanWeightedByMass) {
   Sheet sheet = make(free_sheet(9));
   ASSERT_TRUE(apply(sheet, across()).ok());
   ASSERT_EQ(sheet.mesh().num_pieces(), 2);
-  EXPECT_TRUE(apply(sheet, SetWind{Wind{{0.0, 20.0, 5.0}, 1.2, 1.0}}).ok());
-  EXPECT_TRUE(apply(sheet, Grab{"hand", 0, Vector3d(-0.2, -0.3, 0.0), 0.0}).ok());
+  EXPECT_TRUE(apply(sheet, scene::SetWind{scene::Wind{{0.0, 20.0, 5.0}, 1.2, 1.0}}).ok());
+  EXPECT_TRUE(apply(sheet, scene::Grab{"hand", 0, Vector3d(-0.2, -0.3, 0.0), 0.0}).ok());
   run(sheet, 20);
   const fem::State before = sheet.state();
   const fem::Model model = sheet.model();
-  const std::vector<Piece> pieces = sheet.pieces();
+  const std::vector<scene::Piece> pieces = sheet.pieces();
   ASSERT_GT((pieces[0].world_centroid - pieces[1].world_centroid).norm(), 0.51) << "the pieces have not parted";
-  ASSERT_TRUE(apply(sheet, UndoCut{}).ok());
+  ASSERT_TRUE(apply(sheet, scene::UndoCut{}).ok());
   EXPECT_EQ(sheet.mesh().num_pieces(), 1);
   const double speed = before.v.colwise().norm().maxCoeff();
   EXPECT_LT((sheet.model().momentum(sheet.state()).linear - model.momentum(before).linear).norm(),
@@ -83,13 +83,13 @@ TEST(UndoCut, ClosesLipsAtTheirMeanWeightedByMass) {
 TEST(UndoCut, RedoMakesTheSameMeshAgain) {
   Sheet sheet = flying(14);
   std::vector<std::uint64_t> meshes{sheet.mesh().state_hash()};
-  for (const Cut& cut : scenes::three_cuts()) {
+  for (const scene::Cut& cut : scenes::three_cuts()) {
     ASSERT_TRUE(apply(sheet, cut).ok());
     meshes.push_back(sheet.mesh().state_hash());
     run(sheet, 3);
   }
   for (std::size_t level = 3; level-- > 0;) {
-    const Result<CommandReply> undone = apply(sheet, UndoCut{});
+    const Result<scene::CommandReply> undone = apply(sheet, scene::UndoCut{});
     ASSERT_TRUE(undone.ok());
     EXPECT_EQ(undone->undone->cuts, std::vector<std::int64_t>{static_cast<std::int64_t>(level) + 1});
     EXPECT_EQ(undone->undone->undo_steps, static_cast<std::int32_t>(level));
@@ -97,25 +97,25 @@ TEST(UndoCut, RedoMakesTheSameMeshAgain) {
     EXPECT_EQ(sheet.mesh().state_hash(), meshes[level]);
     run(sheet, 2);
   }
-  EXPECT_EQ(reason(apply(sheet, UndoCut{})), "NOTHING_TO_UNDO");
+  EXPECT_EQ(reason(apply(sheet, scene::UndoCut{})), "NOTHING_TO_UNDO");
   for (std::size_t level = 1; level <= 3; ++level) {
-    const Result<CommandReply> redone = apply(sheet, RedoCut{});
+    const Result<scene::CommandReply> redone = apply(sheet, scene::RedoCut{});
     ASSERT_TRUE(redone.ok());
     EXPECT_EQ(redone->undone->cuts, std::vector<std::int64_t>{static_cast<std::int64_t>(level)});
     EXPECT_EQ(redone->undone->pieces, sheet.mesh().num_pieces());
     EXPECT_EQ(sheet.mesh().state_hash(), meshes[level]);
     run(sheet, 2);
   }
-  EXPECT_EQ(reason(apply(sheet, RedoCut{})), "NOTHING_TO_REDO");
+  EXPECT_EQ(reason(apply(sheet, scene::RedoCut{})), "NOTHING_TO_REDO");
 }
 
 TEST(UndoCut, ARefusalChangesNothing) {
   Sheet sheet = flying(8);
   const std::uint64_t hash = sheet.state_hash();
-  const Result<CommandReply> undone = apply(sheet, UndoCut{});
+  const Result<scene::CommandReply> undone = apply(sheet, scene::UndoCut{});
   ASSERT_FALSE(undone.ok());
   EXPECT_EQ(undone.error().code, ErrorCode::kFailedPrecondition);
-  EXPECT_EQ(reason(apply(sheet, RedoCut{})), "NOTHING_TO_REDO");
+  EXPECT_EQ(reason(apply(sheet, scene::RedoCut{})), "NOTHING_TO_REDO");
   EXPECT_EQ(sheet.state_hash(), hash);
   EXPECT_EQ(sheet.topology_version(), 1);
 }
@@ -123,37 +123,37 @@ TEST(UndoCut, ARefusalChangesNothing) {
 TEST(UndoCut, ANewCutAndAResetDropWhatCouldBeMadeAgain) {
   Sheet sheet = make(scenes::hanging(10));
   ASSERT_TRUE(apply(sheet, across()).ok());
-  ASSERT_TRUE(apply(sheet, UndoCut{}).ok());
+  ASSERT_TRUE(apply(sheet, scene::UndoCut{}).ok());
   ASSERT_TRUE(apply(sheet, scenes::line_cut({5.0, 5.0}, {6.0, 6.0})).ok());  // misses: no cut
   EXPECT_EQ(sheet.history().num_undone(), 1U);
   ASSERT_TRUE(apply(sheet, slit()).ok());
-  EXPECT_EQ(reason(apply(sheet, RedoCut{})), "NOTHING_TO_REDO");
-  ASSERT_TRUE(apply(sheet, UndoCut{}).ok());
-  ASSERT_TRUE(apply(sheet, Reset{}).ok());
-  EXPECT_EQ(reason(apply(sheet, RedoCut{})), "NOTHING_TO_REDO");
+  EXPECT_EQ(reason(apply(sheet, scene::RedoCut{})), "NOTHING_TO_REDO");
+  ASSERT_TRUE(apply(sheet, scene::UndoCut{}).ok());
+  ASSERT_TRUE(apply(sheet, scene::Reset{}).ok());
+  EXPECT_EQ(reason(apply(sheet, scene::RedoCut{})), "NOTHING_TO_REDO");
 }
 
 TEST(UndoCut, PinsThatACutGaveVanishAndWhatAPinnedVertexJoinsStaysHeld) {
   Sheet sheet = make(scenes::hanging(11));
   const std::vector<mesh::VertexId> pinned = sheet.pinned_vertices();
-  const Cut down = scenes::line_cut({0.52, 1.2}, {0.48, -0.2});  // through the pinned edge
+  const scene::Cut down = scenes::line_cut({0.52, 1.2}, {0.48, -0.2});  // through the pinned edge
   ASSERT_TRUE(apply(sheet, down).ok());
   ASSERT_GT(sheet.pinned_vertices().size(), pinned.size());
   run(sheet, 10);
   const Eigen::Matrix3Xd x = sheet.state().x;
-  ASSERT_TRUE(apply(sheet, UndoCut{}).ok());
+  ASSERT_TRUE(apply(sheet, scene::UndoCut{}).ok());
   EXPECT_EQ(sheet.pinned_vertices(), pinned);
   for (const mesh::VertexId v : pinned) EXPECT_EQ(sheet.state().x.col(v), x.col(v)) << v;
 
   // Only the copy of a vertex on the new lip is held: the vertex that it becomes part of is, then, too.
-  ASSERT_TRUE(apply(sheet, SetPins{}).ok());
+  ASSERT_TRUE(apply(sheet, scene::SetPins{}).ok());
   ASSERT_TRUE(apply(sheet, scenes::line_cut({0.5, 1.2}, {0.5, -0.2})).ok());  // along the grid's edges
   const mesh::VertexId copy = sheet.mesh().num_vertices() - 1;
-  ASSERT_TRUE(apply(sheet, SetPins{{std::vector<mesh::VertexId>{copy}}}).ok());
+  ASSERT_TRUE(apply(sheet, scene::SetPins{{std::vector<mesh::VertexId>{copy}}}).ok());
   run(sheet, 10);
   const Vector3d held = sheet.state().x.col(copy);
   const Vector2d where = sheet.mesh().rest_position(copy);
-  ASSERT_TRUE(apply(sheet, UndoCut{}).ok());
+  ASSERT_TRUE(apply(sheet, scene::UndoCut{}).ok());
   ASSERT_EQ(sheet.pinned_vertices().size(), 1U);
   const mesh::VertexId joined = sheet.pinned_vertices().front();
   EXPECT_EQ(sheet.mesh().rest_position(joined), where);
@@ -168,11 +168,11 @@ TEST(UndoCut, GrabsFollow) {
   ASSERT_TRUE(apply(sheet, scenes::line_cut({0.13, 0.22}, {0.37, 0.41})).ok());
   const mesh::VertexId made = sheet.mesh().num_vertices() - 1;  // a point of its own
   const Vector2d made_at = sheet.mesh().rest_position(made);
-  ASSERT_TRUE(apply(sheet, Grab{"copy", copy, std::nullopt, 0.0}).ok());
-  ASSERT_TRUE(apply(sheet, Grab{"made", made, std::nullopt, 0.0}).ok());
-  ASSERT_TRUE(apply(sheet, Grab{"point", Vector2d(0.25, 0.3), std::nullopt, 0.0}).ok());
-  ASSERT_TRUE(apply(sheet, UndoCut{}).ok());
-  ASSERT_TRUE(apply(sheet, UndoCut{}).ok());
+  ASSERT_TRUE(apply(sheet, scene::Grab{"copy", copy, std::nullopt, 0.0}).ok());
+  ASSERT_TRUE(apply(sheet, scene::Grab{"made", made, std::nullopt, 0.0}).ok());
+  ASSERT_TRUE(apply(sheet, scene::Grab{"point", Vector2d(0.25, 0.3), std::nullopt, 0.0}).ok());
+  ASSERT_TRUE(apply(sheet, scene::UndoCut{}).ok());
+  ASSERT_TRUE(apply(sheet, scene::UndoCut{}).ok());
   const auto held_at = [&](const GrabState& grab) {
     Vector2d at = Vector2d::Zero();
     for (std::size_t k = 0; k < 3; ++k) {
@@ -243,17 +243,17 @@ TEST(UndoCut, IsReplayedBitForBit) {
   Recorder recorder;
   Sheet sheet = make(scenes::hanging(12));
   recorder.start(sheet.config());
-  const auto tick = [&](std::vector<Command> commands) {
+  const auto tick = [&](std::vector<scene::Command> commands) {
     sheet.step(commands);
     recorder.append({sheet.tick(), std::move(commands), sheet.state_hash()});
   };
   for (int round = 0; round < 3; ++round) {
-    tick({slit(), CutBatch{{across(), scenes::circle_cut({0.3, 0.3}, 0.1)}}});
+    tick({slit(), scene::CutBatch{{across(), scenes::circle_cut({0.3, 0.3}, 0.1)}}});
     tick({});
-    tick({UndoCut{}});
-    tick({UndoCut{}, RedoCut{}});
-    tick({RedoCut{}});
-    tick({UndoCut{}, UndoCut{}});
+    tick({scene::UndoCut{}});
+    tick({scene::UndoCut{}, scene::RedoCut{}});
+    tick({scene::RedoCut{}});
+    tick({scene::UndoCut{}, scene::UndoCut{}});
   }
   const Result<ReplayReport> report = replay(recorder.recording());
   ASSERT_TRUE(report.ok()) << report.error().message;
@@ -265,12 +265,12 @@ TEST(UndoCut, ACopyOfASheetUndoesAsTheSheetDoes) {
   Sheet sheet = flying(10);
   ASSERT_TRUE(apply(sheet, slit()).ok());
   ASSERT_TRUE(apply(sheet, across()).ok());
-  ASSERT_TRUE(apply(sheet, UndoCut{}).ok());
+  ASSERT_TRUE(apply(sheet, scene::UndoCut{}).ok());
   Sheet copy = sheet;
   for (Sheet* each : {&sheet, &copy}) {
-    ASSERT_TRUE(apply(*each, RedoCut{}).ok());
-    ASSERT_TRUE(apply(*each, UndoCut{}).ok());
-    ASSERT_TRUE(apply(*each, UndoCut{}).ok());
+    ASSERT_TRUE(apply(*each, scene::RedoCut{}).ok());
+    ASSERT_TRUE(apply(*each, scene::UndoCut{}).ok());
+    ASSERT_TRUE(apply(*each, scene::UndoCut{}).ok());
     run(*each, 3);
   }
   EXPECT_EQ(copy.state_hash(), sheet.state_hash());
@@ -279,8 +279,8 @@ TEST(UndoCut, ACopyOfASheetUndoesAsTheSheetDoes) {
 TEST(CutBatch, MakesTheMeshThatTheCutsOneByOneMake) {
   Sheet one_by_one = flying(16);
   Sheet at_once = one_by_one;
-  for (const Cut& cut : scenes::three_cuts()) ASSERT_TRUE(apply(one_by_one, cut).ok());
-  const Result<CommandReply> reply = apply(at_once, CutBatch{scenes::three_cuts()});
+  for (const scene::Cut& cut : scenes::three_cuts()) ASSERT_TRUE(apply(one_by_one, cut).ok());
+  const Result<scene::CommandReply> reply = apply(at_once, scene::CutBatch{scenes::three_cuts()});
   ASSERT_TRUE(reply.ok()) << reply.error().message;
   EXPECT_EQ(at_once.mesh().state_hash(), one_by_one.mesh().state_hash());
   EXPECT_EQ(at_once.model().hash(), one_by_one.model().hash());
@@ -297,7 +297,7 @@ TEST(CutBatch, MakesTheMeshThatTheCutsOneByOneMake) {
   EXPECT_EQ(reply->batch[0].report.pieces, 1);
   EXPECT_EQ(reply->batch[1].report.pieces, 2);
   EXPECT_EQ(reply->batch[2].report.pieces, 3);
-  ASSERT_TRUE(apply(at_once, UndoCut{}).ok());
+  ASSERT_TRUE(apply(at_once, scene::UndoCut{}).ok());
   EXPECT_EQ(at_once.mesh().num_pieces(), 1);
 }
 
@@ -305,15 +305,16 @@ TEST(CutBatch, ConservesMomentumAndPinsWhatItShould) {
   Sheet sheet = flying(12);
   const fem::Momentum before = sheet.model().momentum(sheet.state());
   const double scale = sheet.model().masses().total() * sheet.state().v.colwise().norm().maxCoeff();
-  ASSERT_TRUE(apply(sheet, CutBatch{scenes::three_cuts()}).ok());
+  ASSERT_TRUE(apply(sheet, scene::CutBatch{scenes::three_cuts()}).ok());
   EXPECT_LT((sheet.model().momentum(sheet.state()).linear - before.linear).norm(), 1e-12 * scale);
 
   // The second cut splits a vertex that the first one made on the pinned edge.
   Sheet one_by_one = make(scenes::hanging(9));
   Sheet at_once = one_by_one;
-  const std::vector<Cut> cuts{scenes::line_cut({0.55, 1.2}, {0.55, 0.4}), scenes::line_cut({0.52, 1.2}, {0.58, 0.4})};
-  for (const Cut& cut : cuts) ASSERT_TRUE(apply(one_by_one, cut).ok());
-  ASSERT_TRUE(apply(at_once, CutBatch{cuts}).ok());
+  const std::vector<scene::Cut> cuts{scenes::line_cut({0.55, 1.2}, {0.55, 0.4}),
+                                     scenes::line_cut({0.52, 1.2}, {0.58, 0.4})};
+  for (const scene::Cut& cut : cuts) ASSERT_TRUE(apply(one_by_one, cut).ok());
+  ASSERT_TRUE(apply(at_once, scene::CutBatch{cuts}).ok());
   EXPECT_EQ(at_once.mesh().state_hash(), one_by_one.mesh().state_hash());
   EXPECT_EQ(at_once.pinned_vertices(), one_by_one.pinned_vertices());
 }
@@ -324,10 +325,10 @@ TEST(CutBatch, IsDoneWholeOrNotAtAllAndNamesTheCutThatFailed) {
   const std::uint64_t hash = sheet.state_hash();
   const std::uint64_t model = sheet.model().hash();
   const std::int32_t version = sheet.topology_version();
-  CutBatch batch{scenes::three_cuts()};
+  scene::CutBatch batch{scenes::three_cuts()};
   batch.cuts.push_back(scenes::line_cut({0.11, -0.1}, {0.13, 1.1}));
   batch.cuts.back().options.max_new_triangles = 1;
-  const Result<CommandReply> refused = apply(sheet, batch);
+  const Result<scene::CommandReply> refused = apply(sheet, batch);
   ASSERT_FALSE(refused.ok());
   EXPECT_EQ(refused.error().reason, "CUT_ELEMENT_BUDGET");
   EXPECT_EQ(refused.error().field, "cut_batch.cuts[3]");
@@ -337,25 +338,25 @@ TEST(CutBatch, IsDoneWholeOrNotAtAllAndNamesTheCutThatFailed) {
   EXPECT_EQ(sheet.history().num_done(), 1U);
 
   batch.cuts[1].options.tolerance = 7.0;
-  const Result<CommandReply> invalid = apply(sheet, batch);
+  const Result<scene::CommandReply> invalid = apply(sheet, batch);
   ASSERT_FALSE(invalid.ok());
   EXPECT_EQ(invalid.error().field, "cut_batch.cuts[1].tolerance");
   EXPECT_EQ(sheet.state_hash(), hash);
 }
 
 TEST(CutBatch, TakesAsManyCutsAsItsLimitSays) {
-  CutBatch batch;
-  EXPECT_EQ(validate(Command(batch)).error().reason, "EMPTY");
-  batch.cuts.assign(kMaxBatchCuts, scenes::line_cut({0.1, 0.1}, {0.2, 0.2}));
-  EXPECT_TRUE(validate(Command(batch)).ok());
+  scene::CutBatch batch;
+  EXPECT_EQ(validate(scene::Command(batch)).error().reason, "EMPTY");
+  batch.cuts.assign(scene::kMaxBatchCuts, scenes::line_cut({0.1, 0.1}, {0.2, 0.2}));
+  EXPECT_TRUE(validate(scene::Command(batch)).ok());
   batch.cuts.push_back(batch.cuts.front());
-  const Status beyond = validate(Command(batch));
+  const Status beyond = validate(scene::Command(batch));
   ASSERT_FALSE(beyond.ok());
   EXPECT_EQ(beyond.error().field, "cut_batch.cuts");
 }
 
 TEST(CutBatch, HoldsAKirigamiOfAThousandCuts) {
-  CutBatch batch;
+  scene::CutBatch batch;
   for (int row = 0; row < 40; ++row) {
     for (int column = 0; column < 25; ++column) {
       const double x = (column + (row % 2 == 0 ? 0.1 : 0.55)) / 26.0;
@@ -365,21 +366,21 @@ TEST(CutBatch, HoldsAKirigamiOfAThousandCuts) {
   }
   Sheet sheet = make(scenes::hanging(30));
   const std::uint64_t before = sheet.mesh().state_hash();
-  const Result<CommandReply> reply = apply(sheet, batch);
+  const Result<scene::CommandReply> reply = apply(sheet, batch);
   ASSERT_TRUE(reply.ok()) << reply.error().message;
   ASSERT_EQ(reply->batch.size(), 1000U);
-  for (const CutReply& cut : reply->batch) EXPECT_EQ(cut.status, cut::CutStatus::kApplied);
+  for (const scene::CutReply& cut : reply->batch) EXPECT_EQ(cut.status, cut::CutStatus::kApplied);
   EXPECT_EQ(sheet.mesh().num_pieces(), 1);
   EXPECT_EQ(sheet.model().hash(), fem::Model(sheet.mesh(), sheet.config().material).hash());
-  ASSERT_TRUE(apply(sheet, UndoCut{}).ok());
+  ASSERT_TRUE(apply(sheet, scene::UndoCut{}).ok());
   EXPECT_EQ(sheet.mesh().state_hash(), before);
 }
 
 TEST(CutBatch, OfMissesOnlyIsNoStep) {
   Sheet sheet = make(scenes::hanging(6));
   const std::uint64_t hash = sheet.state_hash();
-  const Cut miss = scenes::line_cut({2.0, 0.0}, {3.0, 1.0});
-  const Result<CommandReply> reply = apply(sheet, CutBatch{{miss, miss}});
+  const scene::Cut miss = scenes::line_cut({2.0, 0.0}, {3.0, 1.0});
+  const Result<scene::CommandReply> reply = apply(sheet, scene::CutBatch{{miss, miss}});
   ASSERT_TRUE(reply.ok());
   EXPECT_EQ(reply->batch.size(), 2U);
   EXPECT_EQ(reply->batch[1].status, cut::CutStatus::kNoIntersection);

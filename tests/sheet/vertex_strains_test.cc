@@ -13,8 +13,8 @@ namespace kerf::sheet {
 namespace {
 
 Sheet flat_sheet() {
-  SheetConfig config;
-  GridSource grid;
+  scene::SheetConfig config;
+  scene::GridSource grid;
   grid.columns = 6;
   grid.rows = 5;
   config.mesh = grid;

@@ -13,8 +13,8 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 // Metres: hanging() is 1 m x 1 m.
-Cut strip(const Vector2d& from, const Vector2d& to, double width) {
-  Cut cut = scenes::line_cut(from, to);
+scene::Cut strip(const Vector2d& from, const Vector2d& to, double width) {
+  scene::Cut cut = scenes::line_cut(from, to);
   cut.options.width_m = width;
   return cut;
 }
@@ -28,13 +28,14 @@ std::vector<mesh::VertexId> without_material(const mesh::TriangleMesh& mesh) {
 }
 
 TEST(CutWidth, MassGoesAndTheRestMovesOnUnderEveryIntegrator) {
-  for (const IntegratorKind kind : {IntegratorKind::kExplicitLeapfrog, IntegratorKind::kImplicitEuler}) {
-    SheetConfig config = scenes::hanging(17);
+  for (const scene::IntegratorKind kind :
+       {scene::IntegratorKind::kExplicitLeapfrog, scene::IntegratorKind::kImplicitEuler}) {
+    scene::SheetConfig config = scenes::hanging(17);
     config.integrator.kind = kind;
     Sheet sheet = make(config);
     run(sheet, 4);
     const double mass = sheet.model().masses().total();
-    const Result<CommandReply> reply = apply(sheet, strip({0.2, 0.5}, {0.8, 0.45}, 0.15));
+    const Result<scene::CommandReply> reply = apply(sheet, strip({0.2, 0.5}, {0.8, 0.45}, 0.15));
     ASSERT_TRUE(reply.ok()) << reply.error().message;
     ASSERT_TRUE(reply->cut->removed_mass.has_value());
     EXPECT_NEAR(sheet.model().masses().total() + *reply->cut->removed_mass, mass, 1e-12 * mass);
@@ -52,7 +53,7 @@ TEST(CutWidth, MassGoesAndTheRestMovesOnUnderEveryIntegrator) {
 }
 
 TEST(CutWidth, ViewersFindVerticesWithoutMaterialWithTheRest) {
-  SheetConfig config = scenes::hanging(9);
+  scene::SheetConfig config = scenes::hanging(9);
   config.pins.clear();
   Sheet sheet = make(config);
   ASSERT_TRUE(apply(sheet, strip({0.3, 0.5}, {0.7, 0.5}, 0.3)).ok());
@@ -66,37 +67,37 @@ TEST(CutWidth, ViewersFindVerticesWithoutMaterialWithTheRest) {
 }
 
 TEST(CutWidth, UndoRightAwayGivesTheSheetBackWhereItWas) {
-  SheetConfig config = scenes::hanging(17);
+  scene::SheetConfig config = scenes::hanging(17);
   Sheet sheet = make(config);
   run(sheet, 10);
   const fem::State before = sheet.state();
   const std::uint64_t mesh = sheet.mesh().state_hash();
   const std::uint64_t model = sheet.model().hash();
   ASSERT_TRUE(apply(sheet, strip({0.2, 0.3}, {0.8, 0.6}, 0.2)).ok());
-  ASSERT_TRUE(apply(sheet, UndoCut{}).ok());
+  ASSERT_TRUE(apply(sheet, scene::UndoCut{}).ok());
   EXPECT_EQ(sheet.mesh().state_hash(), mesh);
   EXPECT_EQ(sheet.model().hash(), model);
   EXPECT_TRUE(without_material(sheet.mesh()).empty());
   EXPECT_LT((sheet.state().x - before.x).colwise().norm().maxCoeff(), 2e-3) << "the shape beside is continued";
-  ASSERT_TRUE(apply(sheet, RedoCut{}).ok());
+  ASSERT_TRUE(apply(sheet, scene::RedoCut{}).ok());
   EXPECT_GT(without_material(sheet.mesh()).size(), 10U);
   run(sheet, 10);
-  ASSERT_TRUE(apply(sheet, UndoCut{}).ok());
+  ASSERT_TRUE(apply(sheet, scene::UndoCut{}).ok());
   EXPECT_EQ(sheet.mesh().state_hash(), mesh);
   run(sheet, 60);
   EXPECT_FALSE(sheet.frozen());
 }
 
 TEST(CutWidth, UndoPutsMaterialBackBesideItsPiece) {
-  SheetConfig config = scenes::hanging(13);
-  config.integrator.precision = Precision::kDouble;  // so that all of it has one velocity
+  scene::SheetConfig config = scenes::hanging(13);
+  config.integrator.precision = scene::Precision::kDouble;  // so that all of it has one velocity
   config.pins.clear();
   Sheet sheet = make(config);
   ASSERT_TRUE(apply(sheet, strip({0.3, 0.5}, {0.7, 0.5}, 0.25)).ok());
   run(sheet, 60);  // falls by more than a metre
   const fem::Momentum momentum = sheet.model().momentum(sheet.state());
   const Vector3d velocity = momentum.linear / sheet.model().masses().total();
-  ASSERT_TRUE(apply(sheet, UndoCut{}).ok());
+  ASSERT_TRUE(apply(sheet, scene::UndoCut{}).ok());
   for (Eigen::Index v = 0; v < sheet.state().x.cols(); ++v) {
     const Vector2d rest = sheet.mesh().rest_position(static_cast<mesh::VertexId>(v)) - sheet.mesh().rest_position(0);
     const Vector3d expected = sheet.state().x.col(0) + Vector3d(rest.x(), 0.0, rest.y());  // it has fallen flat
@@ -114,7 +115,7 @@ TEST(CutWidth, PinsGoWithTheMaterialAndComeBackWithIt) {
   const std::int32_t settings = sheet.settings_version();
   ASSERT_TRUE(apply(sheet, strip({left + 0.3, top - 0.5}, {left + 0.7, top - 0.5}, 0.1)).ok());
   EXPECT_EQ(sheet.settings_version(), settings) << "no pin there";
-  ASSERT_TRUE(apply(sheet, UndoCut{}).ok());
+  ASSERT_TRUE(apply(sheet, scene::UndoCut{}).ok());
   EXPECT_EQ(sheet.settings_version(), settings);
   ASSERT_TRUE(apply(sheet, strip({left - 0.1, top}, {left + 0.35, top}, 0.1)).ok());
   EXPECT_EQ(sheet.settings_version(), settings + 1);
@@ -122,40 +123,40 @@ TEST(CutWidth, PinsGoWithTheMaterialAndComeBackWithIt) {
   EXPECT_FALSE(std::includes(kept.begin(), kept.end(), pinned.begin(), pinned.end()));
   for (const mesh::VertexId v : kept) EXPECT_TRUE(sheet.mesh().has_material(v));
   run(sheet, 5);
-  ASSERT_TRUE(apply(sheet, UndoCut{}).ok());
+  ASSERT_TRUE(apply(sheet, scene::UndoCut{}).ok());
   EXPECT_EQ(sheet.pinned_vertices(), pinned);
   EXPECT_EQ(sheet.settings_version(), settings + 2);
-  ASSERT_TRUE(apply(sheet, RedoCut{}).ok());
+  ASSERT_TRUE(apply(sheet, scene::RedoCut{}).ok());
   EXPECT_EQ(sheet.pinned_vertices(), kept);
   ASSERT_TRUE(sheet.mesh().has_material(pinned.back()));
-  ASSERT_TRUE(apply(sheet, SetPins{{std::vector<mesh::VertexId>{pinned.back()}}}).ok());
-  ASSERT_TRUE(apply(sheet, UndoCut{}).ok());
+  ASSERT_TRUE(apply(sheet, scene::SetPins{{std::vector<mesh::VertexId>{pinned.back()}}}).ok());
+  ASSERT_TRUE(apply(sheet, scene::UndoCut{}).ok());
   EXPECT_EQ(sheet.pinned_vertices(), std::vector<mesh::VertexId>{pinned.back()}) << "others were set since";
 }
 
 TEST(CutWidth, AGrabOfMaterialThatGoesHoldsTheNearestThatIsLeft) {
   Sheet sheet = make(scenes::hanging(11));
   const mesh::VertexId held = 60;  // the middle
-  ASSERT_TRUE(apply(sheet, Grab{"hand", held, std::nullopt, 0.0}).ok());
+  ASSERT_TRUE(apply(sheet, scene::Grab{"hand", held, std::nullopt, 0.0}).ok());
   ASSERT_TRUE(apply(sheet, strip({0.3, 0.5}, {0.7, 0.5}, 0.1)).ok());
   ASSERT_FALSE(sheet.mesh().has_material(held));
-  ASSERT_TRUE(apply(sheet, Drag{"hand", Vector3d(0.5, 0.5, 0.1)}).ok());
+  ASSERT_TRUE(apply(sheet, scene::Drag{"hand", Vector3d(0.5, 0.5, 0.1)}).ok());
   run(sheet, 20);
   EXPECT_FALSE(sheet.frozen());
-  EXPECT_EQ(reason(apply(sheet, Grab{"other", held, std::nullopt, 0.0})), "UNKNOWN_VERTEX");
-  EXPECT_EQ(reason(apply(sheet, SetPins{{std::vector<mesh::VertexId>{held}}})), "UNKNOWN_VERTEX");
-  EXPECT_TRUE(apply(sheet, Release{"hand"}).ok());
+  EXPECT_EQ(reason(apply(sheet, scene::Grab{"other", held, std::nullopt, 0.0})), "UNKNOWN_VERTEX");
+  EXPECT_EQ(reason(apply(sheet, scene::SetPins{{std::vector<mesh::VertexId>{held}}})), "UNKNOWN_VERTEX");
+  EXPECT_TRUE(apply(sheet, scene::Release{"hand"}).ok());
 }
 
 TEST(CutWidth, AWholePieceInsideTheStripEndsWithoutChildren) {
   Sheet sheet = make(scenes::hanging(17));
-  const Result<CommandReply> punched = apply(sheet, scenes::circle_cut({0.5, 0.5}, 0.05));
+  const Result<scene::CommandReply> punched = apply(sheet, scenes::circle_cut({0.5, 0.5}, 0.05));
   ASSERT_TRUE(punched.ok());
   ASSERT_EQ(sheet.pieces().size(), 2U);
-  const std::vector<Piece> before = sheet.pieces();
-  const auto disc =
-      std::min_element(before.begin(), before.end(), [](const Piece& a, const Piece& b) { return a.area < b.area; });
-  const Result<CommandReply> reply = apply(sheet, strip({0.2, 0.5}, {0.8, 0.5}, 0.2));
+  const std::vector<scene::Piece> before = sheet.pieces();
+  const auto disc = std::min_element(before.begin(), before.end(),
+                                     [](const scene::Piece& a, const scene::Piece& b) { return a.area < b.area; });
+  const Result<scene::CommandReply> reply = apply(sheet, strip({0.2, 0.5}, {0.8, 0.5}, 0.2));
   ASSERT_TRUE(reply.ok()) << reply.error().message;
   EXPECT_EQ(reply->cut->report.removed_pieces, 1);
   ASSERT_EQ(sheet.pieces().size(), 1U);
@@ -163,18 +164,18 @@ TEST(CutWidth, AWholePieceInsideTheStripEndsWithoutChildren) {
   ASSERT_EQ(reply->cut->split_pieces.size(), 1U);
   EXPECT_EQ(reply->cut->split_pieces[0].id, disc->birth.id);
   EXPECT_TRUE(reply->cut->split_pieces[0].children.empty());
-  ASSERT_TRUE(apply(sheet, UndoCut{}).ok());
+  ASSERT_TRUE(apply(sheet, scene::UndoCut{}).ok());
   ASSERT_EQ(sheet.pieces().size(), 2U);
   for (std::size_t i = 0; i < 2; ++i) EXPECT_EQ(sheet.pieces()[i].birth.id, before[i].birth.id);
-  ASSERT_TRUE(apply(sheet, RedoCut{}).ok());
+  ASSERT_TRUE(apply(sheet, scene::RedoCut{}).ok());
   EXPECT_EQ(sheet.pieces().size(), 1U);
 }
 
 TEST(CutWidth, ABatchMayRemoveWhatItMade) {
   Sheet sheet = make(scenes::hanging(17));
   const std::int64_t first = sheet.pieces()[0].birth.id;
-  const Result<CommandReply> reply =
-      apply(sheet, CutBatch{{scenes::circle_cut({0.5, 0.5}, 0.05), strip({0.2, 0.5}, {0.8, 0.5}, 0.2)}});
+  const Result<scene::CommandReply> reply =
+      apply(sheet, scene::CutBatch{{scenes::circle_cut({0.5, 0.5}, 0.05), strip({0.2, 0.5}, {0.8, 0.5}, 0.2)}});
   ASSERT_TRUE(reply.ok()) << reply.error().message;
   ASSERT_EQ(reply->batch.size(), 2U);
   ASSERT_EQ(reply->batch[0].split_pieces.size(), 1U);
@@ -182,10 +183,11 @@ TEST(CutWidth, ABatchMayRemoveWhatItMade) {
   ASSERT_EQ(reply->batch[0].split_pieces[0].children.size(), 2U);
   const auto& children = reply->batch[0].split_pieces[0].children;
   EXPECT_EQ(std::count_if(children.begin(), children.end(),
-                          [](const Piece& child) { return child.label == mesh::kNone && child.area == 0.0; }),
+                          [](const scene::Piece& child) { return child.label == mesh::kNone && child.area == 0.0; }),
             1);
-  for (const Piece& child : children) EXPECT_TRUE(child.centroid.allFinite() && child.world_centroid.allFinite());
-  ASSERT_TRUE(apply(sheet, UndoCut{}).ok());
+  for (const scene::Piece& child : children)
+    EXPECT_TRUE(child.centroid.allFinite() && child.world_centroid.allFinite());
+  ASSERT_TRUE(apply(sheet, scene::UndoCut{}).ok());
   EXPECT_EQ(sheet.pieces()[0].birth.id, first);
 }
 

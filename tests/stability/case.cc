@@ -46,9 +46,9 @@ Start resting_grid(double aspect) {
   return resting(test::must(mesh::make_grid({kSide, kSide, 1.0, 1.0 / aspect})));
 }
 
-mesh::VertexField random_field(std::uint64_t seed, Eigen::Index n, double size) {
+linear::VertexField random_field(std::uint64_t seed, Eigen::Index n, double size) {
   SeededRandom random(seed);
-  mesh::VertexField field(n);
+  linear::VertexField field(n);
   for (Eigen::Index i = 0; i < n; ++i) {
     for (Eigen::Index c = 0; c < 3; ++c) field(c, i) = random.uniform(-size, size);
   }
@@ -283,7 +283,7 @@ Outcome run(const Case& tested, int num_steps, const Budget& budget) {
   std::vector<fem::Material> materials;
   for (const double density : start.densities) materials.push_back(material(tested, density));
   const fem::Model model(start.mesh, materials);
-  fem::IntegratorOptions options = sheet::integrator_options({}, tested.dt);
+  fem::IntegratorOptions options = scene::integrator_options({}, tested.dt);
   options.precision = tested.precision;
   options.kind = tested.kind;
   if (tested.newton_iterations > 0) options.newton_iterations = tested.newton_iterations;

@@ -36,7 +36,7 @@ double energy_of(const Sheet& sheet) {
   return energies.kinetic + energies.membrane + std::max(0.0, energies.bending) + energies.gravity;
 }
 
-kerf::sheet::Command make_cut(kerf::SeededRandom& random, double edge) {
+kerf::scene::Command make_cut(kerf::SeededRandom& random, double edge) {
   const Eigen::Vector2d from(random.uniform(0.0, 1.0), random.uniform(0.0, 1.0));
   const double angle = random.uniform(0.0, 2.0 * std::numbers::pi);
   const double length = edge * random.uniform(0.3, 2.0);
@@ -59,13 +59,13 @@ class AfterCuts final : public kerf::sheet::StageObserver {
   double energy_ = 0.0;  // J
 };
 
-void advance(Run& run, const std::vector<kerf::sheet::Command>& cuts) {
+void advance(Run& run, const std::vector<kerf::scene::Command>& cuts) {
   const double before = energy_of(run.sheet);
   AfterCuts after_cuts(run.sheet);
   const TickReport report = run.sheet.step(cuts, &after_cuts);
   run.of_cuts += after_cuts.energy() - before;
   const kerf::fem::State& state = run.sheet.state();
-  for (const kerf::Result<kerf::sheet::CommandReply>& reply : report.replies) {
+  for (const kerf::Result<kerf::scene::CommandReply>& reply : report.replies) {
     const bool is_applied = reply.ok() && reply->cut && reply->cut->status == kerf::cut::CutStatus::kApplied;
     run.num_applied += is_applied ? 1 : 0;
   }
@@ -82,10 +82,10 @@ int main(int argc, char** argv) {
   const int num_cuts = argc > 1 ? std::atoi(argv[1]) : 10'000;
   const int num_side = argc > 2 ? std::atoi(argv[2]) : 200;
   const int num_after = argc > 3 ? std::atoi(argv[3]) : 20;
-  kerf::sheet::SheetConfig config = kerf::scenes::hanging(num_side);
+  kerf::scene::SheetConfig config = kerf::scenes::hanging(num_side);
   if (argc > 4 && std::strcmp(argv[4], "tr-bdf2") == 0) {
-    config.integrator.kind = kerf::sheet::IntegratorKind::kTrBdf2;
-    config.integrator.solver = kerf::sheet::LinearSolverKind::kDirect;
+    config.integrator.kind = kerf::scene::IntegratorKind::kTrBdf2;
+    config.integrator.solver = kerf::scene::LinearSolverKind::kDirect;
   }
   kerf::Result<Sheet> made = Sheet::create(config);
   if (!made.ok()) {
@@ -96,7 +96,7 @@ int main(int argc, char** argv) {
   run.start_energy = energy_of(run.sheet);
   kerf::SeededRandom random(29);
   const int num_between = std::max(1, num_cuts / 10);
-  std::vector<kerf::sheet::Command> cuts;
+  std::vector<kerf::scene::Command> cuts;
   for (int i = 1; i <= num_cuts; ++i) {
     cuts.push_back(make_cut(random, 1.0 / (num_side - 1)));
     if (i % num_between != 0) continue;

@@ -42,7 +42,7 @@ struct Place {
 };
 
 std::vector<Place> places() {
-  const auto in_field = [](mesh::VertexField& field, SeededRandom& random) -> double& {
+  const auto in_field = [](linear::VertexField& field, SeededRandom& random) -> double& {
     return field.data()[random.below(static_cast<std::uint64_t>(field.size()))];
   };
   const auto in_vector = [](Eigen::Vector3d& vector, SeededRandom& random) -> double& {

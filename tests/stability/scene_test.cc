@@ -16,9 +16,9 @@
 namespace kerf::stability {
 namespace {
 
-using sheet::Command;
+using scene::Command;
+using scene::SheetConfig;
 using sheet::Sheet;
-using sheet::SheetConfig;
 
 // A sheet with something of everything: two materials, bending stiffness as measured, pins, a moving constraint, every
 // kind of load and of collider.
@@ -26,7 +26,7 @@ SheetConfig full_scene() {
   SheetConfig config = scenes::hanging(6);
   config.material.mass_damping = 0.1;
   config.material.stiffness_damping = 1e-4;
-  config.materials.push_back({sheet::MaterialBox{{-0.1, -0.1}, {1.1, 0.5}}, fem::isotropic(1e6, 0.3, 1e-3, 300.0)});
+  config.materials.push_back({scene::MaterialBox{{-0.1, -0.1}, {1.1, 0.5}}, fem::isotropic(1e6, 0.3, 1e-3, 300.0)});
   fem::Material& given = config.materials[0].material;
   given.bending_stiffness_1 = 1.0e-4;
   given.bending_stiffness_2 = 8.0e-5;
@@ -37,24 +37,24 @@ SheetConfig full_scene() {
                       {contact::Sphere{{0.5, 0.4, 0.3}, 0.2}, 0.5},
                       {contact::OrientedBox{{0.2, -0.5, 0.2}, {0.1, 0.1, 0.1}, {0.0, 1.0, 0.0}, 0.3}, 0.5},
                       {contact::Capsule{{0.0, 0.101, 0.0}, {1.0, 0.101, 0.0}, 0.1}, 0.5}};
-  sheet::Constraint& constraint = config.constraints.emplace_back();
-  constraint.region = sheet::NearestVertex{{0.0, 0.0}};
+  scene::Constraint& constraint = config.constraints.emplace_back();
+  constraint.region = scene::NearestVertex{{0.0, 0.0}};
   constraint.displacement = {0.0, 0.01, 0.0};
-  constraint.rotation = sheet::Rotation{{0.0, 0.0, 1.0}, {0.0, 0.0, 0.0}, 0.1};
+  constraint.rotation = scene::Rotation{{0.0, 0.0, 1.0}, {0.0, 0.0, 0.0}, 0.1};
   constraint.history = {{0.0, 1.0}, {0.0, 1.0}};
   constraint.until = 10.0;
-  const sheet::History always{{0.0}, {1.0}};
-  sheet::EdgeForce outward{sheet::RegionEdge::kRight};
+  const scene::History always{{0.0}, {1.0}};
+  scene::EdgeForce outward{scene::RegionEdge::kRight};
   outward.normal = 0.01;
-  outward.factor = sheet::LinearFactor{{0.0, 0.5}, {0.5, 2.0}};
-  config.loads = {{sheet::PointForce{mesh::VertexId{3}, {0.0, 0.01, 0.0}}, always},
-                  {sheet::EdgeForce{sheet::RegionEdge::kBottom, {0.0, 0.01, 0.0}, true}, always},
-                  {sheet::AreaForce{sheet::WholeSheet{}, {0.0, 0.01, 0.0}, true}, always},
-                  {sheet::Pressure{sheet::WholeSheet{}, 1.0}, always},
-                  {sheet::EdgeMoment{sheet::RegionEdge::kBottom, 1e-5, true}, always},
+  outward.factor = scene::LinearFactor{{0.0, 0.5}, {0.5, 2.0}};
+  config.loads = {{scene::PointForce{mesh::VertexId{3}, {0.0, 0.01, 0.0}}, always},
+                  {scene::EdgeForce{scene::RegionEdge::kBottom, {0.0, 0.01, 0.0}, true}, always},
+                  {scene::AreaForce{scene::WholeSheet{}, {0.0, 0.01, 0.0}, true}, always},
+                  {scene::Pressure{scene::WholeSheet{}, 1.0}, always},
+                  {scene::EdgeMoment{scene::RegionEdge::kBottom, 1e-5, true}, always},
                   {outward, always}};
   config.gravity_history = always;
-  config.initial_velocity = sheet::InitialVelocity{{0.1, 0.0, 0.0}, {0.0, 0.1, 0.0}, Eigen::Vector3d(0.5, 0.0, 0.5)};
+  config.initial_velocity = scene::InitialVelocity{{0.1, 0.0, 0.0}, {0.0, 0.1, 0.0}, Eigen::Vector3d(0.5, 0.0, 0.5)};
   return config;
 }
 
@@ -90,7 +90,7 @@ std::vector<Field> material_fields() {
       {"mass damping", [](SheetConfig& c) -> double& { return c.material.mass_damping; }},
       {"stiffness damping", [](SheetConfig& c) -> double& { return c.materials[0].material.stiffness_damping; }},
       {"region of a material",
-       [](SheetConfig& c) -> double& { return std::get<sheet::MaterialBox>(c.materials[0].region).max.x(); }},
+       [](SheetConfig& c) -> double& { return std::get<scene::MaterialBox>(c.materials[0].region).max.x(); }},
   };
 }
 
@@ -127,15 +127,15 @@ std::vector<Field> load_fields() {
       {"constraint time", [](SheetConfig& c) -> double& { return c.constraints[0].history.times[1]; }},
       {"constraint factor", [](SheetConfig& c) -> double& { return c.constraints[0].history.factors[1]; }},
       {"constraint end", [](SheetConfig& c) -> double& { return *c.constraints[0].until; }},
-      {"point force", [](SheetConfig& c) -> double& { return load<sheet::PointForce>(c, 0).force.x(); }},
-      {"edge force", [](SheetConfig& c) -> double& { return load<sheet::EdgeForce>(c, 1).force.y(); }},
-      {"area force", [](SheetConfig& c) -> double& { return load<sheet::AreaForce>(c, 2).force.z(); }},
-      {"pressure", [](SheetConfig& c) -> double& { return load<sheet::Pressure>(c, 3).pressure; }},
-      {"edge moment", [](SheetConfig& c) -> double& { return load<sheet::EdgeMoment>(c, 4).moment; }},
-      {"normal force", [](SheetConfig& c) -> double& { return *load<sheet::EdgeForce>(c, 5).normal; }},
-      {"zero of a factor", [](SheetConfig& c) -> double& { return load<sheet::EdgeForce>(c, 5).factor->zero.x(); }},
-      {"slope by x", [](SheetConfig& c) -> double& { return load<sheet::EdgeForce>(c, 5).factor->slope.x(); }},
-      {"slope by y", [](SheetConfig& c) -> double& { return load<sheet::EdgeForce>(c, 5).factor->slope.y(); }},
+      {"point force", [](SheetConfig& c) -> double& { return load<scene::PointForce>(c, 0).force.x(); }},
+      {"edge force", [](SheetConfig& c) -> double& { return load<scene::EdgeForce>(c, 1).force.y(); }},
+      {"area force", [](SheetConfig& c) -> double& { return load<scene::AreaForce>(c, 2).force.z(); }},
+      {"pressure", [](SheetConfig& c) -> double& { return load<scene::Pressure>(c, 3).pressure; }},
+      {"edge moment", [](SheetConfig& c) -> double& { return load<scene::EdgeMoment>(c, 4).moment; }},
+      {"normal force", [](SheetConfig& c) -> double& { return *load<scene::EdgeForce>(c, 5).normal; }},
+      {"zero of a factor", [](SheetConfig& c) -> double& { return load<scene::EdgeForce>(c, 5).factor->zero.x(); }},
+      {"slope by x", [](SheetConfig& c) -> double& { return load<scene::EdgeForce>(c, 5).factor->slope.x(); }},
+      {"slope by y", [](SheetConfig& c) -> double& { return load<scene::EdgeForce>(c, 5).factor->slope.y(); }},
       {"load factor", [](SheetConfig& c) -> double& { return c.loads[3].history.factors[0]; }},
       {"initial velocity", [](SheetConfig& c) -> double& { return c.initial_velocity->linear.x(); }},
       {"initial spin", [](SheetConfig& c) -> double& { return c.initial_velocity->angular.z(); }},
@@ -145,7 +145,7 @@ std::vector<Field> load_fields() {
 
 std::vector<Field> other_fields() {
   return {
-      {"width", [](SheetConfig& c) -> double& { return std::get<sheet::GridSource>(c.mesh).width; }},
+      {"width", [](SheetConfig& c) -> double& { return std::get<scene::GridSource>(c.mesh).width; }},
       {"origin", [](SheetConfig& c) -> double& { return c.placement.origin.x(); }},
       {"axis", [](SheetConfig& c) -> double& { return c.placement.x_axis.y(); }},
       {"tick rate", [](SheetConfig& c) -> double& { return c.tick_rate_hz; }},
@@ -155,7 +155,7 @@ std::vector<Field> other_fields() {
   };
 }
 
-bool are_equal(const mesh::VertexField& a, const mesh::VertexField& b) {
+bool are_equal(const linear::VertexField& a, const linear::VertexField& b) {
   return a.cols() == b.cols() &&
          std::memcmp(a.data(), b.data(), sizeof(double) * static_cast<std::size_t>(a.size())) == 0;
 }
@@ -207,7 +207,7 @@ struct BadCommand {
 std::vector<BadCommand> bad_commands() {
   const auto cut = [](auto change) {
     return [change](double bad) -> Command {
-      sheet::Cut made = scenes::line_cut({0.2, 0.31}, {0.8, 0.33});
+      scene::Cut made = scenes::line_cut({0.2, 0.31}, {0.8, 0.33});
       change(made, bad);
       return made;
     };
@@ -215,39 +215,39 @@ std::vector<BadCommand> bad_commands() {
   return {
       {"grab point",
        [](double bad) -> Command {
-         return sheet::Grab{"b", Eigen::Vector2d(bad, 0.5), std::nullopt, 0.0};
+         return scene::Grab{"b", Eigen::Vector2d(bad, 0.5), std::nullopt, 0.0};
        }},
       {"grab target",
        [](double bad) -> Command {
-         return sheet::Grab{"b", mesh::VertexId{1}, Eigen::Vector3d(0.0, bad, 0.0), 0.0};
+         return scene::Grab{"b", mesh::VertexId{1}, Eigen::Vector3d(0.0, bad, 0.0), 0.0};
        }},
       {"grab stiffness",
        [](double bad) -> Command {
-         return sheet::Grab{"b", mesh::VertexId{1}, std::nullopt, bad};
+         return scene::Grab{"b", mesh::VertexId{1}, std::nullopt, bad};
        }},
       {"drag",
        [](double bad) -> Command {
-         return sheet::Drag{"a", {0.0, 0.0, bad}};
+         return scene::Drag{"a", {0.0, 0.0, bad}};
        }},
       {"pins",
        [](double bad) -> Command {
-         return sheet::SetPins{{sheet::MaterialBox{{0.0, 0.0}, {bad, 1.0}}}};
+         return scene::SetPins{{scene::MaterialBox{{0.0, 0.0}, {bad, 1.0}}}};
        }},
       {"gravity",
        [](double bad) -> Command {
-         return sheet::SetGravity{{bad, 0.0, 0.0}};
+         return scene::SetGravity{{bad, 0.0, 0.0}};
        }},
       {"wind velocity",
        [](double bad) -> Command {
-         return sheet::SetWind{{{0.0, bad, 0.0}, 1.2, 1.0}};
+         return scene::SetWind{{{0.0, bad, 0.0}, 1.2, 1.0}};
        }},
       {"air density",
        [](double bad) -> Command {
-         return sheet::SetWind{{{0.0, 1.0, 0.0}, bad, 1.0}};
+         return scene::SetWind{{{0.0, 1.0, 0.0}, bad, 1.0}};
        }},
       {"drag coefficient",
        [](double bad) -> Command {
-         return sheet::SetWind{{{0.0, 1.0, 0.0}, 1.2, bad}};
+         return scene::SetWind{{{0.0, 1.0, 0.0}, 1.2, bad}};
        }},
       {"line",
        [](double bad) -> Command {
@@ -265,12 +265,12 @@ std::vector<BadCommand> bad_commands() {
        [](double bad) -> Command {
          return scenes::circle_cut({0.5, 0.5}, bad);
        }},
-      {"tolerance", cut([](sheet::Cut& c, double bad) { c.options.tolerance = bad; })},
-      {"tolerance in metres", cut([](sheet::Cut& c, double bad) { c.options.tolerance_m = bad; })},
-      {"angle", cut([](sheet::Cut& c, double bad) { c.options.min_angle_deg = bad; })},
-      {"edge length at tips", cut([](sheet::Cut& c, double bad) { c.options.tip_edge_length_m = bad; })},
-      {"grading", cut([](sheet::Cut& c, double bad) { c.options.tip_grading = bad; })},
-      {"width", cut([](sheet::Cut& c, double bad) { c.options.width_m = bad; })},
+      {"tolerance", cut([](scene::Cut& c, double bad) { c.options.tolerance = bad; })},
+      {"tolerance in metres", cut([](scene::Cut& c, double bad) { c.options.tolerance_m = bad; })},
+      {"angle", cut([](scene::Cut& c, double bad) { c.options.min_angle_deg = bad; })},
+      {"edge length at tips", cut([](scene::Cut& c, double bad) { c.options.tip_edge_length_m = bad; })},
+      {"grading", cut([](scene::Cut& c, double bad) { c.options.tip_grading = bad; })},
+      {"width", cut([](scene::Cut& c, double bad) { c.options.width_m = bad; })},
   };
 }
 
@@ -282,7 +282,7 @@ TEST(StabilityOfCommands, OneBadValueInAnyField) {
     for (const double bad : kBadValues) {
       SCOPED_TRACE(std::string(command.name) + " " + std::to_string(bad));
       Sheet sheet = *good;
-      const std::vector<Command> grab{sheet::Grab{"a", mesh::VertexId{8}, std::nullopt, 0.0}};
+      const std::vector<Command> grab{scene::Grab{"a", mesh::VertexId{8}, std::nullopt, 0.0}};
       ASSERT_TRUE(sheet.step(grab).replies[0].ok());
       const std::uint64_t hash = sheet.state_hash();
       const std::vector<Command> given{command.make(bad)};

@@ -34,14 +34,14 @@ constexpr std::size_t kBytesOfStalledViewers = 100'000'000;  // of all of them t
 constexpr Nanoseconds kTickAt60Hz = 16'666'667ns;
 
 sheet::Sheet swinging(int side) {
-  sheet::SheetConfig config;
-  sheet::GridSource grid;
+  scene::SheetConfig config;
+  scene::GridSource grid;
   grid.columns = side;
   grid.rows = side;
   config.mesh = grid;
   config.material = fem::find_preset("demo").value();
   config.placement.y_axis = {0.0, 1.0, 0.0};
-  config.pins.emplace_back(sheet::RegionEdge::kTopCorners);
+  config.pins.emplace_back(scene::RegionEdge::kTopCorners);
   return sheet::Sheet::create(std::move(config)).value();
 }
 
@@ -56,7 +56,7 @@ class Stage {
     options.flow.ack_timeout = 1h;  // of a viewer that holds its frames through the whole test
     return channel_->subscribe(options, [] {}).value();
   }
-  void tick(std::span<const sheet::Command> commands = {}) {
+  void tick(std::span<const scene::Command> commands = {}) {
     sheet_.step(commands);
     channel_->publish(sheet_.snapshot());
   }
@@ -119,10 +119,10 @@ TEST(StreamTargets, ASheetThatIsCutAgainAndAgainKeepsToItsBytes) {
   double budget = 0.0;
   int cuts = 0;
   for (int i = 0; i < 60; ++i) {
-    std::vector<sheet::Command> commands;
+    std::vector<scene::Command> commands;
     if (i % 5 == 4) {
       const double y = 0.1 + 0.013 * i;
-      sheet::Cut cut;
+      scene::Cut cut;
       cut.curve = cut::CubicBezier{{{0.2, y}, {0.4, y + 0.1}, {0.6, y - 0.1}, {0.8, y}}};
       commands.emplace_back(cut);
     }

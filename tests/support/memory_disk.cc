@@ -12,7 +12,7 @@ Error disk_full(const std::string& path) {
 
 }  // namespace
 
-class MemoryDisk::MemoryFile : public host::AppendFile {
+class MemoryDisk::MemoryFile : public AppendFile {
  public:
   MemoryFile(std::shared_ptr<Content> content, std::string path)
       : content_(std::move(content)), path_(std::move(path)) {}
@@ -64,12 +64,12 @@ Status MemoryDisk::write_file(const std::string& path, std::string_view content)
   return Nothing{};
 }
 
-Result<std::unique_ptr<host::AppendFile>> MemoryDisk::create_file(const std::string& path) {
+Result<std::unique_ptr<AppendFile>> MemoryDisk::create_file(const std::string& path) {
   const std::lock_guard lock(content_->mutex);
   std::string& file = content_->files[path];
   content_->used_bytes -= file.size();
   file.clear();
-  return std::unique_ptr<host::AppendFile>(std::make_unique<MemoryFile>(content_, path));
+  return std::unique_ptr<AppendFile>(std::make_unique<MemoryFile>(content_, path));
 }
 
 }  // namespace kerf::test

@@ -13,14 +13,14 @@
 namespace kerf::test {
 
 // Files in memory, for tests and simulation. A capacity makes it run full.
-class MemoryDisk : public host::Disk {
+class MemoryDisk : public Disk {
  public:
   explicit MemoryDisk(std::size_t capacity_bytes = std::size_t{1} << 30U);
   // Sets the capacity. It may be below what is in use: nothing is written then.
   void set_capacity(std::size_t bytes);
   Result<std::string> read_file(const std::string& path, std::size_t max_bytes) override;
   Status write_file(const std::string& path, std::string_view content) override;
-  Result<std::unique_ptr<host::AppendFile>> create_file(const std::string& path) override;
+  Result<std::unique_ptr<AppendFile>> create_file(const std::string& path) override;
 
  private:
   // Shared with the open files, which may outlive the disk.

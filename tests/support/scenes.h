@@ -15,54 +15,54 @@ inline fem::Material demo_material() {
 }
 
 // n x n vertices on 1 m x 1 m, hanging by its top edge in the x-z plane.
-inline sheet::SheetConfig hanging(std::int32_t n) {
-  sheet::SheetConfig config;
-  config.mesh = sheet::GridSource{n, n, 1.0, 1.0, sheet::GridPattern::kUniformDiagonals, 0};
+inline scene::SheetConfig hanging(std::int32_t n) {
+  scene::SheetConfig config;
+  config.mesh = scene::GridSource{n, n, 1.0, 1.0, scene::GridPattern::kUniformDiagonals, 0};
   config.material = demo_material();
-  config.pins = {sheet::RegionEdge::kTop};
+  config.pins = {scene::RegionEdge::kTop};
   return config;
 }
 
 // 1 m x 1 m in the plane z = 0, free, without gravity.
-inline sheet::SheetConfig flat(std::int32_t n) {
-  sheet::SheetConfig config = hanging(n);
+inline scene::SheetConfig flat(std::int32_t n) {
+  scene::SheetConfig config = hanging(n);
   config.placement.y_axis = {0.0, 1.0, 0.0};
   config.pins.clear();
   config.gravity.setZero();
   return config;
 }
 
-inline sheet::Cut bezier_cut(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c,
+inline scene::Cut bezier_cut(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c,
                              const Eigen::Vector2d& d) {
-  sheet::Cut cut;
+  scene::Cut cut;
   cut.curve = cut::CubicBezier{{a, b, c, d}};
   return cut;
 }
 
-inline sheet::Cut line_cut(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-  sheet::Cut cut;
+inline scene::Cut line_cut(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  scene::Cut cut;
   cut.curve = cut::Polyline{{a, b}};
   return cut;
 }
 
-inline sheet::Cut circle_cut(const Eigen::Vector2d& centre, double radius) {
-  sheet::Cut cut;
+inline scene::Cut circle_cut(const Eigen::Vector2d& centre, double radius) {
+  scene::Cut cut;
   cut.curve = cut::Circle{centre, radius};
   return cut;
 }
 
 // A Bezier slit inside, a punched circle, a line right through: 3 pieces in the end.
-inline std::vector<sheet::Cut> three_cuts() {
+inline std::vector<scene::Cut> three_cuts() {
   return {bezier_cut({0.2, 0.5}, {0.4, 0.8}, {0.6, 0.2}, {0.8, 0.5}), circle_cut({0.3, 0.3}, 0.1),
           line_cut({-0.1, 0.85}, {1.1, 0.8})};
 }
 
 // hanging(n) with three_cuts() at ticks 10, 20 and 30.
-inline sheet::SheetConfig hanging_with_three_cuts(std::int32_t n) {
-  sheet::SheetConfig config = hanging(n);
+inline scene::SheetConfig hanging_with_three_cuts(std::int32_t n) {
+  scene::SheetConfig config = hanging(n);
   std::int64_t tick = 10;
-  for (sheet::Cut& cut : three_cuts()) {
-    sheet::ScheduledCommand& scheduled = config.commands.emplace_back();
+  for (scene::Cut& cut : three_cuts()) {
+    scene::ScheduledCommand& scheduled = config.commands.emplace_back();
     scheduled.tick = tick;
     scheduled.command = std::move(cut);
     tick += 10;
@@ -71,8 +71,8 @@ inline sheet::SheetConfig hanging_with_three_cuts(std::int32_t n) {
 }
 
 // A horizontal sheet of n x n vertices, 1 m x 1 m, 10 cm above a sphere of radius 0.3 m around the origin.
-inline sheet::SheetConfig draped_over_sphere(std::int32_t n) {
-  sheet::SheetConfig config = hanging(n);
+inline scene::SheetConfig draped_over_sphere(std::int32_t n) {
+  scene::SheetConfig config = hanging(n);
   config.placement.origin = {-0.5, -0.5, 0.4};
   config.placement.y_axis = {0.0, 1.0, 0.0};
   config.pins.clear();
@@ -81,8 +81,8 @@ inline sheet::SheetConfig draped_over_sphere(std::int32_t n) {
 }
 
 // Returns a small sheet lying on a floor, initially at rest except for settling.
-inline sheet::SheetConfig lying_on_floor(std::int32_t n) {
-  sheet::SheetConfig config = hanging(n);
+inline scene::SheetConfig lying_on_floor(std::int32_t n) {
+  scene::SheetConfig config = hanging(n);
   config.placement.origin = {0.0, 0.0, 0.5 * config.material.thickness};
   config.placement.y_axis = {0.0, 1.0, 0.0};
   config.pins.clear();

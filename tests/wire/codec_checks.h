@@ -17,8 +17,8 @@ inline void expect_equal(const google::protobuf::Message& a, const google::proto
   EXPECT_TRUE(differencer.Compare(a, b)) << difference;
 }
 
-inline sheet::SheetConfig decoded(const v1::Scene& scene) {
-  const Result<sheet::SheetConfig> config = decode_scene(scene);
+inline scene::SheetConfig decoded(const v1::Scene& scene) {
+  const Result<scene::SheetConfig> config = decode_scene(scene);
   EXPECT_TRUE(config.ok()) << config.error().message << " at " << config.error().field;
   return config.value();
 }

@@ -23,7 +23,7 @@ TEST(CommandCodec, EveryKindComesBackUnchanged) {
   const v1::Scene scene = full_scene();
   ASSERT_EQ(scene.commands_size(), 17);
   for (const v1::ScheduledCommand& scheduled : scene.commands()) {
-    const Result<sheet::Command> command = decode_command(scheduled.command());
+    const Result<scene::Command> command = decode_command(scheduled.command());
     ASSERT_TRUE(command.ok()) << command.error().message;
     expect_equal(encode_command(*command), scheduled.command());
   }
@@ -32,17 +32,17 @@ TEST(CommandCodec, EveryKindComesBackUnchanged) {
 TEST(CommandCodec, ZerosOfACutMeanTheDefaults) {
   v1::Cut cut;
   cut.mutable_curve()->mutable_circle()->set_radius_m(0.1);
-  const Result<sheet::Command> command = decode_cut(cut);
+  const Result<scene::Command> command = decode_cut(cut);
   ASSERT_TRUE(command.ok());
-  EXPECT_EQ(std::get<sheet::Cut>(*command).options.tolerance, 0.02);
-  EXPECT_EQ(std::get<sheet::Cut>(*command).options.min_angle_deg, 20.0);
-  EXPECT_EQ(std::get<sheet::Cut>(*command).options.max_new_triangles, 200'000);
-  EXPECT_EQ(std::get<sheet::Cut>(*command).options.method, cut::Method::kNeighbourhood);
-  EXPECT_FALSE(std::get<sheet::Cut>(*command).options.tip_edge_length_m.has_value());
-  EXPECT_EQ(std::get<sheet::Cut>(*command).options.tip_grading, 1.5);
-  EXPECT_FALSE(std::get<sheet::Cut>(*command).options.tolerance_m.has_value());
-  EXPECT_TRUE(std::get<sheet::Cut>(*command).options.relax);
-  EXPECT_FALSE(std::get<sheet::Cut>(*command).options.width_m.has_value());
+  EXPECT_EQ(std::get<scene::Cut>(*command).options.tolerance, 0.02);
+  EXPECT_EQ(std::get<scene::Cut>(*command).options.min_angle_deg, 20.0);
+  EXPECT_EQ(std::get<scene::Cut>(*command).options.max_new_triangles, 200'000);
+  EXPECT_EQ(std::get<scene::Cut>(*command).options.method, cut::Method::kNeighbourhood);
+  EXPECT_FALSE(std::get<scene::Cut>(*command).options.tip_edge_length_m.has_value());
+  EXPECT_EQ(std::get<scene::Cut>(*command).options.tip_grading, 1.5);
+  EXPECT_FALSE(std::get<scene::Cut>(*command).options.tolerance_m.has_value());
+  EXPECT_TRUE(std::get<scene::Cut>(*command).options.relax);
+  EXPECT_FALSE(std::get<scene::Cut>(*command).options.width_m.has_value());
 }
 
 TEST(CommandCodec, WhatABatchUnfoldsToIsLimited) {
@@ -55,7 +55,7 @@ TEST(CommandCodec, WhatABatchUnfoldsToIsLimited) {
   while ((cuts.size() + 1) * (kSegments + 2) <= kMaxBatchParts) *cuts.Add() = cut;
   EXPECT_TRUE(decode_cuts(cuts).ok());
   *cuts.Add() = cut;
-  const Result<sheet::Command> more = decode_cuts(cuts);
+  const Result<scene::Command> more = decode_cuts(cuts);
   ASSERT_FALSE(more.ok());
   EXPECT_EQ(more.error().reason, "BATCH_TOO_LONG");
   EXPECT_EQ(more.error().field, "cut_batch.cuts[14].curve");
@@ -65,9 +65,9 @@ TEST(CommandCodec, FineQualityIsAnAngle) {
   v1::Cut cut;
   cut.mutable_curve()->mutable_circle()->set_radius_m(0.1);
   cut.set_quality(v1::Cut::FINE);
-  const Result<sheet::Command> command = decode_cut(cut);
+  const Result<scene::Command> command = decode_cut(cut);
   ASSERT_TRUE(command.ok());
-  EXPECT_EQ(std::get<sheet::Cut>(*command).options.min_angle_deg, 25.0);
+  EXPECT_EQ(std::get<scene::Cut>(*command).options.min_angle_deg, 25.0);
 }
 
 v1::Cut cut_on_a_picture() {
@@ -90,9 +90,9 @@ TEST(CommandCodec, CamerasAndMatricesAreOneView) {
   cut.mutable_view()->set_nearest_m(1.5);
   cut.mutable_view()->set_farthest_m(2.5);
   cut.mutable_view()->set_piece(4);
-  const Result<sheet::Command> command = decode_cut(cut);
+  const Result<scene::Command> command = decode_cut(cut);
   ASSERT_TRUE(command.ok()) << command.error().message;
-  const cut::View& view = *std::get<sheet::Cut>(*command).view;
+  const cut::View& view = *std::get<scene::Cut>(*command).view;
   EXPECT_EQ(view.layers, cut::LayerRule::kDepthRange);
   EXPECT_EQ(view.piece, 4);
   // The camera stands at y = -2 and looks along y with z up: the target is 2 m before it, in the middle.
@@ -107,10 +107,10 @@ TEST(CommandCodec, CamerasAndMatricesAreOneView) {
   EXPECT_EQ(told.cut().view().view_size(), 16);
   EXPECT_EQ(told.cut().view().projection_size(), 16);
   EXPECT_FALSE(told.cut().view().has_camera());
-  const Result<sheet::Command> again = decode_command(told);
+  const Result<scene::Command> again = decode_command(told);
   ASSERT_TRUE(again.ok());
-  EXPECT_EQ(std::get<sheet::Cut>(*again).view->view, view.view);
-  EXPECT_EQ(std::get<sheet::Cut>(*again).view->projection, view.projection);
+  EXPECT_EQ(std::get<scene::Cut>(*again).view->view, view.view);
+  EXPECT_EQ(std::get<scene::Cut>(*again).view->projection, view.projection);
   expect_equal(encode_command(*again), told);
 }
 
@@ -118,7 +118,7 @@ TEST(CommandCodec, BadViewsAreRefusedByName) {
   const auto reason = [](const std::function<void(v1::Cut&)>& spoil) {
     v1::Cut cut = cut_on_a_picture();
     spoil(cut);
-    const Result<sheet::Command> command = decode_cut(cut);
+    const Result<scene::Command> command = decode_cut(cut);
     return command.ok() ? std::string("accepted") : command.error().reason + " " + command.error().field;
   };
   EXPECT_EQ(reason([](v1::Cut&) {}), "accepted");
@@ -145,7 +145,7 @@ TEST(CommandCodec, BadViewsAreRefusedByName) {
 }
 
 TEST(ReplyCodec, QualityAndCornersOfACutAreAllTold) {
-  sheet::CommandReply reply;
+  scene::CommandReply reply;
   reply.cut.emplace();
   cut::CutReport& report = reply.cut->report;
   report.refinement_stopped = true;
@@ -207,7 +207,7 @@ TEST(ReplyCodec, TellsOfFlagsThatWereReported) {
 }
 
 TEST(ReplyCodec, CutResultHoldsTheReport) {
-  sheet::CommandReply reply;
+  scene::CommandReply reply;
   reply.tick = 12;
   reply.topology_version = 3;
   reply.state_hash = 0xabc;
@@ -228,10 +228,10 @@ TEST(ReplyCodec, CutResultHoldsTheReport) {
 }
 
 TEST(ReplyCodec, TellsOfPiecesAndOfEveryCutOfABatch) {
-  sheet::CommandReply reply;
+  scene::CommandReply reply;
   reply.batch.resize(2);
   reply.batch[1].status = cut::CutStatus::kApplied;
-  sheet::Piece piece;
+  scene::Piece piece;
   piece.birth = {7, 2, 3};
   piece.label = 1;
   piece.num_triangles = 12;

@@ -24,9 +24,9 @@ v1::Command drawing_of(const std::string& svg) {
 
 TEST(CurveCodec, DrawingsBecomePathsThatAreFitted) {
   const v1::Command drawing = drawing_of(R"(<svg viewBox="0 0 9 9"><circle r="1"/><text>a</text></svg>)");
-  const Result<sheet::Command> decoded_once = decode_command(drawing);
+  const Result<scene::Command> decoded_once = decode_command(drawing);
   ASSERT_TRUE(decoded_once.ok()) << decoded_once.error().message;
-  const auto& cut = std::get<sheet::Cut>(*decoded_once);
+  const auto& cut = std::get<scene::Cut>(*decoded_once);
   EXPECT_THAT(cut.remarks, ::testing::Contains(HasSubstr("1 x text element")));
   ASSERT_TRUE(cut.options.fit.has_value());
   EXPECT_FALSE(cut.options.fit->box.has_value());
@@ -35,7 +35,7 @@ TEST(CurveCodec, DrawingsBecomePathsThatAreFitted) {
   EXPECT_TRUE(kept.cut().curve().has_path());
   EXPECT_TRUE(kept.cut().has_fit());
   EXPECT_FALSE(kept.cut().fit().has_min());
-  const Result<sheet::Command> decoded_again = decode_command(kept);
+  const Result<scene::Command> decoded_again = decode_command(kept);
   ASSERT_TRUE(decoded_again.ok());
   EXPECT_EQ(encode_command(*decoded_again).SerializeAsString(), kept.SerializeAsString());
   // A box of its own stays.
@@ -43,9 +43,9 @@ TEST(CurveCodec, DrawingsBecomePathsThatAreFitted) {
   *boxed.mutable_cut()->mutable_fit()->mutable_min() = v1::Vec2();
   boxed.mutable_cut()->mutable_fit()->mutable_max()->set_x(1.0);
   boxed.mutable_cut()->mutable_fit()->mutable_max()->set_y(2.0);
-  const Result<sheet::Command> decoded_boxed = decode_command(boxed);
+  const Result<scene::Command> decoded_boxed = decode_command(boxed);
   ASSERT_TRUE(decoded_boxed.ok());
-  const auto& own = std::get<sheet::Cut>(*decoded_boxed);
+  const auto& own = std::get<scene::Cut>(*decoded_boxed);
   ASSERT_TRUE(own.options.fit && own.options.fit->box);
   EXPECT_EQ(own.options.fit->box->high, Eigen::Vector2d(1.0, 2.0));
 }

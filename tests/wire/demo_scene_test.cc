@@ -20,7 +20,7 @@ TEST(DemoScene, TellsItsStoryRaisesNoFlagAndFallsAsleepWithinTwentySecondsOfItsL
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   v1::Scene scene;
   ASSERT_TRUE(from_json(text, scene).ok());
-  const Result<sheet::SheetConfig> config = decode_scene(scene);
+  const Result<scene::SheetConfig> config = decode_scene(scene);
   ASSERT_TRUE(config.ok()) << config.error().message;
   ASSERT_FALSE(config->commands.empty());
   const std::int64_t last_cut = config->commands.back().tick;
@@ -41,7 +41,7 @@ TEST(DemoScene, TellsItsStoryRaisesNoFlagAndFallsAsleepWithinTwentySecondsOfItsL
   EXPECT_LT(largest_share, 0.005) << "patches hold the cloth without tearing at it";
   ASSERT_EQ(demo.pieces().size(), 2U);
   double lowest = 1.0;
-  for (const sheet::Piece& piece : demo.pieces()) lowest = std::min(lowest, piece.world_centroid.z());
+  for (const scene::Piece& piece : demo.pieces()) lowest = std::min(lowest, piece.world_centroid.z());
   EXPECT_LT(lowest, 0.05) << "the disc lies on the floor";
 }
 

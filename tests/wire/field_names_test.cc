@@ -53,7 +53,7 @@ TEST(FieldNames, OfScenesThatAreRefusedAreThoseOfTheProto) {
   for (const testing::BadScene& bad : testing::bad_scenes()) {
     v1::Scene scene = testing::full_scene();
     bad.spoil(scene);
-    const Result<sheet::SheetConfig> config = decode_scene(scene);
+    const Result<scene::SheetConfig> config = decode_scene(scene);
     ASSERT_FALSE(config.ok()) << bad.field;
     EXPECT_TRUE(exists(v1::Scene::descriptor(), config.error().field)) << config.error().field;
   }
@@ -85,52 +85,52 @@ TEST(FieldNames, OfMaterialsAreThoseOfTheProto) {
 }
 
 // A sheet that Sheet::create refuses, once its scene was found to be one.
-Error refusal(const std::function<void(sheet::SheetConfig&)>& spoil) {
-  sheet::SheetConfig config;
-  config.mesh = sheet::GridSource{4, 4, 1.0, 1.0, sheet::GridPattern::kUniformDiagonals, 0};
+Error refusal(const std::function<void(scene::SheetConfig&)>& spoil) {
+  scene::SheetConfig config;
+  config.mesh = scene::GridSource{4, 4, 1.0, 1.0, scene::GridPattern::kUniformDiagonals, 0};
   spoil(config);
   const Result<sheet::Sheet> sheet = sheet::Sheet::create(config);
   return sheet.ok() ? Error{} : sheet.error();
 }
 
 TEST(FieldNames, OfSheetsThatCannotBeMadeAreThoseOfTheProto) {
-  const sheet::MaterialBox nowhere{{2.0, 2.0}, {3.0, 3.0}};
-  const Error stiff = refusal([](sheet::SheetConfig& c) {
-    c.mesh = sheet::GridSource{4, 4, 1e-5, 1e-5, sheet::GridPattern::kUniformDiagonals, 0};
+  const scene::MaterialBox nowhere{{2.0, 2.0}, {3.0, 3.0}};
+  const Error stiff = refusal([](scene::SheetConfig& c) {
+    c.mesh = scene::GridSource{4, 4, 1e-5, 1e-5, scene::GridPattern::kUniformDiagonals, 0};
     c.material = fem::isotropic(1.0e12, 0.3, 1.0e-3, 0.01);
     c.tick_rate_hz = 1.0;
   });
   EXPECT_EQ(stiff.reason, "SHEET_TOO_STIFF");
   EXPECT_EQ(stiff.field, "material.youngs_modulus_pa");
   EXPECT_TRUE(exists(v1::Scene::descriptor(), stiff.field));
-  for (const Error& error : {refusal([&](sheet::SheetConfig& c) { c.pins = {nowhere}; }),
-                             refusal([&](sheet::SheetConfig& c) { c.constraints.emplace_back().region = nowhere; }),
-                             refusal([&](sheet::SheetConfig& c) {
+  for (const Error& error : {refusal([&](scene::SheetConfig& c) { c.pins = {nowhere}; }),
+                             refusal([&](scene::SheetConfig& c) { c.constraints.emplace_back().region = nowhere; }),
+                             refusal([&](scene::SheetConfig& c) {
                                c.materials = {{nowhere, c.material}};
                              }),
-                             refusal([&](sheet::SheetConfig& c) {
-                               c.materials = {{sheet::RegionEdge::kTop, c.material}};
+                             refusal([&](scene::SheetConfig& c) {
+                               c.materials = {{scene::RegionEdge::kTop, c.material}};
                              }),
-                             refusal([&](sheet::SheetConfig& c) {
-                               c.loads = {{sheet::EdgeForce{nowhere, {1.0, 0.0, 0.0}, true}, {}}};
+                             refusal([&](scene::SheetConfig& c) {
+                               c.loads = {{scene::EdgeForce{nowhere, {1.0, 0.0, 0.0}, true}, {}}};
                              }),
-                             refusal([&](sheet::SheetConfig& c) {
-                               c.loads = {{sheet::EdgeMoment{nowhere, 1.0, true}, {}}};
+                             refusal([&](scene::SheetConfig& c) {
+                               c.loads = {{scene::EdgeMoment{nowhere, 1.0, true}, {}}};
                              }),
-                             refusal([&](sheet::SheetConfig& c) {
-                               c.loads = {{sheet::AreaForce{nowhere, {1.0, 0.0, 0.0}, true}, {}}};
+                             refusal([&](scene::SheetConfig& c) {
+                               c.loads = {{scene::AreaForce{nowhere, {1.0, 0.0, 0.0}, true}, {}}};
                              }),
-                             refusal([&](sheet::SheetConfig& c) {
-                               c.loads = {{sheet::Pressure{nowhere, 1.0}, {}}};
+                             refusal([&](scene::SheetConfig& c) {
+                               c.loads = {{scene::Pressure{nowhere, 1.0}, {}}};
                              }),
-                             refusal([](sheet::SheetConfig& c) {
-                               c.loads = {{sheet::PointForce{Eigen::Vector2d(2.0, 2.0), {1.0, 0.0, 0.0}}, {}}};
+                             refusal([](scene::SheetConfig& c) {
+                               c.loads = {{scene::PointForce{Eigen::Vector2d(2.0, 2.0), {1.0, 0.0, 0.0}}, {}}};
                              }),
-                             refusal([](sheet::SheetConfig& c) {
-                               c.loads = {{sheet::PointForce{mesh::VertexId{99}, {1.0, 0.0, 0.0}}, {}}};
+                             refusal([](scene::SheetConfig& c) {
+                               c.loads = {{scene::PointForce{mesh::VertexId{99}, {1.0, 0.0, 0.0}}, {}}};
                              }),
-                             refusal([](sheet::SheetConfig& c) { c.pins = {std::vector<mesh::VertexId>{99}}; }),
-                             refusal([](sheet::SheetConfig& c) {
+                             refusal([](scene::SheetConfig& c) { c.pins = {std::vector<mesh::VertexId>{99}}; }),
+                             refusal([](scene::SheetConfig& c) {
                                c.planar = true;
                                c.placement.y_axis = Eigen::Vector3d(0.0, 1.0, 1.0).normalized();
                              })}) {

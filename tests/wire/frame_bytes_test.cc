@@ -26,9 +26,9 @@ constexpr double kBytesPerChangedTriangle = 10.0;
 constexpr int kSide = 50;
 constexpr int kTicks = 150;
 
-sheet::SheetConfig cloth() {
-  sheet::SheetConfig config;
-  sheet::GridSource grid;
+scene::SheetConfig cloth() {
+  scene::SheetConfig config;
+  scene::GridSource grid;
   grid.columns = kSide;
   grid.rows = kSide;
   config.mesh = grid;
@@ -38,13 +38,13 @@ sheet::SheetConfig cloth() {
 }
 
 sheet::Sheet swinging() {
-  sheet::SheetConfig config = cloth();
-  config.pins.emplace_back(sheet::RegionEdge::kTopCorners);
+  scene::SheetConfig config = cloth();
+  config.pins.emplace_back(scene::RegionEdge::kTopCorners);
   return sheet::Sheet::create(std::move(config)).value();
 }
 
 sheet::Sheet falling() {
-  sheet::SheetConfig config = cloth();
+  scene::SheetConfig config = cloth();
   config.placement.origin = {-0.5, -0.5, 0.31};
   config.colliders = {{contact::Sphere{{0.0, 0.0, 0.0}, 0.3}, 0.4}};
   return sheet::Sheet::create(std::move(config)).value();
@@ -100,9 +100,9 @@ TEST(FrameBytes, OfTrianglesAndCutsKeepTheirTargets) {
   std::printf("grid: %.2f B a triangle\n", index);
   EXPECT_LE(index, kIndexBytesPerTriangle);
 
-  sheet::Cut cut;
+  scene::Cut cut;
   cut.curve = cut::CubicBezier{{{0.25, 0.5}, {0.4, 0.9}, {0.6, 0.1}, {0.75, 0.5}}};
-  const sheet::Command command = cut;
+  const scene::Command command = cut;
   sheet.step(std::span(&command, 1));
   const auto cut_open = sheet.snapshot();
   const v1::TopologyPatch patch = patch_of(*cut_open->topology, whole->topology->version);

@@ -160,7 +160,7 @@ TEST(Json, MapsAreObjectsWhoseNamesAreFree) {
 }
 
 TEST(Json, NotANumberReachesValidation) {
-  const Result<sheet::SheetConfig> config =
+  const Result<scene::SheetConfig> config =
       decode_scene_file(R"({"grid": {"columns": 3, "rows": 3, "width_m": "NaN", "height_m": 1}})", {});
   ASSERT_FALSE(config.ok());
   EXPECT_EQ(config.error().field, "grid.width_m");

@@ -187,7 +187,7 @@ std::string refusal_of(const std::string& file, const RecordingLimits& limits = 
 }
 
 // One entry of tick 1 with these commands.
-sheet::Recording one_tick(std::vector<sheet::Command> commands) {
+sheet::Recording one_tick(std::vector<scene::Command> commands) {
   return {decoded(full_scene()), {{1, std::move(commands), 7}}};
 }
 
@@ -203,29 +203,29 @@ TEST(RecordingCodec, EntriesThatTellNothingAreRefusedAtTheFirst) {
   EXPECT_EQ(refusal_of(header + bare), "none");
   EXPECT_EQ(refusal_of(header + bare + bare), "RECORDING_ORDER");
   EXPECT_EQ(refusal_of(header + bare + encode_recorded_tick({4, {}, 1})), "RECORDING_ORDER");
-  EXPECT_EQ(refusal_of(header + bare + encode_recorded_tick({5, {sheet::UndoCut{}}, 1})), "none");
+  EXPECT_EQ(refusal_of(header + bare + encode_recorded_tick({5, {scene::UndoCut{}}, 1})), "none");
 }
 
 TEST(RecordingCodec, NoMoreIsReadThanMayBe) {
   const std::string file = encode(sample_recording());
   EXPECT_EQ(refusal_of(file, {.max_entries = 20}), "none");
   EXPECT_EQ(refusal_of(file, {.max_entries = 19}), "RECORDING_TOO_LARGE");
-  sheet::Cut line;
+  scene::Cut line;
   line.curve = cut::Polyline{{{0.0, 0.0}, {1.0, 0.0}}};
   const cut::Subpath subpath{{0.0, 0.0}, {cut::LineTo{{1.0, 0.0}}, cut::LineTo{{1.0, 1.0}}}};
-  sheet::Cut corner;
+  scene::Cut corner;
   corner.curve = cut::Path{{subpath}};
   // An undo; a batch with two cuts, one of them a subpath of two segments; pins in two regions: 1 + 6 + 3.
-  const std::string parts = encode(one_tick({sheet::UndoCut{}, sheet::CutBatch{{line, corner}},
-                                             sheet::SetPins{{sheet::RegionEdge::kTop, sheet::RegionEdge::kLeft}}}));
+  const std::string parts = encode(one_tick({scene::UndoCut{}, scene::CutBatch{{line, corner}},
+                                             scene::SetPins{{scene::RegionEdge::kTop, scene::RegionEdge::kLeft}}}));
   EXPECT_EQ(refusal_of(parts, {.max_parts = 10}), "none");
   EXPECT_EQ(refusal_of(parts, {.max_parts = 9}), "RECORDING_TOO_LARGE");
 }
 
 TEST(RecordingCodec, ATickHasNoMoreCommandsThanALiveOne) {
-  std::vector<sheet::Command> commands(sheet::kMaxTickCommands, sheet::UndoCut{});
+  std::vector<scene::Command> commands(sheet::kMaxTickCommands, scene::UndoCut{});
   EXPECT_EQ(refusal_of(encode(one_tick(commands))), "none");
-  commands.emplace_back(sheet::UndoCut{});
+  commands.emplace_back(scene::UndoCut{});
   EXPECT_EQ(refusal_of(encode(one_tick(commands))), "RECORDING_TICK");
 }
 

@@ -62,10 +62,10 @@ TEST(SceneCodec, LoadStepsAreLimited) {
   v1::Scene scene = full_scene();
   v1::StaticAnalysis* const analysis = scene.mutable_analysis()->mutable_static_();
   analysis->set_steps(10'000);
-  const Result<sheet::SheetConfig> most = decode_scene(scene);
+  const Result<scene::SheetConfig> most = decode_scene(scene);
   ASSERT_TRUE(most.ok()) << most.error().message;
-  EXPECT_EQ(std::get<sheet::StaticAnalysis>(most->analysis).loads.size(), 10'000U);
-  EXPECT_TRUE(sheet::validate(most->analysis).ok());
+  EXPECT_EQ(std::get<scene::StaticAnalysis>(most->analysis).loads.size(), 10'000U);
+  EXPECT_TRUE(scene::validate(most->analysis).ok());
   analysis->set_steps(10'001);
   EXPECT_EQ(decode_scene(scene).error().field, "analysis.static.steps");
 }
@@ -74,7 +74,7 @@ TEST(SceneCodec, BendingThatIsNotGivenStaysDerived) {
   v1::Scene scene = full_scene();
   scene.mutable_material()->clear_bending_coupling_nm();
   scene.mutable_material()->clear_twisting_stiffness_nm();
-  const sheet::SheetConfig config = decoded(scene);
+  const scene::SheetConfig config = decoded(scene);
   EXPECT_EQ(config.material.bending_stiffness_1, 2.0e-6);
   EXPECT_EQ(config.material.twisting_stiffness, std::nullopt);
   expect_equal(encode_scene(config), scene);
@@ -82,8 +82,8 @@ TEST(SceneCodec, BendingThatIsNotGivenStaysDerived) {
 
 TEST(SceneCodec, EveryLinearSolverRoundTrips) {
   const v1::Scene scene = full_scene();
-  for (const fem::LinearSolverName& name : fem::kLinearSolverNames) {
-    sheet::SheetConfig config = decoded(scene);
+  for (const linear::LinearSolverName& name : linear::kLinearSolverNames) {
+    scene::SheetConfig config = decoded(scene);
     config.integrator.solver = name.kind;
     EXPECT_EQ(decoded(encode_scene(config)).integrator.solver, name.kind) << name.option;
   }
@@ -95,10 +95,10 @@ TEST(SceneCodec, MinimalSceneGetsTheDocumentedDefaults) {
   scene.mutable_grid()->set_rows(4);
   scene.mutable_grid()->set_width_m(1.0);
   scene.mutable_grid()->set_height_m(2.0);
-  const sheet::SheetConfig config = decoded(scene);
+  const scene::SheetConfig config = decoded(scene);
   EXPECT_EQ(config.material, fem::find_preset("demo").value());
   EXPECT_EQ(config.membrane_law, fem::MembraneLaw::kCorotational);
-  EXPECT_EQ(config.fidelity, sheet::Fidelity::kExact);
+  EXPECT_EQ(config.fidelity, scene::Fidelity::kExact);
   EXPECT_EQ(config.placement.origin, Eigen::Vector3d(0, 0, 0));
   EXPECT_EQ(config.placement.x_axis, Eigen::Vector3d(1, 0, 0));
   EXPECT_EQ(config.placement.y_axis, Eigen::Vector3d(0, 0, 1));
@@ -108,17 +108,17 @@ TEST(SceneCodec, MinimalSceneGetsTheDocumentedDefaults) {
   EXPECT_EQ(config.integrator.max_substeps, 20000);
   EXPECT_EQ(config.integrator.newton_iterations, 2);
   EXPECT_EQ(config.integrator.solver_tolerance, 1e-4);
-  EXPECT_EQ(config.integrator.solver, sheet::LinearSolverKind::kBlockJacobiCg);
+  EXPECT_EQ(config.integrator.solver, scene::LinearSolverKind::kBlockJacobiCg);
   EXPECT_EQ(config.integrator.max_linear_iterations, 1000);
-  EXPECT_EQ(config.integrator.covariance_root.norm, sheet::EigenvalueNorm::kPower);
+  EXPECT_EQ(config.integrator.covariance_root.norm, scene::EigenvalueNorm::kPower);
   EXPECT_EQ(config.integrator.covariance_root.power, 0.5);
   EXPECT_EQ(config.integrator.covariance_root.newton_schulz_iterations, 5);
   EXPECT_EQ(config.integrator.highest_mode_damping, 0.05);
-  EXPECT_EQ(config.integrator.precision, sheet::Precision::kMixed);
+  EXPECT_EQ(config.integrator.precision, scene::Precision::kMixed);
   scene.mutable_integrator()->set_highest_mode_damping(0.0);
-  EXPECT_EQ(decoded(scene).integrator.precision, sheet::Precision::kDouble);
+  EXPECT_EQ(decoded(scene).integrator.precision, scene::Precision::kDouble);
   scene.mutable_integrator()->set_precision(v1::Integrator::MIXED);
-  EXPECT_EQ(decoded(scene).integrator.precision, sheet::Precision::kMixed);
+  EXPECT_EQ(decoded(scene).integrator.precision, scene::Precision::kMixed);
   scene.mutable_wind();
   EXPECT_EQ(decoded(scene).wind.air_density, 1.2);
   EXPECT_EQ(decoded(scene).wind.drag_coefficient, 1.0);
@@ -130,7 +130,7 @@ TEST(SceneCodec, AnOutlineOnlyNeedsItsBorder) {
   message.mutable_boundary()->mutable_circle()->set_radius_m(1.0);
   message.add_sizes()->mutable_point();
   message.mutable_sizes(0)->set_edge_length_m(0.01);
-  const auto outline = std::get<sheet::OutlineSource>(decoded(scene).mesh);
+  const auto outline = std::get<scene::OutlineSource>(decoded(scene).mesh);
   EXPECT_EQ(outline.edge_length, 0.0);
   EXPECT_EQ(outline.min_angle_deg, 25.0);
   EXPECT_EQ(outline.sizes[0].growth, 0.25);
@@ -145,7 +145,7 @@ TEST(SceneCodec, AnOutlineMayBeADrawingFromAFile) {
     return std::string(
         R"(<svg xmlns="http://www.w3.org/2000/svg" width="96" height="96"><rect width="96" height="48"/></svg>)");
   };
-  const Result<sheet::SheetConfig> config = decode_scene(scene, reader);
+  const Result<scene::SheetConfig> config = decode_scene(scene, reader);
   ASSERT_TRUE(config.ok()) << config.error().message;
   const Result<sheet::Sheet> sheet = sheet::Sheet::create(*config);
   ASSERT_TRUE(sheet.ok()) << sheet.error().message;
@@ -178,7 +178,7 @@ TEST(SceneCodec, EveryBadFieldIsRefusedByName) {
   for (const testing::BadScene& bad : testing::bad_scenes()) {
     v1::Scene scene = full_scene();
     bad.spoil(scene);
-    const Result<sheet::SheetConfig> config = decode_scene(scene);
+    const Result<scene::SheetConfig> config = decode_scene(scene);
     ASSERT_FALSE(config.ok()) << bad.field;
     EXPECT_EQ(config.error().code, ErrorCode::kInvalidArgument) << bad.field;
     EXPECT_EQ(config.error().field, bad.field) << config.error().message;
@@ -190,7 +190,7 @@ TEST(SceneCodec, EveryBadFieldIsRefusedByName) {
 TEST(SceneCodec, MeshFilesAreReadOnlyWithAReader) {
   v1::Scene scene = full_scene();
   scene.mutable_obj()->set_file("flag.obj");
-  const Result<sheet::SheetConfig> refused = decode_scene(scene);
+  const Result<scene::SheetConfig> refused = decode_scene(scene);
   ASSERT_FALSE(refused.ok());
   EXPECT_EQ(refused.error().reason, "OBJ_FILE_REFUSED");
   EXPECT_EQ(refused.error().field, "obj.file");
@@ -200,10 +200,10 @@ TEST(SceneCodec, MeshFilesAreReadOnlyWithAReader) {
     if (path == "flag.obj") return std::string("v 0 0 0\n");
     return Error{ErrorCode::kNotFound, "FILE_NOT_FOUND", "no such file", {}};
   };
-  const Result<sheet::SheetConfig> read = decode_scene(scene, reader);
+  const Result<scene::SheetConfig> read = decode_scene(scene, reader);
   ASSERT_TRUE(read.ok());
   EXPECT_EQ(asked, "flag.obj");
-  EXPECT_EQ(std::get<sheet::ObjSource>(read->mesh).text, "v 0 0 0\n");
+  EXPECT_EQ(std::get<scene::ObjSource>(read->mesh).text, "v 0 0 0\n");
   scene.mutable_obj()->set_file("none.obj");
   EXPECT_EQ(decode_scene(scene, reader).error().field, "obj.file");
   scene.mutable_obj()->set_text("v 0 0 0\n");
@@ -212,7 +212,7 @@ TEST(SceneCodec, MeshFilesAreReadOnlyWithAReader) {
   EXPECT_EQ(decode_scene(scene).error().reason, "PLY_FILE_REFUSED");
   EXPECT_EQ(decode_scene(scene).error().field, "ply.file");
   EXPECT_NE(decode_scene(scene).error().message.find("ply.data"), std::string::npos);
-  EXPECT_EQ(std::get<sheet::PlySource>(decode_scene(scene, reader)->mesh).data, "v 0 0 0\n");
+  EXPECT_EQ(std::get<scene::PlySource>(decode_scene(scene, reader)->mesh).data, "v 0 0 0\n");
   scene.mutable_ply()->set_data("ply");
   EXPECT_EQ(decode_scene(scene, reader).error().reason, "PLY_TWICE");
 }
@@ -221,33 +221,33 @@ TEST(SceneCodec, MeshFilesAreMovedOutOfASceneThatIsHandedOver) {
   v1::Scene scene;
   scene.mutable_obj()->set_text(std::string(1000, '#'));
   const char* const text = scene.obj().text().data();
-  const sheet::SheetConfig obj = decode_scene(std::move(scene)).value();
-  EXPECT_EQ(static_cast<const void*>(std::get<sheet::ObjSource>(obj.mesh).text.data()), text);
+  const scene::SheetConfig obj = decode_scene(std::move(scene)).value();
+  EXPECT_EQ(static_cast<const void*>(std::get<scene::ObjSource>(obj.mesh).text.data()), text);
   v1::Scene other;
   other.mutable_ply()->set_data(std::string(1000, 'p'));
   const char* const data = other.ply().data().data();
-  const sheet::SheetConfig ply = decode_scene(std::move(other)).value();
-  EXPECT_EQ(static_cast<const void*>(std::get<sheet::PlySource>(ply.mesh).data.data()), data);
+  const scene::SheetConfig ply = decode_scene(std::move(other)).value();
+  EXPECT_EQ(static_cast<const void*>(std::get<scene::PlySource>(ply.mesh).data.data()), data);
 }
 
 TEST(SceneCodec, RestShapesOfMeshFiles) {
-  const std::vector<std::pair<v1::RestShape, sheet::RestShape>> all{
-      {v1::REST_SHAPE_UNSPECIFIED, sheet::RestShape::kAutomatic},
-      {v1::REST_SHAPE_FLAT, sheet::RestShape::kFlat},
-      {v1::REST_SHAPE_SURFACE, sheet::RestShape::kSurface}};
+  const std::vector<std::pair<v1::RestShape, scene::RestShape>> all{
+      {v1::REST_SHAPE_UNSPECIFIED, scene::RestShape::kAutomatic},
+      {v1::REST_SHAPE_FLAT, scene::RestShape::kFlat},
+      {v1::REST_SHAPE_SURFACE, scene::RestShape::kSurface}};
   for (const auto& [name, rest_shape] : all) {
     v1::Scene scene;
     scene.mutable_obj()->set_text("v 0 0 0\n");
     scene.mutable_obj()->set_rest_shape(name);
-    const sheet::MeshSource obj = decode_scene(scene).value().mesh;
-    EXPECT_EQ(std::get<sheet::ObjSource>(obj).rest_shape, rest_shape);
+    const scene::MeshSource obj = decode_scene(scene).value().mesh;
+    EXPECT_EQ(std::get<scene::ObjSource>(obj).rest_shape, rest_shape);
     v1::Scene again;
     encode_mesh_source(obj, again);
     EXPECT_EQ(again.obj().rest_shape(), name);
     scene.mutable_ply()->set_data("ply\n");
     scene.mutable_ply()->set_rest_shape(name);
-    const sheet::MeshSource ply = decode_scene(scene).value().mesh;
-    EXPECT_EQ(std::get<sheet::PlySource>(ply).rest_shape, rest_shape);
+    const scene::MeshSource ply = decode_scene(scene).value().mesh;
+    EXPECT_EQ(std::get<scene::PlySource>(ply).rest_shape, rest_shape);
     encode_mesh_source(ply, again);
     EXPECT_EQ(again.ply().rest_shape(), name);
   }
@@ -265,9 +265,9 @@ TEST(SceneCodec, RestPositionsOfArrays) {
   v1::InlineMesh& message = *scene.mutable_inline_();
   for (const int id : {0, 1, 2}) message.add_triangles(id);
   for (const double value : {0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.5}) message.add_rest_positions(value);
-  const sheet::MeshSource source = decode_scene(scene).value().mesh;
-  EXPECT_EQ(std::get<sheet::ArraySource>(source).rest_positions.col(2), Eigen::Vector3d(0.0, 1.0, 0.5));
-  EXPECT_EQ(std::get<sheet::ArraySource>(source).material_positions.cols(), 0);
+  const scene::MeshSource source = decode_scene(scene).value().mesh;
+  EXPECT_EQ(std::get<scene::ArraySource>(source).rest_positions.col(2), Eigen::Vector3d(0.0, 1.0, 0.5));
+  EXPECT_EQ(std::get<scene::ArraySource>(source).material_positions.cols(), 0);
   v1::Scene again;
   encode_mesh_source(source, again);
   EXPECT_EQ(again.SerializeAsString(), scene.SerializeAsString());
@@ -282,7 +282,7 @@ TEST(SceneCodec, ObjFilesMayHoldAnyBytes) {
   const FileReader reader = [](const std::string&) -> Result<std::string> {
     return std::string("o T\xfcr\nv 0 0 0\n");
   };
-  const Result<sheet::SheetConfig> read = decode_scene(scene, reader);
+  const Result<scene::SheetConfig> read = decode_scene(scene, reader);
   ASSERT_TRUE(read.ok());
   EXPECT_EQ(encode_scene(*read).obj().text(), "o T?r\nv 0 0 0\n");
 }

@@ -77,7 +77,7 @@ std::vector<std::string> left_out_of(const sheet::Sheet& sheet) {
 // was not reached, or `watch` ended the work.
 class LoadPath {
  public:
-  LoadPath(sheet::Sheet& sheet, const sheet::StaticAnalysis& analysis, const Watch& watch, StaticStats& stats)
+  LoadPath(sheet::Sheet& sheet, const scene::StaticAnalysis& analysis, const Watch& watch, StaticStats& stats)
       : sheet_(sheet), watch_(watch), stats_(stats) {
     options_.tolerance = analysis.tolerance;
     options_.max_iterations = analysis.max_iterations;
@@ -130,8 +130,8 @@ class LoadPath {
 
 }  // namespace
 
-Result<Outcome> run_dynamic(sheet::Sheet& sheet, const sheet::DynamicAnalysis& analysis,
-                            const std::vector<sheet::Probe>& requests, const Watch& watch,
+Result<Outcome> run_dynamic(sheet::Sheet& sheet, const scene::DynamicAnalysis& analysis,
+                            const std::vector<scene::Probe>& requests, const Watch& watch,
                             const std::function<void(const sheet::TickReport&)>& after,
                             sheet::StageObserver* observer) {
   KERF_TRY_ASSIGN(Probes probes, Probes::create(requests, sheet));
@@ -139,13 +139,13 @@ Result<Outcome> run_dynamic(sheet::Sheet& sheet, const sheet::DynamicAnalysis& a
   Outcome outcome;
   DynamicStats stats;
   Table table = table_of(probes, "time_s");
-  const auto measure = [&](const mesh::VertexField& v_before, double dt) {
+  const auto measure = [&](const linear::VertexField& v_before, double dt) {
     std::vector<double> row{stats.simulated};
     probes.measure(sheet, v_before, dt, row);
     table.rows.push_back(std::move(row));
   };
   if (measures) measure({}, 0.0);
-  mesh::VertexField v_before;
+  linear::VertexField v_before;
   Progress progress{0.0, "tick 0 of " + std::to_string(analysis.ticks)};
   const StopCondition stop = [&] {
     outcome.stopped = outcome.stopped || (watch && !watch(progress));
@@ -174,8 +174,8 @@ Result<Outcome> run_dynamic(sheet::Sheet& sheet, const sheet::DynamicAnalysis& a
   return outcome;
 }
 
-Result<Outcome> run_static(sheet::Sheet& sheet, const sheet::StaticAnalysis& analysis,
-                           const std::vector<sheet::Probe>& requests, const Watch& watch) {
+Result<Outcome> run_static(sheet::Sheet& sheet, const scene::StaticAnalysis& analysis,
+                           const std::vector<scene::Probe>& requests, const Watch& watch) {
   KERF_TRY_ASSIGN(Probes probes, Probes::create(requests, sheet));
   Outcome outcome;
   StaticStats stats;
@@ -200,8 +200,8 @@ Result<Outcome> run_static(sheet::Sheet& sheet, const sheet::StaticAnalysis& ana
   return outcome;
 }
 
-Result<Outcome> run_modes(sheet::Sheet& sheet, const sheet::ModalAnalysis& analysis,
-                          const std::vector<sheet::Probe>& probes, const Watch& watch) {
+Result<Outcome> run_modes(sheet::Sheet& sheet, const scene::ModalAnalysis& analysis,
+                          const std::vector<scene::Probe>& probes, const Watch& watch) {
   Outcome outcome;
   const bool is_live = !analysis.about && sheet.tick() > 0;
   if (analysis.about) {

@@ -61,16 +61,16 @@ struct Outcome {
 
 // Steps the sheet in time by `analysis.ticks`, which may be any number; the table of probes begins at time 0. `after`:
 // called with each report, may be empty. Ends early if the sheet freezes.
-Result<Outcome> run_dynamic(sheet::Sheet& sheet, const sheet::DynamicAnalysis& analysis,
-                            const std::vector<sheet::Probe>& probes, const Watch& watch,
+Result<Outcome> run_dynamic(sheet::Sheet& sheet, const scene::DynamicAnalysis& analysis,
+                            const std::vector<scene::Probe>& probes, const Watch& watch,
                             const std::function<void(const sheet::TickReport&)>& after, sheet::StageObserver* observer);
 
 // Run the other analyses. Errors of all three: those of Probes::create(), and the error of a scheduled command that is
 // refused, with its path ("commands[2].command.cut.curve"). run_modes() also: kInvalidArgument TOO_MANY_MODES;
 // kInternal MODES_NOT_CONVERGED.
-Result<Outcome> run_static(sheet::Sheet& sheet, const sheet::StaticAnalysis& analysis,
-                           const std::vector<sheet::Probe>& probes, const Watch& watch);
-Result<Outcome> run_modes(sheet::Sheet& sheet, const sheet::ModalAnalysis& analysis,
-                          const std::vector<sheet::Probe>& probes, const Watch& watch);
+Result<Outcome> run_static(sheet::Sheet& sheet, const scene::StaticAnalysis& analysis,
+                           const std::vector<scene::Probe>& probes, const Watch& watch);
+Result<Outcome> run_modes(sheet::Sheet& sheet, const scene::ModalAnalysis& analysis,
+                          const std::vector<scene::Probe>& probes, const Watch& watch);
 
 }  // namespace kerf::analysis

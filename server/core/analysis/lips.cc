@@ -49,7 +49,7 @@ std::optional<LipPair> find_lips(const mesh::TriangleMesh& mesh, const Eigen::Ve
   return nearest;
 }
 
-Eigen::Vector3d opening(const LipPair& lips, const mesh::VertexField& x) {
+Eigen::Vector3d opening(const LipPair& lips, const linear::VertexField& x) {
   const auto normal_of = [&](const LipPoint& lip) -> Eigen::Vector3d {
     const Eigen::Vector3d a = x.col(lip.a);
     const Eigen::Vector3d b = x.col(lip.b);

@@ -18,7 +18,7 @@ struct LipPoint {
   mesh::VertexId opposite = mesh::kNone;
   double share = 0.0;  // -, 0..1, weight of b in the position; that of a is 1 - share
 
-  [[nodiscard]] Eigen::Vector3d at(const mesh::VertexField& x) const {
+  [[nodiscard]] Eigen::Vector3d at(const linear::VertexField& x) const {
     return (1.0 - share) * x.col(a) + share * x.col(b);
   }
 };
@@ -33,6 +33,6 @@ std::optional<LipPair> find_lips(const mesh::TriangleMesh& mesh, const Eigen::Ve
 
 // Returns the displacement (m) of lip [0] relative to lip [1]: along the normal of the cut, along its tangent, and
 // along the normal of the sheet. These directions are means for both lips at positions x (3 x V, m).
-Eigen::Vector3d opening(const LipPair& lips, const mesh::VertexField& x);
+Eigen::Vector3d opening(const LipPair& lips, const linear::VertexField& x);
 
 }  // namespace kerf::analysis

@@ -19,9 +19,9 @@ namespace kerf::analysis {
 
 namespace {
 
-using sheet::Probe;
-using sheet::Quantity;
-using sheet::Reduce;
+using scene::Probe;
+using scene::Quantity;
+using scene::Reduce;
 using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 5, 1>;  // the components of a quantity, at most 5
 
 // Distance by which the point of a probe is moved towards Probe::side, so that the lookup finds that side of a cut.
@@ -44,7 +44,7 @@ std::vector<std::string> components_of(Quantity quantity) {
 }
 
 // Returns the solid slot with the corners of `point`.
-mesh::TriangleId slot_of(const fem::Model& model, const mesh::TriangleMesh& mesh, const sheet::MaterialPoint& point) {
+mesh::TriangleId slot_of(const fem::Model& model, const mesh::TriangleMesh& mesh, const scene::MaterialPoint& point) {
   for (const mesh::TriangleId slot : model.elements().incident_slots().row(point.vertices[0])) {
     const auto& corner = mesh.vertices(slot);
     const auto is_corner = [&](mesh::VertexId v) { return std::find(corner.begin(), corner.end(), v) != corner.end(); };
@@ -54,7 +54,7 @@ mesh::TriangleId slot_of(const fem::Model& model, const mesh::TriangleMesh& mesh
 }
 
 // Returns the material coordinates of a point of the mesh, m.
-Eigen::Vector2d rest_of(const mesh::TriangleMesh& mesh, const sheet::MaterialPoint& point) {
+Eigen::Vector2d rest_of(const mesh::TriangleMesh& mesh, const scene::MaterialPoint& point) {
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   for (std::size_t k = 0; k < 3; ++k) {
     if (point.vertices[k] == mesh::kNone) continue;
@@ -66,7 +66,7 @@ Eigen::Vector2d rest_of(const mesh::TriangleMesh& mesh, const sheet::MaterialPoi
 // Returns for each vertex of a region half the length of the border edges at it that have both ends in the region, m.
 std::vector<double> border_lengths(const mesh::TriangleMesh& mesh, const std::vector<mesh::VertexId>& region) {
   std::vector<double> lengths(region.size(), 0.0);
-  for (const sheet::BorderEdge& edge : sheet::edges_in(mesh, region)) {
+  for (const scene::BorderEdge& edge : scene::edges_in(mesh, region)) {
     for (const mesh::VertexId v : edge.ends) {
       lengths[static_cast<std::size_t>(std::lower_bound(region.begin(), region.end(), v) - region.begin())] +=
           0.5 * edge.length;
@@ -79,10 +79,10 @@ std::vector<double> border_lengths(const mesh::TriangleMesh& mesh, const std::ve
 // m^2.
 std::vector<double> areas_around(const mesh::TriangleMesh& mesh, const std::vector<mesh::VertexId>& region) {
   std::vector<double> areas(region.size(), 0.0);
-  for (const mesh::TriangleId t : sheet::triangles_in(mesh, region)) {
+  for (const mesh::TriangleId t : scene::triangles_in(mesh, region)) {
     for (const mesh::VertexId v : mesh.vertices(t)) {
       areas[static_cast<std::size_t>(std::lower_bound(region.begin(), region.end(), v) - region.begin())] +=
-          sheet::rest_area(mesh, t) / 3.0;
+          scene::rest_area(mesh, t) / 3.0;
     }
   }
   return areas;
@@ -123,10 +123,10 @@ class Reduction {
 };
 
 // Returns the reactions of all vertices, N, 3 x V; see fem::find_reactions.
-mesh::VertexField reactions(const sheet::Sheet& sheet, const mesh::VertexField& v_before, double dt) {
-  mesh::VertexField reaction(sheet.model().num_vertices());
+linear::VertexField reactions(const sheet::Sheet& sheet, const linear::VertexField& v_before, double dt) {
+  linear::VertexField reaction(sheet.model().num_vertices());
   if (dt > 0.0) {
-    const mesh::VertexField acceleration((sheet.state().v - v_before) / dt);
+    const linear::VertexField acceleration((sheet.state().v - v_before) / dt);
     fem::find_reactions(sheet.model(), sheet.loads(), sheet.state(), acceleration, reaction);
   } else {
     fem::find_reactions(sheet.model(), sheet.loads(), sheet.state().x, reaction);
@@ -134,8 +134,8 @@ mesh::VertexField reactions(const sheet::Sheet& sheet, const mesh::VertexField& 
   return reaction;
 }
 
-fem::Recovery recovery_of(sheet::Recovery recovery) {
-  return recovery == sheet::Recovery::kPatch ? fem::Recovery::kPatch : fem::Recovery::kMean;
+fem::Recovery recovery_of(scene::Recovery recovery) {
+  return recovery == scene::Recovery::kPatch ? fem::Recovery::kPatch : fem::Recovery::kMean;
 }
 
 // Computes components xx, yy, xy of strain or stress along material x and y, in a triangle or at a vertex.
@@ -149,8 +149,8 @@ class InPlane {
     }
     return tensor(of_slots_[static_cast<std::size_t>(slot)]);
   }
-  Vector at(const sheet::Sheet& sheet, mesh::VertexId vertex, sheet::Recovery recovery) {
-    std::vector<Eigen::Vector3d>& recovered = recovery == sheet::Recovery::kPatch ? by_patches_ : of_vertices_;
+  Vector at(const sheet::Sheet& sheet, mesh::VertexId vertex, scene::Recovery recovery) {
+    std::vector<Eigen::Vector3d>& recovered = recovery == scene::Recovery::kPatch ? by_patches_ : of_vertices_;
     if (recovered.empty()) {
       in(sheet, 0);
       recovered = fem::vertex_field(sheet.model(), of_slots_, recovery_of(recovery));
@@ -158,11 +158,11 @@ class InPlane {
     return tensor(recovered[static_cast<std::size_t>(vertex)]);
   }
   // Interpolates the values of patch recovery at the corners of a triangle.
-  Vector by_patches(const sheet::Sheet& sheet, const sheet::MaterialPoint& point) {
+  Vector by_patches(const sheet::Sheet& sheet, const scene::MaterialPoint& point) {
     Vector sum = Vector::Zero(3);
     for (std::size_t k = 0; k < 3; ++k) {
       if (point.vertices[k] == mesh::kNone) continue;
-      sum += point.weights[static_cast<Eigen::Index>(k)] * at(sheet, point.vertices[k], sheet::Recovery::kPatch);
+      sum += point.weights[static_cast<Eigen::Index>(k)] * at(sheet, point.vertices[k], scene::Recovery::kPatch);
     }
     return sum;
   }
@@ -209,16 +209,16 @@ bool is_global(const Probe& probe) {
 // The inputs for measuring one row, shared by all probes.
 struct Probes::Context {
   const sheet::Sheet& sheet;
-  const mesh::VertexField& v_before;
+  const linear::VertexField& v_before;
   double dt;
-  mesh::VertexField reaction{};  // empty until it is needed
+  linear::VertexField reaction{};  // empty until it is needed
   InPlane strain{fem::MembraneField::kBiotStrain};
   InPlane biot_stress{fem::MembraneField::kBiotStress};
   InPlane cauchy_stress{fem::MembraneField::kCauchyStress};
 
   [[nodiscard]] InPlane& field_of(const Probe& probe) {
     if (probe.quantity == Quantity::kStrain) return strain;
-    return probe.measure == sheet::StressMeasure::kCauchy ? cauchy_stress : biot_stress;
+    return probe.measure == scene::StressMeasure::kCauchy ? cauchy_stress : biot_stress;
   }
   [[nodiscard]] Vector value(const Probe& probe, const Place& place) {
     const fem::State& state = sheet.state();
@@ -227,7 +227,7 @@ struct Probes::Context {
     if (probe.quantity == Quantity::kVelocity) return place.point.of(state.v);
     if (probe.quantity == Quantity::kDisplacement) return Eigen::Vector3d(place.point.of(state.x) - place.start);
     InPlane& field = field_of(probe);
-    if (probe.recovery == sheet::Recovery::kPatch) return field.by_patches(sheet, place.point);
+    if (probe.recovery == scene::Recovery::kPatch) return field.by_patches(sheet, place.point);
     return place.vertex != mesh::kNone ? field.at(sheet, place.vertex, probe.recovery) : field.in(sheet, place.slot);
   }
   [[nodiscard]] Vector value(const Probe& probe, const Member& member) {
@@ -241,7 +241,7 @@ struct Probes::Context {
         return state.x.col(member.id) - member.start;
       case Quantity::kStrain:
       case Quantity::kStress:
-        return probe.recovery == sheet::Recovery::kPatch ? field_of(probe).at(sheet, member.id, probe.recovery)
+        return probe.recovery == scene::Recovery::kPatch ? field_of(probe).at(sheet, member.id, probe.recovery)
                                                          : field_of(probe).in(sheet, member.id);
       default:
         if (reaction.cols() == 0) reaction = reactions(sheet, v_before, dt);
@@ -259,7 +259,7 @@ Status Probes::check(const sheet::Sheet& sheet, const Probe& probe, const std::s
   if (!probe.region) return Nothing{};
   const std::string field = path + ".region";
   KERF_TRY_ASSIGN(const std::vector<mesh::VertexId> found, find_vertices(sheet.mesh(), *probe.region, field));
-  const bool may_fill = found.empty() && sheet::schedules_cuts(sheet.config());
+  const bool may_fill = found.empty() && scene::schedules_cuts(sheet.config());
   if (may_fill || !members_of(sheet, probe).empty()) return Nothing{};
   return invalid_argument("REGION_EMPTY", field + " contains no part of the sheet", field);
 }
@@ -304,8 +304,8 @@ Probes::Place Probes::place_at(const sheet::Sheet& sheet, const Probe& probe, co
   }
   const double reach = 2.0 * kNudge * mesh.bounding_box().sizes().maxCoeff();
   // A point of the border may lie outside only by rounding.
-  const std::optional<sheet::MaterialPoint> found = sheet::find_material_point(mesh, lookup);
-  place.point = found ? *found : sheet::nearest_material_point(mesh, lookup);
+  const std::optional<scene::MaterialPoint> found = scene::find_material_point(mesh, lookup);
+  place.point = found ? *found : scene::nearest_material_point(mesh, lookup);
   const Eigen::Vector2d there = rest_of(mesh, place.point);
   if (!found && (there - at).norm() > reach) return place;
   place.exists = true;
@@ -326,16 +326,16 @@ Probes::Place Probes::place_at(const sheet::Sheet& sheet, const Probe& probe, co
 
 std::vector<Probes::Member> Probes::members_of(const sheet::Sheet& sheet, const Probe& probe) {
   const mesh::TriangleMesh& mesh = sheet.mesh();
-  sheet::Region region = *probe.region;
+  scene::Region region = *probe.region;
   if (auto* listed = std::get_if<std::vector<mesh::VertexId>>(&region)) {
     std::erase_if(*listed, [&](mesh::VertexId v) { return v >= mesh.num_vertices() || !mesh.has_material(v); });
   }
   const std::vector<mesh::VertexId> vertices = find_vertices(mesh, region, "").value();
   std::vector<Member> members;
   const bool is_field = is_in_plane(probe.quantity);
-  if (is_field && probe.recovery == sheet::Recovery::kMean) {
-    for (const mesh::TriangleId t : sheet::triangles_in(mesh, vertices)) {
-      members.push_back({t, sheet::rest_area(mesh, t), Eigen::Vector3d::Zero()});
+  if (is_field && probe.recovery == scene::Recovery::kMean) {
+    for (const mesh::TriangleId t : scene::triangles_in(mesh, vertices)) {
+      members.push_back({t, scene::rest_area(mesh, t), Eigen::Vector3d::Zero()});
     }
     return members;
   }
@@ -360,7 +360,7 @@ void Probes::locate(const sheet::Sheet& sheet) {
   topology_version_ = sheet.topology_version();
 }
 
-void Probes::measure(const sheet::Sheet& sheet, const mesh::VertexField& v_before, double dt,
+void Probes::measure(const sheet::Sheet& sheet, const linear::VertexField& v_before, double dt,
                      std::vector<double>& row) {
   if (sheet.topology_version() != topology_version_) locate(sheet);
   Context context{sheet, v_before, dt};

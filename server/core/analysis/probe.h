@@ -21,21 +21,21 @@ class Probes {
   // `requests` must be valid. Errors: kInvalidArgument POINT_OUTSIDE, UNKNOWN_VERTEX, REGION_EMPTY, with the field of
   // kerf.v1.Scene. A point of Quantity::kOpening may be on a cut that is not made yet. A region may be empty if cuts
   // are scheduled, which may bring vertices.
-  static Result<Probes> create(std::vector<sheet::Probe> requests, const sheet::Sheet& sheet);
+  static Result<Probes> create(std::vector<scene::Probe> requests, const sheet::Sheet& sheet);
 
   // Returns the names of the columns, such as "name.x" or "name[3].xx": one for each number that measure() appends.
-  static std::vector<std::string> columns_of(const std::vector<sheet::Probe>& requests);
+  static std::vector<std::string> columns_of(const std::vector<scene::Probe>& requests);
   [[nodiscard]] const std::vector<std::string>& columns() const { return columns_; }
 
   // Measures the sheet as it is, and appends the values to `row`. `v_before`: velocities dt (s) earlier, 3 x V, m/s.
   // They give the acceleration of held vertices, for reactions; with dt = 0 it counts as zero. A value is NaN if its
   // place has no material any more, or an opening no lips.
-  void measure(const sheet::Sheet& sheet, const mesh::VertexField& v_before, double dt, std::vector<double>& row);
+  void measure(const sheet::Sheet& sheet, const linear::VertexField& v_before, double dt, std::vector<double>& row);
 
  private:
   // The place of one point of a probe on the present mesh.
   struct Place {
-    sheet::MaterialPoint point;
+    scene::MaterialPoint point;
     mesh::TriangleId slot = mesh::kNone;              // triangle that holds the point, for strain and stress
     mesh::VertexId vertex = mesh::kNone;              // the vertex at the point, if there is one
     Eigen::Vector3d start = Eigen::Vector3d::Zero();  // m, position at the start in the world
@@ -54,12 +54,12 @@ class Probes {
   };
   struct Context;
 
-  static Status check(const sheet::Sheet& sheet, const sheet::Probe& probe, const std::string& path);
+  static Status check(const sheet::Sheet& sheet, const scene::Probe& probe, const std::string& path);
   void locate(const sheet::Sheet& sheet);
-  [[nodiscard]] static Place place_at(const sheet::Sheet& sheet, const sheet::Probe& probe, const Eigen::Vector2d& at);
-  [[nodiscard]] static std::vector<Member> members_of(const sheet::Sheet& sheet, const sheet::Probe& probe);
+  [[nodiscard]] static Place place_at(const sheet::Sheet& sheet, const scene::Probe& probe, const Eigen::Vector2d& at);
+  [[nodiscard]] static std::vector<Member> members_of(const sheet::Sheet& sheet, const scene::Probe& probe);
 
-  std::vector<sheet::Probe> requests_;
+  std::vector<scene::Probe> requests_;
   std::vector<std::string> columns_;
   std::vector<Located> located_;
   std::int32_t topology_version_ = 0;

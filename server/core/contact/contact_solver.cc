@@ -42,7 +42,7 @@ void ContactSolver::reserve(std::int32_t num_vertices) {
   due_blocks_.resize(blocks);
 }
 
-void ContactSolver::begin(double thickness, std::span<const std::uint8_t> fixed, const mesh::VertexField& x) {
+void ContactSolver::begin(double thickness, std::span<const std::uint8_t> fixed, const linear::VertexField& x) {
   if (colliders_.empty()) return;
   const auto num_vertices = static_cast<std::size_t>(x.cols());
   KERF_CHECK(fixed.empty() || fixed.size() == num_vertices, "pin mask of another mesh");
@@ -74,7 +74,7 @@ void ContactSolver::begin(double thickness, std::span<const std::uint8_t> fixed,
   }
 }
 
-void ContactSolver::find_all_gaps(std::size_t collider, const mesh::VertexField& x) {
+void ContactSolver::find_all_gaps(std::size_t collider, const linear::VertexField& x) {
   const auto num_vertices = static_cast<std::size_t>(x.cols());
   collider_due_[collider] = kNever;
   mesh::VertexLanes::Lanes gaps;
@@ -184,7 +184,8 @@ std::uint32_t ContactSolver::resolve(std::int32_t block, mesh::VertexLanes& vert
   return pushed;
 }
 
-void ContactSolver::resolve(double dt, const mesh::VertexField& x_before, mesh::VertexField& x, mesh::VertexField& v) {
+void ContactSolver::resolve(double dt, const linear::VertexField& x_before, linear::VertexField& x,
+                            linear::VertexField& v) {
   if (colliders_.empty()) return;
   KERF_CHECK(x.cols() == v.cols() && x.cols() == x_before.cols(), "positions and velocities of different meshes");
   const double travel = std::sqrt((x - x_before).colwise().squaredNorm().maxCoeff());

@@ -68,7 +68,7 @@ class ContactSolver {
   // Begins a step at positions `x`, 3 x V, m. `thickness` (m, >= 0) is the least distance of vertices from surfaces:
   // half the sheet's thickness, so that the face of the sheet touches. `fixed` has V bytes, non-zero for vertices to
   // leave alone (pins); empty means that no vertex is fixed.
-  void begin(double thickness, std::span<const std::uint8_t> fixed, const mesh::VertexField& x);
+  void begin(double thickness, std::span<const std::uint8_t> fixed, const linear::VertexField& x);
   // Returns the number of vertices that were deeper inside a collider than the sheet is thick when the step began.
   [[nodiscard]] int num_inside() const { return num_inside_; }
   // Returns the least distance of vertex v from surfaces at present, m; minus infinity if it is fixed. It is below
@@ -83,7 +83,7 @@ class ContactSolver {
   std::uint32_t resolve(std::int32_t block, mesh::VertexLanes& vertices);
   // Finds and resolves the blocks that may touch a collider, after a substep of `dt` (s). `x_before`: positions at its
   // start, 3 x V, m. `x` (m) and `v` (m/s): positions and velocities at its end, which are corrected.
-  void resolve(double dt, const mesh::VertexField& x_before, mesh::VertexField& x, mesh::VertexField& v);
+  void resolve(double dt, const linear::VertexField& x_before, linear::VertexField& x, linear::VertexField& v);
 
  private:
   struct Penetration {
@@ -95,7 +95,7 @@ class ContactSolver {
   [[nodiscard]] double& due(std::size_t collider, std::size_t block) { return due_[collider * num_blocks_ + block]; }
   // Sets due() of a collider for all blocks, from the positions `x` at the start of a step. Also lowers the starting
   // thickness of vertices that are inside the collider.
-  void find_all_gaps(std::size_t collider, const mesh::VertexField& x);
+  void find_all_gaps(std::size_t collider, const linear::VertexField& x);
   void set_block_due(std::size_t block);
   // Makes one pass over the colliders and adds moved vertices to `pushed`. Returns true if a collider pushed a vertex
   // by more than kTouching.

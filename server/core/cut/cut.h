@@ -35,7 +35,7 @@ struct CutRequest {
   // The camera of a picture of the sheet, in pixels of which `curve` is given. Absent: `curve` is in material
   // coordinates.
   std::optional<View> view = std::nullopt;
-  const mesh::VertexField* positions = nullptr;
+  const linear::VertexField* positions = nullptr;
   // Most vertices that the opened mesh may have after the cut, in [1, mesh::kMaxVertices].
   std::int32_t max_vertices = mesh::kMaxVertices;
   // Snap distance over the local edge length: the path is laid on points and lips that are closer than this. It never

@@ -78,7 +78,7 @@ Status validate(const View& view) {
   return Nothing{};
 }
 
-Result<ViewPath> project_onto_sheet(const mesh::TriangleMesh& mesh, const mesh::VertexField& positions,
+Result<ViewPath> project_onto_sheet(const mesh::TriangleMesh& mesh, const linear::VertexField& positions,
                                     const Curve& curve, const View& view, double tolerance) {
   if (view.layers == LayerRule::kPiece && view.piece >= mesh.num_pieces()) {
     return invalid_argument("PIECE_UNKNOWN",

@@ -31,7 +31,7 @@ struct ViewPath {
 // an infinitesimal amount, so there are no ties.
 // Errors: those of validate(curve); kInvalidArgument PIECE_UNKNOWN; kResourceExhausted VIEW_WORK_BUDGET (too many pairs
 // of a triangle and a curve segment).
-Result<ViewPath> project_onto_sheet(const mesh::TriangleMesh& mesh, const mesh::VertexField& positions,
+Result<ViewPath> project_onto_sheet(const mesh::TriangleMesh& mesh, const linear::VertexField& positions,
                                     const Curve& curve, const View& view, double tolerance);
 
 }  // namespace kerf::cut

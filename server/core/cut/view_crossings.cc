@@ -284,7 +284,7 @@ LatticePoint screen_point(const Vector2d& px) {
   return {std::llround(px.x() * Screen::kUnitsPerPx), std::llround(px.y() * Screen::kUnitsPerPx)};
 }
 
-Screen project(const mesh::VertexField& positions, const View& view) {
+Screen project(const linear::VertexField& positions, const View& view) {
   Screen screen;
   screen.vertices.resize(static_cast<std::size_t>(positions.cols()));
   for (Eigen::Index i = 0; i < positions.cols(); ++i) {

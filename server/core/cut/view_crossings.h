@@ -28,7 +28,7 @@ struct Screen {
   std::vector<Vertex> vertices;  // by VertexId
 };
 
-Screen project(const mesh::VertexField& positions, const View& view);
+Screen project(const linear::VertexField& positions, const View& view);
 
 // Rounds a point of the picture to the lattice of Screen.
 mesh::LatticePoint screen_point(const Eigen::Vector2d& px);

@@ -2,10 +2,10 @@
 
 // The simulation library by itself: a sheet that is stepped, cut and read, without a server or a network.
 //
-//   kerf::sheet::SheetConfig config;                           // mesh, material, pins, bodies, gravity
+//   kerf::scene::SheetConfig config;                           // mesh, material, pins, bodies, gravity
 //   auto sheet = kerf::sheet::Sheet::create(config);           // a sheet, or an Error with the field at fault
 //   sheet->step({});                                           // one tick
-//   sheet->step(std::array<kerf::sheet::Command, 1>{cut});     // one tick that begins with a cut
+//   sheet->step(std::array<kerf::scene::Command, 1>{cut});     // one tick that begins with a cut
 //   sheet->snapshot()->positions;                              // 3 x V, m
 //
 // Link kerf::core of find_package(kerf COMPONENTS core). SI units; right-handed world, +z up. A sheet is not

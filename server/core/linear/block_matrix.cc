@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace kerf::fem {
+namespace kerf::linear {
 
 void BlockMatrix::resize(int num_rows) {
   for (int i = num_rows; i < this->num_rows(); ++i) num_blocks_ -= rows_[static_cast<std::size_t>(i)].size;
@@ -55,7 +55,7 @@ void BlockMatrix::set_zero() {
   for (Eigen::Matrix3d& block : block_) block.setZero();
 }
 
-void BlockMatrix::multiply(const mesh::VertexField& x, mesh::VertexField& y) const {
+void BlockMatrix::multiply(const VertexField& x, VertexField& y) const {
   for (int i = 0; i < num_rows(); ++i) {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (int at = row_begin(i); at < row_end(i); ++at) sum.noalias() += block(at) * x.col(column(at));
@@ -63,4 +63,4 @@ void BlockMatrix::multiply(const mesh::VertexField& x, mesh::VertexField& y) con
   }
 }
 
-}  // namespace kerf::fem
+}  // namespace kerf::linear

@@ -7,7 +7,7 @@
 
 #include "server/core/linear/vertex_field.h"
 
-namespace kerf::fem {
+namespace kerf::linear {
 
 // Square sparse matrix of 3x3 blocks, stored by rows: columns ascend within a row, and the diagonal is always present.
 // Matrices are symmetric by use; both triangles are stored, so that a product reads memory in order. The pattern of a
@@ -45,7 +45,7 @@ class BlockMatrix {
 
   void set_zero();
   // Computes y = A x. x and y are 3 x N; y must not alias x.
-  void multiply(const mesh::VertexField& x, mesh::VertexField& y) const;
+  void multiply(const VertexField& x, VertexField& y) const;
 
  private:
   struct Row {
@@ -64,4 +64,4 @@ class BlockMatrix {
   int num_blocks_ = 0;
 };
 
-}  // namespace kerf::fem
+}  // namespace kerf::linear

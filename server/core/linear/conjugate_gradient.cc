@@ -2,10 +2,10 @@
 
 #include <cmath>
 
-namespace kerf::fem {
+namespace kerf::linear {
 namespace {
 
-double dot(const mesh::VertexField& a, const mesh::VertexField& b) {
+double dot(const VertexField& a, const VertexField& b) {
   const double* const pa = a.data();
   const double* const pb = b.data();
   double sum = 0.0;
@@ -17,20 +17,18 @@ double dot(const mesh::VertexField& a, const mesh::VertexField& b) {
 
 void ConjugateGradient::analyse(const BlockMatrix& A) {
   preconditioner_->analyse(A);
-  for (mesh::VertexField* vector : {&r_, &z_, &p_, &Ap_}) vector->resize(A.num_rows());
+  for (VertexField* vector : {&r_, &z_, &p_, &Ap_}) vector->resize(A.num_rows());
 }
 
-LinearStats ConjugateGradient::solve(const BlockMatrix& A, const mesh::VertexField& b, double tolerance,
-                                     mesh::VertexField& x) {
-  const auto multiply = [&A](const mesh::VertexField& p, mesh::VertexField& Ap) { A.multiply(p, Ap); };
+LinearStats ConjugateGradient::solve(const BlockMatrix& A, const VertexField& b, double tolerance, VertexField& x) {
+  const auto multiply = [&A](const VertexField& p, VertexField& Ap) { A.multiply(p, Ap); };
   if (!preconditioner_->prepare(A)) return {0, true_residual(multiply, b, x), false};
   return iterate(
       multiply, [&] { return preconditioner_->refactor(A); }, b, tolerance, x);
 }
 
-LinearStats ConjugateGradient::solve(const Eigen::MatrixXd& A, const mesh::VertexField& b, double tolerance,
-                                     mesh::VertexField& x) {
-  const auto multiply = [&A](const mesh::VertexField& p, mesh::VertexField& Ap) {
+LinearStats ConjugateGradient::solve(const Eigen::MatrixXd& A, const VertexField& b, double tolerance, VertexField& x) {
+  const auto multiply = [&A](const VertexField& p, VertexField& Ap) {
     Eigen::Map<Eigen::VectorXd> result(Ap.data(), Ap.size());
     result.noalias() = A * Eigen::Map<const Eigen::VectorXd>(p.data(), p.size());
   };
@@ -39,8 +37,8 @@ LinearStats ConjugateGradient::solve(const Eigen::MatrixXd& A, const mesh::Verte
 }
 
 template <typename Multiply, typename Refactor>
-LinearStats ConjugateGradient::iterate(const Multiply& multiply, const Refactor& refactor, const mesh::VertexField& b,
-                                       double tolerance, mesh::VertexField& x) {
+LinearStats ConjugateGradient::iterate(const Multiply& multiply, const Refactor& refactor, const VertexField& b,
+                                       double tolerance, VertexField& x) {
   LinearStats stats;
   const double b_norm = std::sqrt(dot(b, b));
   if (b_norm == 0.0) {
@@ -80,8 +78,7 @@ LinearStats ConjugateGradient::iterate(const Multiply& multiply, const Refactor&
 }
 
 template <typename Multiply>
-double ConjugateGradient::true_residual(const Multiply& multiply, const mesh::VertexField& b,
-                                        const mesh::VertexField& x) {
+double ConjugateGradient::true_residual(const Multiply& multiply, const VertexField& b, const VertexField& x) {
   multiply(x, Ap_);
   r_ = b - Ap_;
   const double b_norm = std::sqrt(dot(b, b));
@@ -89,7 +86,7 @@ double ConjugateGradient::true_residual(const Multiply& multiply, const mesh::Ve
 }
 
 template <typename Multiply>
-double ConjugateGradient::restart(const Multiply& multiply, const mesh::VertexField& b, const mesh::VertexField& x) {
+double ConjugateGradient::restart(const Multiply& multiply, const VertexField& b, const VertexField& x) {
   multiply(x, Ap_);
   r_ = b - Ap_;
   preconditioner_->apply(r_, z_);
@@ -104,4 +101,4 @@ bool ConjugateGradient::is_too_slow(int iterations, double reached, double wante
   return reached >= 1.0 || iterations * std::log(wanted) / std::log(reached) > max_reuse_iterations;
 }
 
-}  // namespace kerf::fem
+}  // namespace kerf::linear

@@ -9,7 +9,7 @@
 #include "server/core/linear/preconditioner.h"
 #include "server/core/linear/vertex_field.h"
 
-namespace kerf::fem {
+namespace kerf::linear {
 
 // Conjugate gradient method (Hestenes, Stiefel 1952), with or without a preconditioner.
 class ConjugateGradient final : public LinearSolver {
@@ -18,9 +18,9 @@ class ConjugateGradient final : public LinearSolver {
       : preconditioner_(std::move(preconditioner)), max_iterations_(max_iterations) {}
 
   void analyse(const BlockMatrix& A) override;
-  LinearStats solve(const BlockMatrix& A, const mesh::VertexField& b, double tolerance, mesh::VertexField& x) override;
+  LinearStats solve(const BlockMatrix& A, const VertexField& b, double tolerance, VertexField& x) override;
   // Solves with a dense A, 3N x 3N, with the N of analyse(). The preconditioner must not depend on A.
-  LinearStats solve(const Eigen::MatrixXd& A, const mesh::VertexField& b, double tolerance, mesh::VertexField& x);
+  LinearStats solve(const Eigen::MatrixXd& A, const VertexField& b, double tolerance, VertexField& x);
 
   void reset() override { preconditioner_->reset(); }
   void set_stop_condition(const StopCondition* stop) override {
@@ -28,19 +28,19 @@ class ConjugateGradient final : public LinearSolver {
     preconditioner_->set_stop_condition(stop);
   }
   std::vector<Eigen::Matrix3d>* frames() override { return preconditioner_->frames(); }
-  mesh::VertexField* positions() override { return preconditioner_->positions(); }
+  VertexField* positions() override { return preconditioner_->positions(); }
 
  private:
   // Runs the iteration. multiply(x, y) sets y = A x; for refactor() see Preconditioner.
   template <typename Multiply, typename Refactor>
-  LinearStats iterate(const Multiply& multiply, const Refactor& refactor, const mesh::VertexField& b, double tolerance,
-                      mesh::VertexField& x);
+  LinearStats iterate(const Multiply& multiply, const Refactor& refactor, const VertexField& b, double tolerance,
+                      VertexField& x);
   // Returns |b - A x| / |b|, or 0 if b = 0.
   template <typename Multiply>
-  double true_residual(const Multiply& multiply, const mesh::VertexField& b, const mesh::VertexField& x);
+  double true_residual(const Multiply& multiply, const VertexField& b, const VertexField& x);
   // Sets the residual and the direction at x with the preconditioner as it is. Returns r.z.
   template <typename Multiply>
-  double restart(const Multiply& multiply, const mesh::VertexField& b, const mesh::VertexField& x);
+  double restart(const Multiply& multiply, const VertexField& b, const VertexField& x);
   // Returns true if the preconditioner is too old to be worth keeping. After `iterations` the norm of the residual has
   // fallen to the fraction `reached`, and has to fall to `wanted`.
   [[nodiscard]] bool is_too_slow(int iterations, double reached, double wanted) const;
@@ -48,7 +48,7 @@ class ConjugateGradient final : public LinearSolver {
   std::unique_ptr<Preconditioner> preconditioner_;
   int max_iterations_;
   StopPoll stop_;
-  mesh::VertexField r_, z_, p_, Ap_;  // 3 x N
+  VertexField r_, z_, p_, Ap_;  // 3 x N
 };
 
-}  // namespace kerf::fem
+}  // namespace kerf::linear

@@ -5,7 +5,7 @@
 
 #include "server/base/check.h"
 
-namespace kerf::fem {
+namespace kerf::linear {
 namespace {
 
 constexpr double kRegularisation = 1e-6;  // epsilon I, added to D
@@ -145,4 +145,4 @@ const Eigen::MatrixXd& CovarianceRoot::approximate(const BlockMatrix& A) {
   return root_;
 }
 
-}  // namespace kerf::fem
+}  // namespace kerf::linear

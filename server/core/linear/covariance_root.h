@@ -5,7 +5,7 @@
 #include "server/core/linear/block_matrix.h"
 #include "server/core/linear/linear_solver_kind.h"
 
-namespace kerf::fem {
+namespace kerf::linear {
 
 // Dense matrices that the solvers ES-CGM and AS-CGM put in place of the stiffness matrix A. They follow section 3.5 of
 // the thesis that server/README.md compares with, step by step. They are neither A nor preconditioners of it. A' x =
@@ -40,4 +40,4 @@ class CovarianceRoot {
   Eigen::VectorXd D_, row_;  // n
 };
 
-}  // namespace kerf::fem
+}  // namespace kerf::linear

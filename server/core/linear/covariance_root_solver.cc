@@ -1,6 +1,6 @@
 #include "server/core/linear/covariance_root_solver.h"
 
-namespace kerf::fem {
+namespace kerf::linear {
 
 void CovarianceRootSolver::analyse(const BlockMatrix& A) {
   root_.resize(A.num_rows(), kind_);
@@ -8,8 +8,7 @@ void CovarianceRootSolver::analyse(const BlockMatrix& A) {
   residual_.resize(A.num_rows());
 }
 
-LinearStats CovarianceRootSolver::solve(const BlockMatrix& A, const mesh::VertexField& b, double tolerance,
-                                        mesh::VertexField& x) {
+LinearStats CovarianceRootSolver::solve(const BlockMatrix& A, const VertexField& b, double tolerance, VertexField& x) {
   const Eigen::MatrixXd& substitute = kind_ == LinearSolverKind::kEsCgm ? root_.exact(A) : root_.approximate(A);
   LinearStats stats;
   if (substitute.allFinite()) stats = solver_.solve(substitute, b, tolerance, x);
@@ -21,4 +20,4 @@ LinearStats CovarianceRootSolver::solve(const BlockMatrix& A, const mesh::Vertex
   return stats;
 }
 
-}  // namespace kerf::fem
+}  // namespace kerf::linear

@@ -4,7 +4,7 @@
 #include "server/core/linear/covariance_root.h"
 #include "server/core/linear/linear_solver.h"
 
-namespace kerf::fem {
+namespace kerf::linear {
 
 // ES-CGM and AS-CGM: plain conjugate gradients on A' x = b, with A' of CovarianceRoot. *Solves a different system*: the
 // result is no solution of A x = b. The statistics show that: residual and convergence are those of A x = b, the
@@ -17,14 +17,14 @@ class CovarianceRootSolver final : public LinearSolver {
 
   // A has at most kMaxCovarianceVertices rows.
   void analyse(const BlockMatrix& A) override;
-  LinearStats solve(const BlockMatrix& A, const mesh::VertexField& b, double tolerance, mesh::VertexField& x) override;
+  LinearStats solve(const BlockMatrix& A, const VertexField& b, double tolerance, VertexField& x) override;
   void set_stop_condition(const StopCondition* stop) override { solver_.set_stop_condition(stop); }
 
  private:
   LinearSolverKind kind_;
   CovarianceRoot root_;
   ConjugateGradient solver_;
-  mesh::VertexField residual_;  // 3 x N
+  VertexField residual_;  // 3 x N
 };
 
-}  // namespace kerf::fem
+}  // namespace kerf::linear

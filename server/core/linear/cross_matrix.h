@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-namespace kerf::fem {
+namespace kerf::linear {
 
 // Returns the skew matrix [a]x of the cross product, v -> a x v.
 inline Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& a) {
@@ -13,4 +13,4 @@ inline Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& a) {
   };
 }
 
-}  // namespace kerf::fem
+}  // namespace kerf::linear

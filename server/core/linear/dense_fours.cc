@@ -8,7 +8,7 @@
 #include "server/core/linear/fours-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace kerf::fem {
+namespace kerf::linear {
 namespace HWY_NAMESPACE {
 namespace {
 
@@ -50,11 +50,11 @@ void multiply_double(const DenseFours<double>& matrix, const double* from, doubl
 
 }  // namespace
 }  // namespace HWY_NAMESPACE
-}  // namespace kerf::fem
+}  // namespace kerf::linear
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace kerf::fem {
+namespace kerf::linear {
 namespace {
 HWY_EXPORT(multiply_float);
 HWY_EXPORT(multiply_double);
@@ -68,5 +68,5 @@ template <>
 void multiply(const DenseFours<double>& matrix, const double* from, double* to) {
   HWY_DYNAMIC_DISPATCH(multiply_double)(matrix, from, to);
 }
-}  // namespace kerf::fem
+}  // namespace kerf::linear
 #endif  // HWY_ONCE

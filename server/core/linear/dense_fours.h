@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace kerf::fem {
+namespace kerf::linear {
 
 // A small dense matrix stored by columns, each in groups of four rows. Rows beyond the last hold 0.
 template <typename T>
@@ -26,4 +26,4 @@ struct DenseFours {
 template <typename T>
 void multiply(const DenseFours<T>& matrix, const T* from, T* to);
 
-}  // namespace kerf::fem
+}  // namespace kerf::linear

@@ -12,7 +12,7 @@
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
-namespace kerf::fem {
+namespace kerf::linear {
 namespace HWY_NAMESPACE {
 namespace {
 
@@ -234,11 +234,11 @@ void backward_double(const PanelView<const double>& panel, double* w) {
 
 }  // namespace
 }  // namespace HWY_NAMESPACE
-}  // namespace kerf::fem
+}  // namespace kerf::linear
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace kerf::fem {
+namespace kerf::linear {
 namespace {
 HWY_EXPORT(factor_float);
 HWY_EXPORT(factor_double);
@@ -282,5 +282,5 @@ template <>
 void substitute_backward(const PanelView<const double>& panel, double* w) {
   HWY_DYNAMIC_DISPATCH(backward_double)(panel, w);
 }
-}  // namespace kerf::fem
+}  // namespace kerf::linear
 #endif  // HWY_ONCE

@@ -5,7 +5,7 @@
 // Dense kernels of a sparse Cholesky factorisation in vector code chosen for the processor at run time; T is float or
 // double. Results have the same bits on every processor. Each entry is a sum of its own in one order, sums over rows
 // use kBlockLanes partial sums, and no multiply-add is fused.
-namespace kerf::fem {
+namespace kerf::linear {
 
 // A panel: the first columns of a lower triangle, stored by columns that are `stride` entries apart. `stride` is a
 // multiple of kBlockLanes; column 0 begins at a multiple of 64 bytes. Entries above the diagonal and beyond the last
@@ -47,4 +47,4 @@ void substitute_forward(const PanelView<const T>& panel, T* w);
 template <typename T>
 void substitute_backward(const PanelView<const T>& panel, T* w);
 
-}  // namespace kerf::fem
+}  // namespace kerf::linear

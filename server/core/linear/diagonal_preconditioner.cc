@@ -2,14 +2,14 @@
 
 #include "server/core/linear/preconditioner.h"
 
-namespace kerf::fem {
+namespace kerf::linear {
 namespace {
 
 class NoPreconditioner final : public Preconditioner {
  public:
   void analyse(const BlockMatrix& /*A*/) override {}
   bool prepare(const BlockMatrix& /*A*/) override { return true; }
-  void apply(const mesh::VertexField& r, mesh::VertexField& z) override { z = r; }
+  void apply(const VertexField& r, VertexField& z) override { z = r; }
 };
 
 class DiagonalPreconditioner final : public Preconditioner {
@@ -30,7 +30,7 @@ class DiagonalPreconditioner final : public Preconditioner {
     return true;
   }
 
-  void apply(const mesh::VertexField& r, mesh::VertexField& z) override {
+  void apply(const VertexField& r, VertexField& z) override {
     for (std::size_t i = 0; i < inverse_.size(); ++i) {
       const auto column = static_cast<Eigen::Index>(i);
       z.col(column).noalias() = inverse_[i] * r.col(column);
@@ -49,4 +49,4 @@ std::unique_ptr<Preconditioner> make_diagonal_preconditioner(Diagonal diagonal) 
   return std::make_unique<DiagonalPreconditioner>(diagonal == Diagonal::kBlocks);
 }
 
-}  // namespace kerf::fem
+}  // namespace kerf::linear

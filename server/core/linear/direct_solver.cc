@@ -2,7 +2,7 @@
 
 #include <utility>
 
-namespace kerf::fem {
+namespace kerf::linear {
 
 void DirectSolver::analyse(const BlockMatrix& A) {
   factor_.analyse(A);
@@ -14,8 +14,7 @@ void DirectSolver::analyse(const BlockMatrix& A, std::shared_ptr<const Supernode
   residual_.resize(A.num_rows());
 }
 
-LinearStats DirectSolver::solve(const BlockMatrix& A, const mesh::VertexField& b, double tolerance,
-                                mesh::VertexField& x) {
+LinearStats DirectSolver::solve(const BlockMatrix& A, const VertexField& b, double tolerance, VertexField& x) {
   LinearStats stats;
   PivotRule<double> rule;
   const bool is_factored = factor_.factorise(A, {}, rule);
@@ -29,4 +28,4 @@ LinearStats DirectSolver::solve(const BlockMatrix& A, const mesh::VertexField& b
   return stats;
 }
 
-}  // namespace kerf::fem
+}  // namespace kerf::linear

@@ -6,7 +6,7 @@
 #include "server/core/linear/supernodal_cholesky.h"
 #include "server/core/linear/vertex_field.h"
 
-namespace kerf::fem {
+namespace kerf::linear {
 
 // Direct solver: a Cholesky factor in double precision, computed for every solve.
 class DirectSolver final : public LinearSolver {
@@ -14,14 +14,14 @@ class DirectSolver final : public LinearSolver {
   void analyse(const BlockMatrix& A) override;
   // Reuses `supernodes`, the symbolic factorisation that another factor has computed for the same pattern.
   void analyse(const BlockMatrix& A, std::shared_ptr<const Supernodes> supernodes);
-  LinearStats solve(const BlockMatrix& A, const mesh::VertexField& b, double tolerance, mesh::VertexField& x) override;
+  LinearStats solve(const BlockMatrix& A, const VertexField& b, double tolerance, VertexField& x) override;
   void set_stop_condition(const StopCondition* stop) override { factor_.set_stop_condition(stop); }
   // Solves with the matrix of the last solve(), which must have found it positive definite.
-  void solve_again(const mesh::VertexField& b, mesh::VertexField& x) { factor_.solve(b, x); }
+  void solve_again(const VertexField& b, VertexField& x) { factor_.solve(b, x); }
 
  private:
   SupernodalCholesky<double> factor_;
-  mesh::VertexField residual_;  // 3 x N
+  VertexField residual_;  // 3 x N
 };
 
-}  // namespace kerf::fem
+}  // namespace kerf::linear

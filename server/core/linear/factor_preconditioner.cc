@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace kerf::fem {
+namespace kerf::linear {
 namespace {
 
 // -, flops of a factorisation that take as long as one flop of a solve. A solve waits for memory, and each iteration
@@ -29,7 +29,7 @@ bool FactorPreconditioner::prepare(const BlockMatrix& A) {
   return has_factor_ || factorise(A);
 }
 
-void FactorPreconditioner::apply(const mesh::VertexField& r, mesh::VertexField& z) {
+void FactorPreconditioner::apply(const VertexField& r, VertexField& z) {
   const double largest = r.cwiseAbs().maxCoeff();
   if (!(largest > 0.0)) {
     z = r;
@@ -60,4 +60,4 @@ bool FactorPreconditioner::factorise(const BlockMatrix& A) {
   return has_factor_;
 }
 
-}  // namespace kerf::fem
+}  // namespace kerf::linear

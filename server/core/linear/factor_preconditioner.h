@@ -8,7 +8,7 @@
 #include "server/core/linear/preconditioner.h"
 #include "server/core/linear/supernodal_cholesky.h"
 
-namespace kerf::fem {
+namespace kerf::linear {
 
 // Preconditioner from a Cholesky factor in single precision: z = Q L^-T L^-1 Q^T r with L L^T = R^T A R. The factor is
 // kept from one matrix to the next, so A may be an earlier matrix than that of the solve. R holds the frames of the
@@ -20,7 +20,7 @@ class FactorPreconditioner final : public Preconditioner {
 
   void analyse(const BlockMatrix& A) override;
   bool prepare(const BlockMatrix& A) override;
-  void apply(const mesh::VertexField& r, mesh::VertexField& z) override;
+  void apply(const VertexField& r, VertexField& z) override;
   [[nodiscard]] int max_reuse_iterations() const override { return is_old_ ? max_reuse_iterations_ : 0; }
   bool refactor(const BlockMatrix& A) override;
   void reset() override { has_factor_ = false; }
@@ -33,7 +33,7 @@ class FactorPreconditioner final : public Preconditioner {
 
   SupernodalCholesky<float> factor_;
   std::vector<Eigen::Matrix3d> frames_;
-  mesh::VertexField turned_;  // 3 x N
+  VertexField turned_;  // 3 x N
   int max_reuse_iterations_ = 0;
   bool has_factor_ = false;
   // True if refactor() was called since the last prepare(); the next prepare() then makes a new factor.
@@ -41,4 +41,4 @@ class FactorPreconditioner final : public Preconditioner {
   bool is_old_ = false;  // the factor is of an earlier matrix than that of prepare()
 };
 
-}  // namespace kerf::fem
+}  // namespace kerf::linear

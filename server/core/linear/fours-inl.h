@@ -1,9 +1,9 @@
 // Vectors of four numbers for each of a few vertices, side by side. Compiled once for each vector instruction set.
-#if defined(KERF_FEM_FOURS_INL_H) == defined(HWY_TARGET_TOGGLE)
-#ifdef KERF_FEM_FOURS_INL_H
-#undef KERF_FEM_FOURS_INL_H
+#if defined(KERF_LINEAR_FOURS_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef KERF_LINEAR_FOURS_INL_H
+#undef KERF_LINEAR_FOURS_INL_H
 #else
-#define KERF_FEM_FOURS_INL_H
+#define KERF_LINEAR_FOURS_INL_H
 #endif
 
 #include <array>
@@ -14,7 +14,7 @@
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
-namespace kerf::fem {
+namespace kerf::linear {
 namespace HWY_NAMESPACE {
 namespace {
 
@@ -67,7 +67,7 @@ HWY_INLINE hn::Vec<D> spread(D d, const std::array<hn::TFromD<D>, 4>& values, st
 
 }  // namespace
 }  // namespace HWY_NAMESPACE
-}  // namespace kerf::fem
+}  // namespace kerf::linear
 HWY_AFTER_NAMESPACE();
 
 #endif  // per-target include guard

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-namespace kerf::fem {
+namespace kerf::linear {
 
 // A set of ids in [0, n), kept from one edit to the next. Insertion and lookup take constant time, clearing is linear
 // in the number of members. It uses one bit an id, so that the few words that an edit touches stay in cache.
@@ -70,4 +70,4 @@ class IndexSet {
   std::vector<std::int32_t> members_;
 };
 
-}  // namespace kerf::fem
+}  // namespace kerf::linear

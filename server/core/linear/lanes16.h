@@ -3,7 +3,7 @@
 #include <array>
 #include <cstddef>
 
-namespace kerf::fem {
+namespace kerf::linear {
 
 // Number of lanes of a block in vector code. It is fixed, a multiple of any processor's vector length, so that results
 // do not depend on the processor.
@@ -14,4 +14,4 @@ struct alignas(64) Lanes16 {
   std::array<T, kBlockLanes> lane{};
 };
 
-}  // namespace kerf::fem
+}  // namespace kerf::linear

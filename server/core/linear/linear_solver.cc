@@ -10,7 +10,7 @@
 #include "server/core/linear/multigrid_preconditioner.h"
 #include "server/core/linear/preconditioner.h"
 
-namespace kerf::fem {
+namespace kerf::linear {
 namespace {
 
 // Most iterations of kFactorCg, first with an old factor and then with a new one. If a solve needs more, the float
@@ -27,7 +27,7 @@ class FactorCgSolver final : public LinearSolver {
     gradients_.analyse(A);
     direct_.analyse(A, factor_.supernodes());
   }
-  LinearStats solve(const BlockMatrix& A, const mesh::VertexField& b, double tolerance, mesh::VertexField& x) override {
+  LinearStats solve(const BlockMatrix& A, const VertexField& b, double tolerance, VertexField& x) override {
     const LinearStats by_gradients = gradients_.solve(A, b, tolerance, x);
     if (by_gradients.converged) return by_gradients;
     LinearStats by_factor = direct_.solve(A, b, tolerance, x);
@@ -80,4 +80,4 @@ std::unique_ptr<LinearSolver> make_linear_solver(LinearSolverKind kind, int max_
   }
 }
 
-}  // namespace kerf::fem
+}  // namespace kerf::linear

@@ -10,7 +10,7 @@
 #include "server/core/linear/linear_solver_kind.h"
 #include "server/core/linear/vertex_field.h"
 
-namespace kerf::fem {
+namespace kerf::linear {
 
 struct LinearStats {
   int iterations = 0;     // CG iterations; 1 for the direct solver
@@ -31,8 +31,7 @@ class LinearSolver {
 
   // Solves for x. b and x are 3 x N with N = A.num_rows(); x holds the initial guess. The solve has converged when |b -
   // A x| <= tolerance |b|. Never allocates.
-  virtual LinearStats solve(const BlockMatrix& A, const mesh::VertexField& b, double tolerance,
-                            mesh::VertexField& x) = 0;
+  virtual LinearStats solve(const BlockMatrix& A, const VertexField& b, double tolerance, VertexField& x) = 0;
 
   // Discards all data of earlier matrices, so that they have no influence on later solves.
   virtual void reset() {}
@@ -43,7 +42,7 @@ class LinearSolver {
   virtual std::vector<Eigen::Matrix3d>* frames() { return nullptr; }
   // Positions of the vertices, 3 x N, m, up to a translation, to be set before a solve. Null if the solver does not use
   // them.
-  virtual mesh::VertexField* positions() { return nullptr; }
+  virtual VertexField* positions() { return nullptr; }
 };
 
 // Makes a solver. `max_iterations` limits the iterations of a solve; kDirect ignores it. `root` applies to kEsCgm and
@@ -51,4 +50,4 @@ class LinearSolver {
 std::unique_ptr<LinearSolver> make_linear_solver(LinearSolverKind kind, int max_iterations,
                                                  const CovarianceRootOptions& root = {});
 
-}  // namespace kerf::fem
+}  // namespace kerf::linear

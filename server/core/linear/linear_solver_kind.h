@@ -3,7 +3,7 @@
 #include <array>
 #include <string_view>
 
-namespace kerf::fem {
+namespace kerf::linear {
 
 // Solver of the linear systems of implicit integrators.
 enum class LinearSolverKind {
@@ -59,4 +59,4 @@ struct CovarianceRootOptions {
 // square of this number, work with its cube.
 inline constexpr int kMaxCovarianceVertices = 500;
 
-}  // namespace kerf::fem
+}  // namespace kerf::linear

@@ -8,7 +8,7 @@
 #include "server/base/as_index.h"
 #include "server/core/linear/cross_matrix.h"
 
-namespace kerf::fem {
+namespace kerf::linear {
 namespace {
 
 // Returns 1 for the components that row i of A couples with other vertices, 0 for the others.
@@ -194,7 +194,7 @@ void MultigridPreconditioner::add_to_coarse(int row, int place, const Eigen::Mat
   }
 }
 
-void MultigridPreconditioner::apply(const mesh::VertexField& r, mesh::VertexField& z) {
+void MultigridPreconditioner::apply(const VertexField& r, VertexField& z) {
   const double largest = r.cwiseAbs().maxCoeff();
   if (!(largest > 0.0)) {
     z = r;
@@ -258,4 +258,4 @@ void MultigridPreconditioner::sweep_backward() {
   }
 }
 
-}  // namespace kerf::fem
+}  // namespace kerf::linear

@@ -8,7 +8,7 @@
 #include "server/core/linear/supernodal_cholesky.h"
 #include "server/core/linear/vertex_aggregates.h"
 
-namespace kerf::fem {
+namespace kerf::linear {
 
 // Two levels of multigrid by aggregation (Vanek, Mandel, Brezina 1996, with their tentative interpolation). A cycle is
 // a forward sweep of Gauss-Seidel by vertices, a coarse correction, and a backward sweep. The coarse correction solves
@@ -21,10 +21,10 @@ class MultigridPreconditioner final : public Preconditioner {
  public:
   void analyse(const BlockMatrix& A) override;
   bool prepare(const BlockMatrix& A) override;
-  void apply(const mesh::VertexField& r, mesh::VertexField& z) override;
+  void apply(const VertexField& r, VertexField& z) override;
   void set_stop_condition(const StopCondition* stop) override { factor_.set_stop_condition(stop); }
   std::vector<Eigen::Matrix3d>* frames() override { return &frames_; }
-  mesh::VertexField* positions() override { return &positions_; }
+  VertexField* positions() override { return &positions_; }
 
  private:
   static constexpr int kModes = 6;  // degrees of freedom of a rigid body
@@ -55,7 +55,7 @@ class MultigridPreconditioner final : public Preconditioner {
   void sweep_backward();
 
   std::vector<Eigen::Matrix3d> frames_;  // N
-  mesh::VertexField positions_;          // 3 x N, m
+  VertexField positions_;                // 3 x N, m
   VertexAggregates aggregates_;
 
   std::vector<int> lower_begin_;  // N + 1, beginnings of rows in lower_column_ and lower_
@@ -77,7 +77,7 @@ class MultigridPreconditioner final : public Preconditioner {
   std::vector<int> link_of_;       // scratch: link of an aggregate in the current row
   std::vector<Column4f> z_, sum_;  // N; sum_: r - L z
   std::vector<Body> body_;         // residual, then correction, of each aggregate
-  mesh::VertexField coarse_b_;     // 3 x twice the aggregates
+  VertexField coarse_b_;           // 3 x twice the aggregates
 };
 
-}  // namespace kerf::fem
+}  // namespace kerf::linear

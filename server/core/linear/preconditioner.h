@@ -9,7 +9,7 @@
 #include "server/core/linear/block_matrix.h"
 #include "server/core/linear/vertex_field.h"
 
-namespace kerf::fem {
+namespace kerf::linear {
 
 // Preconditioner P, symmetric positive definite, for conjugate gradients on a matrix of 3x3 blocks. Only analyse()
 // allocates.
@@ -22,7 +22,7 @@ class Preconditioner {
   // Prepares solves with A. Returns false if there is no P for it.
   virtual bool prepare(const BlockMatrix& A) = 0;
   // Sets z = P^-1 r; both are 3 x N.
-  virtual void apply(const mesh::VertexField& r, mesh::VertexField& z) = 0;
+  virtual void apply(const VertexField& r, VertexField& z) = 0;
 
   // Number of iterations up to which P from an earlier matrix is good enough. If a solve would take more, refactor()
   // makes P from A. 0 means that P is already current or cannot be improved.
@@ -33,7 +33,7 @@ class Preconditioner {
   // Sets the stop condition, see LinearSolver. A factorisation that it ends leaves no P.
   virtual void set_stop_condition(const StopCondition* /*stop*/) {}
   virtual std::vector<Eigen::Matrix3d>* frames() { return nullptr; }
-  virtual mesh::VertexField* positions() { return nullptr; }
+  virtual VertexField* positions() { return nullptr; }
 };
 
 enum class Diagonal {
@@ -43,4 +43,4 @@ enum class Diagonal {
 };
 std::unique_ptr<Preconditioner> make_diagonal_preconditioner(Diagonal diagonal);
 
-}  // namespace kerf::fem
+}  // namespace kerf::linear

@@ -12,7 +12,7 @@
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
-namespace kerf::fem {
+namespace kerf::linear {
 namespace HWY_NAMESPACE {
 namespace {
 
@@ -31,11 +31,11 @@ void count_below(const std::int32_t* keys, std::size_t size, std::int32_t* count
 
 }  // namespace
 }  // namespace HWY_NAMESPACE
-}  // namespace kerf::fem
+}  // namespace kerf::linear
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace kerf::fem {
+namespace kerf::linear {
 namespace {
 HWY_EXPORT(count_below);
 }  // namespace
@@ -59,5 +59,5 @@ void rank_ascending(std::span<const std::int32_t> keys, std::vector<std::int32_t
   });
 }
 
-}  // namespace kerf::fem
+}  // namespace kerf::linear
 #endif  // HWY_ONCE

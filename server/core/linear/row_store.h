@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-namespace kerf::fem {
+namespace kerf::linear {
 
 // Rows of varying length in one array. A sweep over all rows reads memory nearly in order, while a single row can be
 // replaced without moving the others. A row that outgrows its place moves to the end. The array is packed again once
@@ -90,4 +90,4 @@ class RowStore {
   std::size_t num_entries_ = 0;
 };
 
-}  // namespace kerf::fem
+}  // namespace kerf::linear

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace kerf::fem {
+namespace kerf::linear {
 namespace {
 
 constexpr int kMaxIterations = 50;
@@ -10,8 +10,8 @@ constexpr int kMaxIterations = 50;
 }  // namespace
 
 LinearStats SkewCorrection::solve(DirectSolver& solver, const BlockMatrix& A, const BlockMatrix& N,
-                                  const mesh::VertexField& b, double tolerance, mesh::VertexField& x) {
-  for (mesh::VertexField* field : {&residual_, &step_, &product_}) field->resize(x.cols());
+                                  const VertexField& b, double tolerance, VertexField& x) {
+  for (VertexField* field : {&residual_, &step_, &product_}) field->resize(x.cols());
   LinearStats stats;
   const double scale = b.norm();
   current_ = x;
@@ -41,4 +41,4 @@ LinearStats SkewCorrection::solve(DirectSolver& solver, const BlockMatrix& A, co
   return stats;
 }
 
-}  // namespace kerf::fem
+}  // namespace kerf::linear

@@ -4,7 +4,7 @@
 #include "server/core/linear/direct_solver.h"
 #include "server/core/linear/vertex_field.h"
 
-namespace kerf::fem {
+namespace kerf::linear {
 
 // Solves (A + N) x = b where A is symmetric positive definite and N skew, by generalised conjugate gradients with A as
 // preconditioner. References: Concus and Golub (1976); Widlund (1978), "A Lanczos method for a class of nonsymmetric
@@ -13,11 +13,11 @@ class SkewCorrection {
  public:
   // Refines x. `solver` must have solved A x = b last, with these b and x (3 x V); x is the initial guess. The solve
   // has converged when |b - (A + N) x| <= tolerance |b|. x becomes the iterate with the least residual.
-  LinearStats solve(DirectSolver& solver, const BlockMatrix& A, const BlockMatrix& N, const mesh::VertexField& b,
-                    double tolerance, mesh::VertexField& x);
+  LinearStats solve(DirectSolver& solver, const BlockMatrix& A, const BlockMatrix& N, const VertexField& b,
+                    double tolerance, VertexField& x);
 
  private:
-  mesh::VertexField current_, previous_, residual_, step_, product_;  // 3 x V
+  VertexField current_, previous_, residual_, step_, product_;  // 3 x V
 };
 
-}  // namespace kerf::fem
+}  // namespace kerf::linear

@@ -8,7 +8,7 @@
 #include "server/base/as_index.h"
 #include "server/base/interruption.h"
 
-namespace kerf::fem {
+namespace kerf::linear {
 namespace {
 
 // Column stride of a panel, in units of Lanes16.
@@ -152,7 +152,7 @@ bool SupernodalCholesky<T>::factorise(const BlockMatrix& A, std::span<const Eige
 }
 
 template <typename T>
-void SupernodalCholesky<T>::solve(const mesh::VertexField& b, mesh::VertexField& x) {
+void SupernodalCholesky<T>::solve(const VertexField& b, VertexField& x) {
   const int n = supernodes_->num_vertices();
   for (int i = 0; i < n; ++i) {
     for (std::size_t c = 0; c < 3; ++c) {
@@ -195,4 +195,4 @@ void SupernodalCholesky<T>::solve(const mesh::VertexField& b, mesh::VertexField&
 template class SupernodalCholesky<float>;
 template class SupernodalCholesky<double>;
 
-}  // namespace kerf::fem
+}  // namespace kerf::linear

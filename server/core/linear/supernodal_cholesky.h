@@ -14,7 +14,7 @@
 #include "server/core/linear/supernodes.h"
 #include "server/core/linear/vertex_field.h"
 
-namespace kerf::fem {
+namespace kerf::linear {
 
 // Factors L L^T = P A P^T of a symmetric matrix of 3x3 blocks by the multifrontal method (Duff, Reid 1983; Davis 2006,
 // Direct Methods for Sparse Linear Systems). Columns of equal pattern, a supernode, are factored together as a dense
@@ -36,7 +36,7 @@ class SupernodalCholesky {
   // that PivotRule cannot replace.
   bool factorise(const BlockMatrix& A, std::span<const Eigen::Matrix3d> frames, PivotRule<T>& rule);
   // Solves Q^T A Q x = b with the last factor. x and b are 3 x N and may be the same.
-  void solve(const mesh::VertexField& b, mesh::VertexField& x);
+  void solve(const VertexField& b, VertexField& x);
 
   // Floating-point operations of one factorisation and of one solve.
   [[nodiscard]] double factor_flops() const { return factor_flops_; }
@@ -69,4 +69,4 @@ class SupernodalCholesky {
   std::size_t num_entries_ = 0;  // entries of L
 };
 
-}  // namespace kerf::fem
+}  // namespace kerf::linear

@@ -9,7 +9,7 @@
 #include "server/base/as_index.h"
 #include "server/base/interruption.h"
 
-namespace kerf::fem {
+namespace kerf::linear {
 namespace {
 
 // Limits of relaxed amalgamation (as CHOLMOD: Chen, Davis, Hager, Rajamanickam 2008). Supernodes that together have up
@@ -238,4 +238,4 @@ void Supernodes::find_rows(const BlockMatrix& A) {
   }
 }
 
-}  // namespace kerf::fem
+}  // namespace kerf::linear

@@ -5,7 +5,7 @@
 
 #include "server/core/linear/block_matrix.h"
 
-namespace kerf::fem {
+namespace kerf::linear {
 
 // Symbolic Cholesky factorisation of a symmetric matrix of blocks. It finds an order of the vertices that leaves the
 // factor sparse (approximate minimum degree: Amestoy, Davis, Duff 1996), and its supernodes. A supernode is a run of
@@ -57,4 +57,4 @@ class Supernodes {
   std::vector<int> parent_, children_begin_, children_;
 };
 
-}  // namespace kerf::fem
+}  // namespace kerf::linear

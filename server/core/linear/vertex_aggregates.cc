@@ -5,7 +5,7 @@
 
 #include "server/base/as_index.h"
 
-namespace kerf::fem {
+namespace kerf::linear {
 namespace {
 
 constexpr int kNoGroup = -1;
@@ -106,4 +106,4 @@ std::span<const int> VertexAggregates::members(int group) const {
   return {members_.data() + begin, as_index(member_begin_[as_index(group) + 1] - begin)};
 }
 
-}  // namespace kerf::fem
+}  // namespace kerf::linear

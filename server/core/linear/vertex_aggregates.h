@@ -5,7 +5,7 @@
 
 #include "server/core/linear/block_matrix.h"
 
-namespace kerf::fem {
+namespace kerf::linear {
 
 // Groups of about nine adjacent vertices, found from the pattern of a matrix alone. Vertices that no block couples,
 // such as on the two sides of a cut, share a group only near the end of the cut.
@@ -32,4 +32,4 @@ class VertexAggregates {
   std::vector<int> members_;
 };
 
-}  // namespace kerf::fem
+}  // namespace kerf::linear

@@ -8,7 +8,7 @@
 
 #include <Eigen/Core>
 
-namespace kerf::mesh {
+namespace kerf::linear {
 
 // Three numbers a vertex, 3 x V, used like an Eigen::Matrix3Xd but with spare capacity. Thanks to it, a cut that adds a
 // few vertices to a large sheet does not copy the others. Eigen's own matrices have no spare capacity, so each resize
@@ -83,4 +83,4 @@ class VertexField : public Eigen::Map<Eigen::Matrix3Xd, Eigen::Aligned16> {
   Eigen::Index capacity_ = 0;
 };
 
-}  // namespace kerf::mesh
+}  // namespace kerf::linear

@@ -6,7 +6,7 @@
 #include "server/base/overloaded.h"
 #include "server/core/scene/field_checks.h"
 
-namespace kerf::sheet {
+namespace kerf::scene {
 
 namespace {
 
@@ -138,4 +138,4 @@ Status validate(const std::vector<Probe>& probes) {
   return Nothing{};
 }
 
-}  // namespace kerf::sheet
+}  // namespace kerf::scene

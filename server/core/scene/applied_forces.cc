@@ -9,7 +9,7 @@
 #include "server/core/scene/material_point.h"
 #include "server/core/scene/region.h"
 
-namespace kerf::sheet {
+namespace kerf::scene {
 
 namespace {
 
@@ -199,4 +199,4 @@ void AppliedForces::set(const Instant& now, const mesh::TriangleMesh& mesh, cons
   }
 }
 
-}  // namespace kerf::sheet
+}  // namespace kerf::scene

@@ -13,7 +13,7 @@
 #include "server/core/scene/mesh_source.h"
 #include "server/core/scene/sheet_config.h"
 
-namespace kerf::sheet {
+namespace kerf::scene {
 
 // Distributes the loads of a scene over the vertices, triangles and edges of its sheet, and follows cuts. Without loads
 // it does nothing.
@@ -69,4 +69,4 @@ class AppliedForces {
   std::vector<Shares> shares_;  // by index into SheetConfig::loads
 };
 
-}  // namespace kerf::sheet
+}  // namespace kerf::scene

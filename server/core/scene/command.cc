@@ -6,7 +6,7 @@
 #include "server/core/cut/cut_types.h"
 #include "server/core/scene/field_checks.h"
 
-namespace kerf::sheet {
+namespace kerf::scene {
 
 namespace {
 
@@ -128,4 +128,4 @@ Status validate(const Command& command) {
   return std::visit([](const auto& c) { return validate_command(c); }, command);
 }
 
-}  // namespace kerf::sheet
+}  // namespace kerf::scene

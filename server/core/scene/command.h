@@ -17,7 +17,7 @@
 
 // Commands to a running sheet, and their replies: kerf.v1.Command without Protocol Buffers. A command takes effect
 // between two ticks, as a whole, or is refused and changes nothing.
-namespace kerf::sheet {
+namespace kerf::scene {
 
 inline constexpr std::size_t kMaxGrabs = 64;
 inline constexpr std::size_t kMaxBatchCuts = 4096;  // most cuts of one CutBatch
@@ -189,4 +189,4 @@ struct CommandReply {
   std::int64_t beginning = 0;
 };
 
-}  // namespace kerf::sheet
+}  // namespace kerf::scene

@@ -4,7 +4,7 @@
 
 #include "server/core/scene/field_checks.h"
 
-namespace kerf::sheet {
+namespace kerf::scene {
 
 namespace {
 
@@ -152,4 +152,4 @@ Status validate(const InitialVelocity& velocity) {
                       "initial_velocity.center");
 }
 
-}  // namespace kerf::sheet
+}  // namespace kerf::scene

@@ -14,7 +14,7 @@
 
 // Regions of a sheet, the constraints that hold them and the loads on them: kerf.v1.Region, Constraint, Load and
 // InitialVelocity without Protocol Buffers.
-namespace kerf::sheet {
+namespace kerf::scene {
 
 inline constexpr std::size_t kMaxRegions = 64;                // most regions in one list
 inline constexpr std::size_t kMaxListedVertices = 1'000'000;  // most ids in all vertex lists of one list of regions
@@ -192,4 +192,4 @@ Status validate(const std::vector<Constraint>& constraints);
 Status validate(const std::vector<Load>& loads);
 Status validate(const InitialVelocity& velocity);
 
-}  // namespace kerf::sheet
+}  // namespace kerf::scene

@@ -5,7 +5,7 @@
 
 #include "server/core/cut/curve.h"
 
-namespace kerf::sheet {
+namespace kerf::scene {
 
 namespace {
 
@@ -110,4 +110,4 @@ std::vector<mesh::VertexId> border_vertices(const mesh::TriangleMesh& mesh, cons
   return found;
 }
 
-}  // namespace kerf::sheet
+}  // namespace kerf::scene

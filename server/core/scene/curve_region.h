@@ -8,7 +8,7 @@
 #include "server/core/mesh/triangle_mesh.h"
 #include "server/core/scene/region.h"
 
-namespace kerf::sheet {
+namespace kerf::scene {
 
 // A MaterialCurve, flattened for a mesh. Says whether a place is within its reach, and on which side of the curve.
 class CurveRegion {
@@ -42,4 +42,4 @@ class CurveRegion {
 // material coordinates. Lips do not count as border. The result is unsorted, with repeats.
 std::vector<mesh::VertexId> border_vertices(const mesh::TriangleMesh& mesh, const Eigen::Vector2d& point);
 
-}  // namespace kerf::sheet
+}  // namespace kerf::scene

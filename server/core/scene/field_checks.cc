@@ -4,7 +4,7 @@
 #include <sstream>
 #include <string_view>
 
-namespace kerf::sheet {
+namespace kerf::scene {
 
 namespace {
 
@@ -84,4 +84,4 @@ Status check_vertex_id(mesh::VertexId vertex, const std::string& field) {
   return invalid_argument("UNKNOWN_VERTEX", field + " is " + std::to_string(vertex) + "; vertex ids start at 0", field);
 }
 
-}  // namespace kerf::sheet
+}  // namespace kerf::scene

@@ -11,7 +11,7 @@
 
 // Checks of single request fields. Errors are kInvalidArgument NOT_FINITE, OUT_OF_RANGE, TOO_MANY (for counts) or as
 // said below. Messages have the field, the number and the limit.
-namespace kerf::sheet {
+namespace kerf::scene {
 
 // Returns the name of an element of a list in errors, such as "pins[2]".
 std::string indexed(const std::string& field, std::size_t index);
@@ -31,4 +31,4 @@ Status check_curve(const cut::Curve& curve, const std::string& field);
 // exists.
 Status check_vertex_id(mesh::VertexId vertex, const std::string& field);
 
-}  // namespace kerf::sheet
+}  // namespace kerf::scene

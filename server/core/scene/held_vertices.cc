@@ -8,7 +8,7 @@
 #include "server/core/scene/material_point.h"
 #include "server/core/scene/region.h"
 
-namespace kerf::sheet {
+namespace kerf::scene {
 
 namespace {
 
@@ -235,4 +235,4 @@ std::vector<fem::Clamp> HeldVertices::clamps(const Instant& now) const {
   return last;
 }
 
-}  // namespace kerf::sheet
+}  // namespace kerf::scene

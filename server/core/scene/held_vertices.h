@@ -16,7 +16,7 @@
 #include "server/core/scene/mesh_source.h"
 #include "server/core/scene/sheet_config.h"
 
-namespace kerf::sheet {
+namespace kerf::scene {
 
 inline constexpr double kForever = std::numeric_limits<double>::infinity();
 
@@ -80,4 +80,4 @@ class HeldVertices {
   double last_change_ = -kForever;
 };
 
-}  // namespace kerf::sheet
+}  // namespace kerf::scene

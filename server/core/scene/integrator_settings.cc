@@ -6,14 +6,14 @@
 #include "server/core/mesh/triangle_mesh.h"
 #include "server/core/scene/field_checks.h"
 
-namespace kerf::sheet {
+namespace kerf::scene {
 
 Status validate(const IntegratorSettings& settings) {
   KERF_TRY(check_integer(settings.max_substeps, 1, 100'000, "integrator.max_substeps"));
   KERF_TRY(check_integer(settings.newton_iterations, 1, 100, "integrator.newton_iterations"));
   KERF_TRY(check_number(settings.solver_tolerance, 1.0e-14, 0.1, "integrator.solver_tolerance"));
   KERF_TRY(check_integer(settings.max_linear_iterations, 1, 100'000, "integrator.max_linear_iterations"));
-  const fem::CovarianceRootOptions& root = settings.covariance_root;
+  const linear::CovarianceRootOptions& root = settings.covariance_root;
   KERF_TRY(check_number(root.power, 0.01, 2.0, "integrator.covariance_root.p"));
   KERF_TRY(check_integer(root.newton_schulz_iterations, 1, 50, "integrator.covariance_root.newton_schulz_iterations"));
   return check_number(settings.highest_mode_damping, 0.0, 0.5, "integrator.highest_mode_damping");
@@ -22,8 +22,8 @@ Status validate(const IntegratorSettings& settings) {
 std::int32_t vertex_limit(const IntegratorSettings& settings) {
   const bool is_implicit =
       settings.kind != IntegratorKind::kAutomatic && settings.kind != IntegratorKind::kExplicitLeapfrog;
-  const bool is_dense = is_implicit && fem::name_of(settings.solver).solves_different_system;
-  return is_dense ? fem::kMaxCovarianceVertices : mesh::kMaxVertices;
+  const bool is_dense = is_implicit && linear::name_of(settings.solver).solves_different_system;
+  return is_dense ? linear::kMaxCovarianceVertices : mesh::kMaxVertices;
 }
 
 Status check_vertex_limit(const IntegratorSettings& settings, std::int32_t num_vertices) {
@@ -69,8 +69,8 @@ fem::IntegratorOptions integrator_options(const IntegratorSettings& settings, do
   options.max_linear_iterations = settings.max_linear_iterations;
   options.covariance_root = settings.covariance_root;
   // A dense solve takes up to seconds, so a step is not divided, which would need up to 2^max_halvings solves.
-  if (fem::name_of(settings.solver).solves_different_system) options.max_halvings = 0;
+  if (linear::name_of(settings.solver).solves_different_system) options.max_halvings = 0;
   return options;
 }
 
-}  // namespace kerf::sheet
+}  // namespace kerf::scene

@@ -6,7 +6,7 @@
 #include "server/core/fem/step/integrator_options.h"
 #include "server/core/scene/sheet_config.h"
 
-namespace kerf::sheet {
+namespace kerf::scene {
 
 // Checks ranges. Fields are named as in kerf.v1.Scene ("integrator.max_substeps").
 Status validate(const IntegratorSettings& settings);
@@ -19,4 +19,4 @@ Status check_vertex_limit(const IntegratorSettings& settings, std::int32_t num_v
 // Converts the settings to the options of `fem`. tick: s, > 0.
 fem::IntegratorOptions integrator_options(const IntegratorSettings& settings, double tick);
 
-}  // namespace kerf::sheet
+}  // namespace kerf::scene

@@ -5,7 +5,7 @@
 
 #include "server/core/scene/sheet_materials.h"
 
-namespace kerf::sheet {
+namespace kerf::scene {
 
 namespace {
 
@@ -83,7 +83,7 @@ void Lineage::reset(std::int32_t num_pieces) {
 }
 
 std::vector<Piece> measure_pieces(const mesh::TriangleMesh& mesh, const std::vector<PieceBirth>& births,
-                                  const mesh::VertexField& x, const std::vector<fem::Material>& materials) {
+                                  const linear::VertexField& x, const std::vector<fem::Material>& materials) {
   std::vector<Piece> pieces(births.size());
   for (mesh::TriangleId t = 0; t < mesh.num_triangle_slots(); ++t) {
     if (!mesh.is_solid(t)) continue;
@@ -134,4 +134,4 @@ std::vector<std::vector<SplitPiece>> describe_splits(const std::vector<LineageCh
   return splits;
 }
 
-}  // namespace kerf::sheet
+}  // namespace kerf::scene

@@ -15,7 +15,7 @@
 // part keeps its label. Here each piece has an id as well. A piece that falls apart ends, and each of its parts is a
 // new piece with the old one as parent. Ids count from 1 and never name another piece. If an undo removes pieces, only
 // the redo of the same cut brings their ids back.
-namespace kerf::sheet {
+namespace kerf::scene {
 
 // The effect of one edit on the tree. Each piece is listed with its label.
 struct LineageChange {
@@ -55,11 +55,11 @@ class Lineage {
 // Measures all pieces of the mesh; the result is by label. `births`: by label. `x`: present positions, 3 x V, m.
 // `materials`: by region of the mesh, or a single one. O(slots).
 std::vector<Piece> measure_pieces(const mesh::TriangleMesh& mesh, const std::vector<PieceBirth>& births,
-                                  const mesh::VertexField& x, const std::vector<fem::Material>& materials);
+                                  const linear::VertexField& x, const std::vector<fem::Material>& materials);
 
 // Returns, for each change, the pieces that it split or removed, sorted by id. The changes were made one after another;
 // `now`: the pieces after the last one.
 std::vector<std::vector<SplitPiece>> describe_splits(const std::vector<LineageChange>& changes,
                                                      const std::vector<Piece>& now);
 
-}  // namespace kerf::sheet
+}  // namespace kerf::scene

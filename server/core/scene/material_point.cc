@@ -4,7 +4,7 @@
 #include <limits>
 #include <vector>
 
-namespace kerf::sheet {
+namespace kerf::scene {
 
 namespace {
 
@@ -76,4 +76,4 @@ MaterialPoint nearest_material_point(const mesh::TriangleMesh& mesh, const Eigen
   return nearest;
 }
 
-}  // namespace kerf::sheet
+}  // namespace kerf::scene

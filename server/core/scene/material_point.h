@@ -8,7 +8,7 @@
 #include "server/core/mesh/ids.h"
 #include "server/core/mesh/triangle_mesh.h"
 
-namespace kerf::sheet {
+namespace kerf::scene {
 
 // A point of the sheet as a weighted mean of the corners of one triangle.
 struct MaterialPoint {
@@ -35,4 +35,4 @@ std::optional<MaterialPoint> find_material_point(const mesh::TriangleMesh& mesh,
 // Among equally near points that in the lowest slot wins.
 MaterialPoint nearest_material_point(const mesh::TriangleMesh& mesh, const Eigen::Vector2d& at);
 
-}  // namespace kerf::sheet
+}  // namespace kerf::scene

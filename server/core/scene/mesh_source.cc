@@ -10,7 +10,7 @@
 #include "server/core/mesh/build/ply_import.h"
 #include "server/core/scene/outline_source.h"
 
-namespace kerf::sheet {
+namespace kerf::scene {
 
 namespace {
 
@@ -107,4 +107,4 @@ Result<BuiltMesh> build_mesh(const MeshSource& source, const Placement& placemen
   return built;
 }
 
-}  // namespace kerf::sheet
+}  // namespace kerf::scene

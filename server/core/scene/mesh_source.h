@@ -9,7 +9,7 @@
 #include "server/core/scene/material_point.h"
 #include "server/core/scene/sheet_config.h"
 
-namespace kerf::sheet {
+namespace kerf::scene {
 
 // A mesh and the start positions of its vertices in the world.
 struct BuiltMesh {
@@ -27,4 +27,4 @@ struct BuiltMesh {
 // their number.
 Result<BuiltMesh> build_mesh(const MeshSource& source, const Placement& placement, std::int32_t max_vertices);
 
-}  // namespace kerf::sheet
+}  // namespace kerf::scene

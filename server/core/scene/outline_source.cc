@@ -10,7 +10,7 @@
 #include "server/core/mesh/build/outline_mesh.h"
 #include "server/core/scene/field_checks.h"
 
-namespace kerf::sheet {
+namespace kerf::scene {
 namespace {
 
 using Eigen::Vector2d;
@@ -209,4 +209,4 @@ Result<mesh::TriangleMesh> mesh_outline(const OutlineSource& outline, std::int32
   return error;
 }
 
-}  // namespace kerf::sheet
+}  // namespace kerf::scene

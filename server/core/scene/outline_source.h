@@ -6,7 +6,7 @@
 #include "server/core/mesh/triangle_mesh.h"
 #include "server/core/scene/sheet_config.h"
 
-namespace kerf::sheet {
+namespace kerf::scene {
 
 // Checks an outline without flattening its curves. Errors: those of cut::validate() and of field_checks.h,
 // TOO_MANY; fields as in kerf.v1.Scene ("outline.holes[2].circle.radius_m").
@@ -19,4 +19,4 @@ Status validate(const OutlineSource& outline);
 // kMaxMaterialCoordinate); kResourceExhausted OUTLINE_CURVES (more than kMaxOutlineChords chords).
 Result<mesh::TriangleMesh> mesh_outline(const OutlineSource& outline, std::int32_t max_vertices);
 
-}  // namespace kerf::sheet
+}  // namespace kerf::scene

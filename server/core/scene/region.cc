@@ -11,7 +11,7 @@
 #include "server/core/scene/curve_region.h"
 #include "server/core/scene/field_checks.h"
 
-namespace kerf::sheet {
+namespace kerf::scene {
 
 namespace {
 
@@ -365,4 +365,4 @@ void inherit_pins(const mesh::MeshEdit& edit, std::vector<mesh::VertexId>& pinne
   });
 }
 
-}  // namespace kerf::sheet
+}  // namespace kerf::scene

@@ -11,7 +11,7 @@
 #include "server/core/scene/conditions.h"
 
 // Finds the vertices, edges and triangles of a Region on a mesh.
-namespace kerf::sheet {
+namespace kerf::scene {
 
 // Returns the vertices of a region on the mesh as it is now, sorted, unique; there may be none. `region` must be valid.
 // Error: kInvalidArgument UNKNOWN_VERTEX, with a path that begins with `field`.
@@ -49,4 +49,4 @@ double rest_area(const mesh::TriangleMesh& mesh, mesh::TriangleId slot);
 // sorted, unique, before and after.
 void inherit_pins(const mesh::MeshEdit& edit, std::vector<mesh::VertexId>& pinned);
 
-}  // namespace kerf::sheet
+}  // namespace kerf::scene

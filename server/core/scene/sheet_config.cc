@@ -8,7 +8,7 @@
 #include "server/core/scene/outline_source.h"
 #include "server/core/scene/sheet_materials.h"
 
-namespace kerf::sheet {
+namespace kerf::scene {
 
 namespace {
 
@@ -168,4 +168,4 @@ Status validate(const SheetConfig& config) {
   return check_count(config.description.size(), kMaxDescriptionBytes, "bytes", "description");
 }
 
-}  // namespace kerf::sheet
+}  // namespace kerf::scene

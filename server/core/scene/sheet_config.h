@@ -20,7 +20,7 @@
 
 // All input needed to start one sheet and to run it again, bit for bit: kerf.v1.Scene without Protocol Buffers. SI
 // units throughout; right-handed world, +z up. Nothing changes a SheetConfig after Sheet::create.
-namespace kerf::sheet {
+namespace kerf::scene {
 
 // Limits of a scene (see server/request-limits.md).
 using mesh::kMaxMeshFileBytes;
@@ -123,8 +123,8 @@ enum class IntegratorKind {
   kBdf2,              // Newton iterations; second order, damps unresolved frequencies
   kTrBdf2,            // Newton iterations; second order, damps unresolved frequencies
 };
-using fem::EigenvalueNorm;
-using fem::LinearSolverKind;
+using linear::EigenvalueNorm;
+using linear::LinearSolverKind;
 enum class Precision { kDouble, kMixed };  // of explicit steps, see fem::Precision
 
 struct IntegratorSettings {
@@ -136,7 +136,7 @@ struct IntegratorSettings {
   LinearSolverKind solver = LinearSolverKind::kBlockJacobiCg;  // implicit; kind kAutomatic chooses the solver itself
   std::int32_t max_linear_iterations = 1000;                   // implicit: most iterations of a solve by conjugate
                                                                // gradients, 1..100000
-  fem::CovarianceRootOptions covariance_root{};                // power 0.01..2, newton_schulz_iterations 1..50
+  linear::CovarianceRootOptions covariance_root{};             // power 0.01..2, newton_schulz_iterations 1..50
   double highest_mode_damping = 0.05;                          // explicit: -, 0..0.5, see fem::IntegratorOptions
   Precision precision = Precision::kMixed;
 };
@@ -272,4 +272,4 @@ bool is_valid_sheet_id(std::string_view id);
 // named as in kerf.v1.Scene ("grid.columns", "colliders[2].sphere.radius_m", "commands[0].command.grab.target.x").
 Status validate(const SheetConfig& config);
 
-}  // namespace kerf::sheet
+}  // namespace kerf::scene

@@ -11,7 +11,7 @@
 #include "server/core/scene/region.h"
 #include "server/core/scene/sheet_config.h"
 
-namespace kerf::sheet {
+namespace kerf::scene {
 
 namespace {
 
@@ -153,4 +153,4 @@ double greatest_thickness(const std::vector<fem::Material>& materials) {
   return thickness;
 }
 
-}  // namespace kerf::sheet
+}  // namespace kerf::scene

@@ -9,9 +9,11 @@
 #include "server/core/mesh/triangle_mesh.h"
 #include "server/core/scene/sheet_config.h"
 
-namespace kerf::sheet {
-
+namespace kerf::scene {
 struct SetMaterial;
+}  // namespace kerf::scene
+
+namespace kerf::scene {
 
 using fem::kMaxMaterials;  // most different materials of a sheet, including its own
 
@@ -51,4 +53,4 @@ double surface_density(const mesh::TriangleMesh& mesh, mesh::TriangleId slot,
 
 double greatest_thickness(const std::vector<fem::Material>& materials);  // m
 
-}  // namespace kerf::sheet
+}  // namespace kerf::scene

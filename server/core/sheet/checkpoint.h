@@ -31,7 +31,7 @@ struct MovingState {
 struct Checkpoint {
   MovingState moving;
   ScenePlace place;
-  std::vector<PieceBirth> pieces;
+  std::vector<scene::PieceBirth> pieces;
   std::int64_t beginning = 0;  // see CommandReply::beginning
 };
 

@@ -15,7 +15,7 @@ void ContactBridge::set_vertices(std::int32_t num_vertices, const std::vector<me
   solver_.reserve(num_vertices);
 }
 
-void ContactBridge::begin(const mesh::VertexField& x) {
+void ContactBridge::begin(const linear::VertexField& x) {
   x_before_ = x;
   solver_.begin(half_thickness_, is_excluded_, x);
 }

@@ -28,7 +28,7 @@ class ContactBridge : public fem::ContactConstraint {
   void set_vertices(std::int32_t num_vertices, const std::vector<mesh::VertexId>& pinned,
                     const std::vector<mesh::VertexId>& removed);
 
-  void begin(const mesh::VertexField& x) override;
+  void begin(const linear::VertexField& x) override;
   [[nodiscard]] int num_inside() const override { return solver_.num_inside(); }
   [[nodiscard]] bool is_calm() const override { return is_calm_; }
   void enforce(double dt, fem::State& state) override;
@@ -51,7 +51,7 @@ class ContactBridge : public fem::ContactConstraint {
   bool is_calm_ = false;
   std::vector<mesh::VertexId> excluded_;
   std::vector<std::uint8_t> is_excluded_;  // by vertex: 1 if contact leaves it alone
-  mesh::VertexField x_before_;             // m, positions at the start of the present substep
+  linear::VertexField x_before_;           // m, positions at the start of the present substep
 };
 
 }  // namespace kerf::sheet

@@ -4,9 +4,9 @@
 
 namespace kerf::sheet {
 
-void CutLog::add(std::vector<DoneCut> cuts, const mesh::TriangleMesh& mesh, const mesh::VertexField& x,
-                 const std::vector<fem::Material>& materials, std::vector<CutReply>& replies) {
-  std::vector<LineageChange> changes;
+void CutLog::add(std::vector<DoneCut> cuts, const mesh::TriangleMesh& mesh, const linear::VertexField& x,
+                 const std::vector<fem::Material>& materials, std::vector<scene::CutReply>& replies) {
+  std::vector<scene::LineageChange> changes;
   bool fell_apart = false;
   for (DoneCut& cut : cuts) {
     cut.number = ++last_number_;
@@ -14,10 +14,11 @@ void CutLog::add(std::vector<DoneCut> cuts, const mesh::TriangleMesh& mesh, cons
     fell_apart = fell_apart || !cut.lineage.born.empty() || !cut.lineage.given_up.empty();
     changes.push_back(cut.lineage);
   }
-  std::vector<std::vector<SplitPiece>> splits(cuts.size());
-  if (fell_apart) splits = describe_splits(changes, measure_pieces(mesh, lineage_.pieces(), x, materials));
+  std::vector<std::vector<scene::SplitPiece>> splits(cuts.size());
+  if (fell_apart)
+    splits = scene::describe_splits(changes, scene::measure_pieces(mesh, lineage_.pieces(), x, materials));
   std::size_t next = 0;
-  for (CutReply& reply : replies) {
+  for (scene::CutReply& reply : replies) {
     if (reply.status != cut::CutStatus::kApplied) continue;
     reply.number = cuts[next].number;
     reply.split_pieces = std::move(splits[next]);

@@ -22,8 +22,8 @@ class CutLog {
   // Adds cuts that the mesh has made, as one undo step. Sets number and split pieces of the replies with status
   // kApplied, of which there is one for each cut, in order. `mesh`, `x` (3 x V, m): after the cuts. `materials`: by
   // region of the mesh.
-  void add(std::vector<DoneCut> cuts, const mesh::TriangleMesh& mesh, const mesh::VertexField& x,
-           const std::vector<fem::Material>& materials, std::vector<CutReply>& replies);
+  void add(std::vector<DoneCut> cuts, const mesh::TriangleMesh& mesh, const linear::VertexField& x,
+           const std::vector<fem::Material>& materials, std::vector<scene::CutReply>& replies);
   // Must be called after the mesh has undone these cuts, or made them again.
   void undo(const std::vector<DoneCut>& cuts);
   void redo(const std::vector<DoneCut>& cuts);
@@ -32,13 +32,13 @@ class CutLog {
   [[nodiscard]] const UndoHistory& history() const { return history_; }
   // Returns the number of cuts applied since the sheet was made; a redo counts again.
   [[nodiscard]] std::int64_t num_cuts() const { return num_cuts_; }
-  [[nodiscard]] const std::vector<PieceBirth>& pieces() const { return lineage_.pieces(); }
+  [[nodiscard]] const std::vector<scene::PieceBirth>& pieces() const { return lineage_.pieces(); }
   // Returns to earlier pieces. Ids and numbers used since then are not used again.
-  void restore_pieces(std::vector<PieceBirth> pieces) { lineage_.restore(std::move(pieces)); }
+  void restore_pieces(std::vector<scene::PieceBirth> pieces) { lineage_.restore(std::move(pieces)); }
 
  private:
   UndoHistory history_;
-  Lineage lineage_;
+  scene::Lineage lineage_;
   std::int64_t num_cuts_ = 0;
   std::int64_t last_number_ = 0;
 };

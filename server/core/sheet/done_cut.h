@@ -15,7 +15,7 @@ struct DoneCut {
   mesh::CommittedEdit edit;
   mesh::UndoLog again;  // edit.undo.inverse(): makes the edit again after its undo
   std::int64_t number = 0;
-  LineageChange lineage;
+  scene::LineageChange lineage;
   std::vector<fem::Pin> lost_pins;  // pins of vertices that it left without material
   std::int32_t pins_version = 0;    // PinSet::version() at the cut; an undo puts lost_pins back only if it is still the
                                     // same

@@ -21,17 +21,17 @@ Error unknown_grab(const std::string& grab_id, const std::string& field) {
 double default_stiffness(const mesh::TriangleMesh& mesh, const fem::Model& model, mesh::VertexId vertex, double dt) {
   const double hold = model.masses().total() / (dt * dt);
   const Eigen::Matrix3d& membrane = model.elements().law(mesh.triangle_at(vertex)).membrane;
-  return std::min({hold, membrane.diagonal().maxCoeff(), kMaxGrabStiffness});
+  return std::min({hold, membrane.diagonal().maxCoeff(), scene::kMaxGrabStiffness});
 }
 
 }  // namespace
 
-Status GrabSet::add(const Grab& grab, const mesh::TriangleMesh& mesh, const fem::Model& model,
-                    const mesh::VertexField& x, double dt) {
+Status GrabSet::add(const scene::Grab& grab, const mesh::TriangleMesh& mesh, const fem::Model& model,
+                    const linear::VertexField& x, double dt) {
   if (find(grab.grab_id) != grabs_.end()) {
     return already_exists("GRAB_EXISTS", "the sheet already has a grab \"" + grab.grab_id + "\"", "grab.grab_id");
   }
-  if (grabs_.size() >= kMaxGrabs) {
+  if (grabs_.size() >= scene::kMaxGrabs) {
     return resource_exhausted("TOO_MANY_GRABS", "a sheet has at most 64 grabs; release one first", "grab.grab_id");
   }
   GrabState held;
@@ -51,12 +51,12 @@ Status GrabSet::add(const Grab& grab, const mesh::TriangleMesh& mesh, const fem:
     held.vertices[0] = *vertex;
   } else {
     held.material = std::get<Eigen::Vector2d>(grab.point);
-    const std::optional<MaterialPoint> point = find_material_point(mesh, *held.material);
+    const std::optional<scene::MaterialPoint> point = scene::find_material_point(mesh, *held.material);
     if (!point) return invalid_argument("POINT_OUTSIDE", "grab.material is not a point of the sheet", "grab.material");
     held.vertices = point->vertices;
     held.weights = point->weights;
   }
-  const Eigen::Vector3d here = MaterialPoint{held.vertices, held.weights}.of(x);
+  const Eigen::Vector3d here = scene::MaterialPoint{held.vertices, held.weights}.of(x);
   held.target = grab.target.value_or(here);
   held.previous_target = here;
   held.is_default = grab.stiffness == 0.0;
@@ -65,14 +65,14 @@ Status GrabSet::add(const Grab& grab, const mesh::TriangleMesh& mesh, const fem:
   return Nothing{};
 }
 
-Status GrabSet::drag(const Drag& drag) {
+Status GrabSet::drag(const scene::Drag& drag) {
   const auto held = find(drag.grab_id);
   if (held == grabs_.end()) return unknown_grab(drag.grab_id, "drag.grab_id");
   held->target = drag.target;
   return Nothing{};
 }
 
-Status GrabSet::release(const Release& release) {
+Status GrabSet::release(const scene::Release& release) {
   const auto held = find(release.grab_id);
   if (held == grabs_.end()) return unknown_grab(release.grab_id, "release.grab_id");
   grabs_.erase(held);
@@ -102,8 +102,8 @@ void GrabSet::follow(const mesh::TriangleMesh& mesh) {
   for (GrabState& held : grabs_) {
     if (!held.material && !mesh.has_material(held.vertices[0])) held.material = mesh.rest_position(held.vertices[0]);
     if (!held.material) continue;
-    const std::optional<MaterialPoint> found = find_material_point(mesh, *held.material);
-    const MaterialPoint point = found ? *found : nearest_material_point(mesh, *held.material);
+    const std::optional<scene::MaterialPoint> found = scene::find_material_point(mesh, *held.material);
+    const scene::MaterialPoint point = found ? *found : scene::nearest_material_point(mesh, *held.material);
     held.vertices = point.vertices;
     held.weights = point.weights;
   }

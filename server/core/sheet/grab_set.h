@@ -22,11 +22,11 @@ class GrabSet {
  public:
   // Adds a grab. `x`: positions, 3 x V, m. `model`: of the mesh. `dt`: length of a tick, s. Errors: kAlreadyExists
   // GRAB_EXISTS; kResourceExhausted TOO_MANY_GRABS; kInvalidArgument UNKNOWN_VERTEX, POINT_OUTSIDE.
-  Status add(const Grab& grab, const mesh::TriangleMesh& mesh, const fem::Model& model, const mesh::VertexField& x,
-             double dt);
+  Status add(const scene::Grab& grab, const mesh::TriangleMesh& mesh, const fem::Model& model,
+             const linear::VertexField& x, double dt);
   // Move or end a grab. Error: kNotFound GRAB_NOT_FOUND.
-  Status drag(const Drag& drag);
-  Status release(const Release& release);
+  Status drag(const scene::Drag& drag);
+  Status release(const scene::Release& release);
   void clear() { grabs_.clear(); }
 
   // Computes the stiffness of grabs without a given stiffness again, after a change of material.

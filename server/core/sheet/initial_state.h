@@ -17,17 +17,17 @@ namespace kerf::sheet {
 
 // The state of a sheet at the start, to which a Reset returns.
 struct InitialState {
-  std::shared_ptr<const SheetConfig> config;
-  BuiltMesh built;
+  std::shared_ptr<const scene::SheetConfig> config;
+  scene::BuiltMesh built;
   MaterialSetup materials;
   Eigen::Matrix3Xd velocities;         // 3 x V, m/s
   std::vector<mesh::VertexId> pinned;  // vertices of SheetConfig::pins, sorted, unique
-  HeldVertices held_vertices;
-  AppliedForces applied_forces;
+  scene::HeldVertices held_vertices;
+  scene::AppliedForces applied_forces;
 };
 
 // Checks the config, and builds the mesh and all that depends on it. Errors: those of Sheet::create(), except
 // SHEET_TOO_STIFF.
-Result<InitialState> make_initial_state(SheetConfig config);
+Result<InitialState> make_initial_state(scene::SheetConfig config);
 
 }  // namespace kerf::sheet

@@ -9,29 +9,30 @@ namespace kerf::sheet {
 
 namespace {
 
-bool is_stepped_in_time(const SheetConfig& config) {
-  return std::holds_alternative<DynamicAnalysis>(config.analysis);
+bool is_stepped_in_time(const scene::SheetConfig& config) {
+  return std::holds_alternative<scene::DynamicAnalysis>(config.analysis);
 }
 
 }  // namespace
 
-MaterialSetup::MaterialSetup(SheetMaterials materials, const SheetConfig& config, const mesh::TriangleMesh& uncut)
-    : materials_(std::make_shared<const SheetMaterials>(std::move(materials))) {
-  if (config.fidelity == Fidelity::kExact || !is_stepped_in_time(config)) return;
-  softening_ =
-      fem::choose_softening(uncut, by_region(), config.membrane_law,
-                            integrator_options(config.integrator, 1.0 / config.tick_rate_hz), config.gravity.norm());
+MaterialSetup::MaterialSetup(scene::SheetMaterials materials, const scene::SheetConfig& config,
+                             const mesh::TriangleMesh& uncut)
+    : materials_(std::make_shared<const scene::SheetMaterials>(std::move(materials))) {
+  if (config.fidelity == scene::Fidelity::kExact || !is_stepped_in_time(config)) return;
+  softening_ = fem::choose_softening(uncut, by_region(), config.membrane_law,
+                                     scene::integrator_options(config.integrator, 1.0 / config.tick_rate_hz),
+                                     config.gravity.norm());
 }
 
-Result<MaterialSetup> MaterialSetup::with(const SetMaterial& change, const SheetConfig& config,
+Result<MaterialSetup> MaterialSetup::with(const scene::SetMaterial& change, const scene::SheetConfig& config,
                                           const mesh::TriangleMesh& uncut) const {
-  SetMaterial wanted = change;
+  scene::SetMaterial wanted = change;
   if (config.planar) wanted.material = fem::without_bending(wanted.material);
-  KERF_TRY_ASSIGN(SheetMaterials changed, with_material(*materials_, wanted));
+  KERF_TRY_ASSIGN(scene::SheetMaterials changed, scene::with_material(*materials_, wanted));
   return MaterialSetup(std::move(changed), config, uncut);
 }
 
-fem::Model MaterialSetup::make_model(const SheetConfig& config, const mesh::TriangleMesh& mesh) const {
+fem::Model MaterialSetup::make_model(const scene::SheetConfig& config, const mesh::TriangleMesh& mesh) const {
   return {mesh, softening_ ? fem::soften(by_region(), softening_->factor) : by_region(), config.membrane_law};
 }
 
@@ -41,7 +42,7 @@ bool MaterialSetup::is_damped() const {
   });
 }
 
-Status check_condition(const SheetConfig& config, const fem::Model& model, const std::string& prefix) {
+Status check_condition(const scene::SheetConfig& config, const fem::Model& model, const std::string& prefix) {
   const double condition = fem::condition_number(model, 1.0 / config.tick_rate_hz);
   if (!is_stepped_in_time(config) || fem::rate_condition(condition) != fem::ConditionClass::kRefused) return Nothing{};
   return invalid_argument("SHEET_TOO_STIFF",
@@ -54,7 +55,7 @@ Status check_condition(const SheetConfig& config, const fem::Model& model, const
 double rest_mass(const mesh::TriangleMesh& mesh, const std::vector<fem::Material>& by_region) {
   double mass = 0.0;
   for (mesh::TriangleId t = 0; t < mesh.num_triangle_slots(); ++t) {
-    if (mesh.is_solid(t)) mass += surface_density(mesh, t, by_region) * mesh.area(t);
+    if (mesh.is_solid(t)) mass += scene::surface_density(mesh, t, by_region) * mesh.area(t);
   }
   return mass;
 }

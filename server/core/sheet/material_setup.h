@@ -22,30 +22,30 @@ class MaterialSetup {
  public:
   // Chooses the softening for the uncut mesh. There is none if the fidelity is kExact or the analysis is not
   // DynamicAnalysis.
-  MaterialSetup(SheetMaterials materials, const SheetConfig& config, const mesh::TriangleMesh& uncut);
+  MaterialSetup(scene::SheetMaterials materials, const scene::SheetConfig& config, const mesh::TriangleMesh& uncut);
 
   // Returns the setup with the material of one part, or of all parts, replaced. Errors: those of with_material().
-  [[nodiscard]] Result<MaterialSetup> with(const SetMaterial& change, const SheetConfig& config,
+  [[nodiscard]] Result<MaterialSetup> with(const scene::SetMaterial& change, const scene::SheetConfig& config,
                                            const mesh::TriangleMesh& uncut) const;
 
   // Makes the model of a mesh with these materials, softened if there is a softening.
-  [[nodiscard]] fem::Model make_model(const SheetConfig& config, const mesh::TriangleMesh& mesh) const;
+  [[nodiscard]] fem::Model make_model(const scene::SheetConfig& config, const mesh::TriangleMesh& mesh) const;
 
-  [[nodiscard]] const SheetMaterials& materials() const { return *materials_; }
+  [[nodiscard]] const scene::SheetMaterials& materials() const { return *materials_; }
   [[nodiscard]] const std::vector<fem::Material>& by_region() const { return materials_->by_region; }
   [[nodiscard]] const std::optional<fem::Softening>& softening() const { return softening_; }
-  [[nodiscard]] double half_thickness() const { return 0.5 * greatest_thickness(by_region()); }  // m
+  [[nodiscard]] double half_thickness() const { return 0.5 * scene::greatest_thickness(by_region()); }  // m
   // Returns true if any material has mass or stiffness damping.
   [[nodiscard]] bool is_damped() const;
 
  private:
-  std::shared_ptr<const SheetMaterials> materials_;
+  std::shared_ptr<const scene::SheetMaterials> materials_;
   std::optional<fem::Softening> softening_;
 };
 
 // Refuses a sheet to be stepped in time whose steps double precision cannot solve: kInvalidArgument SHEET_TOO_STIFF.
 // `prefix`: path of the material in the error ("material").
-Status check_condition(const SheetConfig& config, const fem::Model& model, const std::string& prefix);
+Status check_condition(const scene::SheetConfig& config, const fem::Model& model, const std::string& prefix);
 
 // Returns the mass (kg) of all solid triangles. O(slots).
 double rest_mass(const mesh::TriangleMesh& mesh, const std::vector<fem::Material>& by_region);

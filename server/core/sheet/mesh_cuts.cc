@@ -38,9 +38,9 @@ std::vector<std::string> warnings_of(const cut::CutReport& report, const std::ve
 }
 
 // Makes the reply to a cut. `mass_before`: mass of the sheet before the cut, kg; used only if it has several materials.
-CutReply reply_of(const cut::CutOutcome& outcome, const Cut& cut, const mesh::TriangleMesh& mesh,
-                  const std::vector<fem::Material>& materials, double mass_before) {
-  CutReply reply;
+scene::CutReply reply_of(const cut::CutOutcome& outcome, const scene::Cut& cut, const mesh::TriangleMesh& mesh,
+                         const std::vector<fem::Material>& materials, double mass_before) {
+  scene::CutReply reply;
   reply.status = outcome.status;
   reply.report = outcome.report;
   reply.report.pieces = mesh.num_pieces();
@@ -61,16 +61,17 @@ Result<cut::CutOutcome> plan_and_apply(const cut::CutRequest& request, mesh::Tri
 
 }  // namespace
 
-Result<MeshCuts> cut_mesh(std::span<const Cut> cuts, bool is_batch, const CutSurroundings& around,
+Result<MeshCuts> cut_mesh(std::span<const scene::Cut> cuts, bool is_batch, const CutSurroundings& around,
                           mesh::TriangleMesh& mesh, PhaseObserver* observer) {
   MeshCuts made;
   // Pins and positions before each cut of a batch. Positions are needed only for cuts on a picture.
   std::vector<mesh::VertexId> pins = around.pins.vertices();
-  mesh::VertexField positions;
-  const bool has_view = std::any_of(cuts.begin(), cuts.end(), [](const Cut& cut) { return cut.view.has_value(); });
+  linear::VertexField positions;
+  const bool has_view =
+      std::any_of(cuts.begin(), cuts.end(), [](const scene::Cut& cut) { return cut.view.has_value(); });
   if (is_batch && has_view) positions = around.positions;
   for (std::size_t i = 0; i < cuts.size(); ++i) {
-    const Cut& cut = cuts[i];
+    const scene::Cut& cut = cuts[i];
     enter_phase(observer, "plan");
     cut::CutRequest request;
     request.curve = cut.curve;
@@ -85,12 +86,12 @@ Result<MeshCuts> cut_mesh(std::span<const Cut> cuts, bool is_batch, const CutSur
     Result<cut::CutOutcome> outcome = plan_and_apply(request, mesh, observer);
     if (!outcome.ok()) {
       for (auto done = made.done.rbegin(); done != made.done.rend(); ++done) done->edit.undo.undo(mesh);
-      return is_batch ? in_batch(outcome.error(), i) : outcome.error();
+      return is_batch ? scene::in_batch(outcome.error(), i) : outcome.error();
     }
     enter_phase(observer, "keep for undo");
     made.replies.push_back(reply_of(*outcome, cut, mesh, around.materials, mass_before));
     if (outcome->status != cut::CutStatus::kApplied) continue;
-    if (is_batch) inherit_pins(outcome->edit, pins);
+    if (is_batch) scene::inherit_pins(outcome->edit, pins);
     if (is_batch && has_view) fem::carry_over(outcome->edit, positions);
     mesh::UndoLog again = outcome->undo.inverse(mesh);
     std::vector<fem::Pin> lost = around.pins.lost_by(outcome->edit);

@@ -21,18 +21,18 @@ struct CutSurroundings {
   std::int32_t max_vertices = 0;  // most vertices that the mesh may have
   const PinSet& pins;
   const GrabSet& grabs;
-  const mesh::VertexField& positions;           // 3 x V, m, world
+  const linear::VertexField& positions;         // 3 x V, m, world
   const std::vector<fem::Material>& materials;  // by region of the mesh
 };
 
 struct MeshCuts {
-  std::vector<CutReply> replies;  // replies to all cuts; number and split pieces are not set yet
-  std::vector<DoneCut> done;      // the applied cuts; number and lineage are not set yet
+  std::vector<scene::CutReply> replies;  // replies to all cuts; number and split pieces are not set yet
+  std::vector<DoneCut> done;             // the applied cuts; number and lineage are not set yet
 };
 
 // Cuts only the mesh, one cut after another. If a cut is refused, the mesh returns to its state before all cuts.
 // Errors: those of cut::plan() and cut::apply(); with `is_batch` they name the cut.
-Result<MeshCuts> cut_mesh(std::span<const Cut> cuts, bool is_batch, const CutSurroundings& around,
+Result<MeshCuts> cut_mesh(std::span<const scene::Cut> cuts, bool is_batch, const CutSurroundings& around,
                           mesh::TriangleMesh& mesh, PhaseObserver* observer);
 
 }  // namespace kerf::sheet

@@ -22,7 +22,7 @@ MovingSheet::MovingSheet(std::shared_ptr<const InitialState> initial, Integrator
   rebuild();
 }
 
-void MovingSheet::set_conditions(const Instant& end, double duration) {
+void MovingSheet::set_conditions(const scene::Instant& end, double duration) {
   if (conditions_.set(end, duration, pins_.holds(), mesh_, model_)) stepper_.rebuild_integrator(model_);
 }
 
@@ -35,7 +35,7 @@ void MovingSheet::set_loads(double time) {
   grabs_.set(stepper_.integrator(), model_, dt_, conditions_.grabs());
 }
 
-StepOutcome MovingSheet::step(const StopConditions& stop, const Instant& before) {
+StepOutcome MovingSheet::step(const StopConditions& stop, const scene::Instant& before) {
   StepOutcome outcome = stepper_.step(model_, conditions_.loads(), stop, state_);
   if (outcome.stats.interrupted) {
     conditions_.mark_changed();
@@ -51,7 +51,7 @@ void MovingSheet::watch_rest(bool more_to_come) {
     stepper_.disturb();
     return;
   }
-  const Wind& wind = conditions().wind;
+  const scene::Wind& wind = conditions().wind;
   const bool has_wind = wind.air_density > 0.0 && !wind.velocity.isZero();
   const bool damps = config().rest_damping && !has_wind && (materials_.is_damped() || !stepper_.contact().empty());
   stepper_.watch_rest(model_, {loads().gravity.norm(), dt_, damps}, state_);
@@ -64,7 +64,7 @@ fem::EquilibriumStats MovingSheet::settle(double load, const fem::EquilibriumOpt
   bend_by_angles();
   fem::EquilibriumSolver solver(options);
   solver.rebuild(model_);
-  mesh::VertexField x = state_.x;
+  linear::VertexField x = state_.x;
   const fem::EquilibriumStats stats = solver.solve(model_, loads(), watch, x);
   if (!stats.converged) return stats;
   state_.x = x;
@@ -72,19 +72,19 @@ fem::EquilibriumStats MovingSheet::settle(double load, const fem::EquilibriumOpt
   return stats;
 }
 
-Status MovingSheet::set_pins(const SetPins& pins) {
-  KERF_TRY_ASSIGN(std::vector<mesh::VertexId> found, find_pins(mesh_, pins.pins, "set_pins.pins"));
+Status MovingSheet::set_pins(const scene::SetPins& pins) {
+  KERF_TRY_ASSIGN(std::vector<mesh::VertexId> found, scene::find_pins(mesh_, pins.pins, "set_pins.pins"));
   pin(std::move(found));
   pins_.set_version(++last_pins_version_);
   return Nothing{};
 }
 
-void MovingSheet::set_wind(const Wind& value) {
+void MovingSheet::set_wind(const scene::Wind& value) {
   conditions_.set_wind(value);
   stepper_.forget_counts();
 }
 
-Status MovingSheet::set_material(const SetMaterial& change) {
+Status MovingSheet::set_material(const scene::SetMaterial& change) {
   KERF_TRY_ASSIGN(MaterialSetup changed, materials_.with(change, config(), initial_->built.mesh));
   fem::Model made = changed.make_model(config(), mesh_);
   if (conditions_.has_slopes()) made.set_clamps(mesh_, conditions().held_vertices.clamps(conditions().now));
@@ -132,7 +132,7 @@ void MovingSheet::restore(const MovingState& to) {
 fem::TickCost MovingSheet::expected_cost() const {
   constexpr double kTouchingShare = 0.3;  // -; assumed fraction of vertices that touch bodies, before the first tick
   const double blocks = static_cast<double>(mesh_.num_vertices()) / static_cast<double>(mesh::kVertexLanes);
-  const Wind& wind = conditions().wind;
+  const scene::Wind& wind = conditions().wind;
   const bool has_wind = wind.air_density > 0.0 && wind.drag_coefficient > 0.0;
   return stepper_.expected_cost(model_, {.contact_blocks = stepper_.contact().empty() ? 0.0 : kTouchingShare * blocks,
                                          .load_phases = has_wind ? 1.0 : 0.0});
@@ -152,12 +152,12 @@ void MovingSheet::add_to(StateHash& hash) const {
   }
   grabs_.add_to(hash);
   add_vector(loads().gravity);
-  const Wind& wind = conditions().wind;
+  const scene::Wind& wind = conditions().wind;
   add_vector(wind.velocity);
   hash.add(wind.air_density);
   hash.add(wind.drag_coefficient);
   if (materials_.materials().entries != initial_->materials.materials().entries) {
-    sheet::add_to(hash, materials_.materials());
+    scene::add_to(hash, materials_.materials());
   }
 }
 

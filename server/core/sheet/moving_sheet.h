@@ -28,14 +28,14 @@ class MovingSheet {
 
   // Sets constraints and loads for a step of `duration` (s) that ends at `end`. Duration 0 sets them at once, without
   // velocities. Does nothing if none changed.
-  void set_conditions(const Instant& end, double duration);
+  void set_conditions(const scene::Instant& end, double duration);
   // Sets constraints and loads again for the present instant, if a command or cut has changed them.
   void refresh_conditions();
   // Sets all loads, including grabs, for a step of one tick that ends at `time` (s).
   void set_loads(double time);
   // Advances by one tick under the loads set before. An interrupted step leaves state and conditions as they were at
   // `before`.
-  StepOutcome step(const StopConditions& stop, const Instant& before);
+  StepOutcome step(const StopConditions& stop, const scene::Instant& before);
   // Must be called after each step: detects rest, and damps a calm sheet, see RestWatch. `more_to_come`: true if
   // commands of the scene are still to come.
   void watch_rest(bool more_to_come);
@@ -48,13 +48,13 @@ class MovingSheet {
   void bend_by_angles() { model_.bend_by_angles(mesh_); }
 
   // Commands. Each is done as a whole, or returns an error and changes nothing.
-  Status grab(const Grab& grab) { return grabs_.add(grab, mesh_, model_, state_.x, dt_); }
-  Status drag(const Drag& drag) { return grabs_.drag(drag); }
-  Status release(const Release& release) { return grabs_.release(release); }
-  Status set_pins(const SetPins& pins);
+  Status grab(const scene::Grab& grab) { return grabs_.add(grab, mesh_, model_, state_.x, dt_); }
+  Status drag(const scene::Drag& drag) { return grabs_.drag(drag); }
+  Status release(const scene::Release& release) { return grabs_.release(release); }
+  Status set_pins(const scene::SetPins& pins);
   void set_gravity(const Eigen::Vector3d& value) { conditions_.set_gravity(value); }
-  void set_wind(const Wind& value);
-  Status set_material(const SetMaterial& change);
+  void set_wind(const scene::Wind& value);
+  Status set_material(const scene::SetMaterial& change);
 
   // Returns the mesh, for an edit. follow() or revert() must be called next.
   [[nodiscard]] mesh::TriangleMesh& mesh_to_edit() { return mesh_; }
@@ -75,7 +75,7 @@ class MovingSheet {
   // Returns to another state, without grabs.
   void restore(const MovingState& to);
 
-  [[nodiscard]] const SheetConfig& config() const { return *initial_->config; }
+  [[nodiscard]] const scene::SheetConfig& config() const { return *initial_->config; }
   [[nodiscard]] const InitialState& initial() const { return *initial_; }
   [[nodiscard]] const mesh::TriangleMesh& mesh() const { return mesh_; }
   [[nodiscard]] const fem::Model& model() const { return model_; }

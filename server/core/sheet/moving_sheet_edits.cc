@@ -20,7 +20,7 @@ bool MovingSheet::follow(std::span<const mesh::MeshEdit* const> edits, const std
   enter_phase(observer, "state");
   fem::transfer_state(edits, model_, change, state_);
   std::vector<mesh::VertexId> inherited = pins_.vertices();
-  for (const mesh::MeshEdit* edit : edits) inherit_pins(*edit, inherited);
+  for (const mesh::MeshEdit* edit : edits) scene::inherit_pins(*edit, inherited);
   // Old pins keep their targets, whatever the transfer did. New pins are held where they are.
   for (const fem::Pin& p : pins_.holds()) {
     if (mesh_.has_material(p.vertex)) state_.x.col(p.vertex) = p.target;

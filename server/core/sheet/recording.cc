@@ -2,7 +2,7 @@
 
 namespace kerf::sheet {
 
-void Recorder::start(const SheetConfig& config) {
+void Recorder::start(const scene::SheetConfig& config) {
   recording_.config = config;
   recording_.entries.clear();
 }

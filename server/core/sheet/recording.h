@@ -19,13 +19,14 @@ inline constexpr std::size_t kMaxTickCommands = 256;   // most commands of an en
 // One Sheet::step() or apply(). An entry with the same tick as the one before it (0 before the first) was an apply(),
 // or a step of a frozen sheet. Ticks between two entries were steps without commands from outside.
 struct RecordedTick {
-  std::int64_t tick = 0;          // tick after the step
-  std::vector<Command> commands;  // commands from outside, in order; scheduled commands of the config are not repeated
-  std::uint64_t state_hash = 0;   // Sheet::state_hash() after the step
+  std::int64_t tick = 0;  // tick after the step
+  std::vector<scene::Command>
+      commands;                  // commands from outside, in order; scheduled commands of the config are not repeated
+  std::uint64_t state_hash = 0;  // Sheet::state_hash() after the step
 };
 
 struct Recording {
-  SheetConfig config;
+  scene::SheetConfig config;
   std::vector<RecordedTick> entries;
   std::int64_t torn_bytes = 0;  // bytes of an incomplete last entry in the file, which was left out
 };
@@ -34,14 +35,14 @@ struct Recording {
 class RecordingSink {
  public:
   virtual ~RecordingSink() = default;
-  virtual void start(const SheetConfig& config) = 0;
+  virtual void start(const scene::SheetConfig& config) = 0;
   virtual void append(const RecordedTick& entry) = 0;
 };
 
 // Keeps a recording in memory.
 class Recorder : public RecordingSink {
  public:
-  void start(const SheetConfig& config) override;
+  void start(const scene::SheetConfig& config) override;
   void append(const RecordedTick& entry) override;
 
   [[nodiscard]] const Recording& recording() const { return recording_; }

@@ -6,9 +6,9 @@
 
 namespace kerf::sheet {
 
-SceneClock::SceneClock(std::shared_ptr<const SheetConfig> config)
+SceneClock::SceneClock(std::shared_ptr<const scene::SheetConfig> config)
     : config_(std::move(config)), schedule_(config_->commands.size()), dt_(1.0 / config_->tick_rate_hz) {
-  const std::vector<ScheduledCommand>& commands = config_->commands;
+  const std::vector<scene::ScheduledCommand>& commands = config_->commands;
   std::iota(schedule_.begin(), schedule_.end(), std::size_t{0});
   std::stable_sort(schedule_.begin(), schedule_.end(),
                    [&](std::size_t a, std::size_t b) { return commands[a].tick < commands[b].tick; });

@@ -26,7 +26,7 @@ struct ScenePlace {
 // never decreases; restore() only sets the place in the scene.
 class SceneClock {
  public:
-  explicit SceneClock(std::shared_ptr<const SheetConfig> config);
+  explicit SceneClock(std::shared_ptr<const scene::SheetConfig> config);
 
   [[nodiscard]] double dt() const { return dt_; }            // s
   [[nodiscard]] std::int64_t tick() const { return tick_; }  // number of ticks made
@@ -47,7 +47,7 @@ class SceneClock {
   void restore(const ScenePlace& place);
 
  private:
-  std::shared_ptr<const SheetConfig> config_;
+  std::shared_ptr<const scene::SheetConfig> config_;
   std::vector<std::size_t> schedule_;  // indices into config_->commands, sorted by tick
   double dt_;                          // s
   std::int64_t tick_ = 0;

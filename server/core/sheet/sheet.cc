@@ -21,11 +21,11 @@ Sheet::Sheet(Sheet&&) noexcept = default;
 Sheet& Sheet::operator=(Sheet&&) noexcept = default;
 Sheet::~Sheet() = default;
 
-Result<Sheet> Sheet::create(SheetConfig config) {
+Result<Sheet> Sheet::create(scene::SheetConfig config) {
   return create(std::move(config), fem::make_integrator);
 }
 
-Result<Sheet> Sheet::create(SheetConfig config, IntegratorFactory make_integrator) {
+Result<Sheet> Sheet::create(scene::SheetConfig config, IntegratorFactory make_integrator) {
   KERF_TRY_ASSIGN(InitialState initial, make_initial_state(std::move(config)));
   Sheet sheet(
       std::make_unique<Impl>(std::make_shared<const InitialState>(std::move(initial)), std::move(make_integrator)));
@@ -33,7 +33,7 @@ Result<Sheet> Sheet::create(SheetConfig config, IntegratorFactory make_integrato
   return sheet;
 }
 
-TickReport Sheet::step(std::span<const Command> commands, StageObserver* observer, const StopCondition* stop,
+TickReport Sheet::step(std::span<const scene::Command> commands, StageObserver* observer, const StopCondition* stop,
                        const StopCondition* give_up) {
   return impl_->run(commands, observer, true, {stop, give_up});
 }
@@ -56,14 +56,14 @@ TickReport Sheet::begin_load_step() {
   return impl_->begin_load_step();
 }
 
-TickReport Sheet::apply(std::span<const Command> commands, StageObserver* observer) {
+TickReport Sheet::apply(std::span<const scene::Command> commands, StageObserver* observer) {
   return impl_->run(commands, observer, false, {});
 }
 
-const SheetConfig& Sheet::config() const {
+const scene::SheetConfig& Sheet::config() const {
   return impl_->moving.config();
 }
-std::shared_ptr<const SheetConfig> Sheet::shared_config() const {
+std::shared_ptr<const scene::SheetConfig> Sheet::shared_config() const {
   return impl_->moving.initial().config;
 }
 std::int64_t Sheet::tick() const {
@@ -94,19 +94,19 @@ const fem::Loads& Sheet::loads() const {
   return impl_->moving.loads();
 }
 Eigen::Vector3d Sheet::start_of(const Eigen::Vector2d& material) const {
-  const BuiltMesh& built = impl_->moving.initial().built;
+  const scene::BuiltMesh& built = impl_->moving.initial().built;
   return built.at(material).of(built.positions);
 }
 const Eigen::Vector3d& Sheet::gravity() const {
   return impl_->moving.conditions().full_gravity;
 }
-const SheetMaterials& Sheet::materials() const {
+const scene::SheetMaterials& Sheet::materials() const {
   return impl_->moving.materials().materials();
 }
 const std::optional<fem::Softening>& Sheet::softening() const {
   return impl_->moving.materials().softening();
 }
-const Wind& Sheet::wind() const {
+const scene::Wind& Sheet::wind() const {
   return impl_->moving.conditions().wind;
 }
 const std::vector<mesh::VertexId>& Sheet::pinned_vertices() const {
@@ -124,8 +124,8 @@ std::int64_t Sheet::num_cuts() const {
 const UndoHistory& Sheet::history() const {
   return impl_->cuts.history();
 }
-std::vector<Piece> Sheet::pieces() const {
-  return measure_pieces(mesh(), impl_->cuts.pieces(), state().x, materials().by_region);
+std::vector<scene::Piece> Sheet::pieces() const {
+  return scene::measure_pieces(mesh(), impl_->cuts.pieces(), state().x, materials().by_region);
 }
 const std::string& Sheet::integrator_description() const {
   return impl_->moving.stepper().description();

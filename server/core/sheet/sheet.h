@@ -34,26 +34,29 @@ namespace kerf::mesh {
 class TriangleMesh;
 }  // namespace kerf::mesh
 
+namespace kerf::scene {
+struct SheetMaterials;
+}  // namespace kerf::scene
+
 namespace kerf::sheet {
 
 class StageObserver;
 class UndoHistory;
-struct SheetMaterials;
 struct UnheldPiece;
 
 // The reply to a command of SheetConfig::commands.
 struct ScheduledReply {
   std::size_t index = 0;  // index into SheetConfig::commands
-  Result<CommandReply> reply;
+  Result<scene::CommandReply> reply;
 };
 
 // The report of one step() or apply(). Failures and loss of quality are values here: nothing is thrown or logged.
 struct TickReport {
-  std::int64_t tick = 0;                      // tick after the step
-  std::vector<Result<CommandReply>> replies;  // one for each given command, in order
-  std::vector<ScheduledReply> scheduled;      // replies to scheduled commands that were due, in order
-  std::size_t num_scheduled_first = 0;        // number of entries of `scheduled` that were done before the given
-                                              // commands
+  std::int64_t tick = 0;                             // tick after the step
+  std::vector<Result<scene::CommandReply>> replies;  // one for each given command, in order
+  std::vector<ScheduledReply> scheduled;             // replies to scheduled commands that were due, in order
+  std::size_t num_scheduled_first = 0;               // number of entries of `scheduled` that were done before the given
+                                                     // commands
   fem::StepStats stats;      // of the integrator; if time did not advance, only `interrupted` has a meaning
   bool advanced = false;     // true if the tick was counted up
   bool gave_up = false;      // out of memory, or stopped by `give_up`: the sheet is frozen and did not advance
@@ -103,8 +106,8 @@ class Sheet {
   // Checks the whole config and builds the sheet at tick 0.
   // Errors: kInvalidArgument with the field of kerf.v1.Scene ("pins[1].vertices.vertices[0]"); kResourceExhausted
   // TOO_MANY_VERTICES (more than SheetConfig::max_vertices), SOLVER_TOO_DENSE.
-  static Result<Sheet> create(SheetConfig config);  // with fem::make_integrator
-  static Result<Sheet> create(SheetConfig config, IntegratorFactory make_integrator);
+  static Result<Sheet> create(scene::SheetConfig config);  // with fem::make_integrator
+  static Result<Sheet> create(scene::SheetConfig config, IntegratorFactory make_integrator);
 
   Sheet(const Sheet& other);
   Sheet& operator=(const Sheet& other);
@@ -120,7 +123,7 @@ class Sheet {
   // scheduled commands. The report then has stats.interrupted, and the state is that after apply(commands). `give_up`,
   // if given, can end the integration at any point, as can a lack of memory. In both cases the sheet is frozen in the
   // state before the integration; see TickReport::gave_up.
-  TickReport step(std::span<const Command> commands, StageObserver* observer = nullptr,
+  TickReport step(std::span<const scene::Command> commands, StageObserver* observer = nullptr,
                   const std::function<bool()>* stop = nullptr, const std::function<bool()>* give_up = nullptr);
 
   // Brings the sheet into equilibrium, at rest, under `load` (-, 0..1). Loads and constraints without a history are
@@ -140,10 +143,10 @@ class Sheet {
   TickReport begin_load_step();
 
   // Does commands without advancing time, for example in a paused sheet. Scheduled commands keep waiting.
-  TickReport apply(std::span<const Command> commands, StageObserver* observer = nullptr);
+  TickReport apply(std::span<const scene::Command> commands, StageObserver* observer = nullptr);
 
-  [[nodiscard]] const SheetConfig& config() const;  // as given
-  [[nodiscard]] std::shared_ptr<const SheetConfig> shared_config() const;
+  [[nodiscard]] const scene::SheetConfig& config() const;  // as given
+  [[nodiscard]] std::shared_ptr<const scene::SheetConfig> shared_config() const;
   [[nodiscard]] std::int64_t tick() const;              // ticks made since the sheet was created
   [[nodiscard]] std::int64_t scene_tick() const;        // ticks made since the scene began or was reset
   [[nodiscard]] double dt() const;                      // s
@@ -162,14 +165,14 @@ class Sheet {
                                                                              // gravity_history
   [[nodiscard]] const std::optional<fem::Softening>& softening() const;      // as chosen at present, for
                                                                              // Fidelity::kRealTime
-  [[nodiscard]] const Wind& wind() const;                                    // as set at present
-  [[nodiscard]] const SheetMaterials& materials() const;                     // as set at present
+  [[nodiscard]] const scene::Wind& wind() const;                             // as set at present
+  [[nodiscard]] const scene::SheetMaterials& materials() const;              // as set at present
   [[nodiscard]] const std::vector<mesh::VertexId>& pinned_vertices() const;  // sorted, unique
   [[nodiscard]] const std::vector<GrabState>& grabs() const;                 // in the order in which they were made
   [[nodiscard]] std::int64_t contact_phases() const;                         // substeps in which colliders were checked
   [[nodiscard]] std::int64_t num_cuts() const;                      // cuts applied since creation; a redo counts again
   [[nodiscard]] const UndoHistory& history() const;                 // steps that can be undone and redone
-  [[nodiscard]] std::vector<Piece> pieces() const;                  // at present, by label. O(slots)
+  [[nodiscard]] std::vector<scene::Piece> pieces() const;           // at present, by label. O(slots)
   [[nodiscard]] const std::string& integrator_description() const;  // which integrator runs, and why
   // Returns statistics of the clusters of vertices around tiny triangles, and of the substeps of a tick. Returns
   // nothing if there are no clusters.

@@ -12,16 +12,16 @@ constexpr double kTangentialShare = 1.0 / 60.0;
 
 }  // namespace
 
-SheetConditions::SheetConditions(std::shared_ptr<const SheetConfig> config, ConditionValues values)
+SheetConditions::SheetConditions(std::shared_ptr<const scene::SheetConfig> config, ConditionValues values)
     : config_(std::move(config)), values_(std::move(values)) {
   set_wind(values_.wind);
-  loads_.grabs.reserve(kMaxGrabs);
+  loads_.grabs.reserve(scene::kMaxGrabs);
 }
 
-bool SheetConditions::set(const Instant& end, double duration, const std::vector<fem::Pin>& pins,
+bool SheetConditions::set(const scene::Instant& end, double duration, const std::vector<fem::Pin>& pins,
                           const mesh::TriangleMesh& mesh, fem::Model& model) {
-  HeldVertices& held = values_.held_vertices;
-  AppliedForces& applied = values_.applied_forces;
+  scene::HeldVertices& held = values_.held_vertices;
+  scene::AppliedForces& applied = values_.applied_forces;
   const bool varies = held.varies() || applied.varies() || !config_->gravity_history.times.empty();
   if (!is_changed_ && !varies && end.absent == values_.now.absent) return false;
   loads_.gravity = config_->gravity_history.at(end.time, 1.0) * values_.full_gravity;
@@ -53,7 +53,7 @@ void SheetConditions::set_gravity(const Eigen::Vector3d& value) {
   mark_changed();
 }
 
-void SheetConditions::set_wind(const Wind& value) {
+void SheetConditions::set_wind(const scene::Wind& value) {
   values_.wind = value;
   loads_.wind.velocity = value.velocity;
   loads_.wind.air_density = value.air_density;
@@ -62,7 +62,7 @@ void SheetConditions::set_wind(const Wind& value) {
 }
 
 void SheetConditions::follow(const mesh::TriangleMesh& mesh, std::span<const mesh::MeshEdit* const> edits,
-                             const BuiltMesh& initial) {
+                             const scene::BuiltMesh& initial) {
   if (!values_.held_vertices.empty()) values_.held_vertices.follow(mesh, edits, initial);
   if (!values_.applied_forces.empty()) values_.applied_forces.follow(mesh, initial);
   mark_changed();
@@ -77,7 +77,7 @@ void SheetConditions::restore(const ConditionValues& values) {
 
 bool SheetConditions::has_changes_to_come() const {
   const std::vector<double>& times = config_->gravity_history.times;
-  const double gravity_change = times.empty() ? -kForever : times.back();
+  const double gravity_change = times.empty() ? -scene::kForever : times.back();
   return values_.now.time <
          std::max({values_.held_vertices.last_change(), values_.applied_forces.last_change(), gravity_change});
 }

@@ -18,24 +18,24 @@ namespace kerf::sheet {
 
 // The values from which the constraints and loads of a sheet follow at any instant.
 struct ConditionValues {
-  Wind wind;
+  scene::Wind wind;
   Eigen::Vector3d full_gravity;  // m/s^2, gravity when the factor of gravity_history is 1
-  HeldVertices held_vertices;
-  AppliedForces applied_forces;
-  Instant now;  // instant for which the conditions were set last
+  scene::HeldVertices held_vertices;
+  scene::AppliedForces applied_forces;
+  scene::Instant now;  // instant for which the conditions were set last
 };
 
 // The constraints and loads of a sheet at an instant, without grabs. It follows commands and cuts. Changes of the
 // values take effect with the next set(), those of the wind at once.
 class SheetConditions {
  public:
-  SheetConditions(std::shared_ptr<const SheetConfig> config, ConditionValues values);
+  SheetConditions(std::shared_ptr<const scene::SheetConfig> config, ConditionValues values);
 
   // Sets constraints, loads and slopes for a step of `duration` (s) that ends at `end`. Duration 0 sets them at once,
   // without velocities. Does nothing if none changed. `pins`: all pins, sorted. Returns true if `model` now holds the
   // slopes of other vertices than before; then the integrator must be rebuilt.
-  bool set(const Instant& end, double duration, const std::vector<fem::Pin>& pins, const mesh::TriangleMesh& mesh,
-           fem::Model& model);
+  bool set(const scene::Instant& end, double duration, const std::vector<fem::Pin>& pins,
+           const mesh::TriangleMesh& mesh, fem::Model& model);
   // Makes a model that was edited hold the present slopes. Returns the same as set().
   bool hold_slopes(const mesh::TriangleMesh& mesh, fem::Model& model);
 
@@ -43,9 +43,10 @@ class SheetConditions {
   void mark_changed() { is_changed_ = true; }
   [[nodiscard]] bool is_changed() const { return is_changed_; }
   void set_gravity(const Eigen::Vector3d& value);  // m/s^2
-  void set_wind(const Wind& value);
+  void set_wind(const scene::Wind& value);
   // Must be called after cuts, with their edits, and after undos, without edits. `initial`: the sheet as built.
-  void follow(const mesh::TriangleMesh& mesh, std::span<const mesh::MeshEdit* const> edits, const BuiltMesh& initial);
+  void follow(const mesh::TriangleMesh& mesh, std::span<const mesh::MeshEdit* const> edits,
+              const scene::BuiltMesh& initial);
   // Replaces the values. The model must have been made again before, so that it holds no slopes.
   void restore(const ConditionValues& values);
 
@@ -59,7 +60,7 @@ class SheetConditions {
   [[nodiscard]] std::vector<fem::Grab>& grabs() { return loads_.grabs; }
 
  private:
-  std::shared_ptr<const SheetConfig> config_;
+  std::shared_ptr<const scene::SheetConfig> config_;
   ConditionValues values_;
   fem::Loads loads_;
   std::vector<mesh::VertexId> clamped_;  // vertices whose slope the model holds, sorted

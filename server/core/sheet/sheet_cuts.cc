@@ -11,24 +11,24 @@
 
 namespace kerf::sheet {
 
-Result<CommandReply> Sheet::Impl::cut(const Cut& cut, const CommandContext& context) {
-  KERF_TRY_ASSIGN(std::vector<CutReply> replies, do_cuts({&cut, 1}, false, context));
-  CommandReply reply = plain_reply();
+Result<scene::CommandReply> Sheet::Impl::cut(const scene::Cut& cut, const CommandContext& context) {
+  KERF_TRY_ASSIGN(std::vector<scene::CutReply> replies, do_cuts({&cut, 1}, false, context));
+  scene::CommandReply reply = plain_reply();
   reply.cut = std::move(replies.front());
   return reply;
 }
 
-Result<CommandReply> Sheet::Impl::cut_batch(const CutBatch& batch, const CommandContext& context) {
-  KERF_TRY_ASSIGN(std::vector<CutReply> replies, do_cuts(batch.cuts, true, context));
-  CommandReply reply = plain_reply();
+Result<scene::CommandReply> Sheet::Impl::cut_batch(const scene::CutBatch& batch, const CommandContext& context) {
+  KERF_TRY_ASSIGN(std::vector<scene::CutReply> replies, do_cuts(batch.cuts, true, context));
+  scene::CommandReply reply = plain_reply();
   reply.batch = std::move(replies);
   return reply;
 }
 
-Result<std::vector<CutReply>> Sheet::Impl::do_cuts(std::span<const Cut> wanted, bool is_batch,
-                                                   const CommandContext& context) {
-  const SheetConfig& config = moving.config();
-  const CutSurroundings around{.max_vertices = std::min(config.max_vertices, vertex_limit(config.integrator)),
+Result<std::vector<scene::CutReply>> Sheet::Impl::do_cuts(std::span<const scene::Cut> wanted, bool is_batch,
+                                                          const CommandContext& context) {
+  const scene::SheetConfig& config = moving.config();
+  const CutSurroundings around{.max_vertices = std::min(config.max_vertices, scene::vertex_limit(config.integrator)),
                                .pins = moving.pins(),
                                .grabs = moving.grabs(),
                                .positions = moving.state().x,
@@ -46,7 +46,7 @@ Result<std::vector<CutReply>> Sheet::Impl::do_cuts(std::span<const Cut> wanted, 
   return std::move(made.replies);
 }
 
-Result<CommandReply> Sheet::Impl::undo_cut(const CommandContext& context) {
+Result<scene::CommandReply> Sheet::Impl::undo_cut(const CommandContext& context) {
   KERF_TRY_ASSIGN(const std::shared_ptr<const UndoStep> step, cuts.history().take_done());
   if (step->before_reset) {
     restore(*step->before_reset);
@@ -56,7 +56,7 @@ Result<CommandReply> Sheet::Impl::undo_cut(const CommandContext& context) {
   return undo_reply(*step);
 }
 
-Result<CommandReply> Sheet::Impl::redo_cut(const CommandContext& context) {
+Result<scene::CommandReply> Sheet::Impl::redo_cut(const CommandContext& context) {
   KERF_TRY_ASSIGN(const std::shared_ptr<const UndoStep> step, cuts.history().take_undone());
   if (step->before_reset) {
     redo_reset(*step);
@@ -107,14 +107,14 @@ void Sheet::Impl::revert(const std::vector<DoneCut>& done, const CommandContext&
   topology.replace();
 }
 
-CommandReply Sheet::Impl::undo_reply(const UndoStep& step) const {
-  UndoReply undone;
+scene::CommandReply Sheet::Impl::undo_reply(const UndoStep& step) const {
+  scene::UndoReply undone;
   for (const DoneCut& cut : step.cuts) undone.cuts.push_back(cut.number);
   undone.reset = step.before_reset != nullptr;
   undone.pieces = moving.mesh().num_pieces();
   undone.undo_steps = static_cast<std::int32_t>(cuts.history().num_done());
   undone.redo_steps = static_cast<std::int32_t>(cuts.history().num_undone());
-  CommandReply reply = plain_reply();
+  scene::CommandReply reply = plain_reply();
   reply.undone = std::move(undone);
   return reply;
 }

@@ -21,9 +21,11 @@ struct Sheet::Impl {
       : clock(initial->config), moving(initial, std::move(make_integrator)), cuts(moving.mesh().num_pieces()) {}
 
   // A tick (sheet_tick.cc).
-  TickReport run(std::span<const Command> commands, StageObserver* observer, bool advance, const StopConditions& stop);
+  TickReport run(std::span<const scene::Command> commands, StageObserver* observer, bool advance,
+                 const StopConditions& stop);
   TickReport begin_load_step();
-  void drain_commands(std::span<const Command> commands, StageObserver* observer, bool scheduled, TickReport& report);
+  void drain_commands(std::span<const scene::Command> commands, StageObserver* observer, bool scheduled,
+                      TickReport& report);
   // Does the scheduled commands that are due. `number`: number of the next command of the tick, for the observer; it is
   // counted up.
   void drain_schedule(StageObserver* observer, std::int32_t& number, TickReport& report);
@@ -33,25 +35,26 @@ struct Sheet::Impl {
   [[nodiscard]] std::uint64_t state_hash() const;
 
   // Commands (sheet_commands.cc). Each is done as a whole, or returns an error and changes nothing.
-  Result<CommandReply> do_command(const Command& command, const CommandContext& context);
-  [[nodiscard]] CommandReply plain_reply() const;  // reply to a command that has no special reply
+  Result<scene::CommandReply> do_command(const scene::Command& command, const CommandContext& context);
+  [[nodiscard]] scene::CommandReply plain_reply() const;  // reply to a command that has no special reply
 
   // Cuts (sheet_cuts.cc).
-  Result<CommandReply> cut(const Cut& cut, const CommandContext& context);
-  Result<CommandReply> cut_batch(const CutBatch& batch, const CommandContext& context);
-  Result<std::vector<CutReply>> do_cuts(std::span<const Cut> wanted, bool is_batch, const CommandContext& context);
-  Result<CommandReply> undo_cut(const CommandContext& context);
-  Result<CommandReply> redo_cut(const CommandContext& context);
+  Result<scene::CommandReply> cut(const scene::Cut& cut, const CommandContext& context);
+  Result<scene::CommandReply> cut_batch(const scene::CutBatch& batch, const CommandContext& context);
+  Result<std::vector<scene::CutReply>> do_cuts(std::span<const scene::Cut> wanted, bool is_batch,
+                                               const CommandContext& context);
+  Result<scene::CommandReply> undo_cut(const CommandContext& context);
+  Result<scene::CommandReply> redo_cut(const CommandContext& context);
   // Updates everything derived from the mesh after cuts of it.
   void follow(const std::vector<DoneCut>& done, PhaseObserver* observer);
   void redo(const std::vector<DoneCut>& done, const CommandContext& context);
   void revert(const std::vector<DoneCut>& done, const CommandContext& context);
-  [[nodiscard]] CommandReply undo_reply(const UndoStep& step) const;
+  [[nodiscard]] scene::CommandReply undo_reply(const UndoStep& step) const;
 
   // Resets (sheet_reset.cc).
   [[nodiscard]] std::shared_ptr<const Checkpoint> checkpoint() const;
   void restore(const Checkpoint& to);
-  void reset(const Reset& reset);
+  void reset(const scene::Reset& reset);
   void redo_reset(const UndoStep& step);
   void restart(std::int64_t number);
 

@@ -31,7 +31,7 @@ void Sheet::Impl::restore(const Checkpoint& to) {
   topology.replace();
 }
 
-void Sheet::Impl::reset(const Reset& reset) {
+void Sheet::Impl::reset(const scene::Reset& reset) {
   const std::int64_t number = ++last_beginning;
   if (reset.repeats) {
     cuts.history().clear();
@@ -50,7 +50,7 @@ void Sheet::Impl::redo_reset(const UndoStep& step) {
 // Begins the scene again. `number`: see CommandReply::beginning.
 void Sheet::Impl::restart(std::int64_t number) {
   const std::int32_t num_pieces = moving.initial().built.mesh.num_pieces();
-  restore({moving.initial_state(), {}, Lineage(num_pieces).pieces(), number});
+  restore({moving.initial_state(), {}, scene::Lineage(num_pieces).pieces(), number});
 }
 
 }  // namespace kerf::sheet

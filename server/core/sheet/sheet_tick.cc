@@ -4,7 +4,7 @@
 
 namespace kerf::sheet {
 
-TickReport Sheet::Impl::run(std::span<const Command> commands, StageObserver* observer, bool advances,
+TickReport Sheet::Impl::run(std::span<const scene::Command> commands, StageObserver* observer, bool advances,
                             const StopConditions& stop) {
   TickReport report;
   const std::int32_t version_before = topology_version;
@@ -32,14 +32,14 @@ TickReport Sheet::Impl::begin_load_step() {
   return report;
 }
 
-void Sheet::Impl::drain_commands(std::span<const Command> commands, StageObserver* observer, bool scheduled,
+void Sheet::Impl::drain_commands(std::span<const scene::Command> commands, StageObserver* observer, bool scheduled,
                                  TickReport& report) {
   const std::int32_t version_before = topology_version;
   std::int32_t number = 0;
   if (scheduled) drain_schedule(observer, number, report);
   report.num_scheduled_first = report.scheduled.size();
   report.replies.reserve(commands.size());
-  for (const Command& command : commands) {
+  for (const scene::Command& command : commands) {
     report.replies.push_back(do_command(command, {observer, number++}));
   }
   if (scheduled) drain_schedule(observer, number, report);  // of a scene that a Reset has begun again
@@ -51,7 +51,7 @@ void Sheet::Impl::drain_commands(std::span<const Command> commands, StageObserve
 void Sheet::Impl::drain_schedule(StageObserver* observer, std::int32_t& number, TickReport& report) {
   while (const std::optional<std::size_t> index = clock.pop_due()) {
     const SchedulePlace place = clock.schedule_place();
-    const Command& command = moving.config().commands[*index].command;
+    const scene::Command& command = moving.config().commands[*index].command;
     report.scheduled.push_back({*index, do_command(command, {observer, number++})});
     // A scheduled Reset does not repeat the schedule, which might never end.
     clock.set_schedule_place(place);
@@ -59,7 +59,7 @@ void Sheet::Impl::drain_schedule(StageObserver* observer, std::int32_t& number, 
 }
 
 void Sheet::Impl::advance(StageObserver* observer, const StopConditions& stop, TickReport& report) {
-  const Instant before = moving.conditions().now;
+  const scene::Instant before = moving.conditions().now;
   {
     const StageScope scope(Stage::kLoads, {observer, -1});
     moving.set_loads(clock.end_of_next_tick());
@@ -85,12 +85,12 @@ void Sheet::Impl::fill_report(TickReport& report) const {
   report.at_rest = moving.stepper().is_at_rest();
   if (report.replies.empty() && report.scheduled.empty()) return;
   const std::uint64_t hash = state_hash();
-  const auto fill_reply = [&](Result<CommandReply>& reply) {
+  const auto fill_reply = [&](Result<scene::CommandReply>& reply) {
     if (!reply.ok()) return;
     reply->tick = report.tick;
     reply->state_hash = hash;
   };
-  for (Result<CommandReply>& reply : report.replies) fill_reply(reply);
+  for (Result<scene::CommandReply>& reply : report.replies) fill_reply(reply);
   for (ScheduledReply& scheduled : report.scheduled) fill_reply(scheduled.reply);
 }
 

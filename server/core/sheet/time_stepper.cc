@@ -10,9 +10,9 @@
 
 namespace kerf::sheet {
 
-TimeStepper::TimeStepper(const SheetConfig& config, IntegratorFactory make_integrator, double size)
+TimeStepper::TimeStepper(const scene::SheetConfig& config, IntegratorFactory make_integrator, double size)
     : dt_(1.0 / config.tick_rate_hz),
-      integrator_(std::move(make_integrator), integrator_options(config.integrator, 1.0 / config.tick_rate_hz)),
+      integrator_(std::move(make_integrator), scene::integrator_options(config.integrator, 1.0 / config.tick_rate_hz)),
       rest_(size) {
   contact_.set_colliders(config.colliders);
 }

@@ -38,7 +38,7 @@ struct StepOutcome {
 class TimeStepper {
  public:
   // `size`: larger side of the sheet as built, m.
-  TimeStepper(const SheetConfig& config, IntegratorFactory make_integrator, double size);
+  TimeStepper(const scene::SheetConfig& config, IntegratorFactory make_integrator, double size);
 
   // Must be called after the model was replaced. Allocates all memory that a step needs.
   void rebuild(const fem::Model& model, const std::optional<fem::Softening>& softening, Eigen::Index num_vertices);

@@ -6,7 +6,7 @@
 
 namespace kerf::sheet {
 
-std::vector<float> dominant_strains(const fem::Model& model, const mesh::VertexField& x) {
+std::vector<float> dominant_strains(const fem::Model& model, const linear::VertexField& x) {
   const std::vector<Eigen::Vector3d> of_slots =
       fem::triangle_field(model, x, fem::MembraneField::kBiotStrain, fem::FieldAxes::kRest);
   const std::vector<Eigen::Vector3d> of_vertices = fem::vertex_field(model, of_slots, fem::Recovery::kMean);

@@ -11,6 +11,6 @@ namespace kerf::sheet {
 // stretch and a compression are equally large, it is the stretch. It is Biot strain: 0.01 is one per cent longer than
 // at rest, -0.01 one per cent shorter. It comes from the mean tensor of the triangles around the vertex, weighted by
 // their rest areas. 0 for vertices without material. `x`: 3 x V, m.
-std::vector<float> dominant_strains(const fem::Model& model, const mesh::VertexField& x);
+std::vector<float> dominant_strains(const fem::Model& model, const linear::VertexField& x);
 
 }  // namespace kerf::sheet

@@ -19,8 +19,8 @@ constexpr std::int64_t kMaxMeasuredNumbers = 2'000'000;  // Numbers in the table
 
 struct Request {
   std::string name;
-  sheet::Analysis analysis;
-  std::vector<sheet::Probe> probes;
+  scene::Analysis analysis;
+  std::vector<scene::Probe> probes;
   bool wants_scene_probes = true;
   bool wants_positions = false;
 };
@@ -32,17 +32,17 @@ Result<Request> decode(const v1::AnalyzeSheetRequest& message) {
   if (message.analysis().kind_case() == v1::Analysis::KIND_NOT_SET) {
     return invalid_argument("CHOICE_MISSING", "analysis must be dynamic, static or modes", "analysis.kind");
   }
-  KERF_TRY(sheet::validate(request.analysis));
+  KERF_TRY(scene::validate(request.analysis));
   KERF_TRY_ASSIGN(request.probes, wire::decode_probes(message.probes()));
-  KERF_TRY(sheet::validate(request.probes));
+  KERF_TRY(scene::validate(request.probes));
   request.wants_scene_probes = request.probes.empty();
   request.wants_positions = message.positions();
   return request;
 }
 
 // Checks that a dynamic analysis is possible and its table small enough to be sent.
-Status check(const sheet::Sheet& sheet, const sheet::DynamicAnalysis& analysis,
-             const std::vector<sheet::Probe>& probes) {
+Status check(const sheet::Sheet& sheet, const scene::DynamicAnalysis& analysis,
+             const std::vector<scene::Probe>& probes) {
   if (sheet.frozen() && analysis.ticks > 0) {
     return failed_precondition("SHEET_FROZEN",
                                "the sheet is frozen at tick " + std::to_string(sheet.tick()) +
@@ -60,15 +60,15 @@ Status check(const sheet::Sheet& sheet, const sheet::DynamicAnalysis& analysis,
 }
 
 Result<analysis::Outcome> run(sheet::Sheet& sheet, const Request& request, const analysis::Watch& watch) {
-  const std::vector<sheet::Probe> probes = request.wants_scene_probes ? sheet.config().probes : request.probes;
+  const std::vector<scene::Probe> probes = request.wants_scene_probes ? sheet.config().probes : request.probes;
   return std::visit(
       Overloaded{
-          [&](const sheet::DynamicAnalysis& in_time) -> Result<analysis::Outcome> {
+          [&](const scene::DynamicAnalysis& in_time) -> Result<analysis::Outcome> {
             KERF_TRY(check(sheet, in_time, probes));
             return analysis::run_dynamic(sheet, in_time, probes, watch, {}, nullptr);
           },
-          [&](const sheet::StaticAnalysis& of_loads) { return analysis::run_static(sheet, of_loads, probes, watch); },
-          [&](const sheet::ModalAnalysis& modes) { return analysis::run_modes(sheet, modes, probes, watch); },
+          [&](const scene::StaticAnalysis& of_loads) { return analysis::run_static(sheet, of_loads, probes, watch); },
+          [&](const scene::ModalAnalysis& modes) { return analysis::run_modes(sheet, modes, probes, watch); },
       },
       request.analysis);
 }
@@ -88,7 +88,7 @@ Result<v1::AnalyzeSheetResponse> analyze(sheet::Sheet& sheet, const Request& req
     dynamic.set_state_hash(wire::encode_hash(sheet.state_hash()));
   }
   if (request.wants_positions) {
-    const mesh::VertexField& x = sheet.state().x;
+    const linear::VertexField& x = sheet.state().x;
     response.set_positions(x.data(), sizeof(double) * static_cast<std::size_t>(x.size()));
   }
   return response;

@@ -77,7 +77,7 @@ std::vector<Method> json_methods(Api& api) {
 
 Api::Api(host::Host& host, render::Renderer* renderer, ApiOptions options, host::Clock& clock)
     : core_(std::make_shared<ApiCore>(host, renderer, std::move(options), clock)), methods_(json_methods(*this)) {
-  host.set_command_listener([core = std::weak_ptr(core_)](const std::string& id, const sheet::Command& command,
+  host.set_command_listener([core = std::weak_ptr(core_)](const std::string& id, const scene::Command& command,
                                                           const Result<host::CommandResult>& result,
                                                           const host::ScheduleId& schedule_id) {
     if (const auto alive = core.lock()) keep_in_journal(*alive, id, command, result, schedule_id);

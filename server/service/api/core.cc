@@ -128,7 +128,7 @@ Status check_request_id(const std::string& request_id) {
 }
 
 Status check_sheet_id(const std::string& id) {
-  if (id.empty() || sheet::is_valid_sheet_id(id)) return Nothing{};
+  if (id.empty() || scene::is_valid_sheet_id(id)) return Nothing{};
   return invalid_argument("SHEET_ID", "sheet_id must match [a-z][a-z0-9-]{0,62}", "sheet_id");
 }
 

@@ -55,12 +55,13 @@ struct ApiCore {
   RequestLog requests;
   CutJournal journal;
   std::atomic<std::int32_t> num_image_streams{0};
-  PictureCounters pictures;
+  picture::PictureCounters pictures;
   StreamHub hub;
-  PictureStudio studio;              // Draws for image streams, on its own threads.
-  BackgroundWorker picture_worker;   // Draws single pictures. Stopped by ~Api, so that it never ends on its own thread.
-  BackgroundWorker file_worker;      // Encodes exports and recordings. Stopped by ~Api.
-  BackgroundWorker analysis_worker;  // Runs analyses. Stopped by ~Api.
+  picture::PictureStudio studio;  // Draws for image streams, on its own threads.
+  picture::BackgroundWorker
+      picture_worker;  // Draws single pictures. Stopped by ~Api, so that it never ends on its own thread.
+  picture::BackgroundWorker file_worker;      // Encodes exports and recordings. Stopped by ~Api.
+  picture::BackgroundWorker analysis_worker;  // Runs analyses. Stopped by ~Api.
 
   OpenStreams streams;
 };
@@ -89,7 +90,7 @@ Status check_request_id(const std::string& request_id);
 
 // Adds commands done without a caller to the journal: cuts, resets, undos, redos, and refused scheduled cuts. Called
 // for each command that the host's listener receives; methods add the commands of their callers themselves.
-void keep_in_journal(ApiCore& core, const std::string& sheet_id, const sheet::Command& command,
+void keep_in_journal(ApiCore& core, const std::string& sheet_id, const scene::Command& command,
                      const Result<host::CommandResult>& result, const host::ScheduleId& schedule_id);
 
 // Encodes a kerf.v1.Sheet.
@@ -137,15 +138,15 @@ void idempotent(const std::shared_ptr<ApiCore>& core, const char* method, const 
 // Runs `work` on a background worker and replies with its result, or with its exception as an Error (see
 // catch_exceptions()). `full`: the reply if too much work waits. Replies kUnavailable if the server stops first.
 template <typename Made>
-void in_background(BackgroundWorker& worker, const Reply<Made>& reply, std::function<Result<Made>()> work,
+void in_background(picture::BackgroundWorker& worker, const Reply<Made>& reply, std::function<Result<Made>()> work,
                    const Error& full) {
   switch (worker.submit([reply, work = std::move(work)] { reply(catch_exceptions(work)); },
                         [reply] { reply(server_stopping()); })) {
-    case BackgroundWorker::Outcome::kTaken:
+    case picture::BackgroundWorker::Outcome::kTaken:
       return;
-    case BackgroundWorker::Outcome::kStopped:
+    case picture::BackgroundWorker::Outcome::kStopped:
       return reply(server_stopping());
-    case BackgroundWorker::Outcome::kFull:
+    case picture::BackgroundWorker::Outcome::kFull:
       return reply(full);
   }
 }

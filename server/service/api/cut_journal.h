@@ -25,7 +25,7 @@ class CutJournal {
   // Limit on serialised refused cuts, per sheet. The latest one is kept even if it is larger.
   static constexpr std::size_t kMaxRefusedBytes = std::size_t{1} << 20;
 
-  // Adds an applied cut. `beginning`: number of the scene's run in which it was made, see sheet::CommandReply.
+  // Adds an applied cut. `beginning`: number of the scene's run in which it was made, see scene::CommandReply.
   void add(const std::string& sheet, std::int64_t beginning, std::int64_t number, v1::Cut cut, v1::CutResult result);
   void undo(const std::string& sheet, const std::vector<std::int64_t>& numbers);
   // Describes the sheet after a redo.

@@ -18,7 +18,7 @@ namespace {
 
 // Returns one result for a Cut, and one per cut for a CutBatch, with equal shares of the times.
 std::vector<v1::CutResult> encode_results(const std::string& sheet_id, const host::CommandResult& result) {
-  const sheet::CommandReply& reply = result.reply;
+  const scene::CommandReply& reply = result.reply;
   std::vector<v1::CutResult> messages = wire::encode_cut_results(reply);
   const auto count = static_cast<double>(messages.size());
   for (std::size_t i = 0; i < messages.size(); ++i) {
@@ -68,7 +68,7 @@ v1::CutResult encode_one(const host::CommandResult& /*result*/, std::vector<v1::
 }
 
 v1::UndoResult encode_undo(const std::string& sheet_id, const host::CommandResult& result) {
-  const sheet::UndoReply& undone = *result.reply.undone;
+  const scene::UndoReply& undone = *result.reply.undone;
   v1::UndoResult message;
   for (const std::int64_t number : undone.cuts) message.add_cuts(cut_name(sheet_id, number));
   message.set_reset(undone.reset);
@@ -88,16 +88,16 @@ v1::UndoResult encode_undo(const std::string& sheet_id, const host::CommandResul
 }
 
 // Returns the cuts of a Cut or CutBatch; none for other commands.
-std::vector<v1::Cut> cuts_of(const sheet::Command& command) {
+std::vector<v1::Cut> cuts_of(const scene::Command& command) {
   std::vector<v1::Cut> cuts;
-  if (const auto* cut = std::get_if<sheet::Cut>(&command)) cuts.push_back(wire::encode_cut(*cut));
-  if (const auto* batch = std::get_if<sheet::CutBatch>(&command)) {
-    for (const sheet::Cut& cut : batch->cuts) cuts.push_back(wire::encode_cut(cut));
+  if (const auto* cut = std::get_if<scene::Cut>(&command)) cuts.push_back(wire::encode_cut(*cut));
+  if (const auto* batch = std::get_if<scene::CutBatch>(&command)) {
+    for (const scene::Cut& cut : batch->cuts) cuts.push_back(wire::encode_cut(cut));
   }
   return cuts;
 }
 
-v1::ScheduledCuts encode_scheduled(const std::string& sheet_id, const sheet::Command& command,
+v1::ScheduledCuts encode_scheduled(const std::string& sheet_id, const scene::Command& command,
                                    const host::ScheduleId& schedule_id) {
   v1::ScheduledCuts message;
   message.set_state(v1::ScheduledCuts::WAITING);
@@ -125,7 +125,7 @@ template <typename Response>
 using Encode = Response (*)(const host::CommandResult&, std::vector<v1::CutResult>);
 
 // Adds the applied ones of `cuts`, with their `results`, to the journal.
-void keep_applied(CutJournal& journal, const std::string& sheet_id, const sheet::CommandReply& reply,
+void keep_applied(CutJournal& journal, const std::string& sheet_id, const scene::CommandReply& reply,
                   std::vector<v1::Cut>&& cuts, const std::vector<v1::CutResult>& results) {
   for (std::size_t i = 0; i < results.size(); ++i) {
     if (results[i].status() != v1::CutResult::APPLIED) continue;
@@ -135,7 +135,7 @@ void keep_applied(CutJournal& journal, const std::string& sheet_id, const sheet:
 }
 
 // Applies an undo or redo to the journal.
-void keep_undone(CutJournal& journal, const std::string& sheet_id, bool is_redo, const sheet::CommandReply& reply) {
+void keep_undone(CutJournal& journal, const std::string& sheet_id, bool is_redo, const scene::CommandReply& reply) {
   if (reply.undone->reset) return journal.go_to(sheet_id, reply.beginning);
   if (!is_redo) return journal.undo(sheet_id, reply.undone->cuts);
   journal.redo(sheet_id, reply.undone->cuts, {reply.tick, reply.topology_version, wire::encode_hash(reply.state_hash)});
@@ -144,7 +144,7 @@ void keep_undone(CutJournal& journal, const std::string& sheet_id, bool is_redo,
 // Submits the command and adds its applied cuts to the journal. With a tick it schedules the command instead and
 // replies `scheduled`. The cuts are encoded here, not on the sheet's strand.
 template <typename Response>
-void submit_cut(const std::shared_ptr<ApiCore>& core, const std::string& id, sheet::Command command,
+void submit_cut(const std::shared_ptr<ApiCore>& core, const std::string& id, scene::Command command,
                 std::int64_t at_tick, Response scheduled, Reply<Response> answer, Encode<Response> encode) {
   if (at_tick > 0) {
     scheduled.set_status(v1::CutResult::SCHEDULED);
@@ -168,11 +168,11 @@ void submit_cut(const std::shared_ptr<ApiCore>& core, const std::string& id, she
 }
 
 // Cuts a copy of the sheet. `estimate`: the tick estimate of the sheet itself.
-Result<host::CommandResult> result_on(sheet::Sheet& copy, const sheet::Command& command,
+Result<host::CommandResult> result_on(sheet::Sheet& copy, const scene::Command& command,
                                       const host::TickEstimate& estimate) {
   const double before = copy.expected_cost().total();
   const sheet::TickReport report = copy.apply({&command, 1});
-  const Result<sheet::CommandReply>& reply = report.replies.front();
+  const Result<scene::CommandReply>& reply = report.replies.front();
   KERF_TRY(reply);
   host::CommandResult result{*reply, {}};
   result.timings.tick_before_us = estimate.total_us();
@@ -198,7 +198,7 @@ v1::CreateCutsResponse without_name(v1::CreateCutsResponse response) {
 
 // Replies as submit_cut() would, but applies the command to a copy of the sheet.
 template <typename Response>
-void try_cut(const std::shared_ptr<ApiCore>& core, const std::string& id, sheet::Command command, Reply<Response> reply,
+void try_cut(const std::shared_ptr<ApiCore>& core, const std::string& id, scene::Command command, Reply<Response> reply,
              Encode<Response> encode) {
   core->host.status(id, [core, id, reply = std::move(reply), encode,
                          command = std::move(command)](const Result<host::SheetStatus>& status) {
@@ -227,7 +227,7 @@ void submit_undo(const std::shared_ptr<ApiCore>& core, const char* method, const
   const Result<std::string> id = addressed_sheet(*core, request.parent(), "parent");
   if (!id.ok()) return reply(id.error());
   idempotent<v1::UndoResult>(core, method, request, std::move(reply), [&](Reply<v1::UndoResult> answer) {
-    core->host.submit(*id, is_redo ? sheet::Command(sheet::RedoCut{}) : sheet::Command(sheet::UndoCut{}),
+    core->host.submit(*id, is_redo ? scene::Command(scene::RedoCut{}) : scene::Command(scene::UndoCut{}),
                       [core, id = *id, is_redo, answer = std::move(answer)](const Result<host::CommandResult>& result) {
                         if (!result.ok()) return answer(with_field(result.error(), "parent"));
                         keep_undone(core->journal, id, is_redo, result->reply);
@@ -248,7 +248,7 @@ std::optional<std::int64_t> parse_token(const std::string& token) {
 
 }  // namespace
 
-void keep_in_journal(ApiCore& core, const std::string& sheet_id, const sheet::Command& command,
+void keep_in_journal(ApiCore& core, const std::string& sheet_id, const scene::Command& command,
                      const Result<host::CommandResult>& result, const host::ScheduleId& schedule_id) {
   CutJournal& journal = core.journal;
   if (!result.ok()) {
@@ -260,13 +260,13 @@ void keep_in_journal(ApiCore& core, const std::string& sheet_id, const sheet::Co
     refused.set_field(result.error().field);
     return journal.refuse(sheet_id, std::move(refused));
   }
-  const sheet::CommandReply& reply = result->reply;
-  if (const auto* reset = std::get_if<sheet::Reset>(&command)) {
+  const scene::CommandReply& reply = result->reply;
+  if (const auto* reset = std::get_if<scene::Reset>(&command)) {
     if (reset->repeats) journal.forget(sheet_id);
     return journal.reset(sheet_id, reply.beginning);
   }
   if (reply.undone) {
-    return keep_undone(journal, sheet_id, std::holds_alternative<sheet::RedoCut>(command), reply);
+    return keep_undone(journal, sheet_id, std::holds_alternative<scene::RedoCut>(command), reply);
   }
   std::vector<v1::Cut> cuts = cuts_of(command);
   if (cuts.empty()) return;
@@ -283,7 +283,7 @@ void Api::create_cut(const v1::CreateCutRequest& request, Reply<v1::CutResult> r
   if (!request.has_cut())
     return reply(invalid_argument("FIELD_MISSING", "cut must be given, with at least its curve", "cut"));
   if (const Status status = check_tick(request.at_tick()); !status.ok()) return reply(status.error());
-  Result<sheet::Command> command = wire::decode_cut(request.cut());
+  Result<scene::Command> command = wire::decode_cut(request.cut());
   if (!command.ok()) return reply(command.error());
   if (request.validate_only()) {
     if (const Status status = check_validate_only(request.at_tick()); !status.ok()) return reply(status.error());
@@ -299,7 +299,7 @@ void Api::create_cuts(const v1::CreateCutsRequest& request, Reply<v1::CreateCuts
   const Result<std::string> id = addressed_sheet(*core_, request.parent(), "parent");
   if (!id.ok()) return reply(id.error());
   if (const Status status = check_tick(request.at_tick()); !status.ok()) return reply(status.error());
-  Result<sheet::Command> command = wire::decode_cuts(request.cuts());
+  Result<scene::Command> command = wire::decode_cuts(request.cuts());
   if (!command.ok()) return reply(in_request(command.error()));
   if (request.validate_only()) {
     if (const Status status = check_validate_only(request.at_tick()); !status.ok()) return reply(status.error());
@@ -377,14 +377,14 @@ void Api::list_pieces(const v1::ListPiecesRequest& request, Reply<v1::ListPieces
         v1::ListPiecesResponse response;
         response.set_tick(sheet.tick());
         response.set_topology_version(sheet.topology_version());
-        std::vector<sheet::Piece> pieces = sheet.pieces();
-        std::erase_if(pieces, [after](const sheet::Piece& piece) { return piece.birth.id <= after; });
+        std::vector<scene::Piece> pieces = sheet.pieces();
+        std::erase_if(pieces, [after](const scene::Piece& piece) { return piece.birth.id <= after; });
         std::sort(pieces.begin(), pieces.end(), [](const auto& a, const auto& b) { return a.birth.id < b.birth.id; });
         if (pieces.size() > size) {
           pieces.resize(size);
           response.set_next_page_token(std::to_string(pieces.back().birth.id));
         }
-        for (const sheet::Piece& piece : pieces) *response.add_pieces() = wire::encode_piece(piece);
+        for (const scene::Piece& piece : pieces) *response.add_pieces() = wire::encode_piece(piece);
         return response;
       },
       "parent", std::move(reply));

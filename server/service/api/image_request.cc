@@ -14,7 +14,7 @@ constexpr int kMaxBitrateKbps = 50'000;
 
 // Returns the bit rate in kbit/s, 2000 at 640 x 360. It grows less than the number of pixels, because more pixels show
 // the same things larger.
-int bitrate_for(const PictureView& view) {
+int bitrate_for(const picture::PictureView& view) {
   const double pixels = static_cast<double>(view.width) * view.height;
   const double kbps = 2000.0 * std::pow(pixels / (640.0 * 360.0), 0.75);
   return std::clamp(static_cast<int>(std::lround(kbps)), kMinBitrateKbps, kMaxBitrateKbps);
@@ -38,7 +38,7 @@ Result<v1::ImageCodec> decode_codec(v1::ImageCodec codec) {
   }
 }
 
-Status check_video_size(const PictureView& view, const std::string& prefix) {
+Status check_video_size(const picture::PictureView& view, const std::string& prefix) {
   if (std::int64_t{view.width} * view.height <= render::kMaxVideoPixels) return Nothing{};
   return invalid_argument("OUT_OF_RANGE",
                           "a picture of " + std::to_string(view.width) + " x " + std::to_string(view.height) +
@@ -50,11 +50,11 @@ Status check_video_size(const PictureView& view, const std::string& prefix) {
 }  // namespace
 
 Result<ImageLook> decode_look(const v1::ImageView& message, v1::ImageCodec codec, const std::string& prefix) {
-  KERF_TRY_ASSIGN(const PictureView view, decode_view(message, prefix));
+  KERF_TRY_ASSIGN(const picture::PictureView view, picture::decode_view(message, prefix));
   const int quality = message.jpeg_quality() != 0 ? message.jpeg_quality() : kStreamJpegQuality;
-  Status status = check_range(quality, 1, 100, prefix + "jpeg_quality");
+  Status status = picture::check_range(quality, 1, 100, prefix + "jpeg_quality");
   const int kbps = message.bitrate_kbps() != 0 ? message.bitrate_kbps() : bitrate_for(view);
-  if (status.ok()) status = check_range(kbps, kMinBitrateKbps, kMaxBitrateKbps, prefix + "bitrate_kbps");
+  if (status.ok()) status = picture::check_range(kbps, kMinBitrateKbps, kMaxBitrateKbps, prefix + "bitrate_kbps");
   if (status.ok() && codec == v1::IMAGE_VP8) status = check_video_size(view, prefix);
   KERF_TRY(status);
   ImageLook look{view, {}, {}};

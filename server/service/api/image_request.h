@@ -13,8 +13,8 @@ namespace kerf::api {
 
 // Holds an ImageView with its defaults filled in.
 struct ImageLook {
-  PictureView view;
-  StillFormat still;           // Used by still codecs.
+  picture::PictureView view;
+  picture::StillFormat still;  // Used by still codecs.
   render::VideoOptions video;  // Used by video codecs.
 };
 

@@ -7,7 +7,7 @@ namespace kerf::api {
 namespace {
 
 // Implements every method here: checks the name, submits the decoded command, replies with the tick.
-void submit(const std::shared_ptr<ApiCore>& core, const std::string& name, Result<sheet::Command> command,
+void submit(const std::shared_ptr<ApiCore>& core, const std::string& name, Result<scene::Command> command,
             Reply<v1::InteractionResponse> reply) {
   const Result<std::string> id = addressed_sheet(*core, name, "name");
   if (!id.ok()) return reply(id.error());

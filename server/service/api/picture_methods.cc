@@ -8,21 +8,21 @@ namespace kerf::api {
 namespace {
 
 struct PictureRequest {
-  PictureView view;
-  StillFormat format;
+  picture::PictureView view;
+  picture::StillFormat format;
 };
 
 Result<PictureRequest> decode_request(const v1::RenderImageRequest& message) {
-  KERF_TRY_ASSIGN(const PictureView view, decode_view(message));
-  KERF_TRY_ASSIGN(const StillFormat format, decode_format(message));
+  KERF_TRY_ASSIGN(const picture::PictureView view, picture::decode_view(message));
+  KERF_TRY_ASSIGN(const picture::StillFormat format, picture::decode_format(message));
   return PictureRequest{view, format};
 }
 
-Result<v1::RenderImageResponse> make_picture(ApiCore& core, const PictureSubject& subject,
+Result<v1::RenderImageResponse> make_picture(ApiCore& core, const picture::PictureSubject& subject,
                                              const PictureRequest& request) {
-  KERF_TRY_ASSIGN(const DrawnPicture picture, draw_picture(*core.renderer, subject, request.view));
+  KERF_TRY_ASSIGN(const picture::DrawnPicture picture, picture::draw_picture(*core.renderer, subject, request.view));
   ++core.pictures.rendered;
-  KERF_TRY_ASSIGN(std::string image, encode_still(picture.pixels, request.format));
+  KERF_TRY_ASSIGN(std::string image, picture::encode_still(picture.pixels, request.format));
   ++core.pictures.encoded;
   v1::RenderImageResponse response;
   response.set_image(std::move(image));
@@ -49,13 +49,13 @@ void Api::render_image(const v1::RenderImageRequest& request, Reply<v1::RenderIm
   if (!wanted.ok()) return reply(wanted.error());
   if (const Status status = check_renderer(*core_); !status.ok()) return reply(status.error());
   const bool with_strains = wanted->view.color_by == v1::STRAINS;
-  inspect<PictureSubject>(
+  inspect<picture::PictureSubject>(
       core_, *id,
       [with_strains](const sheet::Sheet& sheet) {
-        return PictureSubject{sheet.snapshot({}, with_strains), backdrop_of(sheet)};
+        return picture::PictureSubject{sheet.snapshot({}, with_strains), picture::backdrop_of(sheet)};
       },
       "name",
-      [core = core_, wanted = *wanted, reply = std::move(reply)](Result<PictureSubject> subject) {
+      [core = core_, wanted = *wanted, reply = std::move(reply)](Result<picture::PictureSubject> subject) {
         if (!subject.ok()) return reply(subject.error());
         in_background<v1::RenderImageResponse>(
             core->picture_worker, reply,
@@ -73,7 +73,7 @@ std::shared_ptr<ImageSession> Api::play_images(const v1::WatchImagesStart& start
 }
 
 PictureCounts Api::picture_counts() const {
-  const PictureCounters& counters = core_->pictures;
+  const picture::PictureCounters& counters = core_->pictures;
   return {counters.rendered, counters.encoded, counters.shared,
           counters.sent,     counters.skipped, core_->num_image_streams};
 }

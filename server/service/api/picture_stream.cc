@@ -84,11 +84,12 @@ void PictureStream::joined(const Status& status) {
   }
   if (unwanted) return core_->hub.leave(sheet_id_, *this);
   // Runs after the channel is attached to the sheet. If the sheet is deleted now and its name reused, the channel ends.
-  inspect<Backdrop>(core_, sheet_id_, backdrop_of, "start.name",
-                    [self = shared_from_this()](const Result<Backdrop>& backdrop) { self->shown(backdrop); });
+  inspect<picture::Backdrop>(
+      core_, sheet_id_, picture::backdrop_of, "start.name",
+      [self = shared_from_this()](const Result<picture::Backdrop>& backdrop) { self->shown(backdrop); });
 }
 
-void PictureStream::shown(const Result<Backdrop>& backdrop) {
+void PictureStream::shown(const Result<picture::Backdrop>& backdrop) {
   if (!backdrop.ok()) return fail(backdrop.error());
   {
     const std::lock_guard lock(mutex_);
@@ -138,7 +139,7 @@ void PictureStream::take_look(const ImageLook& look) {
   if (codec_ == v1::IMAGE_VP8) {
     const bool same_track = video_ && video_->options() == look.video;
     if (same_track && look_.view == look.view) key_wanted_ = true;
-    if (!same_track) video_ = std::make_shared<VideoTrack>(look.video);
+    if (!same_track) video_ = std::make_shared<picture::VideoTrack>(look.video);
   }
   look_ = look;
   look_changed_ = true;

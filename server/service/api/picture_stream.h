@@ -52,7 +52,7 @@ class PictureStream final : public ImageSession,
  private:
   void join();
   void joined(const Status& status);
-  void shown(const Result<Backdrop>& backdrop);
+  void shown(const Result<picture::Backdrop>& backdrop);
   void acknowledge(const v1::WatchAck& ack);
   void look(const v1::ImageView& view);
   void set_frame_rate(const v1::WatchPace& pace);
@@ -68,13 +68,13 @@ class PictureStream final : public ImageSession,
   Outgoing advance();
   // These need mutex_ held:
   void order(const stream::FlowControl::Permit& permit);
-  v1::Image send(const FinishedPicture& picture, host::Nanoseconds now);
+  v1::Image send(const picture::FinishedPicture& picture, host::Nanoseconds now);
   void take_look(const ImageLook& look);
   void wake_at(const std::optional<host::Nanoseconds>& deadline);
   [[nodiscard]] bool wants_strains() const { return look_.view.color_by == v1::STRAINS; }
   [[nodiscard]] bool over() const { return closed_ || failure_ || ended_; }
 
-  void finished(Result<FinishedPicture> picture);
+  void finished(Result<picture::FinishedPicture> picture);
   // Leaves the sheet and frees the stream's resources; once.
   void let_go();
 
@@ -96,17 +96,17 @@ class PictureStream final : public ImageSession,
   // Publications up to this number are not shown: the one before a pause ended, and older ones.
   std::int64_t stale_through_ = 0;
   std::shared_ptr<stream::Channel> channel_;
-  std::optional<Backdrop> backdrop_;
-  std::shared_ptr<PictureFeed> feed_;  // Set once there is a backdrop.
-  std::shared_ptr<VideoTrack> video_;  // For VP8.
-  bool key_wanted_ = false;            // The next video frame must be decodable by itself.
-  bool look_changed_ = false;          // A picture is due though the sheet has not moved.
+  std::optional<picture::Backdrop> backdrop_;
+  std::shared_ptr<picture::PictureFeed> feed_;  // Set once there is a backdrop.
+  std::shared_ptr<picture::VideoTrack> video_;  // For VP8.
+  bool key_wanted_ = false;                     // The next video frame must be decodable by itself.
+  bool look_changed_ = false;                   // A picture is due though the sheet has not moved.
   bool ordered_ = false;
-  std::optional<FinishedPicture> picture_;  // To be sent.
-  std::int64_t last_publication_ = 0;       // Number of the publication shown by the last picture sent.
-  std::int64_t last_tick_ = -1;             // Tick of the last picture sent; -1: none.
-  std::optional<wire::EndReason> end_;      // Reason of the end, once the stream is to end.
-  bool ended_ = false;                      // The end was sent.
+  std::optional<picture::FinishedPicture> picture_;  // To be sent.
+  std::int64_t last_publication_ = 0;                // Number of the publication shown by the last picture sent.
+  std::int64_t last_tick_ = -1;                      // Tick of the last picture sent; -1: none.
+  std::optional<wire::EndReason> end_;               // Reason of the end, once the stream is to end.
+  bool ended_ = false;                               // The end was sent.
   std::optional<Error> failure_;
   bool closed_ = false;
 };

@@ -64,12 +64,12 @@ void PictureStream::order(const stream::FlowControl::Permit& permit) {
   ordered_ = true;
   look_changed_ = false;
   feed_->order({look_.still, video_, std::exchange(key_wanted_, false),
-                [weak = weak_from_this()](Result<FinishedPicture> picture) {
+                [weak = weak_from_this()](Result<picture::FinishedPicture> picture) {
                   if (const auto session = weak.lock()) session->finished(std::move(picture));
                 }});
 }
 
-void PictureStream::finished(Result<FinishedPicture> picture) {
+void PictureStream::finished(Result<picture::FinishedPicture> picture) {
   if (!picture.ok()) return fail(picture.error());
   {
     const std::lock_guard lock(mutex_);
@@ -87,7 +87,7 @@ void PictureStream::finished(Result<FinishedPicture> picture) {
   wake_.call();
 }
 
-v1::Image PictureStream::send(const FinishedPicture& picture, host::Nanoseconds now) {
+v1::Image PictureStream::send(const picture::FinishedPicture& picture, host::Nanoseconds now) {
   const sheet::Snapshot& snapshot = *picture.snapshot;
   const std::int64_t skipped = last_tick_ < 0 ? 0 : std::max<std::int64_t>(0, snapshot.tick - last_tick_ - 1);
   v1::Image image;
@@ -97,7 +97,7 @@ v1::Image PictureStream::send(const FinishedPicture& picture, host::Nanoseconds 
   image.set_key(picture.key);
   image.set_width_px(picture.width);
   image.set_height_px(picture.height);
-  *image.mutable_camera() = encode_camera(picture.camera);
+  *image.mutable_camera() = picture::encode_camera(picture.camera);
   image.set_strain_end(picture.strain_end);
   wire::encode_stats(snapshot.stats, *snapshot.topology, *image.mutable_stats());
   image.mutable_stats()->set_skipped(skipped);

@@ -16,7 +16,7 @@ constexpr std::string_view kScheduled = "/scheduledCuts/";
 Result<std::string> parse_sheet_name(const std::string& name, const char* field) {
   if (name.compare(0, kSheets.size(), kSheets) == 0) {
     std::string id = name.substr(kSheets.size());
-    if (sheet::is_valid_sheet_id(id)) return id;
+    if (scene::is_valid_sheet_id(id)) return id;
   }
   return invalid_argument("NAME_MALFORMED",
                           std::string(field) +

@@ -20,7 +20,7 @@ struct ScheduledName {
 // Parses a name that scheduled_name() made. Error: kInvalidArgument NAME_MALFORMED with field "name".
 Result<ScheduledName> parse_scheduled_name(const std::string& name);
 
-// Returns `sheets/{sheet}/cuts/{cut}`. See sheet::CutReply::number.
+// Returns `sheets/{sheet}/cuts/{cut}`. See scene::CutReply::number.
 std::string cut_name(const std::string& sheet_id, std::int64_t number);
 
 }  // namespace kerf::api

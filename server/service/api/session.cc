@@ -107,8 +107,8 @@ class Session final : public WatchSession, public OpenStream, public std::enable
   std::shared_ptr<stream::Subscriber> joined_subscriber();
   void joined(const Result<std::shared_ptr<stream::Reader>>& reader);
   void acknowledge(const v1::WatchAck& ack);
-  void submit(const std::string& grab_id, Result<sheet::Command> command);
-  void answered(const std::string& grab_id, const sheet::Command& command, const Status& status);
+  void submit(const std::string& grab_id, Result<scene::Command> command);
+  void answered(const std::string& grab_id, const scene::Command& command, const Status& status);
   void reject(const std::string& grab_id, const Error& error);
   void count_frame();
   void wake_at(host::Nanoseconds deadline);
@@ -247,7 +247,7 @@ void Session::set_frame_rate(const v1::WatchPace& pace) {
   }
 }
 
-void Session::submit(const std::string& grab_id, Result<sheet::Command> command) {
+void Session::submit(const std::string& grab_id, Result<scene::Command> command) {
   if (!command.ok()) return reject(grab_id, command.error());
   core_->host.submit(sheet_id_, *command,
                      [self = shared_from_this(), grab_id, command = *command](Result<host::CommandResult> result) {
@@ -255,13 +255,13 @@ void Session::submit(const std::string& grab_id, Result<sheet::Command> command)
                      });
 }
 
-void Session::answered(const std::string& grab_id, const sheet::Command& command, const Status& status) {
+void Session::answered(const std::string& grab_id, const scene::Command& command, const Status& status) {
   if (!status.ok()) return reject(grab_id, status.error());
   bool too_late = false;
   {
     const std::lock_guard lock(mutex_);
-    if (std::holds_alternative<sheet::Release>(command)) held_grabs_.erase(grab_id);
-    if (std::holds_alternative<sheet::Grab>(command)) {
+    if (std::holds_alternative<scene::Release>(command)) held_grabs_.erase(grab_id);
+    if (std::holds_alternative<scene::Grab>(command)) {
       too_late = over();
       if (!too_late) held_grabs_.insert(grab_id);
     }

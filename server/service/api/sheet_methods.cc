@@ -21,7 +21,7 @@ void make_sheet(const std::shared_ptr<ApiCore>& core, v1::CreateSheetRequest req
   }
   // Copies the scene if there is a request_id, which stands for the whole request.
   v1::Scene scene = request.request_id().empty() ? std::move(*request.mutable_scene()) : request.scene();
-  Result<sheet::SheetConfig> config = wire::decode_scene(std::move(scene));
+  Result<scene::SheetConfig> config = wire::decode_scene(std::move(scene));
   const auto in_scene = [](Error error) {
     const bool about_scene = error.code == ErrorCode::kInvalidArgument;
     if (about_scene) error.field = error.field.empty() ? "scene" : "scene." + error.field;
@@ -54,7 +54,7 @@ void Api::list_sheets(const v1::ListSheetsRequest& request, Reply<v1::ListSheets
   if (core_->stopping) return reply(server_stopping());
   const Result<std::size_t> size = page_size(request.page_size());
   if (!size.ok()) return reply(size.error());
-  if (!request.page_token().empty() && !sheet::is_valid_sheet_id(request.page_token())) {
+  if (!request.page_token().empty() && !scene::is_valid_sheet_id(request.page_token())) {
     return reply(bad_page_token());
   }
   // Uses the last id of the page before as token, so that sheets made or deleted in between shift nothing.
@@ -112,7 +112,7 @@ void Api::set_sheet_speed(const v1::SetSheetSpeedRequest& request, Reply<v1::She
 void Api::reset_sheet(const v1::ResetSheetRequest& request, Reply<v1::Sheet> reply) {
   const Result<std::string> id = addressed_sheet(*core_, request.name(), "name");
   if (!id.ok()) return reply(id.error());
-  core_->host.submit(*id, sheet::Reset{},
+  core_->host.submit(*id, scene::Reset{},
                      [core = core_, id = *id, reply = std::move(reply)](const Result<host::CommandResult>& result) {
                        if (!result.ok()) return reply(with_field(result.error(), "name"));
                        core->journal.reset(id, result->reply.beginning);

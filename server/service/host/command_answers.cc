@@ -11,7 +11,7 @@ std::vector<Result<CommandResult>> command_results(const sheet::TickReport& repo
   std::vector<Result<CommandResult>> results;
   results.reserve(num_scheduled + pending.size());
   // `number`: index among the tick's commands, in the order in which they were done.
-  const auto add = [&](const Result<sheet::CommandReply>& reply, Nanoseconds queued, std::size_t number) {
+  const auto add = [&](const Result<scene::CommandReply>& reply, Nanoseconds queued, std::size_t number) {
     if (!reply.ok()) {
       results.emplace_back(reply.error());
       return;
@@ -39,12 +39,12 @@ void CommandAnswers::answer_next(const Result<CommandResult>& result) {
   if (done) done(result);
 }
 
-void CommandAnswers::answer_all(const std::string& sheet_id, const sheet::SheetConfig& config,
-                                const sheet::TickReport& report, const std::vector<sheet::Command>& commands,
+void CommandAnswers::answer_all(const std::string& sheet_id, const scene::SheetConfig& config,
+                                const sheet::TickReport& report, const std::vector<scene::Command>& commands,
                                 const std::vector<Result<CommandResult>>& results, const CommandListener* listener) {
   const std::size_t num_scheduled = report.scheduled.size();
   for (std::size_t i = 0; i < num_scheduled && listener != nullptr; ++i) {
-    const sheet::ScheduledCommand& of_scene = config.commands[report.scheduled[i].index];
+    const scene::ScheduledCommand& of_scene = config.commands[report.scheduled[i].index];
     (*listener)(sheet_id, of_scene.command, results[i], {of_scene.tick, 0});
   }
   for (std::size_t i = 0; i < pending_.size(); ++i) {

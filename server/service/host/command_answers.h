@@ -34,8 +34,8 @@ class CommandAnswers {
 
   // Answers each command, or passes it to `listener` (may be null), before the next one. `commands`: the commands of
   // the pending ones, in the same order. `results`: see command_results().
-  void answer_all(const std::string& sheet_id, const sheet::SheetConfig& config, const sheet::TickReport& report,
-                  const std::vector<sheet::Command>& commands, const std::vector<Result<CommandResult>>& results,
+  void answer_all(const std::string& sheet_id, const scene::SheetConfig& config, const sheet::TickReport& report,
+                  const std::vector<scene::Command>& commands, const std::vector<Result<CommandResult>>& results,
                   const CommandListener* listener);
 
  private:

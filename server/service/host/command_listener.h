@@ -11,7 +11,7 @@ namespace kerf::host {
 
 // Receives the outcome of a command of the sheet `id` that no caller waits for, see Host::set_command_listener().
 // Called on the sheet's strand; must not block.
-using CommandListener = std::function<void(const std::string& id, const sheet::Command& command,
+using CommandListener = std::function<void(const std::string& id, const scene::Command& command,
                                            const Result<CommandResult>& result, const ScheduleId& schedule_id)>;
 
 }  // namespace kerf::host

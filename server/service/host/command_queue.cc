@@ -9,7 +9,7 @@ namespace kerf::host {
 CommandQueue::CommandQueue(std::int32_t max_queued, std::int32_t max_scheduled, MetricsBoard& board)
     : max_queued_(max_queued), max_scheduled_(max_scheduled), board_(board) {}
 
-Status CommandQueue::push(sheet::Command command, Callback<CommandResult>& done, Nanoseconds now) {
+Status CommandQueue::push(scene::Command command, Callback<CommandResult>& done, Nanoseconds now) {
   const std::lock_guard lock(mutex_);
   if (queued_.size() >= static_cast<std::size_t>(max_queued_)) {
     return resource_exhausted("QUEUE_FULL", "the sheet has " + std::to_string(max_queued_) +
@@ -22,12 +22,12 @@ Status CommandQueue::push(sheet::Command command, Callback<CommandResult>& done,
 void CommandQueue::push_release(std::string grab_id, Nanoseconds now) {
   const std::lock_guard lock(mutex_);
   push_locked(
-      sheet::Release{std::move(grab_id)}, [](const auto&) {}, now);
+      scene::Release{std::move(grab_id)}, [](const auto&) {}, now);
 }
 
-void CommandQueue::push_locked(sheet::Command command, Callback<CommandResult> done, Nanoseconds now) {
+void CommandQueue::push_locked(scene::Command command, Callback<CommandResult> done, Nanoseconds now) {
   board_.update([](HostMetrics& m) { ++m.queued_commands; });
-  if (std::holds_alternative<sheet::UndoCut>(command) || std::holds_alternative<sheet::Reset>(command)) {
+  if (std::holds_alternative<scene::UndoCut>(command) || std::holds_alternative<scene::Reset>(command)) {
     has_revert_ = true;
   }
   queued_.push_back({std::move(command), std::move(done), now});
@@ -45,7 +45,7 @@ std::vector<PendingCommand> CommandQueue::take_queued() {
   return taken;
 }
 
-Result<std::int64_t> CommandQueue::schedule(sheet::Command command, std::int64_t at_tick, std::int64_t tick) {
+Result<std::int64_t> CommandQueue::schedule(scene::Command command, std::int64_t at_tick, std::int64_t tick) {
   if (at_tick <= tick) {
     return failed_precondition("TICK_PAST",
                                "at_tick is " + std::to_string(at_tick) + "; the sheet has already reached tick " +

@@ -16,7 +16,7 @@ namespace kerf::host {
 
 // Holds a command that waits for a tick, or that a tick is doing.
 struct PendingCommand {
-  sheet::Command command;
+  scene::Command command;
   Callback<CommandResult> done;  // Empty if the listener gets the outcome instead.
   Nanoseconds queued_at{0};      // Time of push(); 0 for a command that was never queued.
   ScheduleId schedule_id{};      // Zeros for a command that was never scheduled.
@@ -41,7 +41,7 @@ class CommandQueue {
 
   // Queues a command at time `now`. If the queue is full, returns kResourceExhausted QUEUE_FULL and leaves `done`
   // unmoved, so that the caller can still call it.
-  Status push(sheet::Command command, Callback<CommandResult>& done, Nanoseconds now);
+  Status push(scene::Command command, Callback<CommandResult>& done, Nanoseconds now);
   // Queues a Release of a grab even if the queue is full. Neither a caller nor the listener gets its outcome.
   void push_release(std::string grab_id, Nanoseconds now);
   // Removes all queued commands and returns them in the order they came.
@@ -51,7 +51,7 @@ class CommandQueue {
 
   // Schedules a command for `at_tick` and returns its number. `tick`: the last tick that the sheet has done.
   // kFailedPrecondition TICK_PAST unless at_tick > tick; kResourceExhausted TOO_MANY_SCHEDULED.
-  Result<std::int64_t> schedule(sheet::Command command, std::int64_t at_tick, std::int64_t tick);
+  Result<std::int64_t> schedule(scene::Command command, std::int64_t at_tick, std::int64_t tick);
   // Removes a scheduled command and returns it. kNotFound SCHEDULED_CUTS_NOT_FOUND for a number that schedule() never
   // returned; kFailedPrecondition SCHEDULED_CUTS_SETTLED for a command that no longer waits.
   Result<ScheduledCommand> cancel(std::int64_t number);
@@ -60,7 +60,7 @@ class CommandQueue {
   [[nodiscard]] const std::vector<ScheduledCommand>& scheduled() const { return scheduled_; }
 
  private:
-  void push_locked(sheet::Command command, Callback<CommandResult> done, Nanoseconds now);  // mutex_ held
+  void push_locked(scene::Command command, Callback<CommandResult> done, Nanoseconds now);  // mutex_ held
 
   const std::int32_t max_queued_;
   const std::int32_t max_scheduled_;

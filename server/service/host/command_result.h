@@ -25,7 +25,7 @@ struct CommandTimings {
 };
 
 struct CommandResult {
-  sheet::CommandReply reply;
+  scene::CommandReply reply;
   CommandTimings timings;
 };
 
@@ -37,7 +37,7 @@ struct ScheduleId {
 
 struct ScheduledCommand {
   ScheduleId id;
-  sheet::Command command;
+  scene::Command command;
 };
 
 }  // namespace kerf::host

@@ -32,7 +32,7 @@ Host::~Host() {
   stop();
 }
 
-void Host::create_sheet(std::string id, sheet::SheetConfig config, bool paused, Callback<SheetStatus> done,
+void Host::create_sheet(std::string id, scene::SheetConfig config, bool paused, Callback<SheetStatus> done,
                         const std::stop_token& stop) {
   create(std::move(id), std::move(config), nullptr, paused, std::move(done), stop);
 }
@@ -138,7 +138,7 @@ std::vector<SheetStatus> Host::statuses(const std::vector<std::string>& ids) con
   return found;
 }
 
-void Host::submit(const std::string& id, sheet::Command command, Callback<CommandResult> done) {
+void Host::submit(const std::string& id, scene::Command command, Callback<CommandResult> done) {
   const std::shared_ptr<SheetRunner> runner = find(id);
   const Status accepted = runner ? runner->enqueue(std::move(command), done) : Status(missing(id));
   if (accepted.ok()) return;
@@ -146,7 +146,7 @@ void Host::submit(const std::string& id, sheet::Command command, Callback<Comman
   done(accepted.error());
 }
 
-void Host::schedule(const std::string& id, sheet::Command command, std::int64_t at_tick, Callback<std::int64_t> done) {
+void Host::schedule(const std::string& id, scene::Command command, std::int64_t at_tick, Callback<std::int64_t> done) {
   const auto answer = [this, done = std::move(done)](Result<std::int64_t> number) {
     if (!number.ok()) board_.update([](HostMetrics& m) { ++m.commands_refused; });
     done(std::move(number));

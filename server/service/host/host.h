@@ -76,7 +76,7 @@ class Host {
   //   kResourceExhausted  TOO_MANY_VERTICES_IN_ALL, only after the build if the mesh does not declare its size
   //   kResourceExhausted  OVERLOADED unless `paused`, if running sheets need max_load already (see Admission)
   //   kAborted            CREATION_ABANDONED if a stop is requested before it is built
-  void create_sheet(std::string id, sheet::SheetConfig config, bool paused, Callback<SheetStatus> done,
+  void create_sheet(std::string id, scene::SheetConfig config, bool paused, Callback<SheetStatus> done,
                     const std::stop_token& stop = {});
   // Builds the sheet of a recording and plays the recording in real time, at the sheet's speed. The sheet does only the
   // recorded commands; others get kFailedPrecondition REPLAYING. It pauses at the end, see ReplayState. Errors of
@@ -100,16 +100,16 @@ class Host {
 
   // Queues a command for the next tick boundary; wakes a sleeping sheet. On a paused or failed sheet the command is
   // done at once, without advancing time. `done` receives kResourceExhausted QUEUE_FULL within this call, or the
-  // sheet's own errors once the command is due. sheet::validate() must accept the command, as it accepts every command
+  // sheet's own errors once the command is due. scene::validate() must accept the command, as it accepts every command
   // decoded by wire. The sheet refuses any other command when it is due, but a recording of that command cannot be
   // read.
-  void submit(const std::string& id, sheet::Command command, Callback<CommandResult> done);
+  void submit(const std::string& id, scene::Command command, Callback<CommandResult> done);
   // Schedules a command for the start of tick `at_tick`, before commands queued at that time. Commands scheduled for
   // one tick run in the order in which they were scheduled. `done` receives the command's number once it is scheduled;
   // the listener receives its outcome. A sheet with a scheduled command does not fall asleep, and a Reset does not
   // cancel the command. kFailedPrecondition TICK_PAST, field "at_tick", for a tick that is not ahead;
   // kResourceExhausted TOO_MANY_SCHEDULED.
-  void schedule(const std::string& id, sheet::Command command, std::int64_t at_tick, Callback<std::int64_t> done);
+  void schedule(const std::string& id, scene::Command command, std::int64_t at_tick, Callback<std::int64_t> done);
   // Returns the scheduled commands that still wait, sorted by tick.
   void scheduled(const std::string& id, Callback<std::vector<ScheduledCommand>> done);
   // Cancels a scheduled command: it is never done, and no listener receives it. kNotFound SCHEDULED_CUTS_NOT_FOUND for
@@ -182,16 +182,16 @@ class Host {
   static constexpr std::size_t kMaxBuilders = 3;
 
   // Builds a sheet on a builder thread. `playback`: the recording that the sheet is to play; null: none.
-  void create(std::string id, sheet::SheetConfig config, std::unique_ptr<Playback> playback, bool paused,
+  void create(std::string id, scene::SheetConfig config, std::unique_ptr<Playback> playback, bool paused,
               Callback<SheetStatus> done, const std::stop_token& stop);
-  std::shared_ptr<ExpectedNeed> expected_need(const sheet::SheetConfig& config);
+  std::shared_ptr<ExpectedNeed> expected_need(const scene::SheetConfig& config);
   // Reserves the name, and as many vertices as the config declares.
-  Result<std::shared_ptr<VertexShare>> reserve(const std::string& id, const sheet::SheetConfig& config, bool paused);
-  Result<sheet::Sheet> build(sheet::SheetConfig config, const Creation& creation);
+  Result<std::shared_ptr<VertexShare>> reserve(const std::string& id, const scene::SheetConfig& config, bool paused);
+  Result<sheet::Sheet> build(scene::SheetConfig config, const Creation& creation);
   // Returns an error if the sheet being built is no longer wanted.
   Status check_wanted(const Creation& creation) const;
   // Builds the sheet on a builder thread, then posts begin() to a worker.
-  Status build_and_hand_on(const std::shared_ptr<Creation>& creation, sheet::SheetConfig config);
+  Status build_and_hand_on(const std::shared_ptr<Creation>& creation, scene::SheetConfig config);
   Result<SheetStatus> begin(Creation& creation, sheet::Sheet sheet, const Workers::Strand& strand);
   void refuse(Creation& creation, const Error& error);
   void release(const std::string& id);

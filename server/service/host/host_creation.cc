@@ -27,14 +27,14 @@ Error too_many_vertices(std::int64_t count, std::int32_t limit) {
 }
 
 // Returns the number of vertices of a config if it is known without building; else 0.
-std::int64_t declared_vertices(const sheet::SheetConfig& config) {
+std::int64_t declared_vertices(const scene::SheetConfig& config) {
   using Count = std::int64_t;
   return std::visit(Overloaded{
-                        [](const sheet::GridSource& grid) { return Count{grid.columns} * grid.rows; },
-                        [](const sheet::ObjSource& /*text*/) { return Count{0}; },
-                        [](const sheet::PlySource& /*bytes*/) { return Count{0}; },
-                        [](const sheet::ArraySource& arrays) { return Count{arrays.num_vertices()}; },
-                        [](const sheet::OutlineSource& /*outline*/) { return Count{0}; },
+                        [](const scene::GridSource& grid) { return Count{grid.columns} * grid.rows; },
+                        [](const scene::ObjSource& /*text*/) { return Count{0}; },
+                        [](const scene::PlySource& /*bytes*/) { return Count{0}; },
+                        [](const scene::ArraySource& arrays) { return Count{arrays.num_vertices()}; },
+                        [](const scene::OutlineSource& /*outline*/) { return Count{0}; },
                     },
                     config.mesh);
 }
@@ -66,7 +66,7 @@ std::string random_id(std::uint64_t bits) {
 
 }  // namespace
 
-void Host::create(std::string id, sheet::SheetConfig config, std::unique_ptr<Playback> playback, bool paused,
+void Host::create(std::string id, scene::SheetConfig config, std::unique_ptr<Playback> playback, bool paused,
                   Callback<SheetStatus> done, const std::stop_token& stop) {
   if (id.empty()) id = config.sheet_id;
   if (id.empty()) id = random_id(entropy_.next());
@@ -82,7 +82,7 @@ void Host::create(std::string id, sheet::SheetConfig config, std::unique_ptr<Pla
     creation->vertices = std::move(reserved).value();
     creation->id = std::move(id);
     if (!paused) creation->need = expected_need(config);
-    const auto shared = std::make_shared<sheet::SheetConfig>(std::move(config));
+    const auto shared = std::make_shared<scene::SheetConfig>(std::move(config));
     const bool posted = builders_.make_strand().post([this, creation, shared] {
       const Status handed_on = catch_exceptions([&] { return build_and_hand_on(creation, std::move(*shared)); });
       if (!handed_on.ok()) refuse(*creation, handed_on.error());
@@ -92,7 +92,7 @@ void Host::create(std::string id, sheet::SheetConfig config, std::unique_ptr<Pla
   if (!queued.ok()) refuse(*creation, queued.error());
 }
 
-Status Host::build_and_hand_on(const std::shared_ptr<Creation>& creation, sheet::SheetConfig config) {
+Status Host::build_and_hand_on(const std::shared_ptr<Creation>& creation, scene::SheetConfig config) {
   KERF_TRY_ASSIGN(sheet::Sheet built, build(std::move(config), *creation));
   const auto sheet = std::make_shared<sheet::Sheet>(std::move(built));
   const Workers::Strand strand = workers_.make_strand();
@@ -132,20 +132,20 @@ void Host::refuse(Creation& creation, const Error& error) {
   creation.done(error);
 }
 
-std::shared_ptr<ExpectedNeed> Host::expected_need(const sheet::SheetConfig& config) {
+std::shared_ptr<ExpectedNeed> Host::expected_need(const scene::SheetConfig& config) {
   if (!(config.tick_rate_hz > 0.0)) return nullptr;  // Sheet::create() will refuse the config.
   const Nanoseconds period(std::llround(1.0e9 / config.tick_rate_hz));
   const Nanoseconds tick = WorkerNeed::guessed_tick(declared_vertices(config));
   return std::make_shared<ExpectedNeed>(board_, WorkerNeed(period, tick).value());
 }
 
-Result<std::shared_ptr<VertexShare>> Host::reserve(const std::string& id, const sheet::SheetConfig& config,
+Result<std::shared_ptr<VertexShare>> Host::reserve(const std::string& id, const scene::SheetConfig& config,
                                                    bool paused) {
-  if (!sheet::is_valid_sheet_id(id)) {
+  if (!scene::is_valid_sheet_id(id)) {
     return invalid_argument("SHEET_ID", "sheet_id must match [a-z][a-z0-9-]{0,62}", "sheet_id");
   }
   const std::int64_t declared = declared_vertices(config);
-  if (declared > options_.max_vertices_per_sheet && declared <= sheet::kMaxVertices) {
+  if (declared > options_.max_vertices_per_sheet && declared <= scene::kMaxVertices) {
     return too_many_vertices(declared, options_.max_vertices_per_sheet);
   }
   const std::lock_guard lock(mutex_);
@@ -159,7 +159,7 @@ Result<std::shared_ptr<VertexShare>> Host::reserve(const std::string& id, const 
   }
   // Reserves nothing for a size beyond any sheet's limit, which is refused later. A mesh of unknown size reserves one
   // vertex, so that it is refused before the build if none is left.
-  const std::int64_t taken = declared <= sheet::kMaxVertices ? std::max<std::int64_t>(declared, 1) : 0;
+  const std::int64_t taken = declared <= scene::kMaxVertices ? std::max<std::int64_t>(declared, 1) : 0;
   KERF_TRY(vertices_.take(taken));
   auto share = std::make_shared<VertexShare>(vertices_, taken);
   if (!paused) {
@@ -172,11 +172,11 @@ Result<std::shared_ptr<VertexShare>> Host::reserve(const std::string& id, const 
   return share;
 }
 
-Result<sheet::Sheet> Host::build(sheet::SheetConfig config, const Creation& creation) {
+Result<sheet::Sheet> Host::build(scene::SheetConfig config, const Creation& creation) {
   // Stored in the config and so in a recording: a cut refused here is refused in a replay too.
   config.max_vertices = std::min(config.max_vertices, options_.max_vertices_per_sheet);
   const std::int64_t declared = declared_vertices(config);
-  const std::int64_t bytes = declared <= sheet::kMaxVertices ? declared * kBytesPerVertex : 0;
+  const std::int64_t bytes = declared <= scene::kMaxVertices ? declared * kBytesPerVertex : 0;
   Status wanted = check_wanted(creation);
   KERF_TRY(wanted);
   const PromisedBytes promised(promised_bytes_, bytes);

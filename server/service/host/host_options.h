@@ -27,7 +27,7 @@ struct HostOptions {
   // Limit on the vertices of all sheets together, those being built, paused or at rest included; >= 1; 0: none. It
   // refuses new sheets only: vertices added by cuts count, but are never refused.
   std::int64_t max_total_vertices = 0;
-  std::int32_t max_vertices_per_sheet = sheet::kMaxVertices;  // A config's own limit may be lower.
+  std::int32_t max_vertices_per_sheet = scene::kMaxVertices;  // A config's own limit may be lower.
   std::int32_t max_queued_commands = 64;                      // Per sheet, >= 1.
   std::int32_t max_scheduled_commands = 64;  // Per sheet: commands of schedule() that wait for their tick, >= 1.
   std::int32_t max_step_ticks = 100'000;     // Per call of step().

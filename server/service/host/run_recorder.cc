@@ -2,7 +2,7 @@
 
 namespace kerf::host {
 
-void RunRecorder::begin(std::shared_ptr<sheet::RecordingSink> sink, const sheet::SheetConfig& config) {
+void RunRecorder::begin(std::shared_ptr<sheet::RecordingSink> sink, const scene::SheetConfig& config) {
   sink_ = std::move(sink);
   if (sink_) sink_->start(config);
 }

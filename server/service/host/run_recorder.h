@@ -26,7 +26,7 @@ class RunRecorder {
   explicit RunRecorder(KeptRecording kept) : kept_(std::move(kept)) {}
 
   // Starts recording to `sink`; null: in memory only.
-  void begin(std::shared_ptr<sheet::RecordingSink> sink, const sheet::SheetConfig& config);
+  void begin(std::shared_ptr<sheet::RecordingSink> sink, const scene::SheetConfig& config);
   // Releases the sink.
   void end() { sink_.reset(); }
 

@@ -10,7 +10,7 @@ namespace kerf::host {
 class SceneChanges {
  public:
   // Records a client's command that was done.
-  void command_done(const sheet::Command& command, const sheet::CommandReply& reply);
+  void command_done(const scene::Command& command, const scene::CommandReply& reply);
 
   // True if a client has changed the sheet since the last Reset by a client, or since its creation if there was none.
   [[nodiscard]] bool is_changed() const { return is_changed_; }

@@ -52,7 +52,7 @@ void SheetRunner::post(std::function<void(SheetRunner&)> work, std::function<voi
   if (!posted) refuse(host_stopping());
 }
 
-Status SheetRunner::enqueue(sheet::Command command, Callback<CommandResult>& done) {
+Status SheetRunner::enqueue(scene::Command command, Callback<CommandResult>& done) {
   KERF_TRY(queue_.push(std::move(command), done, context_.clock.now()));
   announce_commands();
   return Nothing{};
@@ -147,14 +147,14 @@ bool SheetRunner::has_room_for_commands() const {
 
 // Keeps releases in the queue, since they need no memory.
 void SheetRunner::refuse_for_want_of_memory(std::vector<PendingCommand>& queued) {
-  const auto lets_go = [](const PendingCommand& each) { return std::holds_alternative<sheet::Release>(each.command); };
+  const auto lets_go = [](const PendingCommand& each) { return std::holds_alternative<scene::Release>(each.command); };
   const auto refused = std::stable_partition(queued.begin(), queued.end(), lets_go);
   metrics_.commands_refused(queued.end() - refused);
   for (auto pending = refused; pending != queued.end(); ++pending) pending->done(out_of_memory());
   queued.erase(refused, queued.end());
 }
 
-Result<std::int64_t> SheetRunner::schedule(sheet::Command command, std::int64_t at_tick) {
+Result<std::int64_t> SheetRunner::schedule(scene::Command command, std::int64_t at_tick) {
   if (is_playing()) return replaying();
   Result<std::int64_t> number = queue_.schedule(std::move(command), at_tick, sheet_.tick());
   if (number.ok() && clock_.is_sleeping()) wake();

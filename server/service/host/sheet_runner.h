@@ -65,7 +65,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   void post(std::function<void(SheetRunner&)> work, std::function<void(Error)> refuse);
 
   // Queues a command, from any thread. On kResourceExhausted QUEUE_FULL `done` is left unmoved.
-  Status enqueue(sheet::Command command, Callback<CommandResult>& done);
+  Status enqueue(scene::Command command, Callback<CommandResult>& done);
   // Queues a release, from any thread, even if the queue is full.
   void release_grab(std::string grab_id);
   // Returns the last status without state hash, from any thread, after begin().
@@ -85,7 +85,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   Status resume();
   void set_speed(double speed);
   void step(std::int64_t ticks, Callback<SheetStatus> done, std::stop_token stop);
-  Result<std::int64_t> schedule(sheet::Command command, std::int64_t at_tick);
+  Result<std::int64_t> schedule(scene::Command command, std::int64_t at_tick);
   [[nodiscard]] const std::vector<ScheduledCommand>& scheduled() const { return queue_.scheduled(); }
   Result<ScheduledCommand> cancel(std::int64_t number) { return queue_.cancel(number); }
   void add_sink(const std::shared_ptr<sheet::SnapshotSink>& sink);
@@ -145,7 +145,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   // within the tick, this one included.
   [[nodiscard]] bool must_give_up(int polls) const;
   [[nodiscard]] TickEstimate tick_estimate() const;
-  void count_changes(const std::vector<PendingCommand>& pending, const std::vector<sheet::Command>& commands,
+  void count_changes(const std::vector<PendingCommand>& pending, const std::vector<scene::Command>& commands,
                      const sheet::TickReport& report);
   [[nodiscard]] RunMetrics::Totals totals() const;
   // Plays one tick of the recording, with the applied entries before and after it. Returns false if entries are left

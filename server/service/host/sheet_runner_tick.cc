@@ -19,7 +19,7 @@ bool SheetRunner::run_once(bool advance) {
   if (advance && !sheet_.frozen()) pending = queue_.pop_due(sheet_.tick() + 1);
   const bool is_over = repeats_now_ || sheet_.scene_tick() >= sheet_.config().repeat_after;
   if (advance && is_over && may_repeat()) {
-    pending.push_back({sheet::Reset{.repeats = true}, {}, Nanoseconds{0}, {}, true});
+    pending.push_back({scene::Reset{.repeats = true}, {}, Nanoseconds{0}, {}, true});
   }
   repeats_now_ = false;
   std::vector<PendingCommand> queued = queue_.take_queued();
@@ -37,7 +37,7 @@ bool SheetRunner::run_commands(bool advance, std::vector<PendingCommand> pending
   const bool stands = !advance || sheet_.frozen();
   // A step that is interrupted becomes an apply() too.
   if (stands || !pending.empty()) recorder_.prepare(sheet_.tick(), hash);
-  std::vector<sheet::Command> commands;
+  std::vector<scene::Command> commands;
   commands.reserve(pending.size());
   for (PendingCommand& each : pending) commands.push_back(std::move(each.command));
   StageTimer timer(context_.clock);
@@ -53,7 +53,7 @@ bool SheetRunner::run_commands(bool advance, std::vector<PendingCommand> pending
   progress_.end();
 
   const bool interrupted = report.stats.interrupted;
-  const auto is_reset = [](const sheet::Command& command) { return std::holds_alternative<sheet::Reset>(command); };
+  const auto is_reset = [](const scene::Command& command) { return std::holds_alternative<scene::Reset>(command); };
   if (step_call_ && std::any_of(commands.begin(), commands.end(), is_reset)) step_call_->remaining = 0;
   std::vector<Result<CommandResult>> results = command_results(report, pending, begin, timer);
   if (!pending.empty()) {
@@ -106,10 +106,10 @@ bool SheetRunner::run_commands(bool advance, std::vector<PendingCommand> pending
   return !interrupted;
 }
 
-void SheetRunner::count_changes(const std::vector<PendingCommand>& pending, const std::vector<sheet::Command>& commands,
+void SheetRunner::count_changes(const std::vector<PendingCommand>& pending, const std::vector<scene::Command>& commands,
                                 const sheet::TickReport& report) {
   for (std::size_t i = 0; i < commands.size(); ++i) {
-    const Result<sheet::CommandReply>& reply = report.replies[i];
+    const Result<scene::CommandReply>& reply = report.replies[i];
     if (reply.ok() && !pending[i].is_repeat) changes_.command_done(commands[i], *reply);
   }
 }
@@ -161,7 +161,7 @@ bool SheetRunner::play_entry(bool advance) {
   const sheet::RecordedTick& entry = *playback_->next_at(sheet_.tick() + (advance ? 1 : 0));
   std::vector<PendingCommand> pending;
   pending.reserve(entry.commands.size());
-  for (const sheet::Command& command : entry.commands) {
+  for (const scene::Command& command : entry.commands) {
     pending.push_back({command, {}, context_.clock.now()});
   }
   if (!run_commands(advance, std::move(pending))) {

@@ -49,9 +49,9 @@ struct SheetStatus {
   sheet::RunStats stats;
   std::vector<mesh::VertexId> pinned_vertices;
   Eigen::Vector3d gravity{0.0, 0.0, 0.0};            // m/s^2, in force
-  sheet::Wind wind;                                  // in force
+  scene::Wind wind;                                  // in force
   std::vector<fem::Material> materials;              // In force: the sheet's own, then those of config->materials.
-  std::shared_ptr<const sheet::SheetConfig> config;  // as created
+  std::shared_ptr<const scene::SheetConfig> config;  // as created
   std::string integrator;                            // Names the integrator in use and the reason for it.
   std::optional<fem::Softening> softening;           // In force with Fidelity::kRealTime.
   std::int32_t linear_iterations = 0;                // In the last tick, see fem::StepStats.
@@ -66,7 +66,7 @@ struct SheetStatus {
 
 // Holds the kept run of a sheet: config and entries are the whole content of a recording file.
 struct KeptRun {
-  std::shared_ptr<const sheet::SheetConfig> config;
+  std::shared_ptr<const scene::SheetConfig> config;
   std::string entries;  // Results of HostOptions::encode_tick, concatenated.
 };
 

@@ -20,21 +20,21 @@ struct NamedChoice {
   Choice choice;
 };
 
-constexpr std::array<NamedChoice<sheet::IntegratorKind>, 6> kIntegrators{{
-    {"explicit", sheet::IntegratorKind::kExplicitLeapfrog},
-    {"implicit", sheet::IntegratorKind::kImplicitEuler},
-    {"trapezoidal", sheet::IntegratorKind::kTrapezoidal},
-    {"bdf2", sheet::IntegratorKind::kBdf2},
-    {"tr-bdf2", sheet::IntegratorKind::kTrBdf2},
-    {"auto", sheet::IntegratorKind::kAutomatic},
+constexpr std::array<NamedChoice<scene::IntegratorKind>, 6> kIntegrators{{
+    {"explicit", scene::IntegratorKind::kExplicitLeapfrog},
+    {"implicit", scene::IntegratorKind::kImplicitEuler},
+    {"trapezoidal", scene::IntegratorKind::kTrapezoidal},
+    {"bdf2", scene::IntegratorKind::kBdf2},
+    {"tr-bdf2", scene::IntegratorKind::kTrBdf2},
+    {"auto", scene::IntegratorKind::kAutomatic},
 }};
-constexpr std::array<NamedChoice<sheet::Precision>, 2> kPrecisions{{
-    {"double", sheet::Precision::kDouble},
-    {"mixed", sheet::Precision::kMixed},
+constexpr std::array<NamedChoice<scene::Precision>, 2> kPrecisions{{
+    {"double", scene::Precision::kDouble},
+    {"mixed", scene::Precision::kMixed},
 }};
-constexpr std::array<NamedChoice<sheet::Fidelity>, 2> kFidelities{{
-    {"exact", sheet::Fidelity::kExact},
-    {"real-time", sheet::Fidelity::kRealTime},
+constexpr std::array<NamedChoice<scene::Fidelity>, 2> kFidelities{{
+    {"exact", scene::Fidelity::kExact},
+    {"real-time", scene::Fidelity::kRealTime},
 }};
 constexpr std::array<NamedChoice<fem::MembraneLaw>, 2> kMembraneLaws{{
     {"corotational", fem::MembraneLaw::kCorotational},
@@ -57,9 +57,9 @@ Status choose(const std::array<NamedChoice<Choice>, n>& choices, const std::stri
   return unknown_choice(field, name);
 }
 
-Status choose_solver(const std::string& name, sheet::LinearSolverKind& chosen) {
+Status choose_solver(const std::string& name, scene::LinearSolverKind& chosen) {
   if (name.empty()) return Nothing{};
-  for (const fem::LinearSolverName& one : fem::kLinearSolverNames) {
+  for (const linear::LinearSolverName& one : linear::kLinearSolverNames) {
     if (one.option != name) continue;
     chosen = one.kind;
     return Nothing{};
@@ -67,7 +67,7 @@ Status choose_solver(const std::string& name, sheet::LinearSolverKind& chosen) {
   return unknown_choice("solver", name);
 }
 
-Status apply(const Overrides& overrides, sheet::IntegratorSettings& settings) {
+Status apply(const Overrides& overrides, scene::IntegratorSettings& settings) {
   KERF_TRY(choose(kIntegrators, "integrator", overrides.integrator, settings.kind));
   KERF_TRY(choose(kPrecisions, "precision", overrides.precision, settings.precision));
   return choose_solver(overrides.solver, settings.solver);
@@ -75,21 +75,21 @@ Status apply(const Overrides& overrides, sheet::IntegratorSettings& settings) {
 
 }  // namespace
 
-Result<sheet::SheetConfig> read_scene(host::Disk& disk, const std::string& path) {
+Result<scene::SheetConfig> read_scene(Disk& disk, const std::string& path) {
   KERF_TRY_ASSIGN(const std::string json, disk.read_file(path, wire::kMaxSceneFileBytes));
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
   return wire::decode_scene_file(json, [&disk, &folder](const std::string& file) {
-    return disk.read_file((folder / file).string(), sheet::kMaxMeshFileBytes);
+    return disk.read_file((folder / file).string(), scene::kMaxMeshFileBytes);
   });
 }
 
-v1::Scene to_message(const sheet::SheetConfig& config) {
+v1::Scene to_message(const scene::SheetConfig& config) {
   return wire::encode_scene(config);
 }
 
-Status apply(const Overrides& overrides, sheet::SheetConfig& config) {
-  sheet::IntegratorSettings integrator = config.integrator;
-  sheet::Fidelity fidelity = config.fidelity;
+Status apply(const Overrides& overrides, scene::SheetConfig& config) {
+  scene::IntegratorSettings integrator = config.integrator;
+  scene::Fidelity fidelity = config.fidelity;
   fem::MembraneLaw membrane_law = config.membrane_law;
   KERF_TRY(apply(overrides, integrator));
   KERF_TRY(choose(kFidelities, "fidelity", overrides.fidelity, fidelity));
@@ -101,7 +101,7 @@ Status apply(const Overrides& overrides, sheet::SheetConfig& config) {
 }
 
 Result<v1::Integrator> integrator_message(const Overrides& overrides) {
-  sheet::IntegratorSettings settings;
+  scene::IntegratorSettings settings;
   KERF_TRY(apply(overrides, settings));
   return wire::encode_integrator(settings);
 }
@@ -114,25 +114,25 @@ std::vector<std::string> integrator_names() {
 
 std::vector<std::string> solver_names() {
   std::vector<std::string> names;
-  for (const fem::LinearSolverName& solver : fem::kLinearSolverNames) names.emplace_back(solver.option);
+  for (const linear::LinearSolverName& solver : linear::kLinearSolverNames) names.emplace_back(solver.option);
   return names;
 }
 
-Result<v1::ObjMesh> read_obj(host::Disk& disk, const std::string& path) {
-  KERF_TRY_ASSIGN(std::string content, disk.read_file(path, sheet::kMaxMeshFileBytes));
+Result<v1::ObjMesh> read_obj(Disk& disk, const std::string& path) {
+  KERF_TRY_ASSIGN(std::string content, disk.read_file(path, scene::kMaxMeshFileBytes));
   v1::ObjMesh mesh;
   mesh.set_text(wire::obj_text(std::move(content)));
   return mesh;
 }
 
-Result<v1::PlyMesh> read_ply(host::Disk& disk, const std::string& path) {
-  KERF_TRY_ASSIGN(std::string content, disk.read_file(path, sheet::kMaxMeshFileBytes));
+Result<v1::PlyMesh> read_ply(Disk& disk, const std::string& path) {
+  KERF_TRY_ASSIGN(std::string content, disk.read_file(path, scene::kMaxMeshFileBytes));
   v1::PlyMesh mesh;
   mesh.set_data(std::move(content));
   return mesh;
 }
 
-Result<v1::Svg> read_svg(host::Disk& disk, const std::string& path) {
+Result<v1::Svg> read_svg(Disk& disk, const std::string& path) {
   KERF_TRY_ASSIGN(std::string text, disk.read_file(path, svg::kMaxTextBytes));
   v1::Svg drawing;
   drawing.set_text(std::move(text));

@@ -16,8 +16,8 @@ namespace kerf::offline {
 
 // Reads a scene file, and the files named in it, which are relative to it. Errors: those of the files and of
 // wire::decode_scene_file.
-Result<sheet::SheetConfig> read_scene(host::Disk& disk, const std::string& path);
-v1::Scene to_message(const sheet::SheetConfig& config);
+Result<scene::SheetConfig> read_scene(Disk& disk, const std::string& path);
+v1::Scene to_message(const scene::SheetConfig& config);
 
 // Replaces choices of a scene by name; an empty name keeps the scene's own.
 struct Overrides {
@@ -31,7 +31,7 @@ struct Overrides {
 };
 // Sets what the overrides name in `config`. If a name is unknown, leaves `config` unchanged and returns
 // kInvalidArgument UNKNOWN_CHOICE; its field is the member of Overrides.
-Status apply(const Overrides& overrides, sheet::SheetConfig& config);
+Status apply(const Overrides& overrides, scene::SheetConfig& config);
 // Returns the default settings of an integrator with the overrides applied. Errors: those of apply().
 Result<v1::Integrator> integrator_message(const Overrides& overrides);
 
@@ -39,11 +39,11 @@ std::vector<std::string> integrator_names();
 std::vector<std::string> solver_names();
 
 // Read a mesh file, at most 64 MiB, without parsing it. Bytes of an OBJ file other than ASCII become question marks.
-Result<v1::ObjMesh> read_obj(host::Disk& disk, const std::string& path);
-Result<v1::PlyMesh> read_ply(host::Disk& disk, const std::string& path);
+Result<v1::ObjMesh> read_obj(Disk& disk, const std::string& path);
+Result<v1::PlyMesh> read_ply(Disk& disk, const std::string& path);
 
 // Reads an SVG file, at most 512 KiB, without parsing it.
-Result<v1::Svg> read_svg(host::Disk& disk, const std::string& path);
+Result<v1::Svg> read_svg(Disk& disk, const std::string& path);
 
 // Parses SVG path data, with coordinates in metres and y up. A text without segments gives an empty path.
 // kInvalidArgument SVG_PATH: the message names the fault and its byte.

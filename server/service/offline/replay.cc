@@ -11,7 +11,7 @@ constexpr std::size_t kMaxRecordingBytes = std::size_t{4} << 30;
 
 }  // namespace
 
-Result<ReplayReport> replay(host::Disk& disk, const std::string& path,
+Result<ReplayReport> replay(Disk& disk, const std::string& path,
                             const std::function<void(std::size_t entries)>& begin) {
   KERF_TRY_ASSIGN(const std::string bytes, disk.read_file(path, kMaxRecordingBytes));
   KERF_TRY_ASSIGN(const wire::RecordingFile file, wire::decode_recording(bytes));

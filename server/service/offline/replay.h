@@ -30,7 +30,7 @@ struct ReplayReport {
 // Replays a recording file, at most 4 GiB, and compares the state hash of every tick. `begin` receives the number of
 // recorded entries before the first is replayed; it may be empty. Errors: those of the file (server/base/disk.h,
 // wire::decode_recording) and of sheet::replay. A divergence is no error.
-Result<ReplayReport> replay(host::Disk& disk, const std::string& path,
+Result<ReplayReport> replay(Disk& disk, const std::string& path,
                             const std::function<void(std::size_t entries)>& begin = {});
 
 }  // namespace kerf::offline

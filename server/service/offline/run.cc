@@ -137,7 +137,7 @@ class TickTimes {
 };
 
 // Adds the outcomes of a Cut or CutBatch; the cuts of a batch share its time equally.
-void add_cuts(const sheet::CommandReply& reply, const StageTimer::Times& time, v1::RunResult& result) {
+void add_cuts(const scene::CommandReply& reply, const StageTimer::Times& time, v1::RunResult& result) {
   std::vector<v1::CutResult> cuts = wire::encode_cut_results(reply);
   const auto count = static_cast<double>(cuts.size());
   for (v1::CutResult& cut : cuts) {
@@ -162,7 +162,7 @@ void describe_end(const sheet::Sheet& sheet, v1::RunResult& result) {
 // Steps a dynamic scene, and records it if requested.
 Result<analysis::Outcome> step_scene(sheet::Sheet& sheet, const SceneRunOptions& options, SceneRun& run) {
   const std::int64_t scene_ticks = sheet.config().ticks > 0 ? sheet.config().ticks : kDefaultTicks;
-  sheet::DynamicAnalysis analysis = std::get<sheet::DynamicAnalysis>(sheet.config().analysis);
+  scene::DynamicAnalysis analysis = std::get<scene::DynamicAnalysis>(sheet.config().analysis);
   analysis.ticks = options.ticks > 0 ? options.ticks : scene_ticks;
   if (options.record) run.recording = wire::encode_recording_header(sheet.config(), wire::build_name());
   StageTimer timer;
@@ -188,8 +188,8 @@ Result<analysis::Outcome> step_scene(sheet::Sheet& sheet, const SceneRunOptions&
 
 }  // namespace
 
-Result<SceneRun> run_scene(const sheet::SheetConfig& config, const SceneRunOptions& options) {
-  const bool is_dynamic = std::holds_alternative<sheet::DynamicAnalysis>(config.analysis);
+Result<SceneRun> run_scene(const scene::SheetConfig& config, const SceneRunOptions& options) {
+  const bool is_dynamic = std::holds_alternative<scene::DynamicAnalysis>(config.analysis);
   if (options.record && !is_dynamic) {
     return invalid_argument("RECORDING_DYNAMIC_ONLY", "a recording can be made of a dynamic analysis only", "analysis");
   }
@@ -200,11 +200,11 @@ Result<SceneRun> run_scene(const sheet::SheetConfig& config, const SceneRunOptio
   KERF_TRY_ASSIGN(
       analysis::Outcome outcome,
       std::visit(Overloaded{
-                     [&](const sheet::DynamicAnalysis& /*in_time*/) { return step_scene(sheet, options, run); },
-                     [&](const sheet::StaticAnalysis& of_loads) {
+                     [&](const scene::DynamicAnalysis& /*in_time*/) { return step_scene(sheet, options, run); },
+                     [&](const scene::StaticAnalysis& of_loads) {
                        return analysis::run_static(sheet, of_loads, config.probes, options.watch);
                      },
-                     [&](const sheet::ModalAnalysis& modes) {
+                     [&](const scene::ModalAnalysis& modes) {
                        return analysis::run_modes(sheet, modes, config.probes, options.watch);
                      },
                  },

@@ -24,6 +24,6 @@ struct SceneRunOptions {
 // Runs the scene's analysis from its start, as fast as this machine can, without clock or server. Equal scenes give
 // equal state hashes. Errors: those of Sheet::create and of the analysis. Only a dynamic analysis can be recorded
 // (RECORDING_DYNAMIC_ONLY).
-Result<SceneRun> run_scene(const sheet::SheetConfig& config, const SceneRunOptions& options);
+Result<SceneRun> run_scene(const scene::SheetConfig& config, const SceneRunOptions& options);
 
 }  // namespace kerf::offline

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-namespace kerf::api {
+namespace kerf::picture {
 
 BackgroundWorker::BackgroundWorker(std::size_t max_waiting, std::size_t num_threads)
     : max_waiting_(max_waiting), idle_(num_threads) {
@@ -59,4 +59,4 @@ void BackgroundWorker::run() {
   }
 }
 
-}  // namespace kerf::api
+}  // namespace kerf::picture

@@ -8,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-namespace kerf::api {
+namespace kerf::picture {
 
 // Runs long work (drawing, encoding files) on its own threads, so that neither sheets nor transports wait. Work begins
 // in the order of its arrival and must not throw: see catch_exceptions(). Thread-safe.
@@ -46,4 +46,4 @@ class BackgroundWorker {
   std::vector<std::thread> threads_;
 };
 
-}  // namespace kerf::api
+}  // namespace kerf::picture

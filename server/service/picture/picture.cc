@@ -12,7 +12,7 @@
 #include "server/core/mesh/triangle_mesh.h"
 #include "server/service/picture/picture_colours.h"
 
-namespace kerf::api {
+namespace kerf::picture {
 namespace {
 
 render::Vec3 to_vec3(const Eigen::Vector3d& vector) {
@@ -169,4 +169,4 @@ Result<std::string> encode_still(const render::Pixels& pixels, const StillFormat
   return std::string(bytes.begin(), bytes.end());
 }
 
-}  // namespace kerf::api
+}  // namespace kerf::picture

@@ -10,11 +10,11 @@
 #include "server/service/picture/picture_view.h"
 
 // Draws a sheet and encodes the picture.
-namespace kerf::api {
+namespace kerf::picture {
 
 // Holds data of a sheet that its pictures need and that never change.
 struct Backdrop {
-  std::shared_ptr<const sheet::SheetConfig> config;  // For the colliders.
+  std::shared_ptr<const scene::SheetConfig> config;  // For the colliders.
   Eigen::AlignedBox2d material_box;                  // m, bounds of the material coordinates as built.
 };
 Backdrop backdrop_of(const sheet::Sheet& sheet);
@@ -40,4 +40,4 @@ Result<DrawnPicture> draw_picture(render::Renderer& renderer, const PictureSubje
 // Encodes a still picture. Errors of the image encoders.
 Result<std::string> encode_still(const render::Pixels& pixels, const StillFormat& format);
 
-}  // namespace kerf::api
+}  // namespace kerf::picture

@@ -5,7 +5,7 @@
 
 #include "render/colours.h"
 
-namespace kerf::api {
+namespace kerf::picture {
 namespace {
 
 constexpr std::uint8_t kNoPiece = 0x9a;
@@ -24,4 +24,4 @@ std::vector<std::uint8_t> piece_colours(const sheet::Topology& topology) {
   return colours;
 }
 
-}  // namespace kerf::api
+}  // namespace kerf::picture

@@ -6,7 +6,7 @@
 
 #include "server/base/catch_exceptions.h"
 
-namespace kerf::api {
+namespace kerf::picture {
 namespace {
 
 // Number of pixels up to which a picture is kept, so that many large streams do not fill the memory. A larger picture
@@ -148,4 +148,4 @@ void PictureStudio::submit(std::function<void()> work) {
   workers_.submit(std::move(work), [] {});
 }
 
-}  // namespace kerf::api
+}  // namespace kerf::picture

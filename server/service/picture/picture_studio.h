@@ -18,7 +18,11 @@
 #include "server/service/stream/channel.h"
 #include "server/service/stream/message.h"
 
-namespace kerf::api {
+namespace kerf::picture {
+class PictureStudio;
+}  // namespace kerf::picture
+
+namespace kerf::picture {
 
 // Counts the work done so far, for metrics and for tests that nothing is done in vain or twice.
 struct PictureCounters {
@@ -54,8 +58,6 @@ struct PictureOrder {
 // Limit on the formats in which the encoding of one picture is kept. The latest are kept; other formats are encoded
 // again.
 inline constexpr std::size_t kMaxKeptStills = 4;
-
-class PictureStudio;
 
 // Serves one view of one sheet to all streams that share it. An order gets a picture of the tick that is the newest
 // when the order's turn comes. A picture that is already drawn of that tick is reused, and so is its encoding in the
@@ -131,4 +133,4 @@ class PictureStudio {
   BackgroundWorker workers_;
 };
 
-}  // namespace kerf::api
+}  // namespace kerf::picture

@@ -1,6 +1,6 @@
 #include "server/service/picture/picture_view.h"
 
-namespace kerf::api {
+namespace kerf::picture {
 namespace {
 
 constexpr int kDefaultJpegQuality = 85;
@@ -126,4 +126,4 @@ Error to_error(const render::Status& status) {
   return {code, status.reason, status.message, status.field};
 }
 
-}  // namespace kerf::api
+}  // namespace kerf::picture

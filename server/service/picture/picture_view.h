@@ -8,7 +8,7 @@
 #include "server/base/result.h"
 
 // Converts between the messages of RenderImage and WatchImages and the renderer's types.
-namespace kerf::api {
+namespace kerf::picture {
 
 // Describes a view of a sheet. Equal views of one sheet give the same picture.
 struct PictureView {
@@ -45,4 +45,4 @@ v1::Camera encode_camera(const render::Camera& camera);
 // Converts errors of the renderer and the encoders.
 Error to_error(const render::Status& status);
 
-}  // namespace kerf::api
+}  // namespace kerf::picture

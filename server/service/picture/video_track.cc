@@ -4,7 +4,7 @@
 
 #include "server/service/picture/picture_view.h"
 
-namespace kerf::api {
+namespace kerf::picture {
 
 Result<VideoTrack::Frame> VideoTrack::encode(const render::Pixels& pixels, host::Nanoseconds now, bool key) {
   constexpr double kFirstFrameS = 1.0 / 30.0;  // Assumed duration; the true one is unknown.
@@ -21,4 +21,4 @@ Result<VideoTrack::Frame> VideoTrack::encode(const render::Pixels& pixels, host:
   return Frame{std::string(frame.begin(), frame.end()), render::is_key_frame(frame)};
 }
 
-}  // namespace kerf::api
+}  // namespace kerf::picture

@@ -8,7 +8,7 @@
 #include "server/base/result.h"
 #include "server/service/host/clock.h"
 
-namespace kerf::api {
+namespace kerf::picture {
 
 // Encodes the VP8 frames of one stream while its size and bit rate stay the same. Streams of the same view share the
 // drawing but not the encoder: a frame can be decoded only after the earlier frames of its encoder, and every reader
@@ -34,4 +34,4 @@ class VideoTrack {
   host::Nanoseconds last_at_{0};                   // Time of the last frame.
 };
 
-}  // namespace kerf::api
+}  // namespace kerf::picture

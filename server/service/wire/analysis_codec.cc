@@ -15,8 +15,8 @@
 namespace kerf::wire {
 namespace {
 
-using sheet::Quantity;
-using sheet::Reduce;
+using scene::Quantity;
+using scene::Reduce;
 
 constexpr std::array<std::pair<v1::Probe::Quantity, Quantity>, 12> kQuantities{{
     {v1::Probe::DISPLACEMENT, Quantity::kDisplacement},
@@ -41,14 +41,14 @@ constexpr std::array<std::pair<v1::Probe::Reduce, Reduce>, 5> kReductions{{
     {v1::Probe::MAX, Reduce::kMax},
 }};
 
-constexpr std::array<std::pair<v1::Probe::Recovery, sheet::Recovery>, 2> kRecoveries{{
-    {v1::Probe::OF_TRIANGLES, sheet::Recovery::kMean},
-    {v1::Probe::PATCH, sheet::Recovery::kPatch},
+constexpr std::array<std::pair<v1::Probe::Recovery, scene::Recovery>, 2> kRecoveries{{
+    {v1::Probe::OF_TRIANGLES, scene::Recovery::kMean},
+    {v1::Probe::PATCH, scene::Recovery::kPatch},
 }};
 
-constexpr std::array<std::pair<v1::Probe::StressMeasure, sheet::StressMeasure>, 2> kStressMeasures{{
-    {v1::Probe::BIOT, sheet::StressMeasure::kBiot},
-    {v1::Probe::CAUCHY, sheet::StressMeasure::kCauchy},
+constexpr std::array<std::pair<v1::Probe::StressMeasure, scene::StressMeasure>, 2> kStressMeasures{{
+    {v1::Probe::BIOT, scene::StressMeasure::kBiot},
+    {v1::Probe::CAUCHY, scene::StressMeasure::kCauchy},
 }};
 
 template <typename Message, typename Value, std::size_t count>
@@ -67,18 +67,18 @@ Message find_message(const std::array<std::pair<Message, Value>, count>& table, 
   return table.front().first;
 }
 
-Result<sheet::StaticAnalysis> decode_static(const v1::StaticAnalysis& message, const std::string& path) {
-  sheet::StaticAnalysis analysis;
+Result<scene::StaticAnalysis> decode_static(const v1::StaticAnalysis& message, const std::string& path) {
+  scene::StaticAnalysis analysis;
   if (message.loads_size() > 0) {
     if (message.steps() != 0) {
       return invalid_argument("LOADS_TWICE", path + " has both loads and steps; leave one out", path + ".steps");
     }
     analysis.loads.assign(message.loads().begin(), message.loads().end());
   } else if (message.steps() != 0) {
-    if (message.steps() < 1 || message.steps() > static_cast<int>(sheet::kMaxLoadSteps)) {
+    if (message.steps() < 1 || message.steps() > static_cast<int>(scene::kMaxLoadSteps)) {
       return invalid_argument("OUT_OF_RANGE",
                               path + ".steps is " + std::to_string(message.steps()) + "; must be in 1.." +
-                                  std::to_string(sheet::kMaxLoadSteps),
+                                  std::to_string(scene::kMaxLoadSteps),
                               path + ".steps");
     }
     analysis.loads.clear();
@@ -89,21 +89,21 @@ Result<sheet::StaticAnalysis> decode_static(const v1::StaticAnalysis& message, c
   return analysis;
 }
 
-void encode_static(const sheet::StaticAnalysis& analysis, v1::StaticAnalysis& message) {
+void encode_static(const scene::StaticAnalysis& analysis, v1::StaticAnalysis& message) {
   message.mutable_loads()->Assign(analysis.loads.begin(), analysis.loads.end());
   message.set_tolerance(analysis.tolerance);
   message.set_max_iterations(analysis.max_iterations);
 }
 
-sheet::DynamicAnalysis decode_dynamic(const v1::DynamicAnalysis& message) {
-  sheet::DynamicAnalysis analysis;
+scene::DynamicAnalysis decode_dynamic(const v1::DynamicAnalysis& message) {
+  scene::DynamicAnalysis analysis;
   analysis.ticks = message.ticks();
   if (message.measure_every() != 0) analysis.measure_every = message.measure_every();
   return analysis;
 }
 
-Result<sheet::Probe> decode_probe(const v1::Probe& message, const std::string& path) {
-  sheet::Probe probe;
+Result<scene::Probe> decode_probe(const v1::Probe& message, const std::string& path) {
+  scene::Probe probe;
   probe.name = message.name();
   const std::optional<Quantity> quantity = find_value(kQuantities, message.quantity());
   if (!quantity) return unknown_enum(path + ".quantity", static_cast<int>(message.quantity()));
@@ -126,37 +126,37 @@ Result<sheet::Probe> decode_probe(const v1::Probe& message, const std::string& p
   return probe;
 }
 
-void encode_probe(const sheet::Probe& probe, v1::Probe& message) {
+void encode_probe(const scene::Probe& probe, v1::Probe& message) {
   message.set_name(probe.name);
   message.set_quantity(find_message(kQuantities, probe.quantity));
   for (const Eigen::Vector2d& point : probe.points) encode_vector(point, *message.add_points());
   if (probe.region) encode_region(*probe.region, *message.mutable_region());
   message.set_reduce(find_message(kReductions, probe.reduce));
   if (probe.side) encode_vector(*probe.side, *message.mutable_side());
-  if (sheet::is_in_plane(probe.quantity)) message.set_recovery(encode_choice(kRecoveries, probe.recovery));
+  if (scene::is_in_plane(probe.quantity)) message.set_recovery(encode_choice(kRecoveries, probe.recovery));
   if (probe.quantity == Quantity::kStress) message.set_stress_measure(encode_choice(kStressMeasures, probe.measure));
 }
 
 }  // namespace
 
-Result<sheet::Analysis> decode_analysis(const v1::Analysis& message) {
+Result<scene::Analysis> decode_analysis(const v1::Analysis& message) {
   if (message.has_static_()) {
-    KERF_TRY_ASSIGN(sheet::StaticAnalysis analysis, decode_static(message.static_(), "analysis.static"));
-    return sheet::Analysis(std::move(analysis));
+    KERF_TRY_ASSIGN(scene::StaticAnalysis analysis, decode_static(message.static_(), "analysis.static"));
+    return scene::Analysis(std::move(analysis));
   }
-  if (!message.has_modes()) return sheet::Analysis(decode_dynamic(message.dynamic()));
-  sheet::ModalAnalysis modes;
+  if (!message.has_modes()) return scene::Analysis(decode_dynamic(message.dynamic()));
+  scene::ModalAnalysis modes;
   if (message.modes().count() != 0) modes.count = message.modes().count();
   if (message.modes().has_about()) {
     KERF_TRY_ASSIGN(modes.about, decode_static(message.modes().about(), "analysis.modes.about"));
   }
-  return sheet::Analysis(std::move(modes));
+  return scene::Analysis(std::move(modes));
 }
 
-Result<std::vector<sheet::Probe>> decode_probes(const google::protobuf::RepeatedPtrField<v1::Probe>& messages) {
-  std::vector<sheet::Probe> probes;
+Result<std::vector<scene::Probe>> decode_probes(const google::protobuf::RepeatedPtrField<v1::Probe>& messages) {
+  std::vector<scene::Probe> probes;
   for (int i = 0; i < messages.size(); ++i) {
-    KERF_TRY_ASSIGN(sheet::Probe probe, decode_probe(messages[i], "probes[" + std::to_string(i) + "]"));
+    KERF_TRY_ASSIGN(scene::Probe probe, decode_probe(messages[i], "probes[" + std::to_string(i) + "]"));
     probes.push_back(std::move(probe));
   }
   return probes;
@@ -193,8 +193,8 @@ v1::DynamicResult encode_dynamics(const analysis::DynamicStats& stats) {
   return message;
 }
 
-Status decode_analysis(const v1::Scene& scene, sheet::SheetConfig& config) {
-  KERF_TRY_ASSIGN(sheet::Analysis analysis, decode_analysis(scene.analysis()));
+Status decode_analysis(const v1::Scene& scene, scene::SheetConfig& config) {
+  KERF_TRY_ASSIGN(scene::Analysis analysis, decode_analysis(scene.analysis()));
   if (scene.analysis().dynamic().ticks() != 0) {
     return invalid_argument("TICKS_TWICE", "analysis.dynamic.ticks is for AnalyzeSheet only; set ticks of the scene",
                             "analysis.dynamic.ticks");
@@ -204,21 +204,21 @@ Status decode_analysis(const v1::Scene& scene, sheet::SheetConfig& config) {
   return Nothing{};
 }
 
-void encode_analysis(const sheet::SheetConfig& config, v1::Scene& scene) {
+void encode_analysis(const scene::SheetConfig& config, v1::Scene& scene) {
   v1::Analysis& message = *scene.mutable_analysis();
   std::visit(
       Overloaded{
-          [&message](const sheet::DynamicAnalysis& in_time) {
+          [&message](const scene::DynamicAnalysis& in_time) {
             message.mutable_dynamic()->set_measure_every(in_time.measure_every);
           },
-          [&message](const sheet::StaticAnalysis& of_loads) { encode_static(of_loads, *message.mutable_static_()); },
-          [&message](const sheet::ModalAnalysis& modes) {
+          [&message](const scene::StaticAnalysis& of_loads) { encode_static(of_loads, *message.mutable_static_()); },
+          [&message](const scene::ModalAnalysis& modes) {
             message.mutable_modes()->set_count(modes.count);
             if (modes.about) encode_static(*modes.about, *message.mutable_modes()->mutable_about());
           },
       },
       config.analysis);
-  for (const sheet::Probe& probe : config.probes) encode_probe(probe, *scene.add_probes());
+  for (const scene::Probe& probe : config.probes) encode_probe(probe, *scene.add_probes());
 }
 
 }  // namespace kerf::wire

@@ -13,24 +13,24 @@
 namespace kerf::wire {
 namespace {
 
-Result<sheet::Command> checked(sheet::Command command) {
-  KERF_TRY(sheet::validate(command));
+Result<scene::Command> checked(scene::Command command) {
+  KERF_TRY(scene::validate(command));
   return command;
 }
 
-void encode(const sheet::Cut& cut, v1::Command& message) {
+void encode(const scene::Cut& cut, v1::Command& message) {
   *message.mutable_cut() = encode_cut(cut);
 }
 
-void encode(const sheet::CutBatch& batch, v1::Command& message) {
-  for (const sheet::Cut& cut : batch.cuts) *message.mutable_cut_batch()->add_cuts() = encode_cut(cut);
+void encode(const scene::CutBatch& batch, v1::Command& message) {
+  for (const scene::Cut& cut : batch.cuts) *message.mutable_cut_batch()->add_cuts() = encode_cut(cut);
 }
 
-void encode(const sheet::UndoCut& /*undo*/, v1::Command& message) {
+void encode(const scene::UndoCut& /*undo*/, v1::Command& message) {
   message.mutable_undo_cut();
 }
 
-void encode(const sheet::RedoCut& /*redo*/, v1::Command& message) {
+void encode(const scene::RedoCut& /*redo*/, v1::Command& message) {
   message.mutable_redo_cut();
 }
 
@@ -66,7 +66,7 @@ Status decode_quality(const v1::Cut& message, cut::CutOptions& options) {
   }
 }
 
-void encode(const sheet::Grab& grab, v1::Command& message) {
+void encode(const scene::Grab& grab, v1::Command& message) {
   v1::Grab& grab_message = *message.mutable_grab();
   grab_message.set_grab_id(grab.grab_id);
   if (const auto* vertex = std::get_if<mesh::VertexId>(&grab.point)) {
@@ -78,34 +78,34 @@ void encode(const sheet::Grab& grab, v1::Command& message) {
   grab_message.set_stiffness_npm(grab.stiffness);
 }
 
-void encode(const sheet::Drag& drag, v1::Command& message) {
+void encode(const scene::Drag& drag, v1::Command& message) {
   message.mutable_drag()->set_grab_id(drag.grab_id);
   encode_vector(drag.target, *message.mutable_drag()->mutable_target());
 }
 
-void encode(const sheet::Release& release, v1::Command& message) {
+void encode(const scene::Release& release, v1::Command& message) {
   message.mutable_release()->set_grab_id(release.grab_id);
 }
 
-void encode(const sheet::SetPins& set_pins, v1::Command& message) {
+void encode(const scene::SetPins& set_pins, v1::Command& message) {
   encode_pins(set_pins.pins, *message.mutable_set_pins()->mutable_pins());
 }
 
-void encode(const sheet::SetGravity& set_gravity, v1::Command& message) {
+void encode(const scene::SetGravity& set_gravity, v1::Command& message) {
   encode_vector(set_gravity.gravity, *message.mutable_set_gravity()->mutable_gravity_mps2());
 }
 
-void encode(const sheet::SetWind& set_wind, v1::Command& message) {
+void encode(const scene::SetWind& set_wind, v1::Command& message) {
   v1::SetWind& wind_message = *message.mutable_set_wind();
   if (set_wind.wind.air_density > 0.0) encode_wind(set_wind.wind, *wind_message.mutable_wind());
 }
 
-void encode(const sheet::SetMaterial& set_material, v1::Command& message) {
+void encode(const scene::SetMaterial& set_material, v1::Command& message) {
   *message.mutable_set_material()->mutable_material() = encode_material(set_material.material);
   if (set_material.part) message.mutable_set_material()->set_part(*set_material.part);
 }
 
-void encode(const sheet::Reset& reset, v1::Command& message) {
+void encode(const scene::Reset& reset, v1::Command& message) {
   message.mutable_reset()->set_repeats(reset.repeats);
 }
 
@@ -117,9 +117,9 @@ Result<cut::Fit> decode_fit(const v1::MaterialBox& message) {
 }
 
 // Decodes a cut without validating it.
-Result<sheet::Cut> read_cut(const v1::Cut& message, const FileReader& read_file) {
+Result<scene::Cut> read_cut(const v1::Cut& message, const FileReader& read_file) {
   KERF_TRY_ASSIGN(DecodedCurve decoded, decode_curve(message.curve(), "cut.curve", read_file));
-  sheet::Cut cut;
+  scene::Cut cut;
   cut.curve = std::move(decoded.curve);
   cut.remarks = std::move(decoded.remarks);
   cut::CutOptions& options = cut.options;
@@ -147,7 +147,7 @@ Result<sheet::Cut> read_cut(const v1::Cut& message, const FileReader& read_file)
 
 }  // namespace
 
-v1::Cut encode_cut(const sheet::Cut& cut) {
+v1::Cut encode_cut(const scene::Cut& cut) {
   const cut::CutOptions& options = cut.options;
   v1::Cut message;
   encode_curve(cut.curve, *message.mutable_curve());
@@ -173,7 +173,7 @@ v1::Cut encode_cut(const sheet::Cut& cut) {
   return message;
 }
 
-std::int64_t num_parts(const sheet::Cut& cut) {
+std::int64_t num_parts(const scene::Cut& cut) {
   std::int64_t parts = 1;
   if (const auto* path = std::get_if<cut::Path>(&cut.curve)) {
     for (const cut::Subpath& subpath : path->subpaths) parts += 1 + std::ssize(subpath.segments);
@@ -181,17 +181,17 @@ std::int64_t num_parts(const sheet::Cut& cut) {
   return parts;
 }
 
-Result<sheet::Command> decode_cuts(const google::protobuf::RepeatedPtrField<v1::Cut>& cuts,
+Result<scene::Command> decode_cuts(const google::protobuf::RepeatedPtrField<v1::Cut>& cuts,
                                    const FileReader& read_file) {
-  sheet::CutBatch batch;
+  scene::CutBatch batch;
   std::int64_t parts = 0;
   for (int i = 0; i < cuts.size(); ++i) {
-    Result<sheet::Cut> cut = read_cut(cuts[i], read_file);
-    if (!cut.ok()) return sheet::in_batch(cut.error(), static_cast<std::size_t>(i));
+    Result<scene::Cut> cut = read_cut(cuts[i], read_file);
+    if (!cut.ok()) return scene::in_batch(cut.error(), static_cast<std::size_t>(i));
     batch.cuts.push_back(std::move(*cut));
     parts += num_parts(batch.cuts.back());
     if (parts > kMaxBatchParts) {
-      return sheet::in_batch(invalid_argument("BATCH_TOO_LONG",
+      return scene::in_batch(invalid_argument("BATCH_TOO_LONG",
                                               "with this cut, the cuts, subpaths and segments of the batch exceed " +
                                                   std::to_string(kMaxBatchParts) + ": split the batch",
                                               "cut.curve"),
@@ -201,13 +201,13 @@ Result<sheet::Command> decode_cuts(const google::protobuf::RepeatedPtrField<v1::
   return checked(std::move(batch));
 }
 
-Result<sheet::Command> decode_cut(const v1::Cut& message, const FileReader& read_file) {
-  KERF_TRY_ASSIGN(sheet::Cut cut, read_cut(message, read_file));
+Result<scene::Command> decode_cut(const v1::Cut& message, const FileReader& read_file) {
+  KERF_TRY_ASSIGN(scene::Cut cut, read_cut(message, read_file));
   return checked(std::move(cut));
 }
 
-Result<sheet::Command> decode_grab(const v1::Grab& message) {
-  sheet::Grab grab;
+Result<scene::Command> decode_grab(const v1::Grab& message) {
+  scene::Grab grab;
   grab.grab_id = message.grab_id();
   switch (message.point_case()) {
     case v1::Grab::kVertex:
@@ -224,41 +224,41 @@ Result<sheet::Command> decode_grab(const v1::Grab& message) {
   return checked(std::move(grab));
 }
 
-Result<sheet::Command> decode_drag(const v1::Drag& message) {
+Result<scene::Command> decode_drag(const v1::Drag& message) {
   if (!message.has_target()) return missing("drag.target");
-  return checked(sheet::Drag{message.grab_id(), decode_vector(message.target())});
+  return checked(scene::Drag{message.grab_id(), decode_vector(message.target())});
 }
 
-Result<sheet::Command> decode_release(const v1::Release& message) {
-  return checked(sheet::Release{message.grab_id()});
+Result<scene::Command> decode_release(const v1::Release& message) {
+  return checked(scene::Release{message.grab_id()});
 }
 
-Result<sheet::Command> decode_set_pins(const v1::SetPins& message) {
-  KERF_TRY_ASSIGN(std::vector<sheet::Region> pins, decode_pins(message.pins(), "set_pins.pins"));
-  return checked(sheet::SetPins{std::move(pins)});
+Result<scene::Command> decode_set_pins(const v1::SetPins& message) {
+  KERF_TRY_ASSIGN(std::vector<scene::Region> pins, decode_pins(message.pins(), "set_pins.pins"));
+  return checked(scene::SetPins{std::move(pins)});
 }
 
-Result<sheet::Command> decode_set_gravity(const v1::SetGravity& message) {
+Result<scene::Command> decode_set_gravity(const v1::SetGravity& message) {
   if (!message.has_gravity_mps2()) return missing("set_gravity.gravity_mps2");
-  return checked(sheet::SetGravity{decode_vector(message.gravity_mps2())});
+  return checked(scene::SetGravity{decode_vector(message.gravity_mps2())});
 }
 
-Result<sheet::Command> decode_set_wind(const v1::SetWind& message) {
-  sheet::SetWind set_wind;
+Result<scene::Command> decode_set_wind(const v1::SetWind& message) {
+  scene::SetWind set_wind;
   if (message.has_wind()) set_wind.wind = decode_wind(message.wind());
   return checked(set_wind);
 }
 
-Result<sheet::Command> decode_set_material(const v1::SetMaterial& message) {
+Result<scene::Command> decode_set_material(const v1::SetMaterial& message) {
   if (!message.has_material()) return missing("set_material.material");
   KERF_TRY_ASSIGN(const fem::Material material, decode_material(message.material(), "set_material.material"));
-  sheet::SetMaterial set_material;
+  scene::SetMaterial set_material;
   set_material.material = material;
   if (message.has_part()) set_material.part = message.part();
   return checked(set_material);
 }
 
-Result<sheet::Command> decode_command(const v1::Command& message, const FileReader& read_file) {
+Result<scene::Command> decode_command(const v1::Command& message, const FileReader& read_file) {
   switch (message.kind_case()) {
     case v1::Command::kCut:
       return decode_cut(message.cut(), read_file);
@@ -275,13 +275,13 @@ Result<sheet::Command> decode_command(const v1::Command& message, const FileRead
     case v1::Command::kSetWind:
       return decode_set_wind(message.set_wind());
     case v1::Command::kReset:
-      return sheet::Command(sheet::Reset{message.reset().repeats()});
+      return scene::Command(scene::Reset{message.reset().repeats()});
     case v1::Command::kCutBatch:
       return decode_cuts(message.cut_batch().cuts(), read_file);
     case v1::Command::kUndoCut:
-      return sheet::Command(sheet::UndoCut{});
+      return scene::Command(scene::UndoCut{});
     case v1::Command::kRedoCut:
-      return sheet::Command(sheet::RedoCut{});
+      return scene::Command(scene::RedoCut{});
     case v1::Command::kSetMaterial:
       return decode_set_material(message.set_material());
     case v1::Command::KIND_NOT_SET:
@@ -292,7 +292,7 @@ Result<sheet::Command> decode_command(const v1::Command& message, const FileRead
                         "redo_cut or set_material");
 }
 
-v1::Command encode_command(const sheet::Command& command) {
+v1::Command encode_command(const scene::Command& command) {
   v1::Command message;
   std::visit([&message](const auto& each) { encode(each, message); }, command);
   return message;

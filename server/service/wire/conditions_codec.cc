@@ -9,17 +9,17 @@
 namespace kerf::wire {
 namespace {
 
-sheet::History decode_history(const v1::History& message) {
+scene::History decode_history(const v1::History& message) {
   return {{message.times().begin(), message.times().end()}, {message.factors().begin(), message.factors().end()}};
 }
 
-void encode_history(const sheet::History& history, v1::History& message) {
+void encode_history(const scene::History& history, v1::History& message) {
   message.mutable_times()->Assign(history.times.begin(), history.times.end());
   message.mutable_factors()->Assign(history.factors.begin(), history.factors.end());
 }
 
-Result<sheet::Constraint> decode_constraint(const v1::Constraint& message, const std::string& path) {
-  sheet::Constraint constraint;
+Result<scene::Constraint> decode_constraint(const v1::Constraint& message, const std::string& path) {
+  scene::Constraint constraint;
   KERF_TRY_ASSIGN(constraint.region, decode_region(message.region(), path + ".region"));
   if (message.x() || message.y() || message.z()) constraint.held = {message.x(), message.y(), message.z()};
   constraint.displacement = decode_vector(message.displacement_m());
@@ -31,7 +31,7 @@ Result<sheet::Constraint> decode_constraint(const v1::Constraint& message, const
   }
   if (message.has_axis()) {
     constraint.rotation =
-        sheet::Rotation{decode_vector(message.axis()), decode_vector(message.center()), message.angle_rad()};
+        scene::Rotation{decode_vector(message.axis()), decode_vector(message.center()), message.angle_rad()};
   } else if (message.has_center() || message.angle_rad() != 0.0) {
     return missing(path + ".axis");
   }
@@ -41,7 +41,7 @@ Result<sheet::Constraint> decode_constraint(const v1::Constraint& message, const
   return constraint;
 }
 
-void encode_constraint(const sheet::Constraint& constraint, v1::Constraint& message) {
+void encode_constraint(const scene::Constraint& constraint, v1::Constraint& message) {
   encode_region(constraint.region, *message.mutable_region());
   message.set_x(constraint.held[0]);
   message.set_y(constraint.held[1]);
@@ -62,20 +62,20 @@ void encode_constraint(const sheet::Constraint& constraint, v1::Constraint& mess
   message.set_slope(constraint.slope);
 }
 
-sheet::EdgeForce decode_edge_force(const v1::EdgeForce& message, sheet::Region region) {
-  sheet::EdgeForce edge;
+scene::EdgeForce decode_edge_force(const v1::EdgeForce& message, scene::Region region) {
+  scene::EdgeForce edge;
   edge.region = std::move(region);
   edge.is_total = message.has_force_n();
   edge.force = decode_vector(edge.is_total ? message.force_n() : message.force_npm());
   if (message.amount_case() == v1::EdgeForce::kNormalNpm) edge.normal = message.normal_npm();
   if (message.has_factor()) {
     edge.factor =
-        sheet::LinearFactor{decode_vector(message.factor().zero()), {message.factor().by_x(), message.factor().by_y()}};
+        scene::LinearFactor{decode_vector(message.factor().zero()), {message.factor().by_x(), message.factor().by_y()}};
   }
   return edge;
 }
 
-void encode_edge_force(const sheet::EdgeForce& edge, v1::EdgeForce& message) {
+void encode_edge_force(const scene::EdgeForce& edge, v1::EdgeForce& message) {
   encode_region(edge.region, *message.mutable_region());
   if (edge.normal) {
     message.set_normal_npm(*edge.normal);
@@ -88,12 +88,12 @@ void encode_edge_force(const sheet::EdgeForce& edge, v1::EdgeForce& message) {
   message.mutable_factor()->set_by_y(edge.factor->slope.y());
 }
 
-Result<sheet::Load> decode_load(const v1::Load& message, const std::string& path) {
-  sheet::Load load;
+Result<scene::Load> decode_load(const v1::Load& message, const std::string& path) {
+  scene::Load load;
   load.history = decode_history(message.history());
   switch (message.kind_case()) {
     case v1::Load::kPoint: {
-      sheet::PointForce force;
+      scene::PointForce force;
       if (message.point().has_vertex()) {
         force.point = message.point().vertex();
       } else if (message.point().has_material()) {
@@ -106,7 +106,7 @@ Result<sheet::Load> decode_load(const v1::Load& message, const std::string& path
       return load;
     }
     case v1::Load::kEdge: {
-      KERF_TRY_ASSIGN(sheet::Region region, decode_region(message.edge().region(), path + ".edge.region"));
+      KERF_TRY_ASSIGN(scene::Region region, decode_region(message.edge().region(), path + ".edge.region"));
       if (message.edge().amount_case() == v1::EdgeForce::AMOUNT_NOT_SET) {
         return choice_missing(path + ".edge.amount", "force_n, force_npm or normal_npm");
       }
@@ -114,28 +114,28 @@ Result<sheet::Load> decode_load(const v1::Load& message, const std::string& path
       return load;
     }
     case v1::Load::kArea: {
-      KERF_TRY_ASSIGN(sheet::Region region, decode_region(message.area().region(), path + ".area.region"));
+      KERF_TRY_ASSIGN(scene::Region region, decode_region(message.area().region(), path + ".area.region"));
       if (message.area().amount_case() == v1::AreaForce::AMOUNT_NOT_SET) {
         return choice_missing(path + ".area.amount", "force_n or traction_pa");
       }
       const bool is_total = !message.area().has_traction_pa();
       load.kind =
-          sheet::AreaForce{std::move(region),
+          scene::AreaForce{std::move(region),
                            decode_vector(is_total ? message.area().force_n() : message.area().traction_pa()), is_total};
       return load;
     }
     case v1::Load::kPressure: {
-      KERF_TRY_ASSIGN(sheet::Region region, decode_region(message.pressure().region(), path + ".pressure.region"));
-      load.kind = sheet::Pressure{std::move(region), message.pressure().pressure_pa()};
+      KERF_TRY_ASSIGN(scene::Region region, decode_region(message.pressure().region(), path + ".pressure.region"));
+      load.kind = scene::Pressure{std::move(region), message.pressure().pressure_pa()};
       return load;
     }
     case v1::Load::kMoment: {
-      KERF_TRY_ASSIGN(sheet::Region region, decode_region(message.moment().region(), path + ".moment.region"));
+      KERF_TRY_ASSIGN(scene::Region region, decode_region(message.moment().region(), path + ".moment.region"));
       if (message.moment().amount_case() == v1::EdgeMoment::AMOUNT_NOT_SET) {
         return choice_missing(path + ".moment.amount", "moment_nm or moment_nm_per_m");
       }
       const bool is_total = !message.moment().has_moment_nm_per_m();
-      load.kind = sheet::EdgeMoment{
+      load.kind = scene::EdgeMoment{
           std::move(region), is_total ? message.moment().moment_nm() : message.moment().moment_nm_per_m(), is_total};
       return load;
     }
@@ -145,7 +145,7 @@ Result<sheet::Load> decode_load(const v1::Load& message, const std::string& path
   return choice_missing(path + ".kind", "point, edge, area, pressure or moment");
 }
 
-void encode(const sheet::PointForce& point, v1::Load& message) {
+void encode(const scene::PointForce& point, v1::Load& message) {
   if (const auto* vertex = std::get_if<mesh::VertexId>(&point.point)) {
     message.mutable_point()->set_vertex(*vertex);
   } else {
@@ -154,22 +154,22 @@ void encode(const sheet::PointForce& point, v1::Load& message) {
   encode_vector(point.force, *message.mutable_point()->mutable_force_n());
 }
 
-void encode(const sheet::EdgeForce& edge, v1::Load& message) {
+void encode(const scene::EdgeForce& edge, v1::Load& message) {
   encode_edge_force(edge, *message.mutable_edge());
 }
 
-void encode(const sheet::AreaForce& area, v1::Load& message) {
+void encode(const scene::AreaForce& area, v1::Load& message) {
   v1::AreaForce& to = *message.mutable_area();
   encode_region(area.region, *to.mutable_region());
   encode_vector(area.force, area.is_total ? *to.mutable_force_n() : *to.mutable_traction_pa());
 }
 
-void encode(const sheet::Pressure& pressure, v1::Load& message) {
+void encode(const scene::Pressure& pressure, v1::Load& message) {
   encode_region(pressure.region, *message.mutable_pressure()->mutable_region());
   message.mutable_pressure()->set_pressure_pa(pressure.pressure);
 }
 
-void encode(const sheet::EdgeMoment& moment, v1::Load& message) {
+void encode(const scene::EdgeMoment& moment, v1::Load& message) {
   v1::EdgeMoment& to = *message.mutable_moment();
   encode_region(moment.region, *to.mutable_region());
   if (moment.is_total) {
@@ -179,39 +179,39 @@ void encode(const sheet::EdgeMoment& moment, v1::Load& message) {
   }
 }
 
-void encode_load(const sheet::Load& load, v1::Load& message) {
+void encode_load(const scene::Load& load, v1::Load& message) {
   if (!load.history.times.empty()) encode_history(load.history, *message.mutable_history());
   std::visit([&message](const auto& kind) { encode(kind, message); }, load.kind);
 }
 
 }  // namespace
 
-Status decode_conditions(const v1::Scene& scene, sheet::SheetConfig& config) {
+Status decode_conditions(const v1::Scene& scene, scene::SheetConfig& config) {
   for (int i = 0; i < scene.constraints_size(); ++i) {
-    KERF_TRY_ASSIGN(sheet::Constraint constraint,
+    KERF_TRY_ASSIGN(scene::Constraint constraint,
                     decode_constraint(scene.constraints(i), "constraints[" + std::to_string(i) + "]"));
     config.constraints.push_back(std::move(constraint));
   }
   for (int i = 0; i < scene.loads_size(); ++i) {
-    KERF_TRY_ASSIGN(sheet::Load load, decode_load(scene.loads(i), "loads[" + std::to_string(i) + "]"));
+    KERF_TRY_ASSIGN(scene::Load load, decode_load(scene.loads(i), "loads[" + std::to_string(i) + "]"));
     config.loads.push_back(std::move(load));
   }
   config.gravity_history = decode_history(scene.gravity_history());
   config.planar = scene.planar();
   if (scene.has_initial_velocity()) {
     const v1::InitialVelocity& given = scene.initial_velocity();
-    sheet::InitialVelocity velocity{decode_vector(given.linear_mps()), decode_vector(given.angular_radps()), {}};
+    scene::InitialVelocity velocity{decode_vector(given.linear_mps()), decode_vector(given.angular_radps()), {}};
     if (given.has_center()) velocity.centre = decode_vector(given.center());
     config.initial_velocity = velocity;
   }
   return Nothing{};
 }
 
-void encode_conditions(const sheet::SheetConfig& config, v1::Scene& scene) {
-  for (const sheet::Constraint& constraint : config.constraints) {
+void encode_conditions(const scene::SheetConfig& config, v1::Scene& scene) {
+  for (const scene::Constraint& constraint : config.constraints) {
     encode_constraint(constraint, *scene.add_constraints());
   }
-  for (const sheet::Load& load : config.loads) encode_load(load, *scene.add_loads());
+  for (const scene::Load& load : config.loads) encode_load(load, *scene.add_loads());
   if (!config.gravity_history.times.empty()) encode_history(config.gravity_history, *scene.mutable_gravity_history());
   scene.set_planar(config.planar);
   if (!config.initial_velocity) return;

@@ -8,11 +8,11 @@
 #include "server/core/scene/sheet_config.h"
 
 // Converts kerf.v1.Constraint, Load, History and InitialVelocity to and from sheet's types. Checks only faults of the
-// messages themselves, not what sheet::validate() checks; errors as in scene_codec.h.
+// messages themselves, not what scene::validate() checks; errors as in scene_codec.h.
 namespace kerf::wire {
 
 // Convert the scene's constraints, loads, gravity_history, planar and initial_velocity.
-Status decode_conditions(const v1::Scene& scene, sheet::SheetConfig& config);
-void encode_conditions(const sheet::SheetConfig& config, v1::Scene& scene);
+Status decode_conditions(const v1::Scene& scene, scene::SheetConfig& config);
+void encode_conditions(const scene::SheetConfig& config, v1::Scene& scene);
 
 }  // namespace kerf::wire

@@ -8,8 +8,8 @@
 namespace kerf::wire {
 namespace {
 
-using Kind = sheet::IntegratorKind;
-using Solver = sheet::LinearSolverKind;
+using Kind = scene::IntegratorKind;
+using Solver = scene::LinearSolverKind;
 
 constexpr std::array<std::pair<v1::Integrator::Kind, Kind>, 6> kKinds{{
     {v1::Integrator::AUTOMATIC, Kind::kAutomatic},
@@ -29,18 +29,18 @@ constexpr std::array<std::pair<v1::Integrator::Solver, Solver>, 8> kSolvers{{
     {v1::Integrator::ES_CGM, Solver::kEsCgm},
     {v1::Integrator::AS_CGM, Solver::kAsCgm},
 }};
-constexpr std::array<std::pair<v1::CovarianceRoot::Norm, sheet::EigenvalueNorm>, 2> kNorms{{
-    {v1::CovarianceRoot::P_NORM, sheet::EigenvalueNorm::kPower},
-    {v1::CovarianceRoot::LOG_NORM, sheet::EigenvalueNorm::kLog},
+constexpr std::array<std::pair<v1::CovarianceRoot::Norm, scene::EigenvalueNorm>, 2> kNorms{{
+    {v1::CovarianceRoot::P_NORM, scene::EigenvalueNorm::kPower},
+    {v1::CovarianceRoot::LOG_NORM, scene::EigenvalueNorm::kLog},
 }};
-constexpr std::array<std::pair<v1::Integrator::Precision, sheet::Precision>, 2> kPrecisions{{
-    {v1::Integrator::DOUBLE, sheet::Precision::kDouble},
-    {v1::Integrator::MIXED, sheet::Precision::kMixed},
+constexpr std::array<std::pair<v1::Integrator::Precision, scene::Precision>, 2> kPrecisions{{
+    {v1::Integrator::DOUBLE, scene::Precision::kDouble},
+    {v1::Integrator::MIXED, scene::Precision::kMixed},
 }};
 
 }  // namespace
 
-Status decode_integrator(const v1::Integrator& message, sheet::IntegratorSettings& settings) {
+Status decode_integrator(const v1::Integrator& message, scene::IntegratorSettings& settings) {
   KERF_TRY(decode_choice(kKinds, message.kind(), "integrator.kind", settings.kind));
   KERF_TRY(decode_choice(kSolvers, message.solver(), "integrator.solver", settings.solver));
   KERF_TRY(decode_choice(kPrecisions, message.precision(), "integrator.precision", settings.precision));
@@ -58,12 +58,12 @@ Status decode_integrator(const v1::Integrator& message, sheet::IntegratorSetting
   if (message.has_highest_mode_damping()) settings.highest_mode_damping = message.highest_mode_damping();
   const bool is_undamped = settings.highest_mode_damping == 0.0;
   if (is_undamped && message.precision() == v1::Integrator::PRECISION_UNSPECIFIED) {
-    settings.precision = sheet::Precision::kDouble;  // Without damping nothing removes rounding errors.
+    settings.precision = scene::Precision::kDouble;  // Without damping nothing removes rounding errors.
   }
   return Nothing{};
 }
 
-v1::Integrator encode_integrator(const sheet::IntegratorSettings& settings) {
+v1::Integrator encode_integrator(const scene::IntegratorSettings& settings) {
   v1::Integrator message;
   message.set_kind(encode_choice(kKinds, settings.kind));
   message.set_solver(encode_choice(kSolvers, settings.solver));

@@ -9,8 +9,8 @@
 namespace kerf::wire {
 namespace {
 
-Result<sheet::MeshSource> decode_grid(const v1::GridMesh& message) {
-  sheet::GridSource grid;
+Result<scene::MeshSource> decode_grid(const v1::GridMesh& message) {
+  scene::GridSource grid;
   grid.columns = message.columns();
   grid.rows = message.rows();
   grid.width = message.width_m();
@@ -19,54 +19,54 @@ Result<sheet::MeshSource> decode_grid(const v1::GridMesh& message) {
   switch (message.pattern()) {
     case v1::GridMesh::PATTERN_UNSPECIFIED:
     case v1::GridMesh::UNIFORM_DIAGONALS:
-      grid.pattern = sheet::GridPattern::kUniformDiagonals;
+      grid.pattern = scene::GridPattern::kUniformDiagonals;
       break;
     case v1::GridMesh::JITTERED_DELAUNAY:
-      grid.pattern = sheet::GridPattern::kJitteredDelaunay;
+      grid.pattern = scene::GridPattern::kJitteredDelaunay;
       break;
     default:
       return unknown_enum("grid.pattern", static_cast<int>(message.pattern()));
   }
-  return sheet::MeshSource(grid);
+  return scene::MeshSource(grid);
 }
 
-Result<sheet::RestShape> decode_rest_shape(v1::RestShape rest_shape, const std::string& path) {
+Result<scene::RestShape> decode_rest_shape(v1::RestShape rest_shape, const std::string& path) {
   switch (rest_shape) {
     case v1::REST_SHAPE_UNSPECIFIED:
-      return sheet::RestShape::kAutomatic;
+      return scene::RestShape::kAutomatic;
     case v1::REST_SHAPE_FLAT:
-      return sheet::RestShape::kFlat;
+      return scene::RestShape::kFlat;
     case v1::REST_SHAPE_SURFACE:
-      return sheet::RestShape::kSurface;
+      return scene::RestShape::kSurface;
     default:
       return unknown_enum(path, static_cast<int>(rest_shape));
   }
 }
 
-v1::RestShape encode_rest_shape(sheet::RestShape rest_shape) {
+v1::RestShape encode_rest_shape(scene::RestShape rest_shape) {
   switch (rest_shape) {
-    case sheet::RestShape::kFlat:
+    case scene::RestShape::kFlat:
       return v1::REST_SHAPE_FLAT;
-    case sheet::RestShape::kSurface:
+    case scene::RestShape::kSurface:
       return v1::REST_SHAPE_SURFACE;
-    case sheet::RestShape::kAutomatic:
+    case scene::RestShape::kAutomatic:
       break;
   }
   return v1::REST_SHAPE_UNSPECIFIED;
 }
 
-Result<sheet::MeshSource> decode_obj(v1::ObjMesh& message, const FileReader& read_file) {
+Result<scene::MeshSource> decode_obj(v1::ObjMesh& message, const FileReader& read_file) {
   KERF_TRY_ASSIGN(std::string text,
                   read_content({std::move(*message.mutable_text()), message.file()}, read_file, "OBJ", "obj"));
-  KERF_TRY_ASSIGN(const sheet::RestShape rest_shape, decode_rest_shape(message.rest_shape(), "obj.rest_shape"));
-  return sheet::MeshSource(sheet::ObjSource{obj_text(std::move(text)), rest_shape});
+  KERF_TRY_ASSIGN(const scene::RestShape rest_shape, decode_rest_shape(message.rest_shape(), "obj.rest_shape"));
+  return scene::MeshSource(scene::ObjSource{obj_text(std::move(text)), rest_shape});
 }
 
-Result<sheet::MeshSource> decode_ply(v1::PlyMesh& message, const FileReader& read_file) {
+Result<scene::MeshSource> decode_ply(v1::PlyMesh& message, const FileReader& read_file) {
   KERF_TRY_ASSIGN(std::string data,
                   read_content({std::move(*message.mutable_data()), message.file(), "data"}, read_file, "PLY", "ply"));
-  KERF_TRY_ASSIGN(const sheet::RestShape rest_shape, decode_rest_shape(message.rest_shape(), "ply.rest_shape"));
-  return sheet::MeshSource(sheet::PlySource{std::move(data), rest_shape});
+  KERF_TRY_ASSIGN(const scene::RestShape rest_shape, decode_rest_shape(message.rest_shape(), "ply.rest_shape"));
+  return scene::MeshSource(scene::PlySource{std::move(data), rest_shape});
 }
 
 Status check_length(int length, int multiple, const std::string& path) {
@@ -76,24 +76,24 @@ Status check_length(int length, int multiple, const std::string& path) {
       path + " has " + std::to_string(length) + " numbers; must be a multiple of " + std::to_string(multiple), path);
 }
 
-Result<sheet::MeshSource> decode_inline(const v1::InlineMesh& message) {
+Result<scene::MeshSource> decode_inline(const v1::InlineMesh& message) {
   KERF_TRY(check_length(message.material_positions_size(), 2, "inline.material_positions"));
   KERF_TRY(check_length(message.triangles_size(), 3, "inline.triangles"));
   KERF_TRY(check_length(message.positions_size(), 3, "inline.positions"));
   KERF_TRY(check_length(message.rest_positions_size(), 3, "inline.rest_positions"));
-  sheet::ArraySource arrays;
+  scene::ArraySource arrays;
   arrays.material_positions =
       Eigen::Map<const Eigen::Matrix2Xd>(message.material_positions().data(), 2, message.material_positions_size() / 2);
   arrays.triangles = Eigen::Map<const Eigen::Matrix3Xi>(message.triangles().data(), 3, message.triangles_size() / 3);
   arrays.positions = Eigen::Map<const Eigen::Matrix3Xd>(message.positions().data(), 3, message.positions_size() / 3);
   arrays.rest_positions =
       Eigen::Map<const Eigen::Matrix3Xd>(message.rest_positions().data(), 3, message.rest_positions_size() / 3);
-  return sheet::MeshSource(std::move(arrays));
+  return scene::MeshSource(std::move(arrays));
 }
 
-Result<sheet::OutlineSizing> decode_sizing(const v1::EdgeLength& message, const std::string& path,
+Result<scene::OutlineSizing> decode_sizing(const v1::EdgeLength& message, const std::string& path,
                                            const FileReader& read_file) {
-  sheet::OutlineSizing sizing;
+  scene::OutlineSizing sizing;
   switch (message.place_case()) {
     case v1::EdgeLength::kPoint:
       sizing.place = decode_vector(message.point());
@@ -111,8 +111,8 @@ Result<sheet::OutlineSizing> decode_sizing(const v1::EdgeLength& message, const 
   return sizing;
 }
 
-Result<sheet::MeshSource> decode_outline(const v1::OutlineMesh& message, const FileReader& read_file) {
-  sheet::OutlineSource outline;
+Result<scene::MeshSource> decode_outline(const v1::OutlineMesh& message, const FileReader& read_file) {
+  scene::OutlineSource outline;
   if (!message.has_boundary()) return missing("outline.boundary");
   KERF_TRY_ASSIGN(DecodedCurve boundary, decode_curve(message.boundary(), "outline.boundary", read_file));
   outline.boundary = std::move(boundary.curve);
@@ -123,36 +123,36 @@ Result<sheet::MeshSource> decode_outline(const v1::OutlineMesh& message, const F
   }
   outline.edge_length = message.edge_length_m();
   for (int i = 0; i < message.sizes_size(); ++i) {
-    KERF_TRY_ASSIGN(sheet::OutlineSizing sizing,
+    KERF_TRY_ASSIGN(scene::OutlineSizing sizing,
                     decode_sizing(message.sizes(i), "outline.sizes[" + std::to_string(i) + "]", read_file));
     outline.sizes.push_back(std::move(sizing));
   }
   if (message.min_angle_deg() != 0.0) outline.min_angle_deg = message.min_angle_deg();
-  return sheet::MeshSource(std::move(outline));
+  return scene::MeshSource(std::move(outline));
 }
 
-void encode_source(const sheet::GridSource& grid, v1::Scene& scene) {
+void encode_source(const scene::GridSource& grid, v1::Scene& scene) {
   v1::GridMesh& message = *scene.mutable_grid();
   message.set_columns(grid.columns);
   message.set_rows(grid.rows);
   message.set_width_m(grid.width);
   message.set_height_m(grid.height);
-  message.set_pattern(grid.pattern == sheet::GridPattern::kJitteredDelaunay ? v1::GridMesh::JITTERED_DELAUNAY
+  message.set_pattern(grid.pattern == scene::GridPattern::kJitteredDelaunay ? v1::GridMesh::JITTERED_DELAUNAY
                                                                             : v1::GridMesh::UNIFORM_DIAGONALS);
   message.set_seed(grid.seed);
 }
 
-void encode_source(const sheet::ObjSource& obj, v1::Scene& scene) {
+void encode_source(const scene::ObjSource& obj, v1::Scene& scene) {
   scene.mutable_obj()->set_text(obj.text);
   scene.mutable_obj()->set_rest_shape(encode_rest_shape(obj.rest_shape));
 }
 
-void encode_source(const sheet::PlySource& ply, v1::Scene& scene) {
+void encode_source(const scene::PlySource& ply, v1::Scene& scene) {
   scene.mutable_ply()->set_data(ply.data);
   scene.mutable_ply()->set_rest_shape(encode_rest_shape(ply.rest_shape));
 }
 
-void encode_source(const sheet::ArraySource& arrays, v1::Scene& scene) {
+void encode_source(const scene::ArraySource& arrays, v1::Scene& scene) {
   v1::InlineMesh& message = *scene.mutable_inline_();
   message.mutable_material_positions()->Add(arrays.material_positions.data(),
                                             arrays.material_positions.data() + arrays.material_positions.size());
@@ -162,12 +162,12 @@ void encode_source(const sheet::ArraySource& arrays, v1::Scene& scene) {
                                         arrays.rest_positions.data() + arrays.rest_positions.size());
 }
 
-void encode_source(const sheet::OutlineSource& outline, v1::Scene& scene) {
+void encode_source(const scene::OutlineSource& outline, v1::Scene& scene) {
   v1::OutlineMesh& message = *scene.mutable_outline();
   encode_curve(outline.boundary, *message.mutable_boundary());
   for (const cut::Curve& hole : outline.holes) encode_curve(hole, *message.add_holes());
   message.set_edge_length_m(outline.edge_length);
-  for (const sheet::OutlineSizing& sizing : outline.sizes) {
+  for (const scene::OutlineSizing& sizing : outline.sizes) {
     v1::EdgeLength& to = *message.add_sizes();
     if (const auto* point = std::get_if<Eigen::Vector2d>(&sizing.place)) {
       encode_vector(*point, *to.mutable_point());
@@ -182,7 +182,7 @@ void encode_source(const sheet::OutlineSource& outline, v1::Scene& scene) {
 
 }  // namespace
 
-Result<sheet::MeshSource> decode_mesh_source(v1::Scene& scene, const FileReader& read_file) {
+Result<scene::MeshSource> decode_mesh_source(v1::Scene& scene, const FileReader& read_file) {
   switch (scene.mesh_case()) {
     case v1::Scene::kGrid:
       return decode_grid(scene.grid());
@@ -207,7 +207,7 @@ std::string obj_text(std::string file) {
   return file;
 }
 
-void encode_mesh_source(const sheet::MeshSource& mesh, v1::Scene& scene) {
+void encode_mesh_source(const scene::MeshSource& mesh, v1::Scene& scene) {
   std::visit([&scene](const auto& source) { encode_source(source, scene); }, mesh);
 }
 

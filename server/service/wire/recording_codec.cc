@@ -58,13 +58,13 @@ std::size_t bytes_beside_mesh(std::string_view header) {
 }
 
 // Counts parts as RecordingLimits does.
-std::int64_t parts_of(const sheet::Command& command) {
-  if (const auto* cut = std::get_if<sheet::Cut>(&command)) return num_parts(*cut);
+std::int64_t parts_of(const scene::Command& command) {
+  if (const auto* cut = std::get_if<scene::Cut>(&command)) return num_parts(*cut);
   std::int64_t parts = 1;
-  if (const auto* batch = std::get_if<sheet::CutBatch>(&command)) {
-    for (const sheet::Cut& cut : batch->cuts) parts += num_parts(cut);
+  if (const auto* batch = std::get_if<scene::CutBatch>(&command)) {
+    for (const scene::Cut& cut : batch->cuts) parts += num_parts(cut);
   }
-  if (const auto* set_pins = std::get_if<sheet::SetPins>(&command)) {
+  if (const auto* set_pins = std::get_if<scene::SetPins>(&command)) {
     parts += static_cast<std::int64_t>(set_pins->pins.size());
   }
   return parts;
@@ -87,7 +87,7 @@ Result<sheet::RecordedTick> decode_tick(const v1::RecordedTick& message, std::si
           "RECORDING_DAMAGED", offset,
           "command " + std::to_string(i) + " holds an SVG; a recording must hold the path made from it");
     }
-    Result<sheet::Command> command = decode_command(message.commands(i));
+    Result<scene::Command> command = decode_command(message.commands(i));
     if (!command.ok()) {
       return recording_damage("RECORDING_DAMAGED", offset,
                               "command " + std::to_string(i) + " is refused: " + command.error().message);
@@ -127,7 +127,7 @@ class TickReader {
     if (static_cast<std::int64_t>(entries.size()) == limits_.max_entries) {
       return recording_too_large(reader_.offset(), "there are more ticks than allowed", limits_.max_entries);
     }
-    for (const sheet::Command& command : tick.commands) parts_ += parts_of(command);
+    for (const scene::Command& command : tick.commands) parts_ += parts_of(command);
     if (parts_ > limits_.max_parts) {
       return recording_too_large(reader_.offset(), "there are more commands, or larger ones, than allowed",
                                  limits_.max_parts);
@@ -177,7 +177,7 @@ std::string build_name() {
 #endif
 }
 
-std::string encode_recording_header(const sheet::SheetConfig& config, std::string_view build) {
+std::string encode_recording_header(const scene::SheetConfig& config, std::string_view build) {
   v1::RecordingHeader header;
   header.set_magic(std::string(kMagic));
   header.set_format_version(kRecordingFormat);
@@ -190,7 +190,7 @@ std::string encode_recorded_tick(const sheet::RecordedTick& tick) {
   v1::RecordedTick message;
   message.set_tick(tick.tick);
   message.set_state_hash(tick.state_hash);
-  for (const sheet::Command& command : tick.commands) *message.add_commands() = encode_command(command);
+  for (const scene::Command& command : tick.commands) *message.add_commands() = encode_command(command);
   return recording_frame(message);
 }
 
@@ -199,7 +199,7 @@ Result<RecordingFile> decode_recording(std::string_view file, const RecordingLim
   KERF_TRY_ASSIGN(v1::RecordingHeader header, read_header(reader));
   RecordingFile decoded;
   decoded.build = header.build();
-  Result<sheet::SheetConfig> config = decode_scene(std::move(*header.mutable_scene()));
+  Result<scene::SheetConfig> config = decode_scene(std::move(*header.mutable_scene()));
   if (!config.ok()) return recording_damage("RECORDING_DAMAGED", 0, "the scene is refused: " + config.error().message);
   decoded.recording.config = std::move(*config);
   TickReader ticks(reader, limits);

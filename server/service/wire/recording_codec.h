@@ -19,7 +19,7 @@ inline constexpr std::int32_t kRecordingFormat = 3;
 // Returns the compiler of this build, its version, and whether it optimised.
 std::string build_name();
 // Returns the start of a recording file. `build`: see build_name(); a replay gives equal bits only on an equal build.
-std::string encode_recording_header(const sheet::SheetConfig& config, std::string_view build);
+std::string encode_recording_header(const scene::SheetConfig& config, std::string_view build);
 // Returns the bytes that each tick appends.
 std::string encode_recorded_tick(const sheet::RecordedTick& tick);
 

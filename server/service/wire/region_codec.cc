@@ -12,75 +12,75 @@ namespace {
 constexpr double kDefaultAirDensity = 1.2;       // kg/m^3
 constexpr double kDefaultDragCoefficient = 1.0;  // -
 
-Result<sheet::Region> decode_edge(v1::Region::Edge edge, const std::string& path) {
+Result<scene::Region> decode_edge(v1::Region::Edge edge, const std::string& path) {
   switch (edge) {
     case v1::Region::TOP:
-      return sheet::Region(sheet::RegionEdge::kTop);
+      return scene::Region(scene::RegionEdge::kTop);
     case v1::Region::BOTTOM:
-      return sheet::Region(sheet::RegionEdge::kBottom);
+      return scene::Region(scene::RegionEdge::kBottom);
     case v1::Region::LEFT:
-      return sheet::Region(sheet::RegionEdge::kLeft);
+      return scene::Region(scene::RegionEdge::kLeft);
     case v1::Region::RIGHT:
-      return sheet::Region(sheet::RegionEdge::kRight);
+      return scene::Region(scene::RegionEdge::kRight);
     case v1::Region::CORNERS:
-      return sheet::Region(sheet::RegionEdge::kCorners);
+      return scene::Region(scene::RegionEdge::kCorners);
     case v1::Region::TOP_CORNERS:
-      return sheet::Region(sheet::RegionEdge::kTopCorners);
+      return scene::Region(scene::RegionEdge::kTopCorners);
     default:
       return unknown_enum(path, static_cast<int>(edge));
   }
 }
 
-v1::Region::Edge encode_edge(sheet::RegionEdge edge) {
+v1::Region::Edge encode_edge(scene::RegionEdge edge) {
   switch (edge) {
-    case sheet::RegionEdge::kTop:
+    case scene::RegionEdge::kTop:
       return v1::Region::TOP;
-    case sheet::RegionEdge::kBottom:
+    case scene::RegionEdge::kBottom:
       return v1::Region::BOTTOM;
-    case sheet::RegionEdge::kLeft:
+    case scene::RegionEdge::kLeft:
       return v1::Region::LEFT;
-    case sheet::RegionEdge::kRight:
+    case scene::RegionEdge::kRight:
       return v1::Region::RIGHT;
-    case sheet::RegionEdge::kCorners:
+    case scene::RegionEdge::kCorners:
       return v1::Region::CORNERS;
-    case sheet::RegionEdge::kTopCorners:
+    case scene::RegionEdge::kTopCorners:
       return v1::Region::TOP_CORNERS;
   }
   return v1::Region::EDGE_UNSPECIFIED;
 }
 
-Result<sheet::MaterialLine::Side> decode_side(v1::MaterialLine::Side side, const std::string& path) {
+Result<scene::MaterialLine::Side> decode_side(v1::MaterialLine::Side side, const std::string& path) {
   switch (side) {
     case v1::MaterialLine::SIDE_UNSPECIFIED:
     case v1::MaterialLine::BOTH:
-      return sheet::MaterialLine::Side::kBoth;
+      return scene::MaterialLine::Side::kBoth;
     case v1::MaterialLine::LEFT_OF_LINE:
-      return sheet::MaterialLine::Side::kLeft;
+      return scene::MaterialLine::Side::kLeft;
     case v1::MaterialLine::RIGHT_OF_LINE:
-      return sheet::MaterialLine::Side::kRight;
+      return scene::MaterialLine::Side::kRight;
     default:
       return unknown_enum(path, static_cast<int>(side));
   }
 }
 
-v1::MaterialLine::Side encode_side(sheet::MaterialLine::Side side) {
-  if (side == sheet::MaterialLine::Side::kBoth) return v1::MaterialLine::SIDE_UNSPECIFIED;
-  return side == sheet::MaterialLine::Side::kLeft ? v1::MaterialLine::LEFT_OF_LINE : v1::MaterialLine::RIGHT_OF_LINE;
+v1::MaterialLine::Side encode_side(scene::MaterialLine::Side side) {
+  if (side == scene::MaterialLine::Side::kBoth) return v1::MaterialLine::SIDE_UNSPECIFIED;
+  return side == scene::MaterialLine::Side::kLeft ? v1::MaterialLine::LEFT_OF_LINE : v1::MaterialLine::RIGHT_OF_LINE;
 }
 
-Result<sheet::Region> decode_line(const v1::MaterialLine& message, const std::string& path) {
-  KERF_TRY_ASSIGN(const sheet::MaterialLine::Side side, decode_side(message.side(), path + ".side"));
-  return sheet::Region(
-      sheet::MaterialLine{decode_vector(message.a()), decode_vector(message.b()), message.within_m(), side});
+Result<scene::Region> decode_line(const v1::MaterialLine& message, const std::string& path) {
+  KERF_TRY_ASSIGN(const scene::MaterialLine::Side side, decode_side(message.side(), path + ".side"));
+  return scene::Region(
+      scene::MaterialLine{decode_vector(message.a()), decode_vector(message.b()), message.within_m(), side});
 }
 
-Result<sheet::Region> decode_along(const v1::MaterialCurve& message, const std::string& path) {
+Result<scene::Region> decode_along(const v1::MaterialCurve& message, const std::string& path) {
   KERF_TRY_ASSIGN(DecodedCurve curve, decode_curve(message.curve(), path + ".curve", {}));
-  KERF_TRY_ASSIGN(const sheet::MaterialLine::Side side, decode_side(message.side(), path + ".side"));
-  return sheet::Region(sheet::MaterialCurve{std::move(curve.curve), message.within_m(), side});
+  KERF_TRY_ASSIGN(const scene::MaterialLine::Side side, decode_side(message.side(), path + ".side"));
+  return scene::Region(scene::MaterialCurve{std::move(curve.curve), message.within_m(), side});
 }
 
-void encode_line(const sheet::MaterialLine& line, v1::MaterialLine& message) {
+void encode_line(const scene::MaterialLine& line, v1::MaterialLine& message) {
   encode_vector(line.a, *message.mutable_a());
   encode_vector(line.b, *message.mutable_b());
   message.set_within_m(line.within);
@@ -89,25 +89,25 @@ void encode_line(const sheet::MaterialLine& line, v1::MaterialLine& message) {
 
 }  // namespace
 
-Result<sheet::Region> decode_region(const v1::Region& region, const std::string& path) {
+Result<scene::Region> decode_region(const v1::Region& region, const std::string& path) {
   switch (region.region_case()) {
     case v1::Region::kEdge:
       return decode_edge(region.edge(), path + ".edge");
     case v1::Region::kBox:
-      return sheet::Region(sheet::MaterialBox{decode_vector(region.box().min()), decode_vector(region.box().max())});
+      return scene::Region(scene::MaterialBox{decode_vector(region.box().min()), decode_vector(region.box().max())});
     case v1::Region::kVertices:
-      return sheet::Region(
+      return scene::Region(
           std::vector<mesh::VertexId>(region.vertices().vertices().begin(), region.vertices().vertices().end()));
     case v1::Region::kLine:
       return decode_line(region.line(), path + ".line");
     case v1::Region::kNearest:
-      return sheet::Region(sheet::NearestVertex{decode_vector(region.nearest())});
+      return scene::Region(scene::NearestVertex{decode_vector(region.nearest())});
     case v1::Region::kCurve:
       return decode_along(region.curve(), path + ".curve");
     case v1::Region::kBorder:
-      return sheet::Region(sheet::NearestBorder{decode_vector(region.border())});
+      return scene::Region(scene::NearestBorder{decode_vector(region.border())});
     case v1::Region::kAll:
-      if (region.all()) return sheet::Region(sheet::WholeSheet{});
+      if (region.all()) return scene::Region(scene::WholeSheet{});
       break;
     case v1::Region::REGION_NOT_SET:
       break;
@@ -115,52 +115,52 @@ Result<sheet::Region> decode_region(const v1::Region& region, const std::string&
   return choice_missing(path + ".region", "edge, box, vertices, line, nearest, all, curve or border");
 }
 
-Result<std::vector<sheet::Region>> decode_pins(const RegionMessages& pins, const std::string& path) {
-  std::vector<sheet::Region> decoded;
+Result<std::vector<scene::Region>> decode_pins(const RegionMessages& pins, const std::string& path) {
+  std::vector<scene::Region> decoded;
   for (int i = 0; i < pins.size(); ++i) {
-    KERF_TRY_ASSIGN(sheet::Region pin, decode_region(pins[i], path + "[" + std::to_string(i) + "]"));
+    KERF_TRY_ASSIGN(scene::Region pin, decode_region(pins[i], path + "[" + std::to_string(i) + "]"));
     decoded.push_back(std::move(pin));
   }
   return decoded;
 }
 
-void encode_region(const sheet::Region& region, v1::Region& message) {
+void encode_region(const scene::Region& region, v1::Region& message) {
   std::visit(
       Overloaded{
-          [&message](sheet::RegionEdge edge) { message.set_edge(encode_edge(edge)); },
-          [&message](const sheet::MaterialBox& box) {
+          [&message](scene::RegionEdge edge) { message.set_edge(encode_edge(edge)); },
+          [&message](const scene::MaterialBox& box) {
             encode_vector(box.min, *message.mutable_box()->mutable_min());
             encode_vector(box.max, *message.mutable_box()->mutable_max());
           },
           [&message](const std::vector<mesh::VertexId>& ids) {
             message.mutable_vertices()->mutable_vertices()->Assign(ids.begin(), ids.end());
           },
-          [&message](const sheet::MaterialLine& line) { encode_line(line, *message.mutable_line()); },
-          [&message](const sheet::NearestVertex& nearest) { encode_vector(nearest.point, *message.mutable_nearest()); },
-          [&message](const sheet::WholeSheet& /*whole*/) { message.set_all(true); },
-          [&message](const sheet::MaterialCurve& curve) {
+          [&message](const scene::MaterialLine& line) { encode_line(line, *message.mutable_line()); },
+          [&message](const scene::NearestVertex& nearest) { encode_vector(nearest.point, *message.mutable_nearest()); },
+          [&message](const scene::WholeSheet& /*whole*/) { message.set_all(true); },
+          [&message](const scene::MaterialCurve& curve) {
             encode_curve(curve.curve, *message.mutable_curve()->mutable_curve());
             message.mutable_curve()->set_within_m(curve.within);
             message.mutable_curve()->set_side(encode_side(curve.side));
           },
-          [&message](const sheet::NearestBorder& border) { encode_vector(border.point, *message.mutable_border()); },
+          [&message](const scene::NearestBorder& border) { encode_vector(border.point, *message.mutable_border()); },
       },
       region);
 }
 
-void encode_pins(const std::vector<sheet::Region>& pins, RegionMessages& messages) {
-  for (const sheet::Region& pin : pins) encode_region(pin, *messages.Add());
+void encode_pins(const std::vector<scene::Region>& pins, RegionMessages& messages) {
+  for (const scene::Region& pin : pins) encode_region(pin, *messages.Add());
 }
 
-sheet::Wind decode_wind(const v1::Wind& wind) {
-  sheet::Wind decoded;
+scene::Wind decode_wind(const v1::Wind& wind) {
+  scene::Wind decoded;
   decoded.velocity = decode_vector(wind.velocity_mps());
   decoded.air_density = wind.air_density_kgpm3() == 0.0 ? kDefaultAirDensity : wind.air_density_kgpm3();
   decoded.drag_coefficient = wind.drag_coefficient() == 0.0 ? kDefaultDragCoefficient : wind.drag_coefficient();
   return decoded;
 }
 
-void encode_wind(const sheet::Wind& wind, v1::Wind& message) {
+void encode_wind(const scene::Wind& wind, v1::Wind& message) {
   encode_vector(wind.velocity, *message.mutable_velocity_mps());
   message.set_air_density_kgpm3(wind.air_density);
   message.set_drag_coefficient(wind.drag_coefficient);

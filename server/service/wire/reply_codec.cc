@@ -43,7 +43,7 @@ void encode_quality(const cut::CutQuality& quality, v1::CutQuality& message) {
 
 }  // namespace
 
-v1::CutResult encode_cut_result(const sheet::CommandReply& reply, const sheet::CutReply& cut) {
+v1::CutResult encode_cut_result(const scene::CommandReply& reply, const scene::CutReply& cut) {
   const cut::CutReport& report = cut.report;
   v1::CutResult result;
   result.set_status(cut.status == cut::CutStatus::kApplied ? v1::CutResult::APPLIED : v1::CutResult::NO_INTERSECTION);
@@ -78,22 +78,22 @@ v1::CutResult encode_cut_result(const sheet::CommandReply& reply, const sheet::C
     removed.set_vertices(report.removed_vertices);
     removed.set_triangles(report.removed_triangles);
   }
-  for (const sheet::SplitPiece& split : cut.split_pieces) {
+  for (const scene::SplitPiece& split : cut.split_pieces) {
     v1::PieceSplit& message = *result.add_split_pieces();
     message.set_piece(split.id);
-    for (const sheet::Piece& child : split.children) *message.add_children() = encode_piece(child);
+    for (const scene::Piece& child : split.children) *message.add_children() = encode_piece(child);
   }
   return result;
 }
 
-std::vector<v1::CutResult> encode_cut_results(const sheet::CommandReply& reply) {
+std::vector<v1::CutResult> encode_cut_results(const scene::CommandReply& reply) {
   std::vector<v1::CutResult> results;
   if (reply.cut) results.push_back(encode_cut_result(reply, *reply.cut));
-  for (const sheet::CutReply& cut : reply.batch) results.push_back(encode_cut_result(reply, cut));
+  for (const scene::CutReply& cut : reply.batch) results.push_back(encode_cut_result(reply, cut));
   return results;
 }
 
-v1::Piece encode_piece(const sheet::Piece& piece) {
+v1::Piece encode_piece(const scene::Piece& piece) {
   v1::Piece message;
   message.set_id(piece.birth.id);
   message.set_parent(piece.birth.parent);

@@ -17,11 +17,11 @@ namespace kerf::wire {
 std::string encode_hash(std::uint64_t hash);
 
 // Encodes the outcome of `cut`, a part of `reply`. The caller, which knows the sheet, adds `name` and timings.
-v1::CutResult encode_cut_result(const sheet::CommandReply& reply, const sheet::CutReply& cut);
+v1::CutResult encode_cut_result(const scene::CommandReply& reply, const scene::CutReply& cut);
 // Returns one result for a Cut, one per cut for a CutBatch, none for other commands.
-std::vector<v1::CutResult> encode_cut_results(const sheet::CommandReply& reply);
+std::vector<v1::CutResult> encode_cut_results(const scene::CommandReply& reply);
 
-v1::Piece encode_piece(const sheet::Piece& piece);
+v1::Piece encode_piece(const scene::Piece& piece);
 
 v1::Energies encode_energies(const sheet::Energies& energies);
 

@@ -21,7 +21,7 @@
 namespace kerf::wire {
 namespace {
 
-void decode_placement(const v1::Placement& message, sheet::Placement& placement) {
+void decode_placement(const v1::Placement& message, scene::Placement& placement) {
   if (message.has_origin()) placement.origin = decode_vector(message.origin());
   if (message.has_x_axis()) placement.x_axis = decode_vector(message.x_axis());
   if (message.has_y_axis()) placement.y_axis = decode_vector(message.y_axis());
@@ -52,16 +52,16 @@ Result<contact::Collider> decode_collider(const v1::Collider& message, const std
   return choice_missing(path + ".shape", "plane, sphere, box or capsule");
 }
 
-constexpr std::array<std::pair<v1::Fidelity, sheet::Fidelity>, 2> kFidelities{{
-    {v1::EXACT, sheet::Fidelity::kExact},
-    {v1::REAL_TIME, sheet::Fidelity::kRealTime},
+constexpr std::array<std::pair<v1::Fidelity, scene::Fidelity>, 2> kFidelities{{
+    {v1::EXACT, scene::Fidelity::kExact},
+    {v1::REAL_TIME, scene::Fidelity::kRealTime},
 }};
 
-Status decode_materials(const v1::Scene& scene, sheet::SheetConfig& config) {
+Status decode_materials(const v1::Scene& scene, scene::SheetConfig& config) {
   KERF_TRY_ASSIGN(config.material, decode_material(scene.material(), "material"));
   for (int i = 0; i < scene.materials_size(); ++i) {
     const std::string path = "materials[" + std::to_string(i) + "]";
-    KERF_TRY_ASSIGN(sheet::Region region, decode_region(scene.materials(i).region(), path + ".region"));
+    KERF_TRY_ASSIGN(scene::Region region, decode_region(scene.materials(i).region(), path + ".region"));
     KERF_TRY_ASSIGN(const fem::Material material, decode_material(scene.materials(i).material(), path + ".material"));
     config.materials.push_back({std::move(region), material});
   }
@@ -70,14 +70,14 @@ Status decode_materials(const v1::Scene& scene, sheet::SheetConfig& config) {
 }
 
 // Decodes lists: colliders, scheduled commands.
-Status decode_lists(const v1::Scene& scene, const FileReader& read_file, sheet::SheetConfig& config) {
+Status decode_lists(const v1::Scene& scene, const FileReader& read_file, scene::SheetConfig& config) {
   for (int i = 0; i < scene.colliders_size(); ++i) {
     const std::string path = "colliders[" + std::to_string(i) + "]";
     KERF_TRY_ASSIGN(contact::Collider collider, decode_collider(scene.colliders(i), path));
     config.colliders.push_back(std::move(collider));
   }
   for (int i = 0; i < scene.commands_size(); ++i) {
-    Result<sheet::Command> command = decode_command(scene.commands(i).command(), read_file);
+    Result<scene::Command> command = decode_command(scene.commands(i).command(), read_file);
     if (!command.ok()) return within("commands[" + std::to_string(i) + "].command", command.error());
     config.commands.push_back({scene.commands(i).tick(), std::move(*command)});
   }
@@ -86,8 +86,8 @@ Status decode_lists(const v1::Scene& scene, const FileReader& read_file, sheet::
 
 }  // namespace
 
-Result<sheet::SheetConfig> decode_scene(v1::Scene scene, const FileReader& read_file) {
-  sheet::SheetConfig config;
+Result<scene::SheetConfig> decode_scene(v1::Scene scene, const FileReader& read_file) {
+  scene::SheetConfig config;
   config.sheet_id = scene.sheet_id();
   KERF_TRY_ASSIGN(config.mesh, decode_mesh_source(scene, read_file));
   KERF_TRY(decode_materials(scene, config));
@@ -105,7 +105,7 @@ Result<sheet::SheetConfig> decode_scene(v1::Scene scene, const FileReader& read_
   config.repeat_after = scene.repeat_after_ticks();
   if (scene.has_rest_damping()) config.rest_damping = scene.rest_damping();
   config.description = scene.description();
-  KERF_TRY(sheet::validate(config));
+  KERF_TRY(scene::validate(config));
   return config;
 }
 
@@ -166,13 +166,13 @@ v1::Scene encode_settings(const SettingsInForce& settings) {
   return scene;
 }
 
-v1::Scene encode_scene(const sheet::SheetConfig& config) {
-  v1::Scene scene = encode_settings({config, sheet::materials_of(config), config.gravity, config.wind});
+v1::Scene encode_scene(const scene::SheetConfig& config) {
+  v1::Scene scene = encode_settings({config, scene::materials_of(config), config.gravity, config.wind});
   encode_mesh_source(config.mesh, scene);
   encode_pins(config.pins, *scene.mutable_pins());
   encode_conditions(config, scene);
   encode_analysis(config, scene);
-  for (const sheet::ScheduledCommand& scheduled : config.commands) {
+  for (const scene::ScheduledCommand& scheduled : config.commands) {
     v1::ScheduledCommand& message = *scene.add_commands();
     message.set_tick(scheduled.tick);
     *message.mutable_command() = encode_command(scheduled.command);
@@ -180,7 +180,7 @@ v1::Scene encode_scene(const sheet::SheetConfig& config) {
   return scene;
 }
 
-Result<sheet::SheetConfig> decode_scene_file(std::string_view json, const FileReader& read_file) {
+Result<scene::SheetConfig> decode_scene_file(std::string_view json, const FileReader& read_file) {
   v1::Scene scene;
   KERF_TRY(from_json(json, scene));
   return decode_scene(std::move(scene), read_file);

@@ -57,7 +57,7 @@ T value_or_throw(Result<T> result, const std::string& what) {
   return std::move(result).value();
 }
 
-sheet::SheetConfig read_scene(const std::string& file) {
+scene::SheetConfig read_scene(const std::string& file) {
   std::stringstream text;
   text << std::ifstream(file).rdbuf();
   const auto refuse = [](const std::string& other) {
@@ -66,17 +66,17 @@ sheet::SheetConfig read_scene(const std::string& file) {
   return value_or_throw(wire::decode_scene_file(text.str(), refuse), file);
 }
 
-double duration(const sheet::SheetConfig& scene) {
+double duration(const scene::SheetConfig& scene) {
   return static_cast<double>(scene.ticks) / scene.tick_rate_hz;
 }
 
 // The sheet as it begins: its commands done, at tick 0.
-sheet::Sheet begun(sheet::SheetConfig scene, const sheet::IntegratorFactory& make_integrator) {
-  std::vector<sheet::Command> commands;
-  for (const sheet::ScheduledCommand& scheduled : scene.commands) commands.push_back(scheduled.command);
+sheet::Sheet begun(scene::SheetConfig scene, const sheet::IntegratorFactory& make_integrator) {
+  std::vector<scene::Command> commands;
+  for (const scene::ScheduledCommand& scheduled : scene.commands) commands.push_back(scheduled.command);
   scene.commands.clear();
   sheet::Sheet sheet = value_or_throw(sheet::Sheet::create(std::move(scene), make_integrator), "the sheet");
-  for (const Result<sheet::CommandReply>& reply : sheet.apply(commands).replies) value_or_throw(reply, "a command");
+  for (const Result<scene::CommandReply>& reply : sheet.apply(commands).replies) value_or_throw(reply, "a command");
   return sheet;
 }
 
@@ -115,7 +115,7 @@ Run run(sheet::Sheet sheet, double most_cpu_s) {
   return done;
 }
 
-sheet::Sheet reference(const sheet::SheetConfig& scene, double cfl) {
+sheet::Sheet reference(const scene::SheetConfig& scene, double cfl) {
   return begun(scene, [cfl](fem::IntegratorOptions options) {
     options.kind = fem::IntegratorKind::kExplicit;
     options.precision = fem::Precision::kDouble;
@@ -156,16 +156,16 @@ Run timed(const sheet::Sheet& sheet, double most_cpu_s) {
 }
 
 int measure_all(double cfl, double most_cpu_s, const std::vector<std::string>& files) try {
-  std::vector<sheet::SheetConfig> scenes;
+  std::vector<scene::SheetConfig> scenes;
   for (const std::string& file : files) scenes.push_back(read_scene(file));
-  for (const sheet::SheetConfig& scene : scenes) {
+  for (const scene::SheetConfig& scene : scenes) {
     if (std::abs(duration(scene) - duration(scenes[0])) > 1e-9) throw std::runtime_error("scenes of different length");
   }
   const sheet::Sheet fine_sheet = reference(scenes[0], cfl);
   const Run fine = timed(fine_sheet, kUnlimited);
   KERF_CHECK(std::abs(fine.sum.simulated - duration(scenes[0])) < 1e-9, "the reference covers its time");
   print(fine_sheet, fine, fine.end);
-  for (const sheet::SheetConfig& scene : scenes) {
+  for (const scene::SheetConfig& scene : scenes) {
     const sheet::Sheet sheet = begun(scene, fem::make_integrator);
     print(sheet, timed(sheet, most_cpu_s), fine.end);
   }

@@ -16,7 +16,7 @@ namespace kerf::accuracy {
 namespace {
 
 using fem::IntegratorKind;
-using fem::LinearSolverKind;
+using linear::LinearSolverKind;
 
 constexpr double kEnd = 0.3;             // s
 constexpr double kExplicitRate = 240.0;  // Hz, of ticks, which substeps divide

@@ -6,7 +6,7 @@ namespace kerf::fem {
 namespace {
 
 using Eigen::Vector3d;
-using mesh::VertexField;
+using linear::VertexField;
 using mesh::VertexId;
 
 Hinge hinge_at(const AngleBending::Fold& fold, const VertexField& x) {
@@ -67,7 +67,7 @@ class GradientSums {
   }
 
   // Adds to the matrix the sum over r, s of law_rs (sum r) (sum s)^T; law is symmetric.
-  void add_products(const Eigen::Matrix<double, N, N>& law, BlockMatrix& matrix) const {
+  void add_products(const Eigen::Matrix<double, N, N>& law, linear::BlockMatrix& matrix) const {
     for (std::size_t i = 0; i < size_; ++i) {
       const Sums weighed = values_[i] * law;
       for (std::size_t j = 0; j < size_; ++j) {
@@ -162,7 +162,7 @@ std::vector<double> AngleBending::predicted_moments(const VertexField& x, const 
 }
 
 void AngleBending::add_stiffness(const VertexField& x, std::span<const double> moments, bool project,
-                                 BlockMatrix& matrix) const {
+                                 linear::BlockMatrix& matrix) const {
   const FoldStates now = fold_states(folds, x);
   for (const Patch& patch : patches) {
     GradientSums<3> angles;

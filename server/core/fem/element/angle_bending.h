@@ -10,9 +10,11 @@
 #include "server/core/linear/vertex_field.h"
 #include "server/core/mesh/ids.h"
 
-namespace kerf::fem {
-
+namespace kerf::linear {
 class BlockMatrix;
+}  // namespace kerf::linear
+
+namespace kerf::fem {
 
 // Bending energy that depends on angles only and ignores in-plane motion. The energy of bending.h and bending_edge.h is
 // a quadratic form in the conditions w of the patches, which are vectors. Where a sheet bends without stretching, w_r
@@ -53,18 +55,19 @@ class AngleBending {
   std::vector<Kink> kinks;
 
   // Returns the energy at x (3 x V, m).
-  [[nodiscard]] double energy(const mesh::VertexField& x) const;  // J
+  [[nodiscard]] double energy(const linear::VertexField& x) const;  // J
   // Adds minus the gradient of the energy to f (3 x V, N).
-  void add_forces(const mesh::VertexField& x, mesh::VertexField& f) const;
+  void add_forces(const linear::VertexField& x, linear::VertexField& f) const;
   // Returns the derivatives of the energy by the fold angles after `step` from x (both 3 x V, m), in J. The angles are
   // predicted to first order.
-  [[nodiscard]] std::vector<double> predicted_moments(const mesh::VertexField& x, const mesh::VertexField& step) const;
+  [[nodiscard]] std::vector<double> predicted_moments(const linear::VertexField& x,
+                                                      const linear::VertexField& step) const;
   // Adds the second derivatives of the energy at x, N/m. Non-empty `moments` (J, one a fold) replace the derivatives of
   // the energy by the angles at x. `project` leaves out the second derivatives of the angles (Gauss-Newton), which
   // makes the matrix positive semidefinite. The matrix must have the blocks of all pairs of vertices of a patch and of
   // the two patches at a kink.
-  void add_stiffness(const mesh::VertexField& x, std::span<const double> moments, bool project,
-                     BlockMatrix& matrix) const;
+  void add_stiffness(const linear::VertexField& x, std::span<const double> moments, bool project,
+                     linear::BlockMatrix& matrix) const;
 
  private:
   [[nodiscard]] std::vector<double> moments_at(const std::vector<double>& theta) const;  // J, derivatives of the energy

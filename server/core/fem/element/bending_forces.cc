@@ -8,7 +8,7 @@ namespace kerf::fem {
 namespace {
 
 // Adds -scale sum_j Q_ij (v_j - v_i), which is exactly without resultant.
-void add_patch_damping(const BendingPatch& patch, double scale, const mesh::VertexField& v, mesh::VertexField& f) {
+void add_patch_damping(const BendingPatch& patch, double scale, const linear::VertexField& v, linear::VertexField& f) {
   for (std::size_t a = 0; a < patch.vertex.size(); ++a) {
     for (std::size_t b = a + 1; b < patch.vertex.size(); ++b) {
       if (patch.vertex[a] == mesh::kNone || patch.vertex[b] == mesh::kNone) continue;
@@ -20,7 +20,7 @@ void add_patch_damping(const BendingPatch& patch, double scale, const mesh::Vert
   }
 }
 
-void add_edge_damping(const BendingEdge& edge, double scale, const mesh::VertexField& v, mesh::VertexField& f) {
+void add_edge_damping(const BendingEdge& edge, double scale, const linear::VertexField& v, linear::VertexField& f) {
   for (std::size_t a = 0; a < edge.vertex.size(); ++a) {
     for (std::size_t b = a + 1; b < edge.vertex.size(); ++b) {
       if (edge.vertex[a] == mesh::kNone || edge.vertex[b] == mesh::kNone) continue;
@@ -33,7 +33,8 @@ void add_edge_damping(const BendingEdge& edge, double scale, const mesh::VertexF
 
 }  // namespace
 
-void add_bending_forces(const RowStore<BendingEntry>& rows, const mesh::VertexField& x, mesh::VertexField& f) {
+void add_bending_forces(const linear::RowStore<BendingEntry>& rows, const linear::VertexField& x,
+                        linear::VertexField& f) {
   const double* const from = x.data();
   double* const to = f.data();
   for (int i = 0; i < rows.num_rows(); ++i) {
@@ -58,8 +59,8 @@ double edge_damping(std::span<const double> beta, const BendingEdge& edge) {
   return std::min(damping_of(beta, edge.material[0]), damping_of(beta, edge.material[1]));
 }
 
-void add_bending_damping(const BendingTerms& terms, std::span<const double> beta, const mesh::VertexField& v,
-                         mesh::VertexField& f) {
+void add_bending_damping(const BendingTerms& terms, std::span<const double> beta, const linear::VertexField& v,
+                         linear::VertexField& f) {
   for (std::size_t slot = 0; slot < terms.patches.size(); ++slot) {
     const double scale = damping_of(beta, terms.blocks[slot / kLanes].material[slot % kLanes]);
     if (scale > 0.0) add_patch_damping(terms.patches[slot], scale, v, f);
@@ -69,7 +70,7 @@ void add_bending_damping(const BendingTerms& terms, std::span<const double> beta
   }
 }
 
-double bending_energy(const RowStore<BendingEntry>& rows, const mesh::VertexField& x) {
+double bending_energy(const linear::RowStore<BendingEntry>& rows, const linear::VertexField& x) {
   // x.Q x / 2 = -1/4 sum_ij Q_ij |x_i - x_j|^2.
   double sum = 0.0;
   for (int i = 0; i < rows.num_rows(); ++i) {
@@ -78,11 +79,11 @@ double bending_energy(const RowStore<BendingEntry>& rows, const mesh::VertexFiel
   return -0.25 * sum;
 }
 
-void add_clamp_forces(const ClampForces& clamps, mesh::VertexField& f) {
+void add_clamp_forces(const ClampForces& clamps, linear::VertexField& f) {
   for (const ClampForces::Force& each : clamps.forces) f.col(each.vertex) += each.force;
 }
 
-double clamp_energy(const ClampForces& clamps, const mesh::VertexField& x) {
+double clamp_energy(const ClampForces& clamps, const linear::VertexField& x) {
   double energy = clamps.energy;
   for (const ClampForces::Force& each : clamps.forces) energy -= each.force.dot(x.col(each.vertex));
   return energy;

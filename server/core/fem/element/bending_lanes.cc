@@ -12,7 +12,7 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-using Tag = hn::CappedTag<double, kBlockLanes>;
+using Tag = hn::CappedTag<double, linear::kBlockLanes>;
 using V = hn::Vec<Tag>;
 using V2 = std::array<V, 2>;
 using V3 = std::array<V, 3>;
@@ -102,7 +102,7 @@ HWY_INLINE hn::Mask<Tag> is_regular(Symmetric gram) {
 HWY_NOINLINE void set_conditions(PatchLanes& lanes) {
   const V one = number(1.0);
   const V half = number(0.5);
-  for (std::size_t l = 0; l < kBlockLanes; l += hn::Lanes(Tag())) {
+  for (std::size_t l = 0; l < linear::kBlockLanes; l += hn::Lanes(Tag())) {
     const V2 e1 = load(lanes.edges[0], l);
     const V2 e2 = load(lanes.edges[1], l);
     const V scale = one / cross(e1, e2);
@@ -205,7 +205,7 @@ HWY_INLINE void set_side(PatchLanes& lanes, std::size_t l, std::size_t edge, con
 }
 
 HWY_NOINLINE void set_results(PatchLanes& lanes) {
-  for (std::size_t l = 0; l < kBlockLanes; l += hn::Lanes(Tag())) {
+  for (std::size_t l = 0; l < linear::kBlockLanes; l += hn::Lanes(Tag())) {
     const V doubled_area = cross(load(lanes.edges[0], l), load(lanes.edges[1], l));
     const std::array<V3, 3> lambda{load(lanes.lambda[0], l), load(lanes.lambda[1], l), load(lanes.lambda[2], l)};
     const std::array<V3, 3> terms{load(lanes.terms[0], l), load(lanes.terms[1], l), load(lanes.terms[2], l)};

@@ -15,7 +15,7 @@ namespace kerf::fem {
 // time. Lanes never mix and no multiply-add is fused. Results have the same bits on every processor, whatever the other
 // lanes hold. Symmetric matrices are upper triangles by rows.
 struct PatchLanes {
-  using Value = Lanes16<double>;
+  using Value = linear::Lanes16<double>;
   using Vector2 = std::array<Value, 2>;
   using Vector3 = std::array<Value, 3>;
   using Symmetric3 = std::array<Value, 6>;

@@ -34,7 +34,7 @@ class BendingLayout {
   // Least number of entries of a diagonal; fewer entries at one distance cost less when stored by rows.
   static constexpr std::uint32_t kLeastInDiagonal = 7;
   static constexpr int kRowsInGroup = static_cast<int>(FourEntries<T>::kRows);
-  static constexpr int kGroupsInBlock = static_cast<int>(kBlockLanes) / kRowsInGroup;
+  static constexpr int kGroupsInBlock = static_cast<int>(linear::kBlockLanes) / kRowsInGroup;
 
   [[nodiscard]] int num_groups() const { return rest_.num_rows(); }
   [[nodiscard]] bool has_rest() const { return rest_.num_entries() > 0; }
@@ -43,7 +43,7 @@ class BendingLayout {
     return offsets_.row(static_cast<int>(block));
   }
   // N/m, entries of each diagonal, in the order of offsets(); 0 where a row has none.
-  [[nodiscard]] std::span<const Lanes16<T>> diagonals(std::size_t block) const {
+  [[nodiscard]] std::span<const linear::Lanes16<T>> diagonals(std::size_t block) const {
     return diagonals_.row(static_cast<int>(block));
   }
   // Returns the entries of a group of four rows that lie in no diagonal. The entries of each row are in the order of
@@ -69,7 +69,7 @@ class BendingLayout {
   }
   // Changes the number of vertices. New blocks are empty until they are set.
   void resize(int num_vertices) {
-    constexpr auto kLanesInBlock = static_cast<int>(kBlockLanes);
+    constexpr auto kLanesInBlock = static_cast<int>(linear::kBlockLanes);
     const int num_blocks = (num_vertices + kLanesInBlock - 1) / kLanesInBlock;
     offsets_.resize(num_blocks);
     diagonals_.resize(num_blocks);
@@ -78,16 +78,16 @@ class BendingLayout {
   }
 
   // Sets a block from rows of as many vertices as resize() was called with.
-  void set_block(const RowStore<BendingEntry>& rows, std::size_t block) {
-    const auto first = static_cast<mesh::VertexId>(block * kBlockLanes);
-    const mesh::VertexId last = std::min(first + static_cast<mesh::VertexId>(kBlockLanes), rows.num_rows());
+  void set_block(const linear::RowStore<BendingEntry>& rows, std::size_t block) {
+    const auto first = static_cast<mesh::VertexId>(block * linear::kBlockLanes);
+    const mesh::VertexId last = std::min(first + static_cast<mesh::VertexId>(linear::kBlockLanes), rows.num_rows());
     find_diagonals(rows, first, last);
     const std::span<std::int32_t> offsets = offsets_.resize_row(static_cast<int>(block), found_.size());
     std::copy(found_.begin(), found_.end(), offsets.begin());
-    const std::span<Lanes16<T>> diagonals = diagonals_.resize_row(static_cast<int>(block), found_.size());
-    std::fill(diagonals.begin(), diagonals.end(), Lanes16<T>{});
+    const std::span<linear::Lanes16<T>> diagonals = diagonals_.resize_row(static_cast<int>(block), found_.size());
+    std::fill(diagonals.begin(), diagonals.end(), linear::Lanes16<T>{});
     others_.clear();
-    std::array<std::size_t, kBlockLanes + 1> ends{};  // ends in others_ of the entries before each row
+    std::array<std::size_t, linear::kBlockLanes + 1> ends{};  // ends in others_ of the entries before each row
     for (mesh::VertexId v = first; v < last; ++v) {
       const auto lane = static_cast<std::size_t>(v - first);
       for (const BendingEntry& entry : rows.row(v)) {
@@ -115,12 +115,12 @@ class BendingLayout {
 
   // While diagonals are sought, this is the number of rows of the block with an entry at the distance `offset`.
   // Afterwards it is kFirstPlace plus the index of the diagonal, if the distance has one.
-  std::uint32_t& place_of(const RowStore<BendingEntry>& rows, std::int32_t offset) {
+  std::uint32_t& place_of(const linear::RowStore<BendingEntry>& rows, std::int32_t offset) {
     return place_of_[static_cast<std::size_t>(offset + rows.num_rows())];
   }
 
   // Sets found_ and seen_, and place_of() for the distances in them.
-  void find_diagonals(const RowStore<BendingEntry>& rows, mesh::VertexId first, mesh::VertexId last) {
+  void find_diagonals(const linear::RowStore<BendingEntry>& rows, mesh::VertexId first, mesh::VertexId last) {
     found_.clear();
     seen_.clear();
     for (mesh::VertexId v = first; v < last; ++v) {
@@ -157,9 +157,9 @@ class BendingLayout {
     }
   }
 
-  RowStore<std::int32_t> offsets_;
-  RowStore<Lanes16<T>> diagonals_;
-  RowStore<FourEntries<T>> rest_;
+  linear::RowStore<std::int32_t> offsets_;
+  linear::RowStore<linear::Lanes16<T>> diagonals_;
+  linear::RowStore<FourEntries<T>> rest_;
 
   // Scratch of set_block().
   std::vector<std::int32_t> found_;      // distances of the block's diagonals, ascending

@@ -30,7 +30,7 @@ class ContactConstraint {
 
   virtual ~ContactConstraint() = default;
   // Called before the first substep from positions `x`, m, and again when a step is discarded and restarted.
-  virtual void begin(const mesh::VertexField& x) = 0;
+  virtual void begin(const linear::VertexField& x) = 0;
   // Number of vertices that were inside a body, deeper than the sheet is thick, in the last begin(). They are moved out
   // slowly.
   [[nodiscard]] virtual int num_inside() const = 0;

@@ -27,7 +27,7 @@ struct LaneEdges {
   Lane3 d1, d2;
 };
 
-inline void gather_edges(const ElementBlock& block, const mesh::VertexField& x, LaneEdges& edges) {
+inline void gather_edges(const ElementBlock& block, const linear::VertexField& x, LaneEdges& edges) {
   const double* data = x.data();
   for (std::size_t l = 0; l < kLanes; ++l) {
     const double* x0 = data + 3 * static_cast<std::ptrdiff_t>(block.vertex[0][l]);
@@ -102,7 +102,7 @@ inline void polar_decomposition(const Lane3& __restrict f1, const Lane3& __restr
 }
 
 // Sets the frames of the triangles of the block at x (3 x V, m).
-inline void frames_at(const ElementBlock& block, const mesh::VertexField& x, LaneFrames& frames) {
+inline void frames_at(const ElementBlock& block, const linear::VertexField& x, LaneFrames& frames) {
   LaneEdges dx;
   Lane3 f1;
   Lane3 f2;

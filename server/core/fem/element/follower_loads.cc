@@ -27,7 +27,7 @@ void for_pressed(std::span<const ElementBlock> blocks, const Loads& loads, const
 }
 
 // Returns twice the area times the normal, m^2.
-Vector3d doubled_area(const ElementBlock& block, std::size_t lane, const mesh::VertexField& x) {
+Vector3d doubled_area(const ElementBlock& block, std::size_t lane, const linear::VertexField& x) {
   const Vector3d corner = x.col(block.vertex[0][lane]);
   const Vector3d first = x.col(block.vertex[1][lane]) - corner;
   const Vector3d second = x.col(block.vertex[2][lane]) - corner;
@@ -45,7 +45,7 @@ struct Slope {
   double squared = 0.0;  // m^2, |v|^2, or the square of the least arm if that is greater
   bool is_short = false;
 
-  Slope(const EdgeMoment& moment, const mesh::VertexField& x) {
+  Slope(const EdgeMoment& moment, const linear::VertexField& x) {
     for (std::size_t a = 0; a < moment.vertex.size(); ++a) {
       if (moment.vertex[a] != mesh::kNone)
         arm += moment.weight[a] * (x.col(moment.vertex[a]) - x.col(moment.vertex[0]));
@@ -68,8 +68,8 @@ bool has_follower_loads(const Loads& loads) {
                      [](const EdgeMoment& each) { return each.moment != 0.0; });
 }
 
-void add_follower_forces(std::span<const ElementBlock> blocks, const Loads& loads, const mesh::VertexField& x,
-                         mesh::VertexField& f) {
+void add_follower_forces(std::span<const ElementBlock> blocks, const Loads& loads, const linear::VertexField& x,
+                         linear::VertexField& f) {
   for_pressed(blocks, loads, [&](double pressure, const ElementBlock& block, std::size_t lane) {
     const Vector3d third = (pressure / 6.0) * doubled_area(block, lane, x);
     for (std::size_t k = 0; k < 3; ++k) f.col(block.vertex[k][lane]) += third;
@@ -83,7 +83,7 @@ void add_follower_forces(std::span<const ElementBlock> blocks, const Loads& load
   }
 }
 
-Vector3d follower_resultant(std::span<const ElementBlock> blocks, const Loads& loads, const mesh::VertexField& x) {
+Vector3d follower_resultant(std::span<const ElementBlock> blocks, const Loads& loads, const linear::VertexField& x) {
   Vector3d sum = Vector3d::Zero();
   for_pressed(blocks, loads, [&](double pressure, const ElementBlock& block, std::size_t lane) {
     sum += 0.5 * pressure * doubled_area(block, lane, x);
@@ -97,8 +97,8 @@ double edge_moment_energy(const Loads& loads) {
   return sum;
 }
 
-double follower_work(std::span<const ElementBlock> blocks, const Loads& loads, const mesh::VertexField& from,
-                     const mesh::VertexField& to) {
+double follower_work(std::span<const ElementBlock> blocks, const Loads& loads, const linear::VertexField& from,
+                     const linear::VertexField& to) {
   double work = 0.0;
   // The force is quadratic along the path, so Simpson's rule is exact.
   for_pressed(blocks, loads, [&](double pressure, const ElementBlock& block, std::size_t lane) {
@@ -130,18 +130,20 @@ Matrix3d pressure_stiffness(double pressure, const std::array<Vector3d, 3>& corn
                             MatrixPart part) {
   const Vector3d across_i = corner[(i + 2) % 3] - corner[(i + 1) % 3];
   const Vector3d across_j = corner[(j + 2) % 3] - corner[(j + 1) % 3];
-  return cross_matrix((pressure / 12.0) * ((part == MatrixPart::kSymmetric ? 1.0 : -1.0) * across_i - across_j));
+  return linear::cross_matrix((pressure / 12.0) *
+                              ((part == MatrixPart::kSymmetric ? 1.0 : -1.0) * across_i - across_j));
 }
 
-EdgeMomentTangent::EdgeMomentTangent(const EdgeMoment& moment, const mesh::VertexField& x) : moment_(moment) {
+EdgeMomentTangent::EdgeMomentTangent(const EdgeMoment& moment, const linear::VertexField& x) : moment_(moment) {
   const Slope slope(moment, x);
   if (!(slope.length > 0.0)) return;
   // Derivative of the force m v / |v|^2 by v = arm x t.
   Matrix3d by_v = Matrix3d::Identity();
   if (!slope.is_short) by_v -= (2.0 / slope.squared) * slope.v * slope.v.transpose();
   by_v *= moment.moment / slope.squared;
-  by_slope_ = -by_v * cross_matrix(slope.t);
-  by_edge_ = by_v * cross_matrix(slope.arm) * (Matrix3d::Identity() - slope.t * slope.t.transpose()) / slope.length;
+  by_slope_ = -by_v * linear::cross_matrix(slope.t);
+  by_edge_ =
+      by_v * linear::cross_matrix(slope.arm) * (Matrix3d::Identity() - slope.t * slope.t.transpose()) / slope.length;
 }
 
 Matrix3d EdgeMomentTangent::derivative(std::size_t a, std::size_t b) const {

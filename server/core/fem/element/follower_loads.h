@@ -23,12 +23,12 @@ enum class MatrixPart { kSymmetric, kSkew };
 
 // Adds the forces of pressure and edge moments at x (3 x V, m) to f (3 x V, N). Pressure comes first, by ascending
 // slot, then the moments in their order.
-void add_follower_forces(std::span<const ElementBlock> blocks, const Loads& loads, const mesh::VertexField& x,
-                         mesh::VertexField& f);
+void add_follower_forces(std::span<const ElementBlock> blocks, const Loads& loads, const linear::VertexField& x,
+                         linear::VertexField& f);
 
 // Returns the sum of the follower forces at x (3 x V, m), N. Edge moments add nothing to it.
 [[nodiscard]] Eigen::Vector3d follower_resultant(std::span<const ElementBlock> blocks, const Loads& loads,
-                                                 const mesh::VertexField& x);
+                                                 const linear::VertexField& x);
 
 // Returns the bending energy, J, that edge moments store in the sheet and that the positions of vertices do not show;
 // see EdgeMoment::compliance.
@@ -38,7 +38,7 @@ void add_follower_forces(std::span<const ElementBlock> blocks, const Loads& load
 // m). It is exact for pressure. For a moment it is the work of the rotation about the mean direction of its edge, taken
 // as less than half a turn.
 [[nodiscard]] double follower_work(std::span<const ElementBlock> blocks, const Loads& loads,
-                                   const mesh::VertexField& from, const mesh::VertexField& to);
+                                   const linear::VertexField& from, const linear::VertexField& to);
 
 // Returns block (i, j) of a part of -df/dx, N/m, for the forces f of `pressure` (Pa) on the corners of a triangle.
 // `corner` holds their positions, m.
@@ -48,7 +48,7 @@ void add_follower_forces(std::span<const ElementBlock> blocks, const Loads& load
 // Computes -df/dx, N/m, for the force f that one edge moment exerts on its vertices at x (3 x V, m).
 class EdgeMomentTangent {
  public:
-  EdgeMomentTangent(const EdgeMoment& moment, const mesh::VertexField& x);
+  EdgeMomentTangent(const EdgeMoment& moment, const linear::VertexField& x);
   // Returns the symmetric or skew part of block (a, b); a and b are indices into EdgeMoment::vertex.
   [[nodiscard]] Eigen::Matrix3d stiffness(std::size_t a, std::size_t b, MatrixPart part) const;
 

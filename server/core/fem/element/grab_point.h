@@ -8,7 +8,7 @@
 namespace kerf::fem {
 
 // Returns sum_k weights[k] field(vertices[k]) for a field of 3 x V.
-inline Eigen::Vector3d grab_point(const Grab& grab, const mesh::VertexField& field) {
+inline Eigen::Vector3d grab_point(const Grab& grab, const linear::VertexField& field) {
   Eigen::Vector3d point = Eigen::Vector3d::Zero();
   for (std::size_t k = 0; k < 3; ++k) {
     if (grab.vertices[k] == mesh::kNone) continue;

@@ -78,8 +78,8 @@ void Hinge::add_second_derivatives(const Wing& wing, double sign, std::size_t co
   by_normal *= wing.share * length_ * wing.over_squared;
   const Matrix3d by_length = wing.share * wing.over_squared * wing.normal * direction.transpose();
   // Derivatives by the edge and by the corner, both relative to the beginning of the edge.
-  const Matrix3d rate_by_edge = by_length - sign * by_normal * cross_matrix(wing.corner);
-  const Matrix3d rate_by_corner = sign * by_normal * cross_matrix(edge_);
+  const Matrix3d rate_by_edge = by_length - sign * by_normal * linear::cross_matrix(wing.corner);
+  const Matrix3d rate_by_corner = sign * by_normal * linear::cross_matrix(edge_);
   const double foot = -wing.weight[1];
   Vector3d foot_by_edge = wing.corner / squared_;
   if (!is_short_) foot_by_edge -= 2.0 * foot * edge_ / squared_;

@@ -73,7 +73,7 @@ struct EdgeMoment {
 struct Loads {
   Eigen::Vector3d gravity{0.0, 0.0, -9.81};  // m/s^2
   Wind wind;
-  mesh::VertexField external_forces;  // N, 3 x V, or 3 x 0 for none
+  linear::VertexField external_forces;  // N, 3 x V, or 3 x 0 for none
   // Pa, one a triangle slot, or empty. Pressure p pushes along the normal (x1 - x0) x (x2 - x0) of the deformed
   // triangle. Its force is p (x1 - x0) x (x2 - x0) / 2, a third to each corner.
   std::vector<double> pressure;

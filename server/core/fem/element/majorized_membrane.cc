@@ -70,7 +70,7 @@ Eigen::Vector3d MajorizedTriangle::force(int corner) const {
 }
 
 void add_majorized_forces(std::span<const ElementBlock> blocks, const MaterialTable& materials,
-                          const mesh::VertexField& x, mesh::VertexField& f) {
+                          const linear::VertexField& x, linear::VertexField& f) {
   LaneFrames frames;
   for (const ElementBlock& block : blocks) {
     frames_at(block, x, frames);

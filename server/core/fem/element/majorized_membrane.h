@@ -73,6 +73,6 @@ class MajorizedTriangle {
 // Adds to f (3 x V, N) the forces at x (3 x V, m) of the quadratics that touch the energy there. They equal the forces
 // of the membrane, except for collapsed triangles.
 void add_majorized_forces(std::span<const ElementBlock> blocks, const MaterialTable& materials,
-                          const mesh::VertexField& x, mesh::VertexField& f);
+                          const linear::VertexField& x, linear::VertexField& f);
 
 }  // namespace kerf::fem

@@ -57,7 +57,7 @@ struct LaneForces {
 // on a corner is -A [column1, column2] T g, with T = [[sigma1, sigma3 - a], [sigma3 + a, sigma2]] and a = skew().
 class CorotationalTriangles {
  public:
-  void set(const ElementBlock& block, const mesh::VertexField& x) { frames_at(block, x, frames_); }
+  void set(const ElementBlock& block, const linear::VertexField& x) { frames_at(block, x, frames_); }
   void set_strain(LaneStrain& e) const {
     for (std::size_t l = 0; l < kLanes; ++l) {
       e.e1[l] = frames_.S11[l] - 1.0;
@@ -68,7 +68,8 @@ class CorotationalTriangles {
   // Adds beta dS/dt to e. M = R^T dF/dt = dS/dt + w S with the spin w = [[0, -omega], [omega, 0]]. Hence omega = (M21 -
   // M12) / tr S: the rate of a rigid rotation is exactly zero however the triangle is strained.
   template <typename Number>
-  void add_strain_rate(const ElementBlock& block, const mesh::VertexField& v, const Number& beta, LaneStrain& e) const {
+  void add_strain_rate(const ElementBlock& block, const linear::VertexField& v, const Number& beta,
+                       LaneStrain& e) const {
     LaneEdges dv;
     Lane3 f1;
     Lane3 f2;
@@ -100,7 +101,7 @@ class CorotationalTriangles {
 
 class GreenTriangles {
  public:
-  void set(const ElementBlock& block, const mesh::VertexField& x) {
+  void set(const ElementBlock& block, const linear::VertexField& x) {
     LaneEdges dx;
     gather_edges(block, x, dx);
     multiply_by_dm_inverse(block, dx, f1_, f2_);
@@ -114,7 +115,8 @@ class GreenTriangles {
   }
   // Adds beta (F^T dF/dt + dF/dt^T F) / 2 to e.
   template <typename Number>
-  void add_strain_rate(const ElementBlock& block, const mesh::VertexField& v, const Number& beta, LaneStrain& e) const {
+  void add_strain_rate(const ElementBlock& block, const linear::VertexField& v, const Number& beta,
+                       LaneStrain& e) const {
     GreenTriangles rate;
     rate.set(block, v);
     for (std::size_t l = 0; l < kLanes; ++l) {
@@ -161,7 +163,7 @@ void corner_forces(const ElementBlock& block, const Triangles& triangles, const 
   }
 }
 
-void scatter(const ElementBlock& block, const LaneForces& forces, mesh::VertexField& f) {
+void scatter(const ElementBlock& block, const LaneForces& forces, linear::VertexField& f) {
   double* data = f.data();
   for (std::size_t l = 0; l < kLanes; ++l) {
     double* f0 = data + 3 * static_cast<std::ptrdiff_t>(block.vertex[0][l]);
@@ -188,7 +190,7 @@ void with_law(const ElementBlock& block, const MaterialTable& materials, std::sp
 
 template <typename Triangles>
 void add_forces(std::span<const ElementBlock> blocks, const MaterialTable& materials, std::span<const double> beta,
-                const mesh::VertexField& x, const mesh::VertexField& v, mesh::VertexField& f) {
+                const linear::VertexField& x, const linear::VertexField& v, linear::VertexField& f) {
   const bool is_damped = std::any_of(beta.begin(), beta.end(), [](double each) { return each > 0.0; });
   Triangles triangles;
   LaneStrain e;
@@ -207,7 +209,7 @@ void add_forces(std::span<const ElementBlock> blocks, const MaterialTable& mater
 }
 
 template <typename Triangles>
-double energy_of(std::span<const ElementBlock> blocks, const MaterialTable& materials, const mesh::VertexField& x) {
+double energy_of(std::span<const ElementBlock> blocks, const MaterialTable& materials, const linear::VertexField& x) {
   double energy = 0.0;
   Triangles triangles;
   LaneStrain e;
@@ -261,8 +263,8 @@ void repair_collapsed_lane(const Lane3& f1, const Lane3& f2, std::size_t lane, L
 }
 
 void add_membrane_forces(std::span<const ElementBlock> blocks, const MaterialTable& materials,
-                         std::span<const double> beta, const mesh::VertexField& x, const mesh::VertexField& v,
-                         mesh::VertexField& f) {
+                         std::span<const double> beta, const linear::VertexField& x, const linear::VertexField& v,
+                         linear::VertexField& f) {
   if (materials.membrane_law() == MembraneLaw::kGreen) {
     add_forces<GreenTriangles>(blocks, materials, beta, x, v, f);
   } else {
@@ -271,13 +273,13 @@ void add_membrane_forces(std::span<const ElementBlock> blocks, const MaterialTab
 }
 
 double membrane_energy(std::span<const ElementBlock> blocks, const MaterialTable& materials,
-                       const mesh::VertexField& x) {
+                       const linear::VertexField& x) {
   return materials.membrane_law() == MembraneLaw::kGreen ? energy_of<GreenTriangles>(blocks, materials, x)
                                                          : energy_of<CorotationalTriangles>(blocks, materials, x);
 }
 
 GreenStretch green_stretch(std::span<const ElementBlock> blocks, const MaterialTable& materials,
-                           const mesh::VertexField& x) {
+                           const linear::VertexField& x) {
   GreenStretch largest;
   GreenTriangles triangles;
   LaneStrain e;
@@ -301,7 +303,7 @@ GreenStretch green_stretch(std::span<const ElementBlock> blocks, const MaterialT
 // Principal stretches are (s +- q / s) / 2 with c = F^T F, s = tr S = sqrt(tr c + 2 det F) and q = sqrt((c11 - c22)^2 +
 // 4 c12^2). The larger of their distances from 1 is |s / 2 - 1| + q / (2 s).
 StrainExtent measure_strain(std::span<const ElementBlock> blocks, const MaterialTable& materials,
-                            const mesh::VertexField& x) {
+                            const linear::VertexField& x) {
   constexpr double kTiny = 1e-150;
   StrainExtent extent;
   double area = 0.0;

@@ -30,12 +30,12 @@ namespace kerf::fem {
 // damping_of) makes sigma = C (e + beta de/dt), with the strain of the law. It does no work on rigid motions and never
 // adds energy. v is not read if beta is 0 for all materials.
 void add_membrane_forces(std::span<const ElementBlock> blocks, const MaterialTable& materials,
-                         std::span<const double> beta, const mesh::VertexField& x, const mesh::VertexField& v,
-                         mesh::VertexField& f);
+                         std::span<const double> beta, const linear::VertexField& x, const linear::VertexField& v,
+                         linear::VertexField& f);
 
 // Returns the membrane energy, J.
 double membrane_energy(std::span<const ElementBlock> blocks, const MaterialTable& materials,
-                       const mesh::VertexField& x);
+                       const linear::VertexField& x);
 
 // Extent of the strain of a membrane, in principal strains of U - I.
 struct StrainExtent {
@@ -44,7 +44,7 @@ struct StrainExtent {
                               // Material::strain_limit
 };
 StrainExtent measure_strain(std::span<const ElementBlock> blocks, const MaterialTable& materials,
-                            const mesh::VertexField& x);
+                            const linear::VertexField& x);
 
 // Upper bound of the stiffening of a membrane with Green's strain at x over its rest state. It also bounds the largest
 // eigenvalue of M^-1 K in units of StiffnessBound's bound at rest, if the sheet's triangles turn together. Let lambda
@@ -60,6 +60,6 @@ struct GreenStretch {
   double tension = 0.0;
 };
 GreenStretch green_stretch(std::span<const ElementBlock> blocks, const MaterialTable& materials,
-                           const mesh::VertexField& x);
+                           const linear::VertexField& x);
 
 }  // namespace kerf::fem

@@ -140,8 +140,8 @@ void MembraneTangent::stiffness(const Eigen::Vector3d& sigma, double material_sc
   }
 }
 
-void predict_stress(std::span<const ElementBlock> blocks, const MaterialTable& materials, const mesh::VertexField& x,
-                    const mesh::VertexField& step, std::span<Eigen::Vector3d> sigma) {
+void predict_stress(std::span<const ElementBlock> blocks, const MaterialTable& materials, const linear::VertexField& x,
+                    const linear::VertexField& step, std::span<Eigen::Vector3d> sigma) {
   LaneFrames frames;
   ElementVector dx;
   for (std::size_t b = 0; b < blocks.size(); ++b) {

@@ -73,7 +73,7 @@ class MembraneTangent {
 
 // Sets sigma of every lane, N/m, to the stress after a step (3 x V, m) from x (3 x V, m), to first order. Leaves lanes
 // without material unchanged.
-void predict_stress(std::span<const ElementBlock> blocks, const MaterialTable& materials, const mesh::VertexField& x,
-                    const mesh::VertexField& step, std::span<Eigen::Vector3d> sigma);
+void predict_stress(std::span<const ElementBlock> blocks, const MaterialTable& materials, const linear::VertexField& x,
+                    const linear::VertexField& step, std::span<Eigen::Vector3d> sigma);
 
 }  // namespace kerf::fem

@@ -52,7 +52,7 @@ struct Frame {
   }
 };
 
-std::array<Vector3d, 3> corners_at(const BendingPatch& patch, const mesh::VertexField& field) {
+std::array<Vector3d, 3> corners_at(const BendingPatch& patch, const linear::VertexField& field) {
   return {field.col(patch.vertex[0]), field.col(patch.vertex[1]), field.col(patch.vertex[2])};
 }
 
@@ -60,7 +60,7 @@ std::array<Vector3d, 3> corners_at(const BendingPatch& patch, const mesh::Vertex
 std::array<double, 21> excess_stiffness(const BendingFit& fit, const Frame& frame, const Matrix3d& w0) {
   std::array<std::array<Matrix3d, 6>, 3> gradient;  // of condition r by vertex
   for (int r = 0; r < 3; ++r) {
-    const Matrix3d turned = cross_matrix(frame.axes * w0.row(r).transpose());
+    const Matrix3d turned = linear::cross_matrix(frame.axes * w0.row(r).transpose());
     for (std::size_t i = 0; i < 6; ++i) {
       Matrix3d& block = gradient[static_cast<std::size_t>(r)][i];
       block = fit.conditions(r, static_cast<Eigen::Index>(i)) * Matrix3d::Identity();
@@ -117,8 +117,8 @@ RestBending make_rest_bending(const std::array<Vector3d, 6>& surface, const Bend
   return rest;
 }
 
-void add_rest_bending_forces(const RestBendingPatches& sheet, const mesh::VertexField& x, const mesh::VertexField& v,
-                             std::span<const double> beta, mesh::VertexField& f) {
+void add_rest_bending_forces(const RestBendingPatches& sheet, const linear::VertexField& x,
+                             const linear::VertexField& v, std::span<const double> beta, linear::VertexField& f) {
   for (std::size_t slot = 0; slot < sheet.rest.size(); ++slot) {
     const RestBending& rest = sheet.rest[slot];
     if (!rest.is_bent) continue;
@@ -140,7 +140,7 @@ void add_rest_bending_forces(const RestBendingPatches& sheet, const mesh::Vertex
   }
 }
 
-double rest_bending_energy(const RestBendingPatches& sheet, const mesh::VertexField& x) {
+double rest_bending_energy(const RestBendingPatches& sheet, const linear::VertexField& x) {
   double sum = 0.0;
   for (std::size_t slot = 0; slot < sheet.rest.size(); ++slot) {
     const RestBending& rest = sheet.rest[slot];

@@ -49,10 +49,10 @@ RestBending make_rest_bending(const std::array<Eigen::Vector3d, 6>& surface, con
 
 // Adds to f (3 x V, N) the terms that add_bending_forces(rows, x + beta v, f) lacks. x: m; v: m/s; beta: see
 // damping_of. Damping acts on the rate of w - F w0, so that a curved sheet turns freely.
-void add_rest_bending_forces(const RestBendingPatches& sheet, const mesh::VertexField& x, const mesh::VertexField& v,
-                             std::span<const double> beta, mesh::VertexField& f);
+void add_rest_bending_forces(const RestBendingPatches& sheet, const linear::VertexField& x,
+                             const linear::VertexField& v, std::span<const double> beta, linear::VertexField& f);
 
 // Returns the energy to be added to bending_energy, J.
-double rest_bending_energy(const RestBendingPatches& sheet, const mesh::VertexField& x);
+double rest_bending_energy(const RestBendingPatches& sheet, const linear::VertexField& x);
 
 }  // namespace kerf::fem

@@ -47,9 +47,9 @@ class RowSum {
   }
 
   // Moves the sum to a row of `rows`, by ascending column, and empties this.
-  void move_to(RowStore<BendingEntry>& rows, int row) {
+  void move_to(linear::RowStore<BendingEntry>& rows, int row) {
     const std::span<const mesh::VertexId> columns(columns_.data() + 1, size_ - 1);
-    rank_ascending(columns, order_);
+    linear::rank_ascending(columns, order_);
     const std::span<BendingEntry> made = rows.resize_row(row, columns.size());
     for (std::size_t i = 0; i < columns.size(); ++i) {
       made[static_cast<std::size_t>(order_[i])] = {values_[1 + i], columns[i]};

@@ -9,8 +9,8 @@ namespace kerf::fem {
 // The complete state of a sheet between steps. No integrator keeps history, so a snapshot of this is enough to continue
 // bit for bit.
 struct State {
-  mesh::VertexField x;  // 3 x V, world positions, m
-  mesh::VertexField v;  // 3 x V, world velocities, m/s
+  linear::VertexField x;  // 3 x V, world positions, m
+  linear::VertexField v;  // 3 x V, world velocities, m/s
 };
 
 // Returns true if every position and velocity is finite.

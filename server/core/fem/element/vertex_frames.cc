@@ -25,7 +25,7 @@ Eigen::Matrix3d orthonormal(const Eigen::Matrix3d& sums) {
 
 }  // namespace
 
-void find_vertex_frames(std::span<const ElementBlock> blocks, const mesh::VertexField& x,
+void find_vertex_frames(std::span<const ElementBlock> blocks, const linear::VertexField& x,
                         std::vector<Eigen::Matrix3d>& frames) {
   for (Eigen::Matrix3d& frame : frames) frame.setZero();
   LaneFrames lanes;

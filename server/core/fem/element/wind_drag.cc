@@ -19,7 +19,7 @@ bool has_wind_drag(const Wind& wind) {
 }
 
 void add_wind_drag(std::span<const ElementBlock> blocks, const MaterialTable& materials, const Wind& wind,
-                   double duration, const State& state, mesh::VertexField& f) {
+                   double duration, const State& state, linear::VertexField& f) {
   if (!has_wind_drag(wind)) return;
   const double normal_factor = 0.5 * wind.air_density * wind.normal_drag;
   const double tangential_factor = 0.5 * wind.air_density * wind.tangential_drag;

@@ -19,6 +19,6 @@ namespace kerf::fem {
 // rest. The force acts over a kick of `duration` (s). The drag rate r of each triangle, 1/s, is divided by sqrt(1 + (r
 // duration)^2), so that the kick cannot carry it past the velocity of the air. Slots are processed in order.
 void add_wind_drag(std::span<const ElementBlock> blocks, const MaterialTable& materials, const Wind& wind,
-                   double duration, const State& state, mesh::VertexField& f);
+                   double duration, const State& state, linear::VertexField& f);
 
 }  // namespace kerf::fem

@@ -22,7 +22,7 @@ class ClusterPush {
   const T* respond(const InertiaCluster& cluster, const T* wanted);
 
  private:
-  std::vector<Lanes16<T>> impulse_, response_;  // x 4, of one cluster
+  std::vector<linear::Lanes16<T>> impulse_, response_;  // x 4, of one cluster
 };
 
 }  // namespace kerf::fem

@@ -23,7 +23,7 @@ struct FineTriangles {
   std::vector<IrregularBlock<double>> blocks;
   std::vector<EdgeLanes<double>> edges;
   std::vector<LawLanes<double>> laws;
-  std::vector<Lanes16<double>> corner_x, corner_force;
+  std::vector<linear::Lanes16<double>> corner_x, corner_force;
   double unit = 1.0;  // m, unit of the constants
 
   [[nodiscard]] bool empty() const { return lanes.empty(); }

@@ -12,7 +12,7 @@ using mesh::VertexId;
 
 template <typename T>
 void LeapfrogSweep<T>::accelerate_clusters(const Model& model, const LeapfrogStep<T>& step,
-                                           const mesh::VertexField* forces) {
+                                           const linear::VertexField* forces) {
   T* const force = entries(gathered_);
   T* const values = entries(cluster_values_);
   const std::array<T, 4> gravity{step.gravity[0], step.gravity[1], step.gravity[2], T{0}};
@@ -109,9 +109,9 @@ bool LeapfrogSweep<T>::push(const Grab& grab, const Eigen::Array3d& impulse, dou
 }
 
 template void LeapfrogSweep<float>::accelerate_clusters(const Model& model, const LeapfrogStep<float>& step,
-                                                        const mesh::VertexField* forces);
+                                                        const linear::VertexField* forces);
 template void LeapfrogSweep<double>::accelerate_clusters(const Model& model, const LeapfrogStep<double>& step,
-                                                         const mesh::VertexField* forces);
+                                                         const linear::VertexField* forces);
 template Eigen::Array3d LeapfrogSweep<float>::mobility(const Grab& grab);
 template Eigen::Array3d LeapfrogSweep<double>::mobility(const Grab& grab);
 template bool LeapfrogSweep<float>::push(const Grab& grab, const Eigen::Array3d& impulse, double drift);

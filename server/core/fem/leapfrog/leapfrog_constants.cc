@@ -66,7 +66,7 @@ void set_edges(const Model& model, TriangleId slot, double unit, EdgeLanes<T>& t
 }
 
 template <typename T>
-void scale(Lanes16<T>& lanes, T by) {
+void scale(linear::Lanes16<T>& lanes, T by) {
   for (T& value : lanes.lane) value *= by;
 }
 template <typename T>
@@ -80,10 +80,10 @@ void change_unit(TriangleLanes<T>& triangles, T by) {
 template <typename T>
 void change_unit(EdgeLanes<T>& edges, T by) {
   // Scales in several factors: the cube of a unit may be too small for floats even if the result is not.
-  for (Lanes16<T>& length_squared : edges.length_squared) {
+  for (linear::Lanes16<T>& length_squared : edges.length_squared) {
     for (int i = 0; i < 2; ++i) scale(length_squared, 1 / by);
   }
-  for (Lanes16<T>& stiffness : edges.stiffness) {
+  for (linear::Lanes16<T>& stiffness : edges.stiffness) {
     for (int i = 0; i < 3; ++i) scale(stiffness, by);
   }
 }
@@ -95,8 +95,8 @@ template <typename Set>
 void LeapfrogSweep<T>::for_arrays(const Model& model, const MembraneLayout& layout, const Set& set) {
   const std::size_t n = layout.num_blocks();
   const auto reach = static_cast<std::size_t>(*std::max_element(layout.offsets().begin(), layout.offsets().end()));
-  const std::size_t num_irregular = layout.lanes().size() / kBlockLanes;
-  pad_ = (reach + kBlockLanes - 1) / kBlockLanes;
+  const std::size_t num_irregular = layout.lanes().size() / linear::kBlockLanes;
+  pad_ = (reach + linear::kBlockLanes - 1) / linear::kBlockLanes;
   const std::size_t ring = std::bit_ceil(pad_ + std::min(2 * kQuadBlocksAhead, n));
   for (std::size_t c = 0; c < 3; ++c) {
     set(x_[c], n + 6 * pad_ + 1);
@@ -106,7 +106,7 @@ void LeapfrogSweep<T>::for_arrays(const Model& model, const MembraneLayout& layo
     set(mobility_[c], n);
     for (Field<T>& force : quad_force_) set(force[c], reach > 0 ? ring + 1 : 0);
   }
-  set(takes_part_, kBlockLanes * n);
+  set(takes_part_, linear::kBlockLanes * n);
   const bool is_green = model.materials().membrane_law() == MembraneLaw::kGreen;
   set(quads_, reach > 0 && !is_green ? 2 * n : 0);
   set(quad_edges_, reach > 0 && is_green ? 2 * n : 0);
@@ -117,7 +117,7 @@ void LeapfrogSweep<T>::for_arrays(const Model& model, const MembraneLayout& layo
   set(quad_start_, has_displacements && reach > 0 ? 2 * n : 0);
   set(irregular_start_, has_displacements ? num_irregular : 0);
   set(corner_x_, 4 * n);
-  for (std::vector<Lanes16<Position>>& x : bending_x_) set(x, n + 2);
+  for (std::vector<linear::Lanes16<Position>>& x : bending_x_) set(x, n + 2);
   set(bending_fours_, 4 * n);
   set(corner_force_, 1 + 12 * num_irregular);
   set(gathered_, 4 * n);
@@ -136,7 +136,7 @@ void LeapfrogSweep<T>::resize(const Model& model, const MembraneLayout& layout) 
   for_arrays(model, layout, [](auto& array, std::size_t size) { array.resize(size); });
   if (model.materials().has_bending()) bending_.resize(layout.num_vertices());
   if (std::is_same_v<T, float>) {
-    start_.resize(static_cast<Eigen::Index>(kBlockLanes * layout.num_blocks()));
+    start_.resize(static_cast<Eigen::Index>(linear::kBlockLanes * layout.num_blocks()));
     bending_start_.resize(layout.num_vertices());
     const auto n = static_cast<std::size_t>(layout.num_vertices());
     if (extents_.capacity() < n) extents_.reserve(n + n / 4);
@@ -169,7 +169,7 @@ void LeapfrogSweep<T>::rebuild(const Model& model, const MembraneLayout& layout,
   fine_.gradient = flattest(model);
   fine_.place_of_lane.clear();
   fine_.lanes.clear();
-  const auto num_lanes = static_cast<VertexId>(kBlockLanes * layout.num_blocks());
+  const auto num_lanes = static_cast<VertexId>(linear::kBlockLanes * layout.num_blocks());
   for (VertexId v = 0; !quads_before_.empty() && v < num_lanes; ++v) set_quads(model, layout, v);
   for (std::size_t lane = 0; lane < layout.lanes().size(); ++lane) set_lane(model, layout, lane);
   set_fine_constants(model, layout);
@@ -185,7 +185,7 @@ void LeapfrogSweep<T>::follow(const Model& model, const MembraneLayout& layout, 
   piece_of_.clear();
   resize(model, layout);
   for (const VertexId v : layout.changed_quads()) {
-    if (static_cast<std::size_t>(v) / kBlockLanes < layout.num_blocks()) set_quads(model, layout, v);
+    if (static_cast<std::size_t>(v) / linear::kBlockLanes < layout.num_blocks()) set_quads(model, layout, v);
   }
   for (const std::int32_t lane : layout.changed_lanes()) set_lane(model, layout, static_cast<std::size_t>(lane));
   set_fine_constants(model, layout);
@@ -199,7 +199,7 @@ void LeapfrogSweep<T>::follow_bending(const Model& model) {
   bending_blocks_.resize(num_blocks);
   bending_blocks_.insert(static_cast<std::int32_t>(num_blocks) - 1);  // may have lost rows
   for (const VertexId v : model.changed_rows()) {
-    bending_blocks_.insert(static_cast<std::int32_t>(static_cast<std::size_t>(v) / kBlockLanes));
+    bending_blocks_.insert(static_cast<std::int32_t>(static_cast<std::size_t>(v) / linear::kBlockLanes));
   }
   for (const std::int32_t block : bending_blocks_.members()) {
     bending_.set_block(model.bending().rows(), static_cast<std::size_t>(block));
@@ -208,10 +208,10 @@ void LeapfrogSweep<T>::follow_bending(const Model& model) {
 
 template <typename T>
 void LeapfrogSweep<T>::set_quads(const Model& model, const MembraneLayout& layout, VertexId v) {
-  const std::size_t block = static_cast<std::size_t>(v) / kBlockLanes;
+  const std::size_t block = static_cast<std::size_t>(v) / linear::kBlockLanes;
   for (int kind = 0; kind < 2; ++kind) {
     const std::size_t at = 2 * block + static_cast<std::size_t>(kind);
-    const std::size_t l = static_cast<std::size_t>(v) % kBlockLanes;
+    const std::size_t l = static_cast<std::size_t>(v) % linear::kBlockLanes;
     if (quad_edges_.empty()) {
       set_triangle(model, layout.quad_slot(kind, v), unit_of_constants_, quads_[at], l);
     } else {
@@ -222,8 +222,8 @@ void LeapfrogSweep<T>::set_quads(const Model& model, const MembraneLayout& layou
 
 template <typename T>
 void LeapfrogSweep<T>::set_lane(const Model& model, const MembraneLayout& layout, std::size_t lane) {
-  IrregularBlock<T>& block = irregular_[lane / kBlockLanes];
-  const std::size_t l = lane % kBlockLanes;
+  IrregularBlock<T>& block = irregular_[lane / linear::kBlockLanes];
+  const std::size_t l = lane % linear::kBlockLanes;
   const TriangleId slot = layout.lanes()[lane];
   const bool is_fine = slot != mesh::kNone && model.elements().gradient(slot) > fine_.gradient;
   if constexpr (std::is_same_v<T, float>) {
@@ -234,7 +234,8 @@ void LeapfrogSweep<T>::set_lane(const Model& model, const MembraneLayout& layout
   if (irregular_edges_.empty()) {
     set_triangle(model, of_constants, unit_of_constants_, block.triangles, irregular_lane<T>(l));
   } else {
-    set_edges(model, of_constants, unit_of_constants_, irregular_edges_[lane / kBlockLanes], irregular_lane<T>(l));
+    set_edges(model, of_constants, unit_of_constants_, irregular_edges_[lane / linear::kBlockLanes],
+              irregular_lane<T>(l));
   }
   std::array<VertexId, 3> vertices{0, 0, 0};
   if (slot != mesh::kNone) {
@@ -247,7 +248,7 @@ void LeapfrogSweep<T>::set_lane(const Model& model, const MembraneLayout& layout
 template <typename T>
 void LeapfrogSweep<T>::set_fine_constants(const Model& model, const MembraneLayout& layout) {
   if constexpr (!std::is_same_v<T, float>) return;
-  const std::size_t num_blocks = (fine_.lanes.size() + kBlockLanes - 1) / kBlockLanes;
+  const std::size_t num_blocks = (fine_.lanes.size() + linear::kBlockLanes - 1) / linear::kBlockLanes;
   const bool is_green = model.materials().membrane_law() == MembraneLaw::kGreen;
   fine_.unit = unit_of_constants_;
   fine_.blocks.assign(num_blocks, {});
@@ -264,10 +265,10 @@ void LeapfrogSweep<T>::set_fine_constants(const Model& model, const MembraneLayo
   fine_vertices_.clear();
   fine_vertices_.resize(static_cast<std::size_t>(layout.num_vertices()));
   for (std::size_t i = 0; i < fine_.slots.size(); ++i) {
-    IrregularBlock<double>& block = fine_.blocks[i / kBlockLanes];
-    const std::size_t l = i % kBlockLanes;
+    IrregularBlock<double>& block = fine_.blocks[i / linear::kBlockLanes];
+    const std::size_t l = i % linear::kBlockLanes;
     if (is_green) {
-      set_edges(model, fine_.slots[i], fine_.unit, fine_.edges[i / kBlockLanes], l);
+      set_edges(model, fine_.slots[i], fine_.unit, fine_.edges[i / linear::kBlockLanes], l);
     } else {
       set_triangle(model, fine_.slots[i], fine_.unit, block.triangles, l);
     }
@@ -300,7 +301,7 @@ void LeapfrogSweep<T>::set_unit_of_constants() {
 template <typename T>
 void LeapfrogSweep<T>::set_laws(const Model& model, const LeapfrogTerms& terms) {
   for (std::size_t v = 0; !mass_damping_.empty() && v < model.mass().size(); ++v) {
-    mass_damping_[v / kBlockLanes].lane[v % kBlockLanes] =
+    mass_damping_[v / linear::kBlockLanes].lane[v % linear::kBlockLanes] =
         static_cast<T>(model.masses().damping(static_cast<VertexId>(v)));
   }
   const auto set = [&]<typename U>(TriangleId slot, LawLanes<U>& to, std::size_t l) {
@@ -314,15 +315,16 @@ void LeapfrogSweep<T>::set_laws(const Model& model, const LeapfrogTerms& terms) 
   for (VertexId v = 0; !quad_laws_.empty() && v < layout_->num_vertices(); ++v) {
     const auto i = static_cast<std::size_t>(v);
     for (const int kind : {0, 1}) {
-      set(layout_->quad_slot(kind, v), quad_laws_[2 * (i / kBlockLanes) + static_cast<std::size_t>(kind)],
-          i % kBlockLanes);
+      set(layout_->quad_slot(kind, v), quad_laws_[2 * (i / linear::kBlockLanes) + static_cast<std::size_t>(kind)],
+          i % linear::kBlockLanes);
     }
   }
   for (std::size_t lane = 0; !irregular_laws_.empty() && lane < layout_->lanes().size(); ++lane) {
-    set(layout_->lanes()[lane], irregular_laws_[lane / kBlockLanes], irregular_lane<T>(lane % kBlockLanes));
+    set(layout_->lanes()[lane], irregular_laws_[lane / linear::kBlockLanes],
+        irregular_lane<T>(lane % linear::kBlockLanes));
   }
   for (std::size_t i = 0; !fine_.laws.empty() && i < fine_.slots.size(); ++i) {
-    set(fine_.slots[i], fine_.laws[i / kBlockLanes], i % kBlockLanes);
+    set(fine_.slots[i], fine_.laws[i / linear::kBlockLanes], i % linear::kBlockLanes);
   }
 }
 

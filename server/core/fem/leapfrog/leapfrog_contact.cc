@@ -99,7 +99,7 @@ void LeapfrogSweep<T>::gather_pushes(std::size_t block, std::uint32_t changed) {
   const mesh::VertexLanes& given = contact_.given;
   for (; changed != 0; changed &= changed - 1) {
     const auto l = static_cast<std::size_t>(std::countr_zero(changed));
-    const auto v = static_cast<VertexId>(block * kBlockLanes + l);
+    const auto v = static_cast<VertexId>(block * linear::kBlockLanes + l);
     const std::int32_t slot = inertia_->slot_of(v);
     if (slot == mesh::kNone) continue;
     std::int32_t& first = contact_.first_push[static_cast<std::size_t>(slot)];
@@ -140,7 +140,7 @@ template <typename T>
 bool LeapfrogSweep<T>::add_position(std::size_t v, const Eigen::Vector3d& change) {
   bool is_inside = true;
   for (std::size_t c = 0; c < 3; ++c) {
-    Position& x = at(x_[c], 3 * pad_ * kBlockLanes + v);
+    Position& x = at(x_[c], 3 * pad_ * linear::kBlockLanes + v);
     if constexpr (std::is_same_v<T, float>) {
       const double all = x + static_cast<double>(at(remainder_[c], v)) + change[static_cast<Eigen::Index>(c)] / unit_;
       if (!(std::abs(all) <= kReach)) {

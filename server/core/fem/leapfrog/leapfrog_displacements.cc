@@ -44,18 +44,18 @@ bool LeapfrogSweep<T>::set_start(const Model& model, const State& state) {
     to.e22.lane[l] = static_cast<T>(E(1, 1));
     to.e12.lane[l] = static_cast<T>(E(0, 1));
   };
-  const auto num_lanes = static_cast<VertexId>(kBlockLanes * layout_->num_blocks());
+  const auto num_lanes = static_cast<VertexId>(linear::kBlockLanes * layout_->num_blocks());
   for (VertexId v = 0; !quad_start_.empty() && v < num_lanes; ++v) {
     const auto i = static_cast<std::size_t>(v);
     for (const int kind : {0, 1}) {
-      set(layout_->quad_slot(kind, v), quad_start_[2 * (i / kBlockLanes) + static_cast<std::size_t>(kind)],
-          i % kBlockLanes);
+      set(layout_->quad_slot(kind, v), quad_start_[2 * (i / linear::kBlockLanes) + static_cast<std::size_t>(kind)],
+          i % linear::kBlockLanes);
     }
   }
   for (std::size_t lane = 0; lane < layout_->lanes().size(); ++lane) {
     const bool is_fine = fine_.place_of_lane[lane] != mesh::kNone;
-    set(is_fine ? mesh::kNone : layout_->lanes()[lane], irregular_start_[lane / kBlockLanes],
-        irregular_lane<T>(lane % kBlockLanes));
+    set(is_fine ? mesh::kNone : layout_->lanes()[lane], irregular_start_[lane / linear::kBlockLanes],
+        irregular_lane<T>(lane % linear::kBlockLanes));
   }
   if (!(largest <= kMostStrained)) return false;
   if (!model.materials().has_bending()) return true;

@@ -126,8 +126,8 @@ void LeapfrogSweep<T>::find_pieces() {
   }
   for (std::size_t lane = 0; lane < layout_->lanes().size(); ++lane) {
     if (layout_->lanes()[lane] == mesh::kNone) continue;
-    const auto& from = irregular_[lane / kBlockLanes].from;
-    const std::size_t l = lane % kBlockLanes;
+    const auto& from = irregular_[lane / linear::kBlockLanes].from;
+    const std::size_t l = lane % linear::kBlockLanes;
     for (const std::size_t corner : {1, 2}) join(from[0][l] / 4, from[corner][l] / 4);
   }
   for (VertexId v = 0; v < layout_->num_vertices(); ++v) piece_of_[static_cast<std::size_t>(v)] = root(v);

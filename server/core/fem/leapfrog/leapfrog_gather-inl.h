@@ -27,6 +27,9 @@ namespace HWY_NAMESPACE {
 namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
+using linear::HWY_NAMESPACE::Fours;
+using linear::HWY_NAMESPACE::load_fours;
+using linear::HWY_NAMESPACE::spread;
 
 constexpr std::size_t kBlocksAtOnce = 4;  // irregular blocks whose corners are fetched together
 
@@ -51,8 +54,8 @@ HWY_NOINLINE void bending_by_rows(const LeapfrogArrays<T>& arrays, const Leapfro
   const Fours<PositionOf<T>> dp;
   const auto scale = hn::Set(d, step.bending_scale);
   const auto num_groups = static_cast<std::size_t>(arrays.bending->num_groups());
-  const std::size_t first = block * kBlockLanes / kRows;
-  const std::size_t last = HWY_MIN(first + kBlockLanes / kRows, num_groups);
+  const std::size_t first = block * linear::kBlockLanes / kRows;
+  const std::size_t last = HWY_MIN(first + linear::kBlockLanes / kRows, num_groups);
   for (std::size_t group = first; group < last; ++group) {
     const std::span<const FourEntries<T>> entries = arrays.bending->rest(static_cast<int>(group));
     if (group + kGroupsAhead < num_groups) {
@@ -79,9 +82,9 @@ template <typename T>
 HWY_NOINLINE void add_corners(const LeapfrogArrays<T>& arrays, std::size_t block, bool is_gathered) {
   constexpr std::size_t kVertices = CornerPlaces().size();
   const Fours<T> d;
-  const std::size_t first = block * kBlockLanes / kVertices;
+  const std::size_t first = block * linear::kBlockLanes / kVertices;
   const std::size_t last =
-      HWY_MIN(first + kBlockLanes / kVertices, static_cast<std::size_t>(arrays.corners->num_rows()));
+      HWY_MIN(first + linear::kBlockLanes / kVertices, static_cast<std::size_t>(arrays.corners->num_rows()));
   for (std::size_t group = first; group < last; ++group) {
     const std::span<const CornerPlaces> corners = arrays.corners->row(static_cast<int>(group));
     for (std::size_t part = 0; part < 4 * kVertices; part += hn::Lanes(d)) {
@@ -134,7 +137,7 @@ class CornerPositions {
   HWY_INLINE void fetch(const LeapfrogArrays<T>& arrays, std::size_t first, std::size_t last) {
     for (std::size_t b = first; b < last; ++b) {
       for (std::size_t k = 0; k < 3; ++k) {
-        for (std::size_t l = 0; l < kBlockLanes; ++l) {
+        for (std::size_t l = 0; l < linear::kBlockLanes; ++l) {
           std::memcpy(corner_[b - first][k] + 4 * l, arrays.corner_x + arrays.irregular[b].from[k][l], 4 * sizeof(P));
         }
       }
@@ -150,7 +153,7 @@ class CornerPositions {
   }
 
  private:
-  alignas(64) P corner_[kBlocksAtOnce][3][4 * kBlockLanes];
+  alignas(64) P corner_[kBlocksAtOnce][3][4 * linear::kBlockLanes];
 };
 
 // Fixed-point positions are transposed in registers instead.
@@ -212,7 +215,7 @@ HWY_NOINLINE void irregular_forces(const LeapfrogArrays<T>& arrays, const Leapfr
     corners.fetch(arrays, first, last);
     StretchLanes<T> stretches[kBlocksAtOnce];
     for (std::size_t b = first; kLaw == MembraneLaw::kCorotational && b < last; ++b) {
-      for (std::size_t l = 0; l < kBlockLanes; l += hn::Lanes(d)) {
+      for (std::size_t l = 0; l < linear::kBlockLanes; l += hn::Lanes(d)) {
         const auto x0 = corners.load(dp, b - first, 0, l);
         const Vec3<V> d1 = edge(d, corners.load(dp, b - first, 1, l), x0);
         const Vec3<V> d2 = edge(d, corners.load(dp, b - first, 2, l), x0);
@@ -228,7 +231,7 @@ HWY_NOINLINE void irregular_forces(const LeapfrogArrays<T>& arrays, const Leapfr
       from_start ? set_strains_from_start(stretches, last - first) : set_strains(stretches, last - first);
     }
     for (std::size_t b = first; b < last; ++b) {
-      for (std::size_t l = 0; l < kBlockLanes; l += hn::Lanes(d)) {
+      for (std::size_t l = 0; l < linear::kBlockLanes; l += hn::Lanes(d)) {
         IrregularBlock<T>& block = arrays.irregular[b];
         CornerForces<V> forces;
         if constexpr (kLaw == MembraneLaw::kGreen) {
@@ -242,10 +245,10 @@ HWY_NOINLINE void irregular_forces(const LeapfrogArrays<T>& arrays, const Leapfr
                                  stretches[b - first], block.before);
         }
         const Vec3<V> sum = plus(forces.force1, forces.force2);
-        T* const to = arrays.corner_force + 4 * 3 * b * kBlockLanes;
+        T* const to = arrays.corner_force + 4 * 3 * b * linear::kBlockLanes;
         store_corner(d, {hn::Neg(sum.x), hn::Neg(sum.y), hn::Neg(sum.z)}, l, to);
-        store_corner(d, forces.force1, l, to + 4 * kBlockLanes);
-        store_corner(d, forces.force2, l, to + 8 * kBlockLanes);
+        store_corner(d, forces.force1, l, to + 4 * linear::kBlockLanes);
+        store_corner(d, forces.force2, l, to + 8 * linear::kBlockLanes);
       }
     }
   }

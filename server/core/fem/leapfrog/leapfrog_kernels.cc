@@ -22,9 +22,9 @@ HWY_NOINLINE void sum_bending_diagonals(const LeapfrogArrays<T>& arrays, std::si
   const LanesOf<T> d;
   const LanesOf<PositionOf<T>> dp;
   const std::span<const std::int32_t> offsets = arrays.bending->offsets(block);
-  const std::span<const Lanes16<T>> diagonals = arrays.bending->diagonals(block);
-  for (std::size_t l = 0; l < kBlockLanes; l += hn::Lanes(d)) {
-    const auto at = static_cast<std::ptrdiff_t>(block * kBlockLanes + l);
+  const std::span<const linear::Lanes16<T>> diagonals = arrays.bending->diagonals(block);
+  for (std::size_t l = 0; l < linear::kBlockLanes; l += hn::Lanes(d)) {
+    const auto at = static_cast<std::ptrdiff_t>(block * linear::kBlockLanes + l);
     const auto xi = load3(dp, arrays.bending_x, at);
     Vec3<hn::Vec<LanesOf<T>>> sum{hn::Zero(d), hn::Zero(d), hn::Zero(d)};
     for (std::size_t k = 0; k < offsets.size(); ++k) {
@@ -83,11 +83,11 @@ HWY_NOINLINE void set_bending_positions(const LeapfrogArrays<T>& arrays, const L
   const LanesOf<PositionOf<T>> dp;
   const auto beta = hn::Set(d, step.bending_damping);
   const bool has_rest = arrays.bending->has_rest();
-  for (std::size_t i = 0; i < kBlockLanes * arrays.num_blocks; i += hn::Lanes(d)) {
+  for (std::size_t i = 0; i < linear::kBlockLanes * arrays.num_blocks; i += hn::Lanes(d)) {
     const auto at = static_cast<std::ptrdiff_t>(i);
     auto x = load3(dp, arrays.x, at);
     if (step.bending_damping > 0) {
-      alignas(64) T none[kBlockLanes] = {};
+      alignas(64) T none[linear::kBlockLanes] = {};
       x.x = drifted(d, x.x, hn::Mul(beta, hn::Load(d, arrays.v[0] + at)), none);
       std::memset(none, 0, sizeof none);
       x.y = drifted(d, x.y, hn::Mul(beta, hn::Load(d, arrays.v[1] + at)), none);
@@ -134,7 +134,7 @@ HWY_INLINE void move_at(D d, const LeapfrogArrays<hn::TFromD<D>>& arrays, const 
     lost = hn::Div(hn::Add(half, half), hn::Add(one, half));
     scale = hn::Div(hn::Set(d, step.scale), hn::Add(one, half));
   }
-  T* const fastest_of = speed + i % kBlockLanes;
+  T* const fastest_of = speed + i % linear::kBlockLanes;
   V fastest = hn::Load(d, fastest_of);
   std::array<hn::Vec<decltype(dp)>, 3> x;
   for (std::size_t c = 0; c < 3; ++c) {
@@ -152,7 +152,7 @@ HWY_INLINE void move_at(D d, const LeapfrogArrays<hn::TFromD<D>>& arrays, const 
     hn::Store(x[c], dp, arrays.x[c] + i);
   }
   hn::Store(fastest, d, fastest_of);
-  if (arrays.num_corners[i / kBlockLanes] == 0) return;
+  if (arrays.num_corners[i / linear::kBlockLanes] == 0) return;
   hn::StoreInterleaved4(x[0], x[1], x[2], hn::Zero(dp), dp, arrays.corner_x + 4 * i);
 }
 
@@ -166,8 +166,8 @@ template <typename T>
 HWY_NOINLINE void move(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, bool gathered, std::size_t first,
                        std::size_t last, T* speed) {
   const LanesOf<T> d;
-  for (std::size_t i = first * kBlockLanes; i < last * kBlockLanes; i += hn::Lanes(d)) {
-    const std::size_t block = i / kBlockLanes;
+  for (std::size_t i = first * linear::kBlockLanes; i < last * linear::kBlockLanes; i += hn::Lanes(d)) {
+    const std::size_t block = i / linear::kBlockLanes;
     const auto forces = forces_at(d, arrays, gathered || arrays.num_corners[block] > 0, i);
     if (has_cluster(arrays, block)) {
       hn::StoreInterleaved4(forces[0], forces[1], forces[2], hn::Zero(d), d, arrays.gathered + 4 * i);
@@ -180,8 +180,8 @@ HWY_NOINLINE void move(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& s
 template <typename T>
 HWY_INLINE void move_blocks_with_clusters(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, T* speed) {
   const LanesOf<T> d;
-  for (std::size_t i = 0; i < arrays.num_blocks * kBlockLanes; i += hn::Lanes(d)) {
-    if (!has_cluster(arrays, i / kBlockLanes)) continue;
+  for (std::size_t i = 0; i < arrays.num_blocks * linear::kBlockLanes; i += hn::Lanes(d)) {
+    if (!has_cluster(arrays, i / linear::kBlockLanes)) continue;
     std::array<hn::Vec<LanesOf<T>>, 4> forces;
     hn::LoadInterleaved4(d, arrays.gathered + 4 * i, forces[0], forces[1], forces[2], forces[3]);
     move_at(d, arrays, step, i, {forces[0], forces[1], forces[2]}, speed);
@@ -214,7 +214,7 @@ void substep(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, T* sp
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE V larger_strain(D d, const StrainLanes<hn::TFromD<D>>& strains, V largest) {
   const V half = hn::Set(d, hn::TFromD<D>{0.5});
-  for (std::size_t l = 0; l < kBlockLanes; l += hn::Lanes(d)) {
+  for (std::size_t l = 0; l < linear::kBlockLanes; l += hn::Lanes(d)) {
     const V e1 = hn::Load(d, &strains[0].lane[l]);
     const V e2 = hn::Load(d, &strains[1].lane[l]);
     const V shear = hn::Mul(half, hn::Load(d, &strains[2].lane[l]));

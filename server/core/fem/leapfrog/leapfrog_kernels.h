@@ -25,7 +25,7 @@ using PositionOf = std::conditional_t<std::is_same_v<T, float>, std::int32_t, T>
 // of positions.
 template <typename T>
 struct TriangleLanes {
-  using Lanes = Lanes16<T>;
+  using Lanes = linear::Lanes16<T>;
   std::array<Lanes, 2> g1{}, g2{};  // 1/unit
   Lanes minus_area{};               // m^2/unit
 };
@@ -34,8 +34,8 @@ struct TriangleLanes {
 // without material.
 template <typename T>
 struct StartLanes {
-  std::array<Lanes16<T>, 3> f1{}, f2{};  // -
-  Lanes16<T> e11{}, e22{}, e12{};        // -
+  std::array<linear::Lanes16<T>, 3> f1{}, f2{};  // -
+  linear::Lanes16<T> e11{}, e22{}, e12{};        // -
 };
 
 // Constants like TriangleLanes for kBlockLanes triangles with Green's strain, by their edges d1, d2 from corner 0 and
@@ -46,19 +46,19 @@ struct StartLanes {
 // the shape gradients of the edge's ends.
 template <typename T>
 struct EdgeLanes {
-  std::array<Lanes16<T>, 3> length_squared{};  // unit^2, L_k^2
-  std::array<Lanes16<T>, 6> stiffness{};       // N/unit^3, H11, H22, H33, H12, H13, H23
+  std::array<linear::Lanes16<T>, 3> length_squared{};  // unit^2, L_k^2
+  std::array<linear::Lanes16<T>, 6> stiffness{};       // N/unit^3, H11, H22, H33, H12, H13, H23
 };
 
 // Laws of kBlockLanes triangles: C11, C22, C33, C12, N/m, and damping as in LeapfrogStep.
 template <typename T>
 struct LawLanes {
-  std::array<Lanes16<T>, 5> value{};
+  std::array<linear::Lanes16<T>, 5> value{};
 };
 
 // Strains e11, e22, 2 e12 of kBlockLanes triangles in the previous substep; with Green's strain s_k, unit^2.
 template <typename T>
-using StrainLanes = std::array<Lanes16<T>, 3>;
+using StrainLanes = std::array<linear::Lanes16<T>, 3>;
 
 // A block of irregular triangles. `from` is the index of vertices in corner_x, 4 x their id, by place (see
 // corner_place). The other members are by irregular_lane().
@@ -66,14 +66,14 @@ template <typename T>
 struct IrregularBlock {
   TriangleLanes<T> triangles;
   StrainLanes<T> before{};
-  std::array<std::array<std::int32_t, kBlockLanes>, 3> from{};
+  std::array<std::array<std::int32_t, linear::kBlockLanes>, 3> from{};
 };
 
 // Lane of the triangle at a place of an irregular block, or place of that at a lane: the mapping is its own inverse.
 // Vectors transpose four floats of a vertex at a time, so each four lanes come from four places that are four apart.
 template <typename T>
 constexpr std::size_t irregular_lane(std::size_t place) {
-  static_assert(kBlockLanes == 16);
+  static_assert(linear::kBlockLanes == 16);
   return std::is_same_v<T, float> ? 4 * (place % 4) + place / 4 : place;
 }
 
@@ -120,9 +120,9 @@ struct LeapfrogArrays {
   std::span<const std::int32_t> fine_places;
   // Scratch, x + beta v. The first array has a block before the first vertex and one behind the last.
   std::array<Position*, 3> bending_x{};
-  Position* bending_fours = nullptr;                     // x 4
-  std::span<const std::int32_t> num_quads, num_corners;  // by block of vertices
-  const RowStore<CornerPlaces>* corners = nullptr;       // a row for every four vertices
+  Position* bending_fours = nullptr;                        // x 4
+  std::span<const std::int32_t> num_quads, num_corners;     // by block of vertices
+  const linear::RowStore<CornerPlaces>* corners = nullptr;  // a row for every four vertices
   // By block of vertices, non-zero if some of them are in clusters; or null. Such blocks leave their forces in
   // `gathered`, and only leapfrog_move_clusters() moves them.
   const std::uint8_t* has_cluster = nullptr;

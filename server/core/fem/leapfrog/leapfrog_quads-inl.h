@@ -41,7 +41,7 @@ template <class D>
 HWY_INLINE void store_quad_force(D d, const LeapfrogArrays<hn::TFromD<D>>& arrays, std::size_t k,
                                  const Vec3<hn::Vec<D>>& force, std::ptrdiff_t place) {
   store3(d, force, arrays.quad_force[k], place);
-  if (place < static_cast<std::ptrdiff_t>(kBlockLanes)) {
+  if (place < static_cast<std::ptrdiff_t>(linear::kBlockLanes)) {
     store3(d, force, arrays.quad_force[k], place + arrays.quad_ring);
   }
 }
@@ -50,8 +50,8 @@ template <typename T>
 void clear_quad_forces(const LeapfrogArrays<T>& arrays, std::ptrdiff_t block) {
   const LanesOf<T> d;
   const Vec3<hn::Vec<LanesOf<T>>> none{hn::Zero(d), hn::Zero(d), hn::Zero(d)};
-  const std::ptrdiff_t place = in_ring(arrays, block * static_cast<std::ptrdiff_t>(kBlockLanes));
-  for (std::size_t l = 0; l < kBlockLanes; l += hn::Lanes(d)) {
+  const std::ptrdiff_t place = in_ring(arrays, block * static_cast<std::ptrdiff_t>(linear::kBlockLanes));
+  for (std::size_t l = 0; l < linear::kBlockLanes; l += hn::Lanes(d)) {
     for (std::size_t k = 0; k < 4; ++k) store_quad_force(d, arrays, k, none, place + static_cast<std::ptrdiff_t>(l));
   }
 }
@@ -70,8 +70,8 @@ template <typename T>
 HWY_NOINLINE void set_quad_gradients(const LeapfrogArrays<T>& arrays, std::size_t block, StretchLanes<T>* to) {
   const LanesOf<T> d;
   const TriangleLanes<T>* const lanes = arrays.quads + 2 * block;
-  for (std::size_t l = 0; l < kBlockLanes; l += hn::Lanes(d)) {
-    const auto edges = quad_edges(d, arrays, static_cast<std::ptrdiff_t>(block * kBlockLanes + l));
+  for (std::size_t l = 0; l < linear::kBlockLanes; l += hn::Lanes(d)) {
+    const auto edges = quad_edges(d, arrays, static_cast<std::ptrdiff_t>(block * linear::kBlockLanes + l));
     set_gradients(d, lanes[0], l, edges[0], edges[1], to[0]);
     set_gradients(d, lanes[1], l, edges[1], edges[2], to[1]);
   }
@@ -83,8 +83,8 @@ HWY_NOINLINE void set_quad_gradients_from_start(const LeapfrogArrays<T>& arrays,
   const LanesOf<T> d;
   const TriangleLanes<T>* const lanes = arrays.quads + 2 * block;
   const StartLanes<T>* const start = arrays.quad_start + 2 * block;
-  for (std::size_t l = 0; l < kBlockLanes; l += hn::Lanes(d)) {
-    const auto edges = quad_edges(d, arrays, static_cast<std::ptrdiff_t>(block * kBlockLanes + l));
+  for (std::size_t l = 0; l < linear::kBlockLanes; l += hn::Lanes(d)) {
+    const auto edges = quad_edges(d, arrays, static_cast<std::ptrdiff_t>(block * linear::kBlockLanes + l));
     set_gradients(d, lanes[0], start[0], l, edges[0], edges[1], to[0]);
     set_gradients(d, lanes[1], start[1], l, edges[1], edges[2], to[1]);
   }
@@ -98,8 +98,8 @@ HWY_NOINLINE void set_quad_forces(const LeapfrogArrays<T>& arrays, const Leapfro
   const LawLanes<T>* const laws = arrays.quad_laws == nullptr ? nullptr : arrays.quad_laws + 2 * block;
   StrainLanes<T>* const before = arrays.quads_before + 2 * block;
   using V = hn::Vec<LanesOf<T>>;
-  for (std::size_t l = 0; l < kBlockLanes; l += hn::Lanes(d)) {
-    const auto at = static_cast<std::ptrdiff_t>(block * kBlockLanes + l);
+  for (std::size_t l = 0; l < linear::kBlockLanes; l += hn::Lanes(d)) {
+    const auto at = static_cast<std::ptrdiff_t>(block * linear::kBlockLanes + l);
     std::array<CornerForces<V>, 2> forces;
     if constexpr (kLaw == MembraneLaw::kGreen) {
       const EdgeLanes<T>* const lanes = arrays.quad_edges + 2 * block;

@@ -26,7 +26,7 @@ LeapfrogArrays<T> LeapfrogSweep<T>::arrays() {
     arrays.quad_edges = quad_edges_.data();
     arrays.quads_before = quads_before_.data();
     for (std::size_t k = 0; k < 4; ++k) arrays.quad_force[k] = entries(quad_force_[k]);
-    arrays.quad_ring = static_cast<std::ptrdiff_t>((quad_force_[0][0].size() - 1) * kBlockLanes);
+    arrays.quad_ring = static_cast<std::ptrdiff_t>((quad_force_[0][0].size() - 1) * linear::kBlockLanes);
     arrays.quad_reach = static_cast<std::ptrdiff_t>(pad_);
   }
   arrays.irregular = irregular_;
@@ -40,7 +40,7 @@ LeapfrogArrays<T> LeapfrogSweep<T>::arrays() {
   arrays.mass_damping = entries(mass_damping_);
   arrays.has_cluster = has_cluster_.empty() ? nullptr : has_cluster_.data();
   arrays.corner_x = entries(corner_x_);
-  arrays.corner_force = entries(corner_force_) + kBlockLanes;  // after the entry of kNoCorner
+  arrays.corner_force = entries(corner_force_) + linear::kBlockLanes;  // after the entry of kNoCorner
   arrays.gathered = entries(gathered_);
   arrays.bending_x = entries(bending_x_, 1);
   arrays.bending_fours = entries(bending_fours_);
@@ -102,7 +102,7 @@ void LeapfrogSweep<T>::set_mobility(const Model& model, const Loads& loads) {
   for (const InertiaCluster* const cluster : inertia_->clusters()) {
     for (std::size_t k = 0; k < cluster->vertices().size(); ++k) {
       const auto v = static_cast<std::size_t>(cluster->vertices()[k]);
-      has_cluster_[v / kBlockLanes] = 1;
+      has_cluster_[v / linear::kBlockLanes] = 1;
       for (std::size_t c = 0; c < 3; ++c) at(mobility_[c], v) = (cluster->held()[k] >> c & 1U) != 0 ? T{0} : T{1};
     }
   }
@@ -115,7 +115,7 @@ void LeapfrogSweep<T>::set_fine_positions() {
     const auto i = static_cast<std::size_t>(v);
     const Eigen::Vector3d start = (base(v) - origin_) / unit_;
     for (std::size_t c = 0; c < 3; ++c) {
-      to[c] = start[static_cast<Eigen::Index>(c)] + static_cast<double>(at(x_[c], 3 * pad_ * kBlockLanes + i)) +
+      to[c] = start[static_cast<Eigen::Index>(c)] + static_cast<double>(at(x_[c], 3 * pad_ * linear::kBlockLanes + i)) +
               static_cast<double>(at(remainder_[c], i));
     }
     to += 4;
@@ -169,7 +169,7 @@ bool LeapfrogSweep<T>::set_position(VertexId v, const Eigen::Vector3d& position)
   const Eigen::Vector3d from = base(v);
   for (std::size_t c = 0; c < 3; ++c) {
     const auto axis = static_cast<Eigen::Index>(c);
-    Position& x = at(x_[c], 3 * pad_ * kBlockLanes + i);
+    Position& x = at(x_[c], 3 * pad_ * linear::kBlockLanes + i);
     if constexpr (std::is_same_v<T, float>) {
       const double all = (position[axis] - from[axis]) * per_metre;
       if (!(std::abs(all) <= kReach)) return false;
@@ -219,7 +219,7 @@ void LeapfrogSweep<T>::write(State& state) const {
 template <typename T>
 Eigen::Vector3d LeapfrogSweep<T>::position(VertexId v) const {
   const auto i = static_cast<std::size_t>(v);
-  const std::size_t from = 3 * pad_ * kBlockLanes + i;
+  const std::size_t from = 3 * pad_ * linear::kBlockLanes + i;
   const Eigen::Vector3d start = base(v);
   Eigen::Vector3d x;
   for (std::size_t c = 0; c < 3; ++c) {

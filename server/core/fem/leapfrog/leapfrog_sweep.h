@@ -38,10 +38,10 @@ struct LeapfrogTerms {
 
 // One kick and the drift after it.
 struct LeapfrogKick {
-  double duration = 0.0;                      // s
-  double drift = 0.0;                         // s
-  double bending = 0.0;                       // s, duration of the kick by bending forces; 0 for none
-  const mesh::VertexField* forces = nullptr;  // N, 3 x V, all but membrane and bending rows; may be null
+  double duration = 0.0;                        // s
+  double drift = 0.0;                           // s
+  double bending = 0.0;                         // s, duration of the kick by bending forces; 0 for none
+  const linear::VertexField* forces = nullptr;  // N, 3 x V, all but membrane and bending rows; may be null
 };
 
 // Returns C11, C22, C33, C12, N/m; in material axes the other entries are 0.
@@ -113,7 +113,7 @@ class LeapfrogSweep {
   friend class LeapfrogSweep;
   using Position = PositionOf<T>;
   template <typename U>
-  using Field = std::array<std::vector<Lanes16<U>>, 3>;
+  using Field = std::array<std::vector<linear::Lanes16<U>>, 3>;
   // Largest distance of float positions from their origin, in units, so that differences still fit into 32 bits.
   static constexpr double kReach = 1 << 30;
 
@@ -195,7 +195,7 @@ class LeapfrogSweep {
   void follow_bending(const Model& model);
   // Replaces the forces on vertices of clusters by their accelerations other than gravity, m/s^2. `forces` (N) are the
   // forces of the kick, which it includes, or null.
-  void accelerate_clusters(const Model& model, const LeapfrogStep<T>& step, const mesh::VertexField* forces);
+  void accelerate_clusters(const Model& model, const LeapfrogStep<T>& step, const linear::VertexField* forces);
   // Sets cluster_values_ to the response of a cluster to an impulse of 1 N s on the part of the grab's point inside it.
   void set_response(const Grab& grab, const InertiaCluster& cluster);
   // Calls at_vertex(v, weight) for vertices outside clusters. Calls at_cluster(cluster) once for each cluster, with its
@@ -231,7 +231,7 @@ class LeapfrogSweep {
   const LocalInertia* inertia_ = nullptr;
   Field<Position> x_;
   Field<T> v_, remainder_, v_remainder_, mobility_;
-  std::vector<Lanes16<T>> mass_damping_;                 // for several materials
+  std::vector<linear::Lanes16<T>> mass_damping_;         // for several materials
   std::vector<LawLanes<T>> quad_laws_, irregular_laws_;  // for several materials
   std::vector<std::uint8_t> takes_part_;                 // by vertex: has mass, or is held
   std::vector<TriangleLanes<T>> quads_;
@@ -240,16 +240,16 @@ class LeapfrogSweep {
   std::vector<IrregularBlock<T>> irregular_;
   std::size_t pad_ = 0;  // blocks that offsets reach; three times as many precede the first vertex in x_
   std::array<Field<T>, 4> quad_force_;
-  std::vector<Lanes16<Position>> corner_x_, bending_fours_;
+  std::vector<linear::Lanes16<Position>> corner_x_, bending_fours_;
   Field<Position> bending_x_;  // has a block before the first vertex, and one behind the last
-  std::vector<Lanes16<T>> corner_force_, gathered_, extra_;
+  std::vector<linear::Lanes16<T>> corner_force_, gathered_, extra_;
   BendingLayout<T> bending_;
-  IdSet bending_blocks_;                     // scratch
-  FineTriangles fine_;                       // for floats
-  std::optional<double> coarsest_gradient_;  // 1/m, of the other triangles; empty until computed
-  IndexSet fine_vertices_;                   // scratch
-  std::vector<std::uint8_t> has_cluster_;    // by block of vertices; empty without clusters
-  std::vector<Lanes16<T>> cluster_values_;   // x 4, of one cluster, scratch
+  linear::IdSet bending_blocks_;                    // scratch
+  FineTriangles fine_;                              // for floats
+  std::optional<double> coarsest_gradient_;         // 1/m, of the other triangles; empty until computed
+  linear::IndexSet fine_vertices_;                  // scratch
+  std::vector<std::uint8_t> has_cluster_;           // by block of vertices; empty without clusters
+  std::vector<linear::Lanes16<T>> cluster_values_;  // x 4, of one cluster, scratch
   Contact contact_;
   bool touched_ = false;
   int num_cluster_pushes_ = 0;
@@ -258,9 +258,9 @@ class LeapfrogSweep {
   bool is_by_pieces_ = false;                         // each piece has its own origin in this step
   std::vector<mesh::VertexId> piece_of_;              // lowest vertex of its piece; empty until computed
   std::vector<Extent> extents_;                       // scratch, of pieces by their lowest vertices
-  mesh::VertexField start_;                           // m, by lane, origins of positions if has_starts()
-  mesh::VertexField bending_start_;                   // N, 3 x V, forces of bending at these positions
-  Lanes16<T> speed_;                                  // m/s, largest velocity components in the last substep
+  linear::VertexField start_;                         // m, by lane, origins of positions if has_starts()
+  linear::VertexField bending_start_;                 // N, 3 x V, forces of bending at these positions
+  linear::Lanes16<T> speed_;                          // m/s, largest velocity components in the last substep
   T fastest_ = 0;                                     // m/s, the same in earlier substeps
   Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();  // m
   double unit_ = 1.0;                                 // m

@@ -29,7 +29,7 @@ template <typename T>
 constexpr T kTiny = std::is_same_v<T, float> ? T{1e-15} : T{1e-100};
 
 template <typename T>
-using LanesOf = hn::CappedTag<T, kBlockLanes>;
+using LanesOf = hn::CappedTag<T, linear::kBlockLanes>;
 
 template <class V>
 struct Vec3 {
@@ -95,7 +95,7 @@ HWY_INLINE hn::Vec<D> damping_of(D d, const LawLanes<hn::TFromD<D>>& lanes, std:
 }
 
 template <typename T>
-using TriangleValues = std::array<T, kBlockLanes>;  // of kBlockLanes triangles; uninitialised
+using TriangleValues = std::array<T, linear::kBlockLanes>;  // of kBlockLanes triangles; uninitialised
 
 // Intermediate values of force computation, which runs in stages of several blocks each. In a single pass, each block
 // would wait for its own square roots. Formulas in membrane.h, with F = R S, c = F^T F, d = det S, s = tr S.
@@ -145,7 +145,7 @@ HWY_INLINE void set_gradients(D d, const TriangleLanes<hn::TFromD<D>>& lanes, st
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE void set_gradients(D d, const TriangleLanes<hn::TFromD<D>>& lanes, const StartLanes<hn::TFromD<D>>& start,
                               std::size_t l, const Vec3<V>& d1, const Vec3<V>& d2, StretchLanes<hn::TFromD<D>>& to) {
-  const auto load = [&](const Lanes16<hn::TFromD<D>>& from) HWY_ATTR { return hn::Load(d, &from.lane[l]); };
+  const auto load = [&](const linear::Lanes16<hn::TFromD<D>>& from) HWY_ATTR { return hn::Load(d, &from.lane[l]); };
   const Vec3<V> start1{load(start.f1[0]), load(start.f1[1]), load(start.f1[2])};
   const Vec3<V> start2{load(start.f2[0]), load(start.f2[1]), load(start.f2[2])};
   const Vec3<V> change1 = combine(d1, load(lanes.g1[0]), d2, load(lanes.g2[0]));
@@ -170,7 +170,7 @@ HWY_INLINE void set_strains(StretchLanes<T>* blocks, std::size_t num_blocks) {
   const LanesOf<T> d;
   for (std::size_t b = 0; b < num_blocks; ++b) {
     StretchLanes<T>& t = blocks[b];
-    for (std::size_t l = 0; l < kBlockLanes; l += hn::Lanes(d)) {
+    for (std::size_t l = 0; l < linear::kBlockLanes; l += hn::Lanes(d)) {
       const auto c11 = hn::Load(d, &t.c11[l]);
       const auto c22 = hn::Load(d, &t.c22[l]);
       const auto trace = hn::Add(c11, c22);
@@ -199,7 +199,7 @@ HWY_INLINE void set_strains_from_start(StretchLanes<T>* blocks, std::size_t num_
   const auto least = hn::Set(d, kLeastFlatness<T> * kLeastFlatness<T>);
   for (std::size_t b = 0; b < num_blocks; ++b) {
     StretchLanes<T>& t = blocks[b];
-    for (std::size_t l = 0; l < kBlockLanes; l += hn::Lanes(d)) {
+    for (std::size_t l = 0; l < linear::kBlockLanes; l += hn::Lanes(d)) {
       const auto e11 = hn::Load(d, &t.c11[l]);
       const auto e22 = hn::Load(d, &t.c22[l]);
       const auto more_squared = hn::Load(d, &t.det_squared[l]);
@@ -261,7 +261,7 @@ HWY_INLINE CornerForces<V> corner_forces(D d, const Law<V>& law, const TriangleL
   const V N22 = hn::Sub(hn::Mul(S11, sigma2), hn::Mul(S12, T12));
   const Vec3<V> f1 = load3(d, stretch.f1, l);
   const Vec3<V> f2 = load3(d, stretch.f2, l);
-  const auto force = [&](const std::array<Lanes16<hn::TFromD<D>>, 2>& g) HWY_ATTR {
+  const auto force = [&](const std::array<linear::Lanes16<hn::TFromD<D>>, 2>& g) HWY_ATTR {
     const V gx = hn::Load(d, &g[0].lane[l]);
     const V gy = hn::Load(d, &g[1].lane[l]);
     return combine(f1, combine(N11, gx, N12, gy), f2, combine(N12, gx, N22, gy));

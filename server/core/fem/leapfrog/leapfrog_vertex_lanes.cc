@@ -14,7 +14,7 @@ namespace HWY_NAMESPACE {
 namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
-using D = hn::CappedTag<double, kBlockLanes>;
+using D = hn::CappedTag<double, linear::kBlockLanes>;
 using V = hn::Vec<D>;
 
 HWY_INLINE V widened(D d, const double* from) {
@@ -36,8 +36,8 @@ template <typename T>
 HWY_INLINE void load_any(const LeapfrogArrays<T>& arrays, const PositionFrame& frame, std::size_t block, double drift,
                          mesh::VertexLanes& vertices) {
   const D d;
-  for (std::size_t l = 0; l < kBlockLanes; l += hn::Lanes(d)) {
-    const std::size_t i = block * kBlockLanes + l;
+  for (std::size_t l = 0; l < linear::kBlockLanes; l += hn::Lanes(d)) {
+    const std::size_t i = block * linear::kBlockLanes + l;
     const std::array<V, 3> from = starts_at(d, frame, i);
     for (std::size_t c = 0; c < 3; ++c) {
       V x = widened(d, arrays.x[c] + i);
@@ -83,10 +83,10 @@ HWY_INLINE double store_any(const mesh::VertexLanes& vertices, std::uint32_t cha
                             std::size_t block, const LeapfrogArrays<T>& arrays) {
   const D d;
   V largest = hn::Zero(d);
-  for (std::size_t l = 0; l < kBlockLanes; l += hn::Lanes(d)) {
+  for (std::size_t l = 0; l < linear::kBlockLanes; l += hn::Lanes(d)) {
     const auto mask = mask_at(d, changed, l);
     if (hn::AllFalse(d, mask)) continue;
-    const std::size_t i = block * kBlockLanes + l;
+    const std::size_t i = block * linear::kBlockLanes + l;
     const std::array<V, 3> from = starts_at(d, frame, i);
     for (std::size_t c = 0; c < 3; ++c) {
       const V x = hn::Load(d, &vertices.x[c][l]);

@@ -11,7 +11,7 @@
 // processor at run time. Results have the same bits on every processor.
 namespace kerf::fem {
 
-static_assert(mesh::kVertexLanes == kBlockLanes);
+static_assert(mesh::kVertexLanes == linear::kBlockLanes);
 
 // Origin and unit of positions in LeapfrogArrays.
 struct PositionFrame {

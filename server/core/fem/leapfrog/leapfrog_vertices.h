@@ -14,24 +14,24 @@
 namespace kerf::fem {
 
 template <typename T>
-T* entries(std::vector<Lanes16<T>>& blocks, std::size_t first_block = 0) {
+T* entries(std::vector<linear::Lanes16<T>>& blocks, std::size_t first_block = 0) {
   return blocks.empty() ? nullptr : blocks[first_block].lane.data();
 }
 template <typename U>
-std::array<U*, 3> entries(std::array<std::vector<Lanes16<U>>, 3>& field, std::size_t first_block = 0) {
+std::array<U*, 3> entries(std::array<std::vector<linear::Lanes16<U>>, 3>& field, std::size_t first_block = 0) {
   return {entries(field[0], first_block), entries(field[1], first_block), entries(field[2], first_block)};
 }
 template <typename U>
-U& at(std::vector<Lanes16<U>>& blocks, std::size_t i) {
-  return blocks[i / kBlockLanes].lane[i % kBlockLanes];
+U& at(std::vector<linear::Lanes16<U>>& blocks, std::size_t i) {
+  return blocks[i / linear::kBlockLanes].lane[i % linear::kBlockLanes];
 }
 template <typename U>
-const U& at(const std::vector<Lanes16<U>>& blocks, std::size_t i) {
-  return blocks[i / kBlockLanes].lane[i % kBlockLanes];
+const U& at(const std::vector<linear::Lanes16<U>>& blocks, std::size_t i) {
+  return blocks[i / linear::kBlockLanes].lane[i % linear::kBlockLanes];
 }
 
 template <typename T>
-Eigen::Vector3d vector_at(const std::array<std::vector<Lanes16<T>>, 3>& field, mesh::VertexId v) {
+Eigen::Vector3d vector_at(const std::array<std::vector<linear::Lanes16<T>>, 3>& field, mesh::VertexId v) {
   const auto i = static_cast<std::size_t>(v);
   return Eigen::Matrix<T, 3, 1>(at(field[0], i), at(field[1], i), at(field[2], i)).template cast<double>();
 }

@@ -27,7 +27,7 @@ OffsetPair offsets_of(const TurnedTriangle& triangle) {
 }
 
 std::size_t vertex_block(VertexId v) {
-  return static_cast<std::size_t>(v) / kBlockLanes;
+  return static_cast<std::size_t>(v) / linear::kBlockLanes;
 }
 
 constexpr auto kGroup = static_cast<int>(CornerPlaces().size());  // vertices
@@ -125,9 +125,10 @@ void MembraneLayout::resize(const Model& model) {
   for (int group = num_groups; group < corners_.num_rows(); ++group) {
     num_corners_[vertex_block(kGroup * group)] -= count_corners(group);
   }
-  const std::size_t num_blocks = (static_cast<std::size_t>(num_vertices_) + kBlockLanes - 1) / kBlockLanes;
+  const std::size_t num_blocks =
+      (static_cast<std::size_t>(num_vertices_) + linear::kBlockLanes - 1) / linear::kBlockLanes;
   places_.resize(static_cast<std::size_t>(model.num_slots()));
-  quad_slots_.resize(2 * kBlockLanes * num_blocks, mesh::kNone);
+  quad_slots_.resize(2 * linear::kBlockLanes * num_blocks, mesh::kNone);
   num_quads_.resize(num_blocks, 0);
   num_corners_.resize(num_blocks, 0);
   corners_.resize(num_groups);
@@ -172,7 +173,7 @@ void MembraneLayout::add(const Model& model, TriangleId slot) {
   }
   if (free_lanes_.empty()) {
     const auto first = static_cast<std::int32_t>(lanes_.size());
-    lanes_.resize(lanes_.size() + 2 * kBlockLanes, mesh::kNone);
+    lanes_.resize(lanes_.size() + 2 * linear::kBlockLanes, mesh::kNone);
     for (auto lane = static_cast<std::int32_t>(lanes_.size()) - 1; lane >= first; --lane) free_lanes_.push_back(lane);
   }
   place.lane = free_lanes_.back();

@@ -21,7 +21,7 @@ using QuadOffsets = std::array<std::int32_t, 3>;
 // Returns the index of a corner of an irregular lane among the corners of all irregular lanes, ordered by block, corner
 // and lane.
 inline std::int32_t corner_place(std::int32_t lane, int corner) {
-  constexpr auto kLanes16 = static_cast<std::int32_t>(kBlockLanes);
+  constexpr auto kLanes16 = static_cast<std::int32_t>(linear::kBlockLanes);
   return (3 * (lane / kLanes16) + corner) * kLanes16 + lane % kLanes16;
 }
 
@@ -59,7 +59,7 @@ class MembraneLayout {
   [[nodiscard]] std::span<const mesh::TriangleId> lanes() const { return lanes_; }
   // Irregular corners around each vertex, by ascending slot. There is a row for every four vertices, as long as the
   // longest of the four lists.
-  [[nodiscard]] const RowStore<CornerPlaces>& corners() const { return corners_; }
+  [[nodiscard]] const linear::RowStore<CornerPlaces>& corners() const { return corners_; }
 
   // Vertices whose quads the last follow() wrote, and irregular lanes that it wrote; may repeat.
   [[nodiscard]] std::span<const mesh::VertexId> changed_quads() const { return changed_quads_; }
@@ -95,10 +95,10 @@ class MembraneLayout {
   std::vector<std::int32_t> num_quads_, num_corners_;
   std::vector<mesh::TriangleId> lanes_;
   std::vector<std::int32_t> free_lanes_;
-  RowStore<CornerPlaces> corners_;
+  linear::RowStore<CornerPlaces> corners_;
   std::vector<mesh::VertexId> changed_quads_;
   std::vector<std::int32_t> changed_lanes_;
-  IdSet touched_;                  // scratch, groups of four vertices around irregular triangles
+  linear::IdSet touched_;          // scratch, groups of four vertices around irregular triangles
   std::vector<CornerPlaces> row_;  // scratch
 };
 

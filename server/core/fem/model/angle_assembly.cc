@@ -20,7 +20,7 @@ double rest_height(const std::array<Eigen::Vector2d, 3>& corners, std::size_t k)
 }  // namespace
 
 AngleBending make_angle_bending(const RestSheet& sheet, const BorderClamps& clamps,
-                                std::span<const BendingPatch> patches, const RowStore<BendingEdge>& edges,
+                                std::span<const BendingPatch> patches, const linear::RowStore<BendingEdge>& edges,
                                 std::span<const std::array<BendingSide, 3>> sides) {
   const mesh::TriangleMesh& mesh = sheet.mesh;
   const RestElements& elements = sheet.elements;

@@ -15,7 +15,7 @@ namespace kerf::fem {
 // Assembles bending by angles for a sheet that is flat at rest. `patches`, the rows of `edges` and the three `sides` of
 // each patch are by slot. O(V).
 AngleBending make_angle_bending(const RestSheet& sheet, const BorderClamps& clamps,
-                                std::span<const BendingPatch> patches, const RowStore<BendingEdge>& edges,
+                                std::span<const BendingPatch> patches, const linear::RowStore<BendingEdge>& edges,
                                 std::span<const std::array<BendingSide, 3>> sides);
 
 }  // namespace kerf::fem

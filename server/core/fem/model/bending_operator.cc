@@ -121,8 +121,8 @@ void BendingOperator::make_patches(const RestSheet& sheet, std::span<const Trian
 void BendingOperator::fit_patches(const RestSheet& sheet) {
   if (!sheet.mesh.is_curved() && sides_.size() < fitted_.size()) sides_.resize(fitted_.size());
   PatchLanes lanes;
-  std::array<TriangleId, kBlockLanes> slots{};
-  std::array<PatchSurface, kBlockLanes> surfaces;
+  std::array<TriangleId, linear::kBlockLanes> slots{};
+  std::array<PatchSurface, linear::kBlockLanes> surfaces;
   std::size_t count = 0;
   const auto fit = [&] {
     lanes.fit(count);
@@ -144,7 +144,7 @@ void BendingOperator::fit_patches(const RestSheet& sheet) {
         sheet.mesh.is_curved() ? curved_patch(sheet, slot, surfaces[count]) : flat_patch(sheet, clamps_, slot);
     lanes.set(count, patch, law.bending, law.inverse_bending);
     slots[count++] = slot;
-    if (count == kBlockLanes) fit();
+    if (count == linear::kBlockLanes) fit();
   }
   if (count > 0) fit();
 }
@@ -205,17 +205,17 @@ bool BendingOperator::make_edge(const RestSheet& sheet, TriangleId slot, Triangl
   return join_sides(side(slot, first), side(other, second), places, edge);
 }
 
-void BendingOperator::add_forces(std::span<const ElementBlock> blocks, const mesh::VertexField& x,
-                                 mesh::VertexField& f) const {
+void BendingOperator::add_forces(std::span<const ElementBlock> blocks, const linear::VertexField& x,
+                                 linear::VertexField& f) const {
   if (angles_ != nullptr) return angles_->add_forces(x, f);
   add_bending_forces(rows_, x, f);
   add_clamp_forces(clamp_forces_, f);
   add_rest_bending_forces(rest(blocks), x, x, {}, f);
 }
 
-void BendingOperator::add_forces(std::span<const ElementBlock> blocks, const mesh::VertexField& x,
-                                 const mesh::VertexField& v, std::span<const double> beta, mesh::VertexField& damped,
-                                 mesh::VertexField& f) const {
+void BendingOperator::add_forces(std::span<const ElementBlock> blocks, const linear::VertexField& x,
+                                 const linear::VertexField& v, std::span<const double> beta,
+                                 linear::VertexField& damped, linear::VertexField& f) const {
   if (patches_.empty()) return;
   if (angles_ != nullptr) {
     add_bending_damping(terms(blocks), beta, v, f);
@@ -233,7 +233,7 @@ void BendingOperator::add_forces(std::span<const ElementBlock> blocks, const mes
   add_rest_bending_forces(rest(blocks), x, v, beta, f);
 }
 
-double BendingOperator::energy(std::span<const ElementBlock> blocks, const mesh::VertexField& x) const {
+double BendingOperator::energy(std::span<const ElementBlock> blocks, const linear::VertexField& x) const {
   if (angles_ != nullptr) return angles_->energy(x);
   return bending_energy(rows_, x) + clamp_energy(clamp_forces_, x) + rest_bending_energy(rest(blocks), x);
 }

@@ -50,12 +50,12 @@ class BendingOperator {
   [[nodiscard]] const AngleBending* angles() const { return angles_.get(); }
 
   // Terms of the energy at edges, one row a slot. A row has the edges of its slot to neighbours with higher slots.
-  [[nodiscard]] const RowStore<BendingEdge>& edges() const { return edges_; }
+  [[nodiscard]] const linear::RowStore<BendingEdge>& edges() const { return edges_; }
   // Q in N/m, one row a vertex: the force on vertex i is -sum_j Q_ij x_j, unless bend_by_angles() is active.
-  [[nodiscard]] const RowStore<BendingEntry>& rows() const { return rows_; }
+  [[nodiscard]] const linear::RowStore<BendingEntry>& rows() const { return rows_; }
   // N/m; entries whose absolute values bound those of the bending stiffness. They are Q itself, or on a curved rest
   // shape |Q| plus RestBending::excess.
-  [[nodiscard]] const RowStore<BendingEntry>& bound_rows() const { return rest_.empty() ? rows_ : bound_rows_; }
+  [[nodiscard]] const linear::RowStore<BendingEntry>& bound_rows() const { return rest_.empty() ? rows_ : bound_rows_; }
   [[nodiscard]] const BorderClamps& clamps() const { return clamps_; }
   // Forces and energy that clamps add to those of Q.
   [[nodiscard]] const ClampForces& clamp_forces() const { return clamp_forces_; }
@@ -68,13 +68,13 @@ class BendingOperator {
   [[nodiscard]] std::span<const mesh::VertexId> changed_rows() const { return changed_rows_.members(); }
 
   // Adds to f (3 x V, N) the bending forces at x (3 x V, m), without damping. `blocks` are those of the elements.
-  void add_forces(std::span<const ElementBlock> blocks, const mesh::VertexField& x, mesh::VertexField& f) const;
+  void add_forces(std::span<const ElementBlock> blocks, const linear::VertexField& x, linear::VertexField& f) const;
   // Adds to f (3 x V, N) the bending forces at x (3 x V, m) and v (3 x V, m/s). They include those of clamps and of a
   // curved rest shape. Kelvin-Voigt damping makes the stresses D (kappa + beta dkappa/dt). For beta see damping_of;
   // `damped` (3 x V) is scratch.
-  void add_forces(std::span<const ElementBlock> blocks, const mesh::VertexField& x, const mesh::VertexField& v,
-                  std::span<const double> beta, mesh::VertexField& damped, mesh::VertexField& f) const;
-  [[nodiscard]] double energy(std::span<const ElementBlock> blocks, const mesh::VertexField& x) const;  // J
+  void add_forces(std::span<const ElementBlock> blocks, const linear::VertexField& x, const linear::VertexField& v,
+                  std::span<const double> beta, linear::VertexField& damped, linear::VertexField& f) const;
+  [[nodiscard]] double energy(std::span<const ElementBlock> blocks, const linear::VertexField& x) const;  // J
 
   void add_to(StateHash& hash) const;
 
@@ -93,20 +93,20 @@ class BendingOperator {
   bool make_edge(const RestSheet& sheet, mesh::TriangleId slot, mesh::TriangleId other, int k, BendingEdge& edge);
 
   std::vector<BendingPatch> patches_;  // one a slot
-  RowStore<BendingEdge> edges_;
-  RowStore<BendingEntry> rows_;
+  linear::RowStore<BendingEdge> edges_;
+  linear::RowStore<BendingEntry> rows_;
   BorderClamps clamps_;
   ClampForces clamp_forces_;
   std::shared_ptr<const AngleBending> angles_;
   // For a curved rest shape only; empty otherwise.
-  std::vector<RestBending> rest_;      // one a slot
-  RowStore<BendingEntry> bound_rows_;  // sums of |Q_ij| + RestBending::excess
-  IdSet changed_rows_;                 // vertices whose row of Q is summed again
+  std::vector<RestBending> rest_;              // one a slot
+  linear::RowStore<BendingEntry> bound_rows_;  // sums of |Q_ij| + RestBending::excess
+  linear::IdSet changed_rows_;                 // vertices whose row of Q is summed again
 
   // Scratch of follow().
-  IdSet patched_;                                  // slots whose patch is rebuilt
-  IdSet edged_;                                    // slots whose row of edges_ is rebuilt
-  IndexSet fitted_;                                // slots whose patch is fitted: those of patched_, and their
+  linear::IdSet patched_;                          // slots whose patch is rebuilt
+  linear::IdSet edged_;                            // slots whose row of edges_ is rebuilt
+  linear::IndexSet fitted_;                        // slots whose patch is fitted: those of patched_, and their
                                                    // neighbours, whose sides the edge terms need
   std::vector<std::array<BendingSide, 3>> sides_;  // by place in fitted_, for a flat rest shape
   std::vector<BendingEdge> edge_row_;              // of one slot

@@ -23,8 +23,8 @@ std::size_t place_in(const BendingEdge& edge, VertexId vertex) {
 
 }  // namespace
 
-void BendingRowAssembly::set_row(const Terms& terms, VertexId vertex, RowStore<BendingEntry>& rows,
-                                 RowStore<BendingEntry>& bounds) {
+void BendingRowAssembly::set_row(const Terms& terms, VertexId vertex, linear::RowStore<BendingEntry>& rows,
+                                 linear::RowStore<BendingEntry>& bounds) {
   find_patches(terms.sheet, vertex);
   const auto stiffness = [&](std::size_t slot, int a, int b) { return terms.patches[slot].at(a, b); };
   add_patches(terms, stiffness);
@@ -49,7 +49,7 @@ void BendingRowAssembly::find_patches(const RestSheet& sheet, VertexId vertex) {
     if (across == mesh::kNone) continue;
     found_.push_back(8 * across + 3 + static_cast<std::int32_t>(corner_across(mesh, across, slot)));
   }
-  rank_ascending(found_, order_);
+  linear::rank_ascending(found_, order_);
   patches_.resize(found_.size());
   for (std::size_t i = 0; i < found_.size(); ++i) {
     patches_[static_cast<std::size_t>(order_[i])] = found_[i];
@@ -91,7 +91,7 @@ void BendingRowAssembly::add_edges(const Terms& terms, VertexId vertex) {
       }
     }
   }
-  rank_ascending(edge_keys_, order_);
+  linear::rank_ascending(edge_keys_, order_);
   edges_sorted_.resize(edges_.size());
   for (std::size_t i = 0; i < edges_.size(); ++i) {
     edges_sorted_[static_cast<std::size_t>(order_[i])] = edges_[i];

@@ -21,16 +21,17 @@ class BendingRowAssembly {
  public:
   struct Terms {
     const RestSheet& sheet;
-    std::span<const BendingPatch> patches;  // by slot
-    const RowStore<BendingEdge>& edges;     // one row a slot
-    std::span<const RestBending> rest;      // by slot; empty for a flat rest shape
+    std::span<const BendingPatch> patches;       // by slot
+    const linear::RowStore<BendingEdge>& edges;  // one row a slot
+    std::span<const RestBending> rest;           // by slot; empty for a flat rest shape
   };
 
   // Makes room for `num_vertices` columns; never shrinks.
   void resize(std::size_t num_vertices) { sum_.resize(num_vertices); }
   // Sets row `vertex` of the bending matrix Q. On a curved rest shape it also sets the row of `bounds`, sums of |Q_ij|
   // + RestBending::excess.
-  void set_row(const Terms& terms, mesh::VertexId vertex, RowStore<BendingEntry>& rows, RowStore<BendingEntry>& bounds);
+  void set_row(const Terms& terms, mesh::VertexId vertex, linear::RowStore<BendingEntry>& rows,
+               linear::RowStore<BendingEntry>& bounds);
 
  private:
   struct EdgeRow {

@@ -69,7 +69,7 @@ const Clamp* BorderClamps::find(VertexId vertex) const {
 }
 
 ClampForces make_clamp_forces(const RestSheet& sheet, const BorderClamps& clamps, std::span<const BendingPatch> patches,
-                              const RowStore<BendingEdge>& edges) {
+                              const linear::RowStore<BendingEdge>& edges) {
   const mesh::TriangleMesh& mesh = sheet.mesh;
   ClampForces made;
   std::vector<TriangleId> slots;

@@ -46,7 +46,7 @@ class BorderClamps {
 
 // Returns the forces of clamps on a sheet with these patches and edge terms, both by slot.
 ClampForces make_clamp_forces(const RestSheet& sheet, const BorderClamps& clamps, std::span<const BendingPatch> patches,
-                              const RowStore<BendingEdge>& edges);
+                              const linear::RowStore<BendingEdge>& edges);
 
 // Returns a moment along the border edge opposite corner `edge` of a solid slot; see EdgeMoment. `moment_per_length` is
 // in N m per m of the edge at rest. It is valid until the mesh or the clamps change. On a clamped edge it has no

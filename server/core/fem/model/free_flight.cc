@@ -24,7 +24,7 @@ Motion motion_of(const Model& model, const LocalInertia& inertia, const State& s
 }
 
 // Returns the inertia tensor about the centre, kg m^2.
-Eigen::Matrix3d inertia_of(const Model& model, const mesh::VertexField& x, const Eigen::Vector3d& centre) {
+Eigen::Matrix3d inertia_of(const Model& model, const linear::VertexField& x, const Eigen::Vector3d& centre) {
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
   for (int v = 0; v < model.num_vertices(); ++v) {
     const Eigen::Vector3d r = x.col(v) - centre;

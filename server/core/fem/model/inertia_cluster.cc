@@ -287,7 +287,7 @@ void InertiaCluster::solve(T* values, const std::array<T, 4>* external) const {
       for (std::size_t i = 0; i < num_free; ++i) common -= static_cast<T>(mass_[i]) * at(i);
     } else {
       alignas(64) std::array<T, 4 * kMostDense> product;
-      multiply(numbers.inverse, values, product.data());
+      linear::multiply(numbers.inverse, values, product.data());
       std::copy_n(product.data(), 4 * n, values);
     }
     common /= static_cast<T>(total_mass_);

@@ -77,8 +77,8 @@ class InertiaCluster {
   struct Numbers {
     std::vector<T> values;
     std::vector<T> inverse_diagonal;
-    DenseFours<T> inverse;  // dense inverse of M', size 0 if unused. If nothing is held it lacks the motion that all
-                            // vertices have in common, which solve() adds
+    linear::DenseFours<T> inverse;  // dense inverse of M', size 0 if unused. If nothing is held it lacks the motion
+                                    // that all vertices have in common, which solve() adds
   };
   // Returns the entries of the added inertia, kg.
   static std::vector<Entry> sum_of(const Model& model, std::span<const mesh::VertexId> members,

@@ -233,7 +233,7 @@ void LocalInertia::hold(std::span<const Pin> pins) {
 double LocalInertia::mobility(const Model& model, const Grab& grab) const {
   double sum = 0.0;
   std::array<const InertiaCluster*, 3> seen{};
-  std::vector<Lanes16<double>> response;
+  std::vector<linear::Lanes16<double>> response;
   for (std::size_t k = 0; k < 3; ++k) {
     const VertexId v = grab.vertices[k];
     if (v == mesh::kNone) continue;
@@ -263,7 +263,7 @@ double LocalInertia::mobility(const Model& model, const Grab& grab) const {
   return sum;
 }
 
-double LocalInertia::added_energy(const mesh::VertexField& v) const {
+double LocalInertia::added_energy(const linear::VertexField& v) const {
   double doubled = 0.0;
   for (const InertiaCluster* const cluster : clusters()) {
     cluster->for_each_added([&](VertexId i, VertexId j, double entry) {
@@ -273,7 +273,7 @@ double LocalInertia::added_energy(const mesh::VertexField& v) const {
   return 0.5 * doubled;
 }
 
-void LocalInertia::share_impulses(const Model& model, mesh::VertexField& v) const {
+void LocalInertia::share_impulses(const Model& model, linear::VertexField& v) const {
   for (const InertiaCluster* const cluster : clusters()) {
     const std::span<const VertexId> vertices = cluster->vertices();
     double* const values = values_.front().lane.data();

@@ -89,10 +89,10 @@ class LocalInertia {
   // Takes velocities (m/s) that impulses would give to the masses alone. Replaces them by those that the same impulses
   // give to the clusters: v' = M'^-1 M v. Other vertices keep theirs. Momentum stays, and kinetic energy never grows:
   // v'.M' v' <= v.M v, as M' >= M.
-  void share_impulses(const Model& model, mesh::VertexField& v) const;
+  void share_impulses(const Model& model, linear::VertexField& v) const;
   // Contributions of the added inertia M' - M to the kinetic energy, J, and to the angular momentum about the world's
   // origin, kg m^2/s.
-  [[nodiscard]] double added_energy(const mesh::VertexField& v) const;
+  [[nodiscard]] double added_energy(const linear::VertexField& v) const;
   [[nodiscard]] Eigen::Vector3d added_spin(const State& state) const;
 
  private:
@@ -116,10 +116,10 @@ class LocalInertia {
   std::size_t num_vertices_ = 0, num_entries_ = 0, largest_ = 0;
   std::vector<std::uint8_t> held_;  // scratch of hold(), length V, 0 between calls
   std::vector<std::uint8_t> held_of_cluster_;
-  mutable std::vector<Lanes16<double>> values_;  // scratch for one cluster
+  mutable std::vector<linear::Lanes16<double>> values_;  // scratch for one cluster
 
   // Scratch of updates.
-  IndexSet region_;  // changed vertices with stiff parts, and vertices of clusters being rebuilt
+  linear::IndexSet region_;  // changed vertices with stiff parts, and vertices of clusters being rebuilt
   std::vector<StiffPart> stiff_;
   std::vector<std::int32_t> parent_;
   std::vector<mesh::TriangleId> slots_;

@@ -44,7 +44,7 @@ void visit_neighbours(const MassProblem& problem, VertexId vertex, const Visit& 
 class Diffusion {
  public:
   // `members` must be in canonical order: results depend on it.
-  Diffusion(const MassProblem& problem, const IndexSet& members) : is_light_(members.size()) {
+  Diffusion(const MassProblem& problem, const linear::IndexSet& members) : is_light_(members.size()) {
     for (const VertexId v : members.members()) {
       mass_.push_back(problem.lumped[as_index(v)]);
       floor_.push_back(problem.floor[as_index(v)]);
@@ -201,7 +201,7 @@ void MassPass::store_domain(std::vector<VertexId> members) {
 std::span<const VertexId> MassPass::update(const MassProblem& problem, std::span<const VertexId> touched,
                                            std::span<double> mass) {
   domain_.resize(mass.size());
-  for (IdSet* set : {&region_, &reach_, &parted_}) {
+  for (linear::IdSet* set : {&region_, &reach_, &parted_}) {
     set->clear();
     set->resize(mass.size());
   }

@@ -39,7 +39,7 @@ double corner_stiffness(double gx, double gy, double area, const Eigen::Matrix3d
 
 // Lumped masses and the data needed to redistribute them.
 struct MassProblem {
-  const RowStore<mesh::TriangleId>& incident_slots;
+  const linear::RowStore<mesh::TriangleId>& incident_slots;
   std::span<const ElementBlock> blocks;
   std::span<const double> lumped;   // kg, length V
   std::span<const double> floor;    // kg, length V, least mass wanted for the stiffness of each vertex; > 0 where there
@@ -81,10 +81,10 @@ class MassPass {
   std::vector<std::vector<mesh::VertexId>> domains_;  // members of each domain, sorted; empty if the number is free
   std::vector<std::int32_t> free_domains_;
   // Scratch of update().
-  IdSet region_;     // touched vertices, dissolved domains, and finally all reached vertices
-  IdSet reach_;      // light vertices of the region and vertices near them
-  IdSet parted_;     // vertices of reach_ already assigned to a domain
-  IndexSet domain_;  // one domain, in ascending order
+  linear::IdSet region_;     // touched vertices, dissolved domains, and finally all reached vertices
+  linear::IdSet reach_;      // light vertices of the region and vertices near them
+  linear::IdSet parted_;     // vertices of reach_ already assigned to a domain
+  linear::IndexSet domain_;  // one domain, in ascending order
   std::vector<double> mass_before_;
 };
 

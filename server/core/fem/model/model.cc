@@ -61,7 +61,7 @@ std::span<const VertexId> Model::changed_rows() const {
   return materials().has_bending() ? bending_.changed_rows() : elements_.touched().members();
 }
 
-void Model::internal_forces(const mesh::VertexField& x, mesh::VertexField& f) const {
+void Model::internal_forces(const linear::VertexField& x, linear::VertexField& f) const {
   f.setZero();
   add_membrane_forces(element_blocks(), materials(), {}, x, x, f);
   bending_.add_forces(element_blocks(), x, f);
@@ -89,7 +89,7 @@ Momentum Model::momentum(const State& state) const {
   return momentum;
 }
 
-Eigen::Vector3d Model::centre_of_mass(const mesh::VertexField& x) const {
+Eigen::Vector3d Model::centre_of_mass(const linear::VertexField& x) const {
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();
   for (int i = 0; i < num_vertices(); ++i) moment += mass()[static_cast<std::size_t>(i)] * x.col(i);
   return moment / masses_.total();

@@ -99,11 +99,11 @@ class Model {
   [[nodiscard]] std::span<const mesh::VertexId> changed_rows() const;
 
   // Sets f (3 x V, N) to the membrane and bending forces at x (3 x V, m), without damping. f must have V columns.
-  void internal_forces(const mesh::VertexField& x, mesh::VertexField& f) const;
+  void internal_forces(const linear::VertexField& x, linear::VertexField& f) const;
   // Returns the energies of a state; gravity in m/s^2.
   [[nodiscard]] Energies energies(const State& state, const Eigen::Vector3d& gravity) const;
   [[nodiscard]] Momentum momentum(const State& state) const;
-  [[nodiscard]] Eigen::Vector3d centre_of_mass(const mesh::VertexField& x) const;  // m
+  [[nodiscard]] Eigen::Vector3d centre_of_mass(const linear::VertexField& x) const;  // m
 
   // Hash of every number derived from mesh and material, bit for bit, including those that only later edits read. For
   // tests.

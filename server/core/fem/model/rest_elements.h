@@ -59,7 +59,7 @@ class RestElements {
   // Returns ceil(num_slots / kLanes) blocks; lanes beyond num_slots have no material.
   [[nodiscard]] std::span<const ElementBlock> blocks() const { return blocks_; }
   // Solid slots around each vertex, ascending.
-  [[nodiscard]] const RowStore<mesh::TriangleId>& incident_slots() const { return incident_; }
+  [[nodiscard]] const linear::RowStore<mesh::TriangleId>& incident_slots() const { return incident_; }
   // 1/m, reciprocal of the least height of the slot's triangle at rest; 0 without material.
   [[nodiscard]] double gradient(mesh::TriangleId slot) const {
     return gradients_.value(static_cast<std::size_t>(slot));
@@ -72,7 +72,7 @@ class RestElements {
   [[nodiscard]] std::span<const mesh::TriangleId> changed_slots() const { return changed_slots_; }
   // Vertices that the slots written or dropped by the last follow() had before it, or have after it. Vertices that the
   // mesh no longer has are left out.
-  [[nodiscard]] const IndexSet& touched() const { return touched_; }
+  [[nodiscard]] const linear::IndexSet& touched() const { return touched_; }
 
   void add_to(StateHash& hash) const;
 
@@ -93,10 +93,10 @@ class RestElements {
   int num_slots_ = 0;
   std::vector<ElementBlock> blocks_;
   RunningMaximum gradients_;  // 1/m, reciprocal of the least height, by slot
-  RowStore<mesh::TriangleId> incident_;
+  linear::RowStore<mesh::TriangleId> incident_;
   std::vector<mesh::TriangleId> changed_slots_;
-  IndexSet touched_;
-  IdSet rewritten_;  // scratch of set_incidence()
+  linear::IndexSet touched_;
+  linear::IdSet rewritten_;  // scratch of set_incidence()
 };
 
 // A mesh and the elements that follow it.

@@ -21,8 +21,8 @@ namespace kerf::fem {
 // Data that StiffnessBound depends on.
 struct StiffnessProblem {
   std::span<const ElementBlock> blocks;
-  const RowStore<mesh::TriangleId>& incident_slots;
-  const RowStore<BendingEntry>& bending_rows;  // BendingOperator::bound_rows(); no rows without bending
+  const linear::RowStore<mesh::TriangleId>& incident_slots;
+  const linear::RowStore<BendingEntry>& bending_rows;  // BendingOperator::bound_rows(); no rows without bending
   const MaterialTable& materials;
   std::span<const double> inverse_mass;  // 1/kg, length V
   bool is_curved = false;                // true for a curved rest shape; see TriangleMesh::is_curved
@@ -71,7 +71,7 @@ class StiffnessBound {
   void update_bending(const StiffnessProblem& problem, std::span<const mesh::VertexId> weighed,
                       std::span<const mesh::VertexId> rows);
 
-  RowStore<StiffnessBlock> rows_;                 // one row a vertex, with a block for itself; empty without material
+  linear::RowStore<StiffnessBlock> rows_;         // one row a vertex, with a block for itself; empty without material
   std::array<std::vector<Pair>, kPasses + 1> z_;  // z after each pass: 1/(s^2 sqrt(kg)), times 1/s^2 a pass, length V
   std::vector<double> roots_;                     // 1/sqrt(kg), length V, square roots of the inverse masses; empty
                                                   // without bending
@@ -79,8 +79,8 @@ class StiffnessBound {
   RunningMaximum bending_;                        // 1/s^2, bound of bending by row
   // Scratch.
   std::vector<StiffnessBlock> row_;
-  IdSet changed_;
-  IdSet changed_rows_;
+  linear::IdSet changed_;
+  linear::IdSet changed_rows_;
 };
 
 }  // namespace kerf::fem

@@ -74,7 +74,7 @@ void TangentMatrix::set_mass(const Model& model, double inertia, double d) {
   }
 }
 
-void TangentMatrix::add_membrane(const Model& model, const mesh::VertexField& x,
+void TangentMatrix::add_membrane(const Model& model, const linear::VertexField& x,
                                  std::span<const Eigen::Vector3d> stress, const MaterialScale& material_scale,
                                  double geometric_scale, bool project) {
   const std::span<const ElementBlock> blocks = model.element_blocks();
@@ -99,7 +99,7 @@ void TangentMatrix::add_membrane(const Model& model, const mesh::VertexField& x,
   }
 }
 
-void TangentMatrix::add_majorized_membrane(const Model& model, const mesh::VertexField& x, double scale) {
+void TangentMatrix::add_majorized_membrane(const Model& model, const linear::VertexField& x, double scale) {
   const std::span<const ElementBlock> blocks = model.element_blocks();
   LaneFrames frames;
   for (std::size_t b = 0; b < blocks.size(); ++b) {
@@ -119,7 +119,7 @@ void TangentMatrix::add_majorized_membrane(const Model& model, const mesh::Verte
 }
 
 void TangentMatrix::add_bending(const Model& model, const MaterialScale& material_scale) {
-  const RowStore<BendingEntry>& rows = model.bending().rows();
+  const linear::RowStore<BendingEntry>& rows = model.bending().rows();
   const bool is_same = is_uniform(material_scale.beta);
   const double scale = is_same ? material_scale.of(0) : material_scale.elastic;
   for (int i = 0; i < rows.num_rows(); ++i) {
@@ -132,7 +132,7 @@ void TangentMatrix::add_bending(const Model& model, const MaterialScale& materia
   if (!is_same) add_bending_damping(model, material_scale);
 }
 
-void TangentMatrix::add_bending_at(const Model& model, const mesh::VertexField& x, std::span<const double> moments,
+void TangentMatrix::add_bending_at(const Model& model, const linear::VertexField& x, std::span<const double> moments,
                                    bool project) {
   if (model.bending().angles() == nullptr) return add_bending(model, {});
   model.bending().angles()->add_stiffness(x, moments, project, matrix_);
@@ -174,8 +174,8 @@ void TangentMatrix::add_grabs(std::span<const Grab> grabs, double d) {
   }
 }
 
-void TangentMatrix::add_follower_loads(const Model& model, const Loads& loads, const mesh::VertexField& x, double scale,
-                                       MatrixPart part) {
+void TangentMatrix::add_follower_loads(const Model& model, const Loads& loads, const linear::VertexField& x,
+                                       double scale, MatrixPart part) {
   add_pressure(model, loads, x, scale, part);
   for (const EdgeMoment& moment : loads.edge_moments) {
     const EdgeMomentTangent tangent(moment, x);
@@ -189,7 +189,7 @@ void TangentMatrix::add_follower_loads(const Model& model, const Loads& loads, c
   }
 }
 
-void TangentMatrix::add_pressure(const Model& model, const Loads& loads, const mesh::VertexField& x, double scale,
+void TangentMatrix::add_pressure(const Model& model, const Loads& loads, const linear::VertexField& x, double scale,
                                  MatrixPart part) {
   const std::span<const ElementBlock> blocks = model.element_blocks();
   const std::size_t num_pressed = std::min(loads.pressure.size(), blocks.size() * kLanes);
@@ -221,7 +221,7 @@ void TangentMatrix::clear_pinned(std::span<const Pin> pins) {
 }
 
 void TangentMatrix::constrain(const Model& model, std::span<const Pin> pins, double time_left,
-                              const mesh::VertexField& x, mesh::VertexField& rhs, mesh::VertexField& step) {
+                              const linear::VertexField& x, linear::VertexField& rhs, linear::VertexField& step) {
   for (const Pin& pin : pins) {
     const Eigen::Vector3d displacement =
         pin.held(pin.target - time_left * pin.velocity - x.col(pin.vertex), Eigen::Vector3d::Zero());

@@ -30,8 +30,8 @@ class TangentMatrix {
   void rebuild(const Model& model);
   void follow(const Model& model);
 
-  [[nodiscard]] BlockMatrix& blocks() { return matrix_; }
-  [[nodiscard]] const BlockMatrix& blocks() const { return matrix_; }
+  [[nodiscard]] linear::BlockMatrix& blocks() { return matrix_; }
+  [[nodiscard]] const linear::BlockMatrix& blocks() const { return matrix_; }
 
   // Sets the matrix to the diagonal (inertia + d alpha) m, and 0 elsewhere. `inertia` is -, d is s, alpha the mass
   // damping and m the mass (kg) of a vertex. Vertices without material, which never move, get 1.
@@ -39,21 +39,21 @@ class TangentMatrix {
   // Adds material_scale times the material and geometric_scale times the geometric stiffness of the membrane at x (3 x
   // V, m). See MembraneTangent::stiffness, also for `project`. `stress` (N/m, one a lane of the model's blocks)
   // replaces the stress at x unless it is empty.
-  void add_membrane(const Model& model, const mesh::VertexField& x, std::span<const Eigen::Vector3d> stress,
+  void add_membrane(const Model& model, const linear::VertexField& x, std::span<const Eigen::Vector3d> stress,
                     const MaterialScale& material_scale, double geometric_scale, bool project);
   // Adds scale times the stiffness of the quadratics that bound the membrane's energy from above at x (3 x V, m); see
   // MajorizedTriangle.
-  void add_majorized_membrane(const Model& model, const mesh::VertexField& x, double scale);
+  void add_majorized_membrane(const Model& model, const linear::VertexField& x, double scale);
   void add_bending(const Model& model, const MaterialScale& scale);
   // Adds the stiffness of the model's bending at x (3 x V, m). If BendingOperator::bend_by_angles() is active, it is
   // that of the angles at the edges. For `moments` and `project` see AngleBending::add_stiffness.
-  void add_bending_at(const Model& model, const mesh::VertexField& x, std::span<const double> moments, bool project);
+  void add_bending_at(const Model& model, const linear::VertexField& x, std::span<const double> moments, bool project);
   // Adds d^2 stiffness + d damping of each grab.
   void add_grabs(std::span<const Grab> grabs, double d);
 
   // Adds scale times the symmetric or the skew part of the stiffness of pressure and edge moments at x (3 x V, m).
   // Neither part is positive semidefinite. With the skew part the matrix is no longer symmetric.
-  void add_follower_loads(const Model& model, const Loads& loads, const mesh::VertexField& x, double scale,
+  void add_follower_loads(const Model& model, const Loads& loads, const linear::VertexField& x, double scale,
                           MatrixPart part);
   // Clears the rows and columns of components held by pins.
   void clear_pinned(std::span<const Pin> pins);
@@ -61,19 +61,20 @@ class TangentMatrix {
   // Imposes the pins `time_left` (s) before they reach their targets. Writes the displacements from x to their
   // positions into `step`, and adapts `rhs` (both 3 x V). Held components are decoupled: the matrix stays symmetric,
   // and positive definite if it was.
-  void constrain(const Model& model, std::span<const Pin> pins, double time_left, const mesh::VertexField& x,
-                 mesh::VertexField& rhs, mesh::VertexField& step);
+  void constrain(const Model& model, std::span<const Pin> pins, double time_left, const linear::VertexField& x,
+                 linear::VertexField& rhs, linear::VertexField& step);
 
  private:
   using BlockPlaces = std::array<int, 9>;  // offset of corner pair (i, j), entry 3 i + j, from the beginning of row i
 
-  void add_pressure(const Model& model, const Loads& loads, const mesh::VertexField& x, double scale, MatrixPart part);
+  void add_pressure(const Model& model, const Loads& loads, const linear::VertexField& x, double scale,
+                    MatrixPart part);
   // Adds the damping of add_bending(), d beta times the stiffness, term by term, for materials with different beta.
   void add_bending_damping(const Model& model, const MaterialScale& scale);
   void find_columns(const Model& model, mesh::VertexId v);
   void set_rows(const Model& model, std::span<const mesh::VertexId> vertices);
 
-  BlockMatrix matrix_;
+  linear::BlockMatrix matrix_;
   std::vector<BlockPlaces> places_;  // one a lane of the model's blocks
   std::vector<int> columns_;         // scratch, of a row
 };

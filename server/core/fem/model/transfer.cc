@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kSameMass = 1e-9;  // -, largest change of the mass of the touched vertices that still counts as none
 
-Eigen::Vector3d interpolate(const mesh::VertexSource& source, const mesh::VertexField& field) {
+Eigen::Vector3d interpolate(const mesh::VertexSource& source, const linear::VertexField& field) {
   if (source.weights[0] == 1.0 && source.weights[1] == 0.0) return field.col(source.sources[0]);
   Eigen::Vector3d value = Eigen::Vector3d::Zero();
   for (std::size_t k = 0; k < 3; ++k) {
@@ -28,7 +28,7 @@ Eigen::Vector3d interpolate(const mesh::VertexSource& source, const mesh::Vertex
 
 // Returns the interpolated values without writing them, because moved vertices may be sources of others.
 std::vector<Eigen::Vector3d> interpolate(const std::vector<mesh::VertexSource>& sources,
-                                         const mesh::VertexField& field) {
+                                         const linear::VertexField& field) {
   std::vector<Eigen::Vector3d> values;
   values.reserve(sources.size());
   for (const mesh::VertexSource& source : sources) values.push_back(interpolate(source, field));
@@ -36,12 +36,12 @@ std::vector<Eigen::Vector3d> interpolate(const std::vector<mesh::VertexSource>& 
 }
 
 void write(const std::vector<mesh::VertexSource>& sources, const std::vector<Eigen::Vector3d>& values,
-           mesh::VertexField& field) {
+           linear::VertexField& field) {
   for (std::size_t i = 0; i < values.size(); ++i) field.col(sources[i].vertex) = values[i];
 }
 
 // Interpolates the columns of `field` for all added and moved vertices from its values before the edit.
-void transfer_field(const mesh::MeshEdit& edit, mesh::VertexField& field) {
+void transfer_field(const mesh::MeshEdit& edit, linear::VertexField& field) {
   const std::vector<Eigen::Vector3d> moved = interpolate(edit.moved_vertices, field);
   const std::vector<Eigen::Vector3d> added = interpolate(edit.added_vertices, field);
   write(edit.moved_vertices, moved, field);
@@ -192,7 +192,7 @@ void transfer_state(const mesh::MeshEdit& edit, const Model& model, const MassCh
   transfer_state(edits, model, change, state);
 }
 
-void carry_over(const mesh::MeshEdit& edit, mesh::VertexField& field) {
+void carry_over(const mesh::MeshEdit& edit, linear::VertexField& field) {
   field.resize(field.cols() + static_cast<Eigen::Index>(edit.added_vertices.size()));
   transfer_field(edit, field);
 }

@@ -23,7 +23,7 @@ void transfer_state(std::span<const mesh::MeshEdit* const> edits, const Model& m
 void transfer_state(const mesh::MeshEdit& edit, const Model& model, const MassChange& change, State& state);
 
 // Carries a single field over one edit: 3 x V before it, 3 x V after it.
-void carry_over(const mesh::MeshEdit& edit, mesh::VertexField& field);
+void carry_over(const mesh::MeshEdit& edit, linear::VertexField& field);
 
 // Carries x and v of `state` over edits reverted one after another. Model::follow has returned `change` for all of them
 // together.

@@ -92,7 +92,7 @@ void VertexMasses::set_lumped(const RestSheet& sheet, VertexId vertex) {
 
 MassChange VertexMasses::redistribute(const RestSheet& sheet) {
   MassChange change;
-  const IndexSet& touched = sheet.elements.touched();
+  const linear::IndexSet& touched = sheet.elements.touched();
   const std::span<const VertexId> updated = redistribution_.update(
       {sheet.elements.incident_slots(), sheet.elements.blocks(), lumped_mass_, mass_floor_, mass_tile_},
       touched.members(), mass_);

@@ -45,12 +45,12 @@ void EquilibriumSolver::rebuild(const Model& model) {
   solver_.analyse(matrix_.blocks());
   moments_.clear();
   stress_.resize(model.element_blocks().size() * kLanes);
-  for (mesh::VertexField* field : {&force_, &residual_, &rhs_, &step_, &trial_, &watchdog_x_, &best_})
+  for (linear::VertexField* field : {&force_, &residual_, &rhs_, &step_, &trial_, &watchdog_x_, &best_})
     field->resize(model.num_vertices());
 }
 
 EquilibriumStats EquilibriumSolver::solve(const Model& model, const Loads& loads, const EquilibriumWatch& watch,
-                                          mesh::VertexField& x) {
+                                          linear::VertexField& x) {
   EquilibriumStats stats;
   for (const Pin& pin : loads.pins) x.col(pin.vertex) = pin.held(pin.target, x.col(pin.vertex));
   stats.residual = evaluate(model, loads, x);
@@ -96,12 +96,12 @@ EquilibriumStats EquilibriumSolver::solve(const Model& model, const Loads& loads
   return stats;
 }
 
-void EquilibriumSolver::predict(const Model& model, const mesh::VertexField& x) {
+void EquilibriumSolver::predict(const Model& model, const linear::VertexField& x) {
   predict_stress(model.element_blocks(), model.materials(), x, step_, stress_);
   if (model.bending().angles() != nullptr) moments_ = model.bending().angles()->predicted_moments(x, step_);
 }
 
-double EquilibriumSolver::evaluate(const Model& model, const Loads& loads, const mesh::VertexField& x) {
+double EquilibriumSolver::evaluate(const Model& model, const Loads& loads, const linear::VertexField& x) {
   model.internal_forces(x, force_);
   for (const Grab& grab : loads.grabs) {
     const Eigen::Vector3d pull = grab.stiffness * (grab.target - grab_point(grab, x));
@@ -140,8 +140,8 @@ double EquilibriumSolver::evaluate(const Model& model, const Loads& loads, const
   return std::sqrt(sum) / std::max({known, rounding / options_.tolerance, std::numeric_limits<double>::min()});
 }
 
-double EquilibriumSolver::energy(const Model& model, const Loads& loads, const mesh::VertexField& x,
-                                 const mesh::VertexField& origin) const {
+double EquilibriumSolver::energy(const Model& model, const Loads& loads, const linear::VertexField& x,
+                                 const linear::VertexField& origin) const {
   double sum =
       membrane_energy(model.element_blocks(), model.materials(), x) + model.bending().energy(model.element_blocks(), x);
   const bool has_external = loads.external_forces.cols() > 0;
@@ -157,7 +157,7 @@ double EquilibriumSolver::energy(const Model& model, const Loads& loads, const m
   return sum - follower_work(model.element_blocks(), loads, origin, x);
 }
 
-double EquilibriumSolver::rounding(const Model& model, const mesh::VertexField& x, double energy) {
+double EquilibriumSolver::rounding(const Model& model, const linear::VertexField& x, double energy) {
   // Strains are differences of numbers near 1.
   const double membrane = membrane_energy(model.element_blocks(), model.materials(), x);
   return std::numeric_limits<double>::epsilon() *
@@ -165,7 +165,7 @@ double EquilibriumSolver::rounding(const Model& model, const mesh::VertexField& 
           std::abs(energy));
 }
 
-void EquilibriumSolver::assemble(const Model& model, const Loads& loads, const mesh::VertexField& x, bool predicted,
+void EquilibriumSolver::assemble(const Model& model, const Loads& loads, const linear::VertexField& x, bool predicted,
                                  bool project, double shift) {
   const std::span<const Eigen::Vector3d> stress(stress_);
   matrix_.set_mass(model, shift);
@@ -183,7 +183,7 @@ void EquilibriumSolver::assemble(const Model& model, const Loads& loads, const m
   step_.setZero();
 }
 
-bool EquilibriumSolver::find_step(const Model& model, const Loads& loads, const mesh::VertexField& x, bool predicted,
+bool EquilibriumSolver::find_step(const Model& model, const Loads& loads, const linear::VertexField& x, bool predicted,
                                   EquilibriumStats& stats) {
   const double largest = std::max(model.stiffness_bound().value(), std::numeric_limits<double>::min());
   const double start = stats.shift;
@@ -213,13 +213,13 @@ bool EquilibriumSolver::find_step(const Model& model, const Loads& loads, const 
   return false;
 }
 
-bool EquilibriumSolver::is_stable(const Model& model, const Loads& loads, const mesh::VertexField& x) {
+bool EquilibriumSolver::is_stable(const Model& model, const Loads& loads, const linear::VertexField& x) {
   assemble(model, loads, x, false, false, kRounding * model.stiffness_bound().value());
   return solver_.solve(matrix_.blocks(), rhs_, kLinearTolerance, step_).iterations > 0;
 }
 
 // A step with the skew part has as good a slope as one without: it adds nothing to step.(K + N) step.
-void EquilibriumSolver::correct_step(const Model& model, const Loads& loads, const mesh::VertexField& x) {
+void EquilibriumSolver::correct_step(const Model& model, const Loads& loads, const linear::VertexField& x) {
   if (skew_.blocks().num_rows() != model.num_vertices()) skew_.rebuild(model);
   skew_.blocks().set_zero();
   skew_.add_follower_loads(model, loads, x, 1.0, MatrixPart::kSkew);
@@ -227,14 +227,14 @@ void EquilibriumSolver::correct_step(const Model& model, const Loads& loads, con
   correction_.solve(solver_, matrix_.blocks(), skew_.blocks(), rhs_, kLinearTolerance, step_);
 }
 
-void EquilibriumSolver::add_proximal_term(const Model& model, const mesh::VertexField& x) {
+void EquilibriumSolver::add_proximal_term(const Model& model, const linear::VertexField& x) {
   for (Eigen::Index v = 0; v < x.cols(); ++v) {
     residual_.col(v) -= used_shift_ * model.mass()[static_cast<std::size_t>(v)] * (watchdog_x_.col(v) - x.col(v));
   }
 }
 
 EquilibriumSolver::Progress EquilibriumSolver::try_watchdog_steps(const Model& model, const Loads& loads,
-                                                                  EquilibriumStats& stats, mesh::VertexField& x) {
+                                                                  EquilibriumStats& stats, linear::VertexField& x) {
   const double shift = stats.shift;
   const double residual = stats.residual;
   const double before = energy(model, loads, x, x);
@@ -278,7 +278,7 @@ EquilibriumSolver::Progress EquilibriumSolver::try_watchdog_steps(const Model& m
 }
 
 void EquilibriumSolver::lengthen_step(const Model& model, const Loads& loads, double reached,
-                                      const mesh::VertexField& x, EquilibriumStats& stats) {
+                                      const linear::VertexField& x, EquilibriumStats& stats) {
   for (int i = 0; i < kMaxLengthenings; ++i) {
     trial_ = x + 2.0 * step_;
     const double after = energy(model, loads, trial_, x);
@@ -292,7 +292,7 @@ void EquilibriumSolver::lengthen_step(const Model& model, const Loads& loads, do
 }
 
 EquilibriumSolver::Progress EquilibriumSolver::search_line(const Model& model, const Loads& loads,
-                                                           EquilibriumStats& stats, mesh::VertexField& x) {
+                                                           EquilibriumStats& stats, linear::VertexField& x) {
   double slope = 0.0;
   for (Eigen::Index i = 0; i < step_.cols(); ++i) slope += residual_.col(i).dot(step_.col(i));
   const double largest = model.stiffness_bound().value();

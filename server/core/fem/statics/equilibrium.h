@@ -39,44 +39,44 @@ class EquilibriumSolver {
 
   // Solves for x (3 x V, m), from its initial value with pins moved to their targets. x becomes the equilibrium, or the
   // best state found. `watch` may be empty.
-  EquilibriumStats solve(const Model& model, const Loads& loads, const EquilibriumWatch& watch, mesh::VertexField& x);
+  EquilibriumStats solve(const Model& model, const Loads& loads, const EquilibriumWatch& watch, linear::VertexField& x);
 
  private:
   // Sets residual_, which is 0 in held components. Returns its norm over the scale.
-  double evaluate(const Model& model, const Loads& loads, const mesh::VertexField& x);
-  [[nodiscard]] double energy(const Model& model, const Loads& loads, const mesh::VertexField& x,
-                              const mesh::VertexField& origin) const;
+  double evaluate(const Model& model, const Loads& loads, const linear::VertexField& x);
+  [[nodiscard]] double energy(const Model& model, const Loads& loads, const linear::VertexField& x,
+                              const linear::VertexField& origin) const;
   // Returns the rounding error (J) of differences between `energy`, that at x, and another.
-  [[nodiscard]] static double rounding(const Model& model, const mesh::VertexField& x, double energy);
+  [[nodiscard]] static double rounding(const Model& model, const linear::VertexField& x, double energy);
   // Sets stress_ and moments_ to their values after step_ from x, to first order.
-  void predict(const Model& model, const mesh::VertexField& x);
+  void predict(const Model& model, const linear::VertexField& x);
   // Assembles the linear system of a step: matrix_, rhs_.
-  void assemble(const Model& model, const Loads& loads, const mesh::VertexField& x, bool predicted, bool project,
+  void assemble(const Model& model, const Loads& loads, const linear::VertexField& x, bool predicted, bool project,
                 double shift);
   // Computes step_, adding masses until the matrix is positive definite. Uses stress_ if `predicted`, otherwise the
   // stress at x. Returns false if the matrix never became positive definite.
-  bool find_step(const Model& model, const Loads& loads, const mesh::VertexField& x, bool predicted,
+  bool find_step(const Model& model, const Loads& loads, const linear::VertexField& x, bool predicted,
                  EquilibriumStats& stats);
-  [[nodiscard]] bool is_stable(const Model& model, const Loads& loads, const mesh::VertexField& x);
+  [[nodiscard]] bool is_stable(const Model& model, const Loads& loads, const linear::VertexField& x);
   // Corrects step_ for the skew part of the tangent.
-  void correct_step(const Model& model, const Loads& loads, const mesh::VertexField& x);
+  void correct_step(const Model& model, const Loads& loads, const linear::VertexField& x);
   enum class Progress { kNone, kNonMonotone, kDescended };
   // Tries full steps with predicted stress from x on (watchdog), until the energy is below that at x. Returns kNone if
   // it never is.
-  Progress try_watchdog_steps(const Model& model, const Loads& loads, EquilibriumStats& stats, mesh::VertexField& x);
+  Progress try_watchdog_steps(const Model& model, const Loads& loads, EquilibriumStats& stats, linear::VertexField& x);
   // Adds the proximal term at x to residual_. The tried steps seek the minimum of the energy plus used_shift_ / 2
   // |watchdog_x_ - x|^2, in the norm of the masses.
-  void add_proximal_term(const Model& model, const mesh::VertexField& x);
+  void add_proximal_term(const Model& model, const linear::VertexField& x);
   // Doubles step_ from x on as long as the energy, which was `reached`, falls. It does so where the energy is not
   // convex along the step.
-  void lengthen_step(const Model& model, const Loads& loads, double reached, const mesh::VertexField& x,
+  void lengthen_step(const Model& model, const Loads& loads, double reached, const linear::VertexField& x,
                      EquilibriumStats& stats);
   // Moves x along step_, if that lowers the energy.
-  Progress search_line(const Model& model, const Loads& loads, EquilibriumStats& stats, mesh::VertexField& x);
+  Progress search_line(const Model& model, const Loads& loads, EquilibriumStats& stats, linear::VertexField& x);
 
   EquilibriumOptions options_;
-  DirectSolver solver_;
-  SkewCorrection correction_;
+  linear::DirectSolver solver_;
+  linear::SkewCorrection correction_;
   TangentMatrix matrix_;
   bool projects_ = false;                // the last step needed the projected tangent
   double used_shift_ = 0.0;              // 1/s^2, in the last step
@@ -84,7 +84,7 @@ class EquilibriumSolver {
   TangentMatrix skew_;                   // used with follower loads
   std::vector<Eigen::Vector3d> stress_;  // one a lane, N/m, for the tangent
   std::vector<double> moments_;          // J, one a fold of bending by angles, for the tangent
-  mesh::VertexField force_, residual_, rhs_, step_, trial_, watchdog_x_, best_;  // 3 x V
+  linear::VertexField force_, residual_, rhs_, step_, trial_, watchdog_x_, best_;  // 3 x V
 };
 
 }  // namespace kerf::fem

@@ -57,7 +57,7 @@ Matrix assembled(const Entries& entries, int count) {
 }
 
 // Returns the stiffness matrix of the free components, N/m.
-Matrix stiffness_matrix(const Model& model, const Loads& loads, const mesh::VertexField& x,
+Matrix stiffness_matrix(const Model& model, const Loads& loads, const linear::VertexField& x,
                         const std::vector<int>& numbers, int count) {
   TangentMatrix tangent;
   tangent.rebuild(model);
@@ -69,7 +69,7 @@ Matrix stiffness_matrix(const Model& model, const Loads& loads, const mesh::Vert
     tangent.add_grabs({&spring, 1}, 1.0);
   }
   tangent.add_follower_loads(model, loads, x, 1.0, MatrixPart::kSymmetric);
-  const BlockMatrix& blocks = tangent.blocks();
+  const linear::BlockMatrix& blocks = tangent.blocks();
   Entries entries;
   for (int i = 0; i < blocks.num_rows(); ++i) {
     for (int at = blocks.row_begin(i); at < blocks.row_end(i); ++at) {
@@ -89,7 +89,7 @@ Matrix stiffness_matrix(const Model& model, const Loads& loads, const mesh::Vert
 // diagonal) faster, both by O(h^2). Across the sheet their mean is correct to a higher order (Hughes, The Finite
 // Element Method, section 7.3.2). Within it triangles of constant strain are too stiff by about as much as lumped
 // masses compensate.
-Matrix mass_matrix(const Model& model, const mesh::VertexField& x, const std::vector<int>& numbers, int count) {
+Matrix mass_matrix(const Model& model, const linear::VertexField& x, const std::vector<int>& numbers, int count) {
   Entries entries;
   const auto add = [&](mesh::VertexId v, mesh::VertexId w, const Eigen::Matrix3d& m) {
     for (std::size_t a = 0; a < 3; ++a) {
@@ -252,7 +252,7 @@ int num_free_components(const Model& model, const Loads& loads) {
   return count;
 }
 
-Modes find_modes(const Model& model, const Loads& loads, const mesh::VertexField& x, int count,
+Modes find_modes(const Model& model, const Loads& loads, const linear::VertexField& x, int count,
                  const StopCondition& stop) {
   int num_free = 0;
   const std::vector<int> numbers = number_free(model, loads, num_free);

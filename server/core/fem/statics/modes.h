@@ -31,7 +31,7 @@ int num_free_components(const Model& model, const Loads& loads);
 // the symmetric part of pressure and moments. The masses are lumped within the sheet and half consistent across it.
 // They are of second order like those of time steps, but more accurate. Uses the Lanczos method on the shifted inverse
 // (Spectra). `stop` is polled once for each Lanczos vector, some milliseconds apart on a large sheet.
-Modes find_modes(const Model& model, const Loads& loads, const mesh::VertexField& x, int count,
+Modes find_modes(const Model& model, const Loads& loads, const linear::VertexField& x, int count,
                  const StopCondition& stop = {});
 
 }  // namespace kerf::fem

@@ -12,7 +12,7 @@ namespace kerf::fem {
 namespace {
 
 // Adds all loads at x to f, except wind and forces that depend on velocities.
-void add_loads(const Model& model, const Loads& loads, const mesh::VertexField& x, mesh::VertexField& f) {
+void add_loads(const Model& model, const Loads& loads, const linear::VertexField& x, linear::VertexField& f) {
   if (loads.external_forces.cols() > 0) f += loads.external_forces;
   add_follower_forces(model.element_blocks(), loads, x, f);
   for (const Grab& grab : loads.grabs) {
@@ -26,28 +26,29 @@ void add_loads(const Model& model, const Loads& loads, const mesh::VertexField& 
 }
 
 // Turns the forces on the vertices other than those of the pins into reactions.
-void turn_into_reactions(const Loads& loads, mesh::VertexField& f) {
-  mesh::VertexField reactions = Eigen::Matrix3Xd::Zero(3, f.cols());
+void turn_into_reactions(const Loads& loads, linear::VertexField& f) {
+  linear::VertexField reactions = Eigen::Matrix3Xd::Zero(3, f.cols());
   for (const Pin& pin : loads.pins) reactions.col(pin.vertex) = pin.held(-f.col(pin.vertex), Eigen::Vector3d::Zero());
   f = reactions;
 }
 
 }  // namespace
 
-void find_reactions(const Model& model, const Loads& loads, const mesh::VertexField& x, mesh::VertexField& reactions) {
+void find_reactions(const Model& model, const Loads& loads, const linear::VertexField& x,
+                    linear::VertexField& reactions) {
   reactions.resize(model.num_vertices());
   model.internal_forces(x, reactions);
   add_loads(model, loads, x, reactions);
   turn_into_reactions(loads, reactions);
 }
 
-void find_reactions(const Model& model, const Loads& loads, const State& state, const mesh::VertexField& acceleration,
-                    mesh::VertexField& reactions) {
+void find_reactions(const Model& model, const Loads& loads, const State& state, const linear::VertexField& acceleration,
+                    linear::VertexField& reactions) {
   const std::span<const double> beta = model.materials().stiffness_damping();
-  mesh::VertexField& f = reactions;
+  linear::VertexField& f = reactions;
   f = Eigen::Matrix3Xd::Zero(3, model.num_vertices());
   add_membrane_forces(model.element_blocks(), model.materials(), beta, state.x, state.v, f);
-  mesh::VertexField damped = Eigen::Matrix3Xd::Zero(3, model.num_vertices());
+  linear::VertexField damped = Eigen::Matrix3Xd::Zero(3, model.num_vertices());
   model.bending().add_forces(model.element_blocks(), state.x, state.v, beta, damped, f);
   add_loads(model, loads, state.x, f);
   add_wind_drag(model.element_blocks(), model.materials(), loads.wind, 0.0, state, f);

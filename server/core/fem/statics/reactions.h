@@ -15,12 +15,13 @@ struct State;
 
 // Finds the reactions at rest at x (3 x V, m): minus elastic forces and loads, without wind. In an equilibrium they
 // hold the sheet exactly. Elsewhere they would hold the held components if the others were held too.
-void find_reactions(const Model& model, const Loads& loads, const mesh::VertexField& x, mesh::VertexField& reactions);
+void find_reactions(const Model& model, const Loads& loads, const linear::VertexField& x,
+                    linear::VertexField& reactions);
 
 // Finds the reactions in motion at the end of a step. They include wind, inertia and the damping of the material, but
 // not the damping that the explicit integrator adds for its fastest modes. acceleration: 3 x V, m/s^2, read in held
 // components only. It is that of the pins' own motion, 0 for those at rest or at a constant velocity.
-void find_reactions(const Model& model, const Loads& loads, const State& state, const mesh::VertexField& acceleration,
-                    mesh::VertexField& reactions);
+void find_reactions(const Model& model, const Loads& loads, const State& state, const linear::VertexField& acceleration,
+                    linear::VertexField& reactions);
 
 }  // namespace kerf::fem

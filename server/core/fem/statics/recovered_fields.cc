@@ -182,7 +182,7 @@ Vector3d recover_by_patches(const Model& model, mesh::VertexId vertex, std::span
 
 }  // namespace
 
-std::vector<Vector3d> triangle_field(const Model& model, const mesh::VertexField& x, MembraneField field,
+std::vector<Vector3d> triangle_field(const Model& model, const linear::VertexField& x, MembraneField field,
                                      FieldAxes axes) {
   const double shear = field == MembraneField::kBiotStrain ? 2.0 : 1.0;
   std::vector<Vector3d> values(static_cast<std::size_t>(model.num_slots()), Vector3d::Zero());

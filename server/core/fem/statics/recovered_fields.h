@@ -27,7 +27,7 @@ enum class FieldAxes {
 };
 
 // Returns the field at x (3 x V, m), one a slot; 0 without material.
-[[nodiscard]] std::vector<Eigen::Vector3d> triangle_field(const Model& model, const mesh::VertexField& x,
+[[nodiscard]] std::vector<Eigen::Vector3d> triangle_field(const Model& model, const linear::VertexField& x,
                                                           MembraneField field, FieldAxes axes);
 
 enum class Recovery {

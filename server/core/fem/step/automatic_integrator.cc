@@ -26,8 +26,9 @@ IntegratorOptions with_kind(IntegratorOptions options, IntegratorKind kind) {
   return options;
 }
 
-LinearSolverKind implicit_solver(const Model& model) {
-  return model.num_vertices() >= kLeastForFactorCg ? LinearSolverKind::kFactorCg : LinearSolverKind::kDirect;
+linear::LinearSolverKind implicit_solver(const Model& model) {
+  return model.num_vertices() >= kLeastForFactorCg ? linear::LinearSolverKind::kFactorCg
+                                                   : linear::LinearSolverKind::kDirect;
 }
 
 IntegratorOptions with_tr_bdf2(const Model& model, const IntegratorOptions& options) {
@@ -96,9 +97,9 @@ bool AutomaticIntegrator::choose(const Model& model, bool follows) {
     const bool is_second_order = condition <= kSecondOrderCondition;
     IntegratorOptions options =
         with_kind(options_, is_second_order ? IntegratorKind::kTrBdf2 : IntegratorKind::kImplicitEuler);
-    options.linear_solver = is_second_order ? implicit_solver(model) : LinearSolverKind::kDirect;
+    options.linear_solver = is_second_order ? implicit_solver(model) : linear::LinearSolverKind::kDirect;
     scheme = is_second_order ? "TR-BDF2, " : "implicit Euler, ";
-    solver = name_of(options.linear_solver).description;
+    solver = linear::name_of(options.linear_solver).description;
     is_other = options.kind != before || options.linear_solver != solver_;
     solver_ = options.linear_solver;
     if (is_other) implicit_ = std::make_unique<ImplicitIntegrator>(options);
@@ -109,7 +110,7 @@ bool AutomaticIntegrator::choose(const Model& model, bool follows) {
   std::snprintf(text.data(), text.size(),
                 "; estimated per tick of %.4g s: %.0f explicit substeps in %s precision %.1f ms, TR-BDF2, %s %.1f ms%s",
                 options_.tick, estimate.substeps, precision, estimate.explicit_ns * 1e-6,
-                name_of(implicit_solver(model)).description.data(), estimate.implicit_ns * 1e-6,
+                linear::name_of(implicit_solver(model)).description.data(), estimate.implicit_ns * 1e-6,
                 condition <= kSecondOrderCondition ? "" : " (inaccurate at a condition number above 1e9)");
   explanation_ = "automatic: ";
   explanation_.append(scheme).append(solver).append(text.data());

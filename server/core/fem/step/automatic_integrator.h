@@ -62,8 +62,8 @@ class AutomaticIntegrator final : public Integrator {
 
   IntegratorOptions options_;
   ExplicitIntegrator explicit_;
-  std::unique_ptr<Integrator> implicit_;                 // null while the explicit integrator is chosen
-  LinearSolverKind solver_ = LinearSolverKind::kDirect;  // of implicit_
+  std::unique_ptr<Integrator> implicit_;                                 // null while the explicit integrator is chosen
+  linear::LinearSolverKind solver_ = linear::LinearSolverKind::kDirect;  // of implicit_
   std::string explanation_;
 };
 

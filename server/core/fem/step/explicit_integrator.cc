@@ -30,7 +30,7 @@ void set_pins(const Loads& loads, double time_left, State& state) {
   }
 }
 
-GreenStretch stretch_at(const Model& model, const mesh::VertexField& x) {
+GreenStretch stretch_at(const Model& model, const linear::VertexField& x) {
   if (model.materials().membrane_law() != MembraneLaw::kGreen) return {};
   return green_stretch(model.element_blocks(), model.materials(), x);
 }
@@ -123,7 +123,7 @@ double ExplicitIntegrator::quiet_speed(const Model& model, const Loads& loads, d
 }
 
 double ExplicitIntegrator::mean_acceleration(const Model& model, const Loads& loads, double dt, const State& state) {
-  mesh::VertexField& f = scratch_.force;
+  linear::VertexField& f = scratch_.force;
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   const auto add_to_sum = [&] {
     for (const Pin& pin : loads.pins) f.col(pin.vertex) = pin.held(Eigen::Vector3d::Zero(), f.col(pin.vertex));
@@ -331,7 +331,7 @@ bool ExplicitIntegrator::advance(const Model& model, const Loads& loads, Plan& p
 
 void ExplicitIntegrator::set_forces(const Model& model, const Loads& loads, const LeapfrogKick& kick,
                                     const State& state) {
-  mesh::VertexField& f = scratch_.force;
+  linear::VertexField& f = scratch_.force;
   f.setZero();
   if (kick.bending > 0.0 && model.materials().has_bending()) {
     add_clamp_forces(model.bending().clamp_forces(), f);

@@ -80,9 +80,9 @@ class ExplicitIntegrator final : public Integrator {
   static constexpr int kMaxBendingInterval = 8;
 
   struct Scratch {
-    mesh::VertexField force;  // 3 x V, N
-    State start;              // for go_back()
-    mesh::VertexField given;  // 3 x V, m/s, before calm_clusters()
+    linear::VertexField force;  // 3 x V, N
+    State start;                // for go_back()
+    linear::VertexField given;  // 3 x V, m/s, before calm_clusters()
   };
   struct Plan {
     double duration = 0.0;  // s

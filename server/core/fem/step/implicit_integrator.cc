@@ -47,11 +47,11 @@ int num_solves(IntegratorKind kind) {
   }
 }
 
-SystemSolver kind_of(LinearSolverKind solver) {
+SystemSolver kind_of(linear::LinearSolverKind solver) {
   switch (solver) {
-    case LinearSolverKind::kDirect:
+    case linear::LinearSolverKind::kDirect:
       return SystemSolver::kDirect;
-    case LinearSolverKind::kFactorCg:
+    case linear::LinearSolverKind::kFactorCg:
       return SystemSolver::kKeptFactor;
     default:
       return SystemSolver::kIterative;
@@ -71,7 +71,7 @@ TickCost implicit_cost(const Model& model, const IntegratorOptions& options, con
 ImplicitIntegrator::ImplicitIntegrator(const IntegratorOptions& options)
     : options_(options),
       explanation_(std::string(describe_scheme(options.kind)) + "; " +
-                   std::string(name_of(options.linear_solver).description)),
+                   std::string(linear::name_of(options.linear_solver).description)),
       solver_(options) {
   KERF_CHECK(options.kind != IntegratorKind::kAutomatic && options.kind != IntegratorKind::kExplicit,
              "an implicit kind");
@@ -88,7 +88,7 @@ void ImplicitIntegrator::follow(const Model& model) {
 }
 
 void ImplicitIntegrator::resize(const Model& model) {
-  for (mesh::VertexField* field :
+  for (linear::VertexField* field :
        {&scratch_.start.x, &scratch_.start.v, &scratch_.substep_start.x, &scratch_.substep_start.v, &scratch_.before.x,
         &scratch_.before.v, &scratch_.force, &scratch_.constant, &scratch_.damped, &scratch_.stage.base.x,
         &scratch_.stage.base.v, &scratch_.stage.ballistic}) {
@@ -315,7 +315,7 @@ void ImplicitIntegrator::evaluate_constant_force(const Model& model, const Loads
 void ImplicitIntegrator::evaluate_acceleration(const Model& model, const Loads& loads, double time_left,
                                                const State& state) {
   const std::span<const double> beta = model.materials().stiffness_damping();
-  mesh::VertexField& f = scratch_.force;
+  linear::VertexField& f = scratch_.force;
   f = scratch_.constant;
   add_membrane_forces(model.element_blocks(), model.materials(), beta, state.x, state.v, f);
   model.bending().add_forces(model.element_blocks(), state.x, state.v, beta, scratch_.damped, f);

@@ -44,10 +44,10 @@ class ImplicitIntegrator final : public Integrator {
   struct Scratch {
     State start;  // of the step
     State substep_start;
-    State before;                // start of the previous substep; BDF2 only
-    mesh::VertexField force;     // 3 x V, N
-    mesh::VertexField constant;  // 3 x V, N: external forces and wind
-    mesh::VertexField damped;    // 3 x V, m
+    State before;                  // start of the previous substep; BDF2 only
+    linear::VertexField force;     // 3 x V, N
+    linear::VertexField constant;  // 3 x V, N: external forces and wind
+    linear::VertexField damped;    // 3 x V, m
     Stage stage;
   };
 

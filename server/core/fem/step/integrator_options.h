@@ -43,11 +43,11 @@ struct IntegratorOptions {
   double newton_tolerance = 1e-4;  // -, stop when |r| <= tolerance * scale, with r the residual M dx - h^2 f of the
                                    // step (kg m). The scale is |r| for ballistic motion, at least 1e-3 of that for
                                    // standing still, and so large that rounding is below the tolerance
-  LinearSolverKind linear_solver = LinearSolverKind::kBlockJacobiCg;  // kAutomatic makes its own choice
-  CovarianceRootOptions covariance_root;                              // for kEsCgm and kAsCgm
-  double linear_tolerance = 1e-4;                                     // -, see linear_solver.h
-  int max_linear_iterations = 1000;                                   // per solve by conjugate gradients, >= 1
-  int max_halvings = 6;                                               // for a step that fails
+  linear::LinearSolverKind linear_solver = linear::LinearSolverKind::kBlockJacobiCg;  // kAutomatic makes its own choice
+  linear::CovarianceRootOptions covariance_root;                                      // for kEsCgm and kAsCgm
+  double linear_tolerance = 1e-4;                                                     // -, see linear_solver.h
+  int max_linear_iterations = 1000;  // per solve by conjugate gradients, >= 1
+  int max_halvings = 6;              // for a step that fails
 };
 
 }  // namespace kerf::fem

@@ -25,7 +25,7 @@ void StageContact::resize(int num_vertices) {
 }
 
 void StageContact::begin(const ContactConstraint* contact, const Model& model, double d,
-                         const mesh::VertexField& start) {
+                         const linear::VertexField& start) {
   contact_ = contact;
   model_ = &model;
   start_ = &start;
@@ -38,7 +38,8 @@ double StageContact::stiffness(int vertex) const {
   return kStiffening * (inertia_ * model_->mass()[static_cast<std::size_t>(vertex)] + membrane_);
 }
 
-void StageContact::predict(const mesh::VertexField& x, const mesh::VertexField& impulse, mesh::VertexField& step) {
+void StageContact::predict(const linear::VertexField& x, const linear::VertexField& impulse,
+                           linear::VertexField& step) {
   entries_.clear();
   if (contact_ == nullptr) return;
   std::array<SurfaceGap, ContactConstraint::kMaxGaps> gaps;
@@ -68,7 +69,7 @@ void StageContact::predict(const mesh::VertexField& x, const mesh::VertexField& 
   }
 }
 
-void StageContact::detect(const mesh::VertexField& x, Update update) {
+void StageContact::detect(const linear::VertexField& x, Update update) {
   std::swap(entries_, before_);
   entries_.clear();
   if (contact_ == nullptr) return;
@@ -127,11 +128,11 @@ void StageContact::update_friction(const Eigen::Vector3d& slid, double limit, En
   entry.friction = limit_before > 0.0 ? Eigen::Vector3d(limit * predicted) : entry.force;
 }
 
-void StageContact::add_forces(double scale, mesh::VertexField& forces) const {
+void StageContact::add_forces(double scale, linear::VertexField& forces) const {
   for (const Entry& entry : entries_) forces.col(entry.vertex) += scale * entry.force;
 }
 
-void StageContact::add_stiffness(double scale, BlockMatrix& matrix) const {
+void StageContact::add_stiffness(double scale, linear::BlockMatrix& matrix) const {
   for (const Entry& entry : entries_) {
     Eigen::Matrix3d& block = matrix.block(matrix.diagonal(entry.vertex));
     const Eigen::Vector3d& n = entry.surface.normal;
@@ -150,7 +151,7 @@ void StageContact::add_stiffness(double scale, BlockMatrix& matrix) const {
   }
 }
 
-double StageContact::potential(const mesh::VertexField& x) const {
+double StageContact::potential(const linear::VertexField& x) const {
   if (contact_ == nullptr) return 0.0;
   double potential = 0.0;
   std::array<SurfaceGap, ContactConstraint::kMaxGaps> gaps;

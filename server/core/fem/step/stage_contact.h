@@ -32,7 +32,7 @@ class StageContact {
 
   // Begins a stage of implicit weight d (s, see Stage). A null `contact` means no contact. `start` (3 x V, m) holds the
   // positions when the substep began and must outlive the stage.
-  void begin(const ContactConstraint* contact, const Model& model, double d, const mesh::VertexField& start);
+  void begin(const ContactConstraint* contact, const Model& model, double d, const linear::VertexField& start);
 
   // Returns true if a surface was found near any vertex.
   [[nodiscard]] bool touches() const { return !entries_.empty(); }
@@ -40,7 +40,7 @@ class StageContact {
   // Predicts contacts before the first Newton step, when no contact force is known. Finds the vertices that `step` (m)
   // takes from `x` into a surface and shortens it to end there, without sliding where friction can hold them.
   // `impulse`: 3 x V, kg m, d^2 times the forces at `x` plus the momentum that the surface would have to stop.
-  void predict(const mesh::VertexField& x, const mesh::VertexField& impulse, mesh::VertexField& step);
+  void predict(const linear::VertexField& x, const linear::VertexField& impulse, linear::VertexField& step);
 
   enum class Update {
     kAdd,  // known contacts stay, pulling even where they should let go; new ones are added, without friction at first
@@ -48,14 +48,14 @@ class StageContact {
            // chatter
   };
   // Finds the contacts at `x` and their forces.
-  void detect(const mesh::VertexField& x, Update update);
+  void detect(const linear::VertexField& x, Update update);
 
   // Add scale * force to `forces` and scale * stiffness to `matrix`, for the contacts found last.
-  void add_forces(double scale, mesh::VertexField& forces) const;
-  void add_stiffness(double scale, BlockMatrix& matrix) const;
+  void add_forces(double scale, linear::VertexField& forces) const;
+  void add_stiffness(double scale, linear::BlockMatrix& matrix) const;
   // Returns the potential at `x`, J. Its negative gradient is the force there, with the friction limits of
   // detect(kAll).
-  [[nodiscard]] double potential(const mesh::VertexField& x) const;
+  [[nodiscard]] double potential(const linear::VertexField& x) const;
 
  private:
   struct Entry {
@@ -75,7 +75,7 @@ class StageContact {
 
   const ContactConstraint* contact_ = nullptr;
   const Model* model_ = nullptr;
-  const mesh::VertexField* start_ = nullptr;
+  const linear::VertexField* start_ = nullptr;
   double inertia_ = 0.0;        // 1/s^2, 1 / d^2
   double membrane_ = 0.0;       // N/m
   std::vector<Entry> entries_;  // by vertex, then surface; both reserved for kMaxGaps a vertex

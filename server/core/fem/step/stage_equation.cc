@@ -12,10 +12,11 @@
 namespace kerf::fem {
 
 void StageResidual::resize(int num_vertices) {
-  for (mesh::VertexField* field : {&force_, &velocity_, &damped_}) field->resize(num_vertices);
+  for (linear::VertexField* field : {&force_, &velocity_, &damped_}) field->resize(num_vertices);
 }
 
-double StageResidual::evaluate(const StageProblem& problem, const mesh::VertexField& x, mesh::VertexField& residual) {
+double StageResidual::evaluate(const StageProblem& problem, const linear::VertexField& x,
+                               linear::VertexField& residual) {
   const Stage& stage = problem.stage;
   const Model& model = problem.model;
   velocity_ = (x - stage.base.x) / stage.d;
@@ -44,7 +45,7 @@ double StageResidual::evaluate(const StageProblem& problem, const mesh::VertexFi
   return std::sqrt(sum);
 }
 
-void StageResidual::add_grab_forces(const StageProblem& problem, const mesh::VertexField& x) {
+void StageResidual::add_grab_forces(const StageProblem& problem, const linear::VertexField& x) {
   for (const Grab& grab : problem.loads.grabs) {
     const Eigen::Vector3d target = grab.target - problem.stage.time_left * grab.velocity;
     const Eigen::Vector3d f =
@@ -56,8 +57,8 @@ void StageResidual::add_grab_forces(const StageProblem& problem, const mesh::Ver
   }
 }
 
-double incremental_potential(const StageProblem& problem, double contact, const mesh::VertexField& x,
-                             const mesh::VertexField& origin) {
+double incremental_potential(const StageProblem& problem, double contact, const linear::VertexField& x,
+                             const linear::VertexField& origin) {
   const Stage& stage = problem.stage;
   const Model& model = problem.model;
   const double d = stage.d;
@@ -84,7 +85,7 @@ double incremental_potential(const StageProblem& problem, double contact, const 
   return kinetic + d * d * potential;
 }
 
-void restore_momentum(const StageProblem& problem, mesh::VertexField& x) {
+void restore_momentum(const StageProblem& problem, linear::VertexField& x) {
   const Stage& stage = problem.stage;
   const Model& model = problem.model;
   Eigen::Vector3d missing = stage.d * stage.momentum;

@@ -20,22 +20,22 @@ struct Stage {
   State base;
   // kg m/s, momentum of base.v without the contribution of internal forces, which is only their rounding.
   Eigen::Vector3d momentum = Eigen::Vector3d::Zero();
-  double d = 0.0;               // s, > 0
-  mesh::VertexField ballistic;  // m, end of the stage under gravity alone, where the search begins
-  double time_left = 0.0;       // s, from the end of the stage to the end of the step, for moving pins and grabs
+  double d = 0.0;                 // s, > 0
+  linear::VertexField ballistic;  // m, end of the stage under gravity alone, where the search begins
+  double time_left = 0.0;         // s, from the end of the stage to the end of the step, for moving pins and grabs
   // True if the last solve() was of the previous stage of the same step. The stress it predicted then serves the first
   // iteration. The stress at its end may contain false stretch, after only a few linear steps.
   bool continues = false;
   bool may_repair = true;  // false: the stage fails if the fast iteration fails
   const ContactConstraint* contact = nullptr;
-  const mesh::VertexField* start = nullptr;  // m, positions when the substep began; required with contact
+  const linear::VertexField* start = nullptr;  // m, positions when the substep began; required with contact
 };
 
 // Data of one solve of a stage.
 struct StageProblem {
   const Model& model;
   const Loads& loads;
-  const mesh::VertexField& constant_force;  // N
+  const linear::VertexField& constant_force;  // N
   const Stage& stage;
   std::span<const double> beta;       // stiffness damping, see damping_of; none in a repair
   bool is_majorized = false;          // uses the majorised membrane, bounded at the given x
@@ -47,22 +47,22 @@ class StageResidual {
  public:
   void resize(int num_vertices);
   // Sets `residual` (3 x V, kg m) at x (3 x V, m), zero at pins, without contact forces. Returns its Euclidean norm.
-  double evaluate(const StageProblem& problem, const mesh::VertexField& x, mesh::VertexField& residual);
+  double evaluate(const StageProblem& problem, const linear::VertexField& x, linear::VertexField& residual);
 
  private:
-  void add_grab_forces(const StageProblem& problem, const mesh::VertexField& x);
+  void add_grab_forces(const StageProblem& problem, const linear::VertexField& x);
 
-  mesh::VertexField force_, velocity_, damped_;  // 3 x V, scratch
+  linear::VertexField force_, velocity_, damped_;  // 3 x V, scratch
 };
 
 // Returns the incremental potential, kg m^2, whose negative gradient is the residual if beta is 0. `contact` is the
 // potential of contacts at `x`, J. Follower loads have no potential: their work from `origin` to `x` replaces it, so
 // only values of the same origin can be compared.
-double incremental_potential(const StageProblem& problem, double contact, const mesh::VertexField& x,
-                             const mesh::VertexField& origin);
+double incremental_potential(const StageProblem& problem, double contact, const linear::VertexField& x,
+                             const linear::VertexField& origin);
 
 // Translates a free sheet so that its residual has no resultant. Internal forces have none, so linear momentum is
 // conserved to round-off however loosely the stage was solved.
-void restore_momentum(const StageProblem& problem, mesh::VertexField& x);
+void restore_momentum(const StageProblem& problem, linear::VertexField& x);
 
 }  // namespace kerf::fem

@@ -27,9 +27,10 @@ using Update = StageContact::Update;
 
 StageSolver::StageSolver(const IntegratorOptions& options)
     : options_(options),
-      solver_(make_linear_solver(options.linear_solver, options.max_linear_iterations, options.covariance_root)) {
-  if (!name_of(options.linear_solver).solves_different_system) return;
-  repair_solver_ = make_linear_solver(LinearSolverKind::kBlockJacobiCg, options.max_linear_iterations);
+      solver_(
+          linear::make_linear_solver(options.linear_solver, options.max_linear_iterations, options.covariance_root)) {
+  if (!linear::name_of(options.linear_solver).solves_different_system) return;
+  repair_solver_ = linear::make_linear_solver(linear::LinearSolverKind::kBlockJacobiCg, options.max_linear_iterations);
 }
 
 void StageSolver::rebuild(const Model& model) {
@@ -46,7 +47,7 @@ void StageSolver::follow(const Model& model) {
 void StageSolver::resize(const Model& model) {
   contact_.resize(model.num_vertices());
   stress_.resize(model.element_blocks().size() * kLanes, Eigen::Vector3d::Zero());
-  for (mesh::VertexField* field : {&residual_, &rhs_, &step_, &increment_, &trial_, &start_, &best_}) {
+  for (linear::VertexField* field : {&residual_, &rhs_, &step_, &increment_, &trial_, &start_, &best_}) {
     field->resize(model.num_vertices());
   }
   equation_.resize(model.num_vertices());
@@ -66,14 +67,14 @@ void StageSolver::set_stop_condition(const StopCondition* stop) {
   if (repair_solver_) repair_solver_->set_stop_condition(stop);
 }
 
-void StageSolver::assemble(const StageProblem& problem, const mesh::VertexField& x, bool predicted) {
+void StageSolver::assemble(const StageProblem& problem, const linear::VertexField& x, bool predicted) {
   const double d = problem.stage.d;
   const MaterialScale material_scale{d * d, d, problem.beta};
   const std::span<const Eigen::Vector3d> stress(stress_);
   if (std::vector<Eigen::Matrix3d>* const frames = solver_->frames()) {
     find_vertex_frames(problem.model.element_blocks(), x, *frames);
   }
-  if (mesh::VertexField* const positions = solver_->positions()) *positions = x;
+  if (linear::VertexField* const positions = solver_->positions()) *positions = x;
   matrix_.set_mass(problem.model, 1.0, d);
   if (problem.is_majorized) {
     matrix_.add_majorized_membrane(problem.model, x, d * d);
@@ -86,7 +87,7 @@ void StageSolver::assemble(const StageProblem& problem, const mesh::VertexField&
     matrix_.add_follower_loads(problem.model, problem.loads, x, d * d, MatrixPart::kSymmetric);
 }
 
-void StageSolver::constrain(const StageProblem& problem, const mesh::VertexField& x) {
+void StageSolver::constrain(const StageProblem& problem, const linear::VertexField& x) {
   matrix_.constrain(problem.model, problem.loads.pins, problem.stage.time_left, x, rhs_, step_);
 }
 
@@ -97,7 +98,7 @@ void StageSolver::constrain(const StageProblem& problem, const mesh::VertexField
 //      result if its incremental potential without damping is no higher than that of start_.
 //   3. If it is not taken, and the stage may be repaired, repair() starts again with backtracking.
 //   4. finish() restores momentum and sets velocities.
-bool StageSolver::solve(const Model& model, const Loads& loads, const mesh::VertexField& constant_force,
+bool StageSolver::solve(const Model& model, const Loads& loads, const linear::VertexField& constant_force,
                         const Stage& stage, State& state, StepStats& stats) {
   KERF_CHECK(phase_ != Phase::kPatternChanged, "prepare() was called after follow()");
   StageProblem problem{model, loads, constant_force, stage, model.materials().stiffness_damping()};
@@ -139,7 +140,7 @@ bool StageSolver::can_majorize(const Model& model, const Loads& loads) {
          !has_follower_loads(loads);
 }
 
-bool StageSolver::solve_majorized(const Model& model, const Loads& loads, const mesh::VertexField& constant_force,
+bool StageSolver::solve_majorized(const Model& model, const Loads& loads, const linear::VertexField& constant_force,
                                   const Stage& stage, State& state, StepStats& stats) {
   KERF_CHECK(phase_ != Phase::kPatternChanged && can_majorize(model, loads) && stage.contact == nullptr,
              "see can_majorize()");
@@ -167,7 +168,7 @@ bool StageSolver::solve_majorized(const Model& model, const Loads& loads, const 
 }
 
 // Returns true if it converged, or ended below the potential it began at.
-bool StageSolver::iterate(StageProblem& problem, mesh::VertexField& x, StepStats& stats) {
+bool StageSolver::iterate(StageProblem& problem, linear::VertexField& x, StepStats& stats) {
   double scale = 0.0;
   double relative = 0.0;
   double best = std::numeric_limits<double>::infinity();
@@ -203,7 +204,7 @@ bool StageSolver::iterate(StageProblem& problem, mesh::VertexField& x, StepStats
   return accept(problem, x, best, stats);
 }
 
-bool StageSolver::accept(const StageProblem& problem, const mesh::VertexField& x, double residual,
+bool StageSolver::accept(const StageProblem& problem, const linear::VertexField& x, double residual,
                          StepStats& stats) const {
   StageProblem undamped = problem;
   undamped.beta = {};
@@ -214,8 +215,8 @@ bool StageSolver::accept(const StageProblem& problem, const mesh::VertexField& x
   return true;
 }
 
-void StageSolver::solve_next(StageProblem& problem, const mesh::VertexField& x, bool predicted, StepStats& stats) {
-  LinearSolver& solver = predicted || !repair_solver_ ? *solver_ : *repair_solver_;
+void StageSolver::solve_next(StageProblem& problem, const linear::VertexField& x, bool predicted, StepStats& stats) {
+  linear::LinearSolver& solver = predicted || !repair_solver_ ? *solver_ : *repair_solver_;
   do {
     assemble(problem, x, predicted);
     rhs_ = residual_;
@@ -227,7 +228,7 @@ void StageSolver::solve_next(StageProblem& problem, const mesh::VertexField& x, 
 
 // The unknown is the departure from ballistic motion that ends at the surfaces it meets. Tolerances are thus relative
 // to the effect of forces, not to the momentum of a moving sheet, and free fall is exact.
-double StageSolver::solve_first(StageProblem& problem, const mesh::VertexField& x, StepStats& stats) {
+double StageSolver::solve_first(StageProblem& problem, const linear::VertexField& x, StepStats& stats) {
   const double d = problem.stage.d;
   double whole = 0.0;
   double departure = 0.0;
@@ -260,7 +261,7 @@ double StageSolver::solve_first(StageProblem& problem, const mesh::VertexField& 
       {departure, kMomentumShare * whole, rounding / options_.newton_tolerance, std::numeric_limits<double>::min()});
 }
 
-bool StageSolver::repair(StageProblem& problem, const mesh::VertexField& start, mesh::VertexField& x,
+bool StageSolver::repair(StageProblem& problem, const linear::VertexField& start, linear::VertexField& x,
                          StepStats& stats) {
   stats.flags |= kRepaired;
   x = start;
@@ -284,7 +285,7 @@ bool StageSolver::repair(StageProblem& problem, const mesh::VertexField& start, 
 }
 
 // Armijo backtracking along step_. Returns false if no step lowers the potential any more.
-bool StageSolver::search_line(const StageProblem& problem, double value, mesh::VertexField& x) {
+bool StageSolver::search_line(const StageProblem& problem, double value, linear::VertexField& x) {
   constexpr double kSufficientDecrease = 1e-4;
   double slope = 0.0;
   for (Eigen::Index i = 0; i < step_.cols(); ++i) slope += residual_.col(i).dot(step_.col(i));
@@ -298,26 +299,27 @@ bool StageSolver::search_line(const StageProblem& problem, double value, mesh::V
   return false;
 }
 
-double StageSolver::evaluate_relative(const StageProblem& problem, const mesh::VertexField& x, double scale) {
+double StageSolver::evaluate_relative(const StageProblem& problem, const linear::VertexField& x, double scale) {
   const double relative = evaluate_residual(problem, x, Update::kAdd) / scale;
   if (!(relative <= kSettled) || !contact_.touches()) return relative;
   return evaluate_residual(problem, x, Update::kAll) / scale;
 }
 
-double StageSolver::evaluate_residual(const StageProblem& problem, const mesh::VertexField& x, Update update) {
+double StageSolver::evaluate_residual(const StageProblem& problem, const linear::VertexField& x, Update update) {
   equation_.evaluate(problem, x, residual_);
   contact_.detect(x, update);
   contact_.add_forces(problem.stage.d * problem.stage.d, residual_);
   return residual_.norm();
 }
 
-double StageSolver::merit(const StageProblem& problem, const mesh::VertexField& x,
-                          const mesh::VertexField& origin) const {
+double StageSolver::merit(const StageProblem& problem, const linear::VertexField& x,
+                          const linear::VertexField& origin) const {
   return incremental_potential(problem, contact_.potential(x), x, origin);
 }
 
-bool StageSolver::solve_linear(LinearSolver& solver, StageProblem& problem, StepStats& stats, mesh::VertexField& x) {
-  const LinearStats linear = solver.solve(matrix_.blocks(), rhs_, options_.linear_tolerance, x);
+bool StageSolver::solve_linear(linear::LinearSolver& solver, StageProblem& problem, StepStats& stats,
+                               linear::VertexField& x) {
+  const linear::LinearStats linear = solver.solve(matrix_.blocks(), rhs_, options_.linear_tolerance, x);
   stats.linear_iterations += linear.iterations;
   if (!linear.converged && problem.has_follower_tangent) {
     problem.has_follower_tangent = false;

@@ -42,7 +42,7 @@ class StageSolver {
   // Solves a stage. constant_force: 3 x V, N. state.x holds the start and becomes the solution, state.v its velocity.
   // Returns false, with undefined state, if no finite solution was found. Adds to the counters, flags and residual of
   // stats.
-  bool solve(const Model& model, const Loads& loads, const mesh::VertexField& constant_force, const Stage& stage,
+  bool solve(const Model& model, const Loads& loads, const linear::VertexField& constant_force, const Stage& stage,
              State& state, StepStats& stats);
 
   // Returns true if solve_majorized() applies: to co-rotational sheets that are flat at rest, without bending by angles
@@ -51,7 +51,7 @@ class StageSolver {
   // Solves the implicit Euler stage from stage.base in one linear solve, ignoring state.x. The membrane's energy is
   // bounded from above there (see MajorizedTriangle), and stiffness damping is left out. The step gains no energy,
   // however far it goes. Otherwise as solve().
-  bool solve_majorized(const Model& model, const Loads& loads, const mesh::VertexField& constant_force,
+  bool solve_majorized(const Model& model, const Loads& loads, const linear::VertexField& constant_force,
                        const Stage& stage, State& state, StepStats& stats);
 
  private:
@@ -66,48 +66,48 @@ class StageSolver {
   // Finishes a solution: restores momentum and sets velocities.
   void finish(const StageProblem& problem, State& state) const;
 
-  bool iterate(StageProblem& problem, mesh::VertexField& x, StepStats& stats);
+  bool iterate(StageProblem& problem, linear::VertexField& x, StepStats& stats);
   // Returns true if `x`, where the iteration stopped without convergence, is no higher in the potential than its start.
-  bool accept(const StageProblem& problem, const mesh::VertexField& x, double residual, StepStats& stats) const;
+  bool accept(const StageProblem& problem, const linear::VertexField& x, double residual, StepStats& stats) const;
   // Computes the first Newton step in step_. Returns the scale of the residual (see
   // IntegratorOptions::newton_tolerance).
-  double solve_first(StageProblem& problem, const mesh::VertexField& x, StepStats& stats);
-  bool repair(StageProblem& problem, const mesh::VertexField& start, mesh::VertexField& x, StepStats& stats);
-  bool search_line(const StageProblem& problem, double merit, mesh::VertexField& x);
+  double solve_first(StageProblem& problem, const linear::VertexField& x, StepStats& stats);
+  bool repair(StageProblem& problem, const linear::VertexField& start, linear::VertexField& x, StepStats& stats);
+  bool search_line(const StageProblem& problem, double merit, linear::VertexField& x);
 
   // Returns true if the sheet has no pins, grabs or contacts.
   [[nodiscard]] bool is_free(const StageProblem& problem) const;
   // Sets residual_ with contact forces and returns its norm.
-  double evaluate_residual(const StageProblem& problem, const mesh::VertexField& x, StageContact::Update update);
+  double evaluate_residual(const StageProblem& problem, const linear::VertexField& x, StageContact::Update update);
   // Returns the norm with contact forces over `scale`. Contacts that would pull let go once the residual has settled.
-  double evaluate_relative(const StageProblem& problem, const mesh::VertexField& x, double scale);
+  double evaluate_relative(const StageProblem& problem, const linear::VertexField& x, double scale);
   // Returns the incremental potential, including the potential of the contacts found last.
-  [[nodiscard]] double merit(const StageProblem& problem, const mesh::VertexField& x,
-                             const mesh::VertexField& origin) const;
+  [[nodiscard]] double merit(const StageProblem& problem, const linear::VertexField& x,
+                             const linear::VertexField& origin) const;
 
   // Assembles matrix_, with stress_ if `predicted`, otherwise with the stress at x.
-  void assemble(const StageProblem& problem, const mesh::VertexField& x, bool predicted);
+  void assemble(const StageProblem& problem, const linear::VertexField& x, bool predicted);
   // Applies TangentMatrix::constrain to step_ and rhs_.
-  void constrain(const StageProblem& problem, const mesh::VertexField& x);
+  void constrain(const StageProblem& problem, const linear::VertexField& x);
   // Computes a later Newton step in step_.
-  void solve_next(StageProblem& problem, const mesh::VertexField& x, bool predicted, StepStats& stats);
+  void solve_next(StageProblem& problem, const linear::VertexField& x, bool predicted, StepStats& stats);
   // Solves matrix_ x = rhs_ from the guess x. Returns false if it should be assembled and solved again without the
   // tangent of follower loads. That tangent alone can keep the matrix from being positive definite. The loads stay in
   // the residual. Their tangent is left out until the stage is solved.
-  bool solve_linear(LinearSolver& solver, StageProblem& problem, StepStats& stats, mesh::VertexField& x);
+  bool solve_linear(linear::LinearSolver& solver, StageProblem& problem, StepStats& stats, linear::VertexField& x);
 
   IntegratorOptions options_;
   StopPoll stop_;
-  std::unique_ptr<LinearSolver> solver_;
-  std::unique_ptr<LinearSolver> repair_solver_;  // used if solver_ solves a different system, whose steps may not
-                                                 // descend
+  std::unique_ptr<linear::LinearSolver> solver_;
+  std::unique_ptr<linear::LinearSolver> repair_solver_;  // used if solver_ solves a different system, whose steps may
+                                                         // not descend
   StageContact contact_;
   TangentMatrix matrix_;
   StageResidual equation_;
   Phase phase_ = Phase::kPatternChanged;
-  std::vector<Eigen::Vector3d> stress_;                  // one a lane, N/m, for the tangent
-  mesh::VertexField residual_, rhs_, step_, increment_;  // 3 x V
-  mesh::VertexField trial_, start_, best_;
+  std::vector<Eigen::Vector3d> stress_;                    // one a lane, N/m, for the tangent
+  linear::VertexField residual_, rhs_, step_, increment_;  // 3 x V
+  linear::VertexField trial_, start_, best_;
 };
 
 }  // namespace kerf::fem
