@@ -105,7 +105,8 @@ void add_host(Page& page, const host::HostMetrics& host) {
   page.histogram("kerf_cut_duration_seconds", "Wall time of a cut: plan, apply, remesh, model update.",
                  host.cut_duration);
   page.counter("kerf_commands_total", "Commands done, cuts among them.", host.commands);
-  page.counter("kerf_commands_refused_total", "Commands refused by a full queue, for lack of memory, for an unknown sheet or by the sheet.",
+  page.counter("kerf_commands_refused_total",
+               "Commands refused by a full queue, for lack of memory, for an unknown sheet or by the sheet.",
                host.commands_refused);
   page.counter("kerf_sheet_sleeps_total", "Times a sheet fell asleep.", host.sleeps);
   page.counter("kerf_overload_refusals_total", "Sheets that were not created because of the load.",
