@@ -43,7 +43,7 @@ class ImageWatcher {
 
   // Watches `name` ("sheets/demo") until on_image returns false, stop() is called, the server ends the stream, or the
   // stream fails. OK in the first three cases; UNAVAILABLE if the server draws no pictures. The server learns how long
-  // on_image takes: a slow one gets fewer pictures, each new, and the others are not drawn.
+  // on_image takes: a slow one gets fewer pictures, each of the newest tick, and the others are not drawn.
   grpc::Status run(const std::string& name, const ImageOptions& options, const OnImage& on_image);
 
   // Sets the look from the next picture on, from any thread. Setting the present look makes the next VP8 frame

@@ -19,9 +19,9 @@ struct WatchOptions {
   double max_rate_hz = 0.0;  // 0: every tick
   v1::Encoding encoding = v1::COMPACT;
   bool strains = false;  // Fills Mirror::strain().
-  // Says when an ended stream is reopened; otherwise run() ends. The server ends a stream as TOO_SLOW if on_frame takes
-  // so long that frames are not acknowledged for 10 s. A reopened stream begins with a keyframe; if the server was
-  // restarted, its ticks begin again.
+  // Controls when an ended stream is reopened; otherwise run() ends. The server ends a stream as TOO_SLOW if on_frame
+  // takes so long that frames are not acknowledged for 10 s. A reopened stream begins with a keyframe; if the server
+  // was restarted, its ticks begin again.
   Reopening reopening = {};
 };
 
@@ -43,7 +43,7 @@ class Watcher {
 
   // Watches `name` ("sheets/demo") until on_frame returns false, stop() is called, the server ends the stream, or the
   // stream fails. OK in the first three cases; DATA_LOSS if a frame does not fit the mirror. The server learns how long
-  // on_frame takes: a slow one gets fewer frames, each new, instead of a queue.
+  // on_frame takes: a slow one gets fewer frames, each the newest, instead of a queue.
   grpc::Status run(const std::string& name, const WatchOptions& options, const OnFrame& on_frame);
 
   // Sets the frame rate from now on, from any thread; max_rate_hz as in WatchOptions. While paused no frames come.

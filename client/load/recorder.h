@@ -40,8 +40,7 @@ struct CutTotals {
   Histogram late_us;              // From the intended time to the time of sending.
   Histogram reply_us;             // From the intended time to the reply.
   Histogram reply_ticks;          // From the newest tick of a viewer at the time of sending to the tick of the cut.
-  Histogram seen_us;              // From the intended time to the first decoded frame that is not before the cut's
-                                  // tick.
+  Histogram seen_us;              // From the intended time to the first decoded frame at or after the cut's tick.
   std::int64_t seen_without = 0;  // Frames in seen_us that did not have the cut yet.
   std::int64_t unseen = 0;        // Cuts on watched sheets that have no frame in seen_us when the run ends.
 };

@@ -12,7 +12,7 @@
 
 namespace kerf::audit {
 
-// One cut and what the checks make of it.
+// Holds the outcome of one cut, and the flaw that the checks found in it, if any.
 struct AuditedCut {
   enum class End { kApplied, kMissed, kRefused, kInvalid };
   End end = End::kInvalid;
@@ -22,27 +22,27 @@ struct AuditedCut {
   cut::CutOutcome outcome;  // of an applied or missed cut
 };
 
-// Chooses the checks besides find_cut_flaw().
+// Chooses checks in addition to find_cut_flaw(), which always runs.
 struct Depth {
-  bool violation = false;  // the mesh's own find_violation()
-  bool undo = false;       // taking the cut back gives the mesh before, bit for bit
-  bool reload = false;     // the mesh before, read back from its records, is cut to the same hash
-  int curve_samples = 0;   // Per piece, see find_curve_flaw(); with a width in all, see find_strewn_flaw().
+  bool violation = false;  // the mesh's own check, find_violation()
+  bool undo = false;       // undoing the cut gives the mesh before the cut, bit for bit
+  bool reload = false;     // the same cut of a mesh made from the records of the mesh before gives the same hash
+  int curve_samples = 0;   // Per piece for find_curve_flaw(), or in all for find_strewn_flaw(); 0: neither runs.
 };
 inline constexpr Depth kDeepest{true, true, true, 60};
 
-// The curve where it is cut: moved and scaled as the request's fit says.
+// Returns the curve in its final place, after moving and scaling it by the request's `fit`.
 inline cut::Curve placed_curve(const mesh::TriangleMesh& mesh, const cut::CutRequest& request) {
   cut::Curve curve = request.curve;
   if (!request.options.fit) return curve;
   const Eigen::Vector2d margin = cut::kFitMargin * mesh.bounding_box().sizes();
   const cut::Box box = request.options.fit->box.value_or(
       cut::Box{mesh.bounding_box().min() + margin, mesh.bounding_box().max() - margin});
-  (void)cut::fit_into(box, curve);  // as plan() did before this
+  (void)cut::fit_into(box, curve);  // cannot fail, because plan() has done the same
   return curve;
 }
 
-// A cut that is refused, invalid or missed must leave the mesh bit-identical.
+// Runs the checks of `depth` on an applied cut. `curve`: in its final place, see placed_curve().
 inline Finding find_flaw_of_applied(const mesh::TriangleMesh& before, const mesh::TriangleMesh& after,
                                     const cut::Curve& curve, const AuditedCut& done, const Depth& depth) {
   if (Finding flaw = find_cut_flaw(before, after, done.plan, done.outcome)) return flaw;
@@ -75,11 +75,11 @@ inline Finding find_flaw_of_applied(const mesh::TriangleMesh& before, const mesh
   return std::nullopt;
 }
 
-// A miss is right only if the part within the sheet is dust, or retraces lips and border. It may be off by the
-// tolerance or a few snaps in a row.
+// Checks that a cut was right to miss: strokes within the sheet are dust or follow lips and border, within the
+// tolerance or a few snap distances.
 inline Finding find_flaw_of_miss(const mesh::TriangleMesh& mesh, const cut::CutPlan& plan) {
   const double tolerance = largest_tolerance(mesh, plan);
-  const double snap = std::max(plan.snap_m, 0.1 * tolerance);  // never farther, wherever it is
+  const double snap = std::max(plan.snap_m, 0.1 * tolerance);  // bound of the snap distance anywhere on the sheet
   cut::CutPlan long_strokes = plan;
   std::erase_if(long_strokes.strokes, [&](const cut::Stroke& stroke) {
     Eigen::AlignedBox2d box;
@@ -92,7 +92,8 @@ inline Finding find_flaw_of_miss(const mesh::TriangleMesh& mesh, const cut::CutP
   return std::nullopt;
 }
 
-// Applies `request` to `mesh` as the server does, on a plan changed by `adjust`, and checks what happened.
+// Plans `request` on `mesh`, changes the plan by `adjust`, applies it as the server does, and checks the outcome. A cut
+// that is not applied must leave the mesh unchanged, bit for bit.
 template <typename Adjust>
 AuditedCut cut_and_audit(mesh::TriangleMesh& mesh, const cut::CutRequest& request, const Depth& depth,
                          const Adjust& adjust) {

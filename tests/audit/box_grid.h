@@ -11,7 +11,7 @@
 
 namespace kerf::audit {
 
-// Finds which of many boxes touch a given one: a uniform grid over all of them, about one cell a box.
+// Finds which of many boxes touch a given box, by a uniform grid with about one cell per box.
 class BoxGrid {
  public:
   explicit BoxGrid(std::vector<Eigen::AlignedBox2d> boxes) : boxes_(std::move(boxes)), seen_(boxes_.size(), 0) {

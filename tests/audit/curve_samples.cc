@@ -30,7 +30,7 @@ Vector2d rational_at(const std::array<Vector2d, N>& control, const std::array<do
   Vector2d sum(0.0, 0.0);
   double total = 0.0;
   for (std::size_t i = 0; i < N; ++i) {
-    const double binomial = i == 0 || i == N - 1 ? 1.0 : static_cast<double>(N - 1);  // of 2 and of 3
+    const double binomial = i == 0 || i == N - 1 ? 1.0 : static_cast<double>(N - 1);  // degree 2 or 3
     const double share =
         weights[i] * binomial * std::pow(t, static_cast<double>(i)) * std::pow(1.0 - t, static_cast<double>(N - 1 - i));
     sum += share * control[i];
@@ -39,7 +39,7 @@ Vector2d rational_at(const std::array<Vector2d, N>& control, const std::array<do
   return sum / total;
 }
 
-// Arcs are left to the tests of their own pieces.
+// Calls `each` with a function that evaluates the segment at t in [0, 1]. Arcs are left out: other tests check them.
 template <typename Each>
 void sample_segment(const Vector2d& from, const cut::Segment& segment, const Each& each) {
   if (const auto* line = std::get_if<cut::LineTo>(&segment)) {

@@ -8,8 +8,8 @@
 
 namespace kerf::audit {
 
-// Returns points of the curve, `samples` + 1 to a piece, one line for each. Arcs of paths are left out. So are lines of
-// paths that are a point or no larger than `dust` (m).
+// Returns a polyline of `samples` + 1 points for each piece of the curve. Arcs of paths are left out. So are lines of
+// paths that are a single point or no larger than `dust` (m).
 std::vector<std::vector<Eigen::Vector2d>> sample_curve(const cut::Curve& curve, int samples, double dust = 0.0);
 
 }  // namespace kerf::audit

@@ -63,7 +63,7 @@ class CutAudit {
     return std::nullopt;
   }
 
-  // Leaves the area of a removed strip to find_strip_flaw.
+  // Checks that areas stay. The area of a removed strip is checked by find_strip_flaw().
   Finding check_areas() {
     if (takes_material()) return std::nullopt;
     std::map<std::int32_t, Wide> area;  // twice the change, by region
@@ -80,7 +80,8 @@ class CutAudit {
     };
     add(old_, -1);
     add(now_, 1);
-    // Facets of a curved sheet may be as small as triangles, whose edges, where they are split, are rounded.
+    // On a curved sheet the bound uses the area of the whole sheet: a facet may be as small as a triangle, and
+    // splitting its edges rounds.
     Wide whole = 0;
     for (const auto& [region, doubled] : total) whole += doubled;
     for (const auto& [region, change] : area) {
@@ -92,7 +93,8 @@ class CutAudit {
     return std::nullopt;
   }
 
-  // The old solid triangle that holds three times `place`, or the largest index.
+  // Returns the slot of the old solid triangle that contains `tripled` / 3, or the number of old slots if there is
+  // none.
   std::size_t old_triangle_at(const LatticePoint& tripled) {
     const Vector2d place(static_cast<double>(tripled.x) / 3.0, static_cast<double>(tripled.y) / 3.0);
     std::size_t found = old_.triangles.size();
@@ -149,7 +151,7 @@ class CutAudit {
 
   Finding check_sources() { return find_source_flaw(old_, now_, outcome_.edit, old_index_); }
 
-  // Without what lies across lips and border, which the opened mesh does not see.
+  // Returns the record as in the opened mesh, which has no neighbours across lips and border.
   static TriangleRecord opened(TriangleRecord r) {
     for (std::size_t k = 0; k < 3; ++k) {
       if (r.locks[k] == 0) continue;
@@ -159,7 +161,7 @@ class CutAudit {
     return r;
   }
 
-  // A copy of the old opened mesh in which only what the edit lists is replaced must be the new one.
+  // Checks the edit: replacing in the old opened mesh only what the edit lists must give the new one.
   Finding check_edit() {
     const auto& rewritten = outcome_.edit.rewritten_triangles;
     if (!std::is_sorted(rewritten.begin(), rewritten.end()) ||
@@ -185,7 +187,7 @@ class CutAudit {
     return std::nullopt;
   }
 
-  // The number that a piece had until others, all of which was removed, were given up.
+  // Returns the number that a piece had before the numbers of completely removed pieces were reused.
   [[nodiscard]] std::int32_t before_renumbering(std::int32_t piece) const {
     const auto& vanished = outcome_.edit.removed_pieces;
     std::int32_t count = now_.num_pieces;

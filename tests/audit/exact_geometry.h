@@ -7,7 +7,7 @@
 
 #include "server/core/mesh/mesh_data.h"
 
-// Exact geometry on the lattice of a mesh, found from its records alone.
+// Provides exact geometry on the lattice of a mesh, from its records alone.
 namespace kerf::audit {
 
 __extension__ using Wide = __int128;
@@ -20,7 +20,8 @@ inline bool is_solid(const mesh::TriangleRecord& r) {
   return r.region >= 0;
 }
 
-// The turn from a to b around the origin: twice the area of the triangle that they make with it.
+// Returns the cross product of a and b: twice the signed area of the triangle of origin, a and b, positive if b is
+// counter-clockwise of a.
 inline Wide turn(const mesh::LatticePoint& a, const mesh::LatticePoint& b) {
   return Wide{a.x} * b.y - Wide{a.y} * b.x;
 }
@@ -28,7 +29,7 @@ inline mesh::LatticePoint minus(const mesh::LatticePoint& a, const mesh::Lattice
   return {a.x - b.x, a.y - b.y};
 }
 
-// Three times the centre of a triangle.
+// Returns three times the centre of a triangle, which is a lattice point.
 inline mesh::LatticePoint tripled_centre(const mesh::MeshData& data, const mesh::TriangleRecord& r) {
   mesh::LatticePoint sum;
   for (const mesh::PointId p : r.points) {
@@ -38,7 +39,7 @@ inline mesh::LatticePoint tripled_centre(const mesh::MeshData& data, const mesh:
   return sum;
 }
 
-// Lattice units, rounded.
+// Converts a point to doubles, in lattice units.
 inline Eigen::Vector2d as_vector(const mesh::LatticePoint& p) {
   return {static_cast<double>(p.x), static_cast<double>(p.y)};
 }

@@ -15,18 +15,18 @@ using mesh::kNone;
 using mesh::LatticePoint;
 using mesh::TriangleRecord;
 
-constexpr std::int64_t kRim = std::int64_t{1} << 52;  // half the side of the domain
+constexpr std::int64_t kRim = std::int64_t{1} << 52;  // half the side of the domain, lattice units
 
 std::string at_slot(const char* what, std::int32_t slot) {
   return std::string(what) + " (slot " + std::to_string(slot) + ")";
 }
 
-// One side of a welded edge: from corner `from` to corner `to` of a slot, opposite corner `k`.
+// Represents the side of a slot opposite corner k, which is one side of a welded edge (an edge between points).
 struct Side {
   std::int32_t low = 0, high = 0;  // points
   std::int32_t slot = 0;
   int k = 0;
-  bool ascends = false;  // from low to high, counter-clockwise around the slot
+  bool ascends = false;  // true if it runs from low to high, counter-clockwise around the slot
   friend bool operator<(const Side& a, const Side& b) {
     return std::tie(a.low, a.high, a.ascends) < std::tie(b.low, b.high, b.ascends);
   }
@@ -85,7 +85,8 @@ class Audit {
     return std::nullopt;
   }
 
-  // Every welded edge has two sides, which know each other; joins what is connected across it.
+  // Checks that every welded edge has two sides that are neighbours. Joins corners and slots that are connected across
+  // it.
   Finding check_edges() {
     sides_.reserve(3 * triangles_.size());
     for (std::int32_t t = 0; t < num_slots(); ++t) {
@@ -158,7 +159,7 @@ class Audit {
     return std::nullopt;
   }
 
-  // The corner of a side at the lower or higher of its points.
+  // Returns the corner of a side at the lower or higher of its points.
   static std::size_t corner_at(const Side& side, bool low) {
     return 3 * index(side.slot) + index((side.k + (low == side.ascends ? 1 : 2)) % 3);
   }
@@ -167,7 +168,7 @@ class Audit {
   }
   [[nodiscard]] std::int32_t vertex_of(std::size_t corner) const { return triangles_[corner / 3].vertices[corner % 3]; }
 
-  // One sector, one vertex, and the other way round.
+  // Checks that each sector has one vertex, and each vertex one sector.
   Finding check_vertices() {
     std::vector<std::size_t> sector(data_.vertices.size(), 3 * triangles_.size());
     std::vector<std::int32_t> num_vertices(data_.points.size(), 0);
@@ -234,7 +235,8 @@ class Audit {
     return std::nullopt;
   }
 
-  // Boundary edges form closed chains that meet no vertex twice; then Euler's formula for pieces of genus 0.
+  // Checks that boundary edges form closed chains that meet no vertex twice, then Euler's formula for pieces of genus
+  // 0.
   Finding check_boundary() {
     std::vector<std::int32_t> next(data_.vertices.size(), kNone);
     const auto add = [&](const Side& side) -> Finding {
@@ -265,8 +267,8 @@ class Audit {
 
   const mesh::MeshData& data_;
   const std::vector<TriangleRecord>& triangles_;
-  UnionFind corners_;  // corner 3 t + k
-  UnionFind pieces_;   // slot
+  UnionFind corners_;  // sectors: sets of corners 3 t + k
+  UnionFind pieces_;   // sets of slots
   std::vector<Side> sides_;
   std::vector<std::array<Side, 2>> cuts_;
   std::vector<int> degree_;  // by point: open edges that meet there

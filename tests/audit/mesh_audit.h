@@ -7,9 +7,9 @@
 
 #include "server/core/mesh/triangle_mesh.h"
 
-// Checks of meshes and of cuts that share nothing with server/core/mesh but the records: adjacency, sectors, pieces,
-// loops and areas are found again from corners and coordinates, by other algorithms. Each function returns what is
-// wrong in words, or nothing. The library links nothing of Kerf.
+// Checks meshes and cuts from the records of server/core/mesh alone. Adjacency, sectors (fans of triangles around a
+// point between open edges), pieces, loops and areas are computed from corners and coordinates by other algorithms.
+// Each function describes the first fault, or returns nothing. The library links nothing of Kerf.
 namespace kerf::audit {
 
 using Finding = std::optional<std::string>;
@@ -22,10 +22,10 @@ struct Census {
   std::int64_t pieces = 0;
   std::int64_t loops = 0;            // closed chains of boundary edges
   std::int64_t lip_edges = 0;        // welded edges that are cut
-  std::int64_t welded_vertices = 0;  // points with material around them
-  std::int64_t extra_fans = 0;       // sum over those points of (vertices - 1)
-  // Points by the number of open edges (cut or border) that meet there: [1] are tips, [2] on a lip or border, [3] T
-  // junctions, [4] crossings, [5] more.
+  std::int64_t welded_vertices = 0;  // points that are a corner of a triangle with material
+  std::int64_t extra_fans = 0;       // sum over welded_vertices of (number of the point's vertices - 1)
+  // Points by the number of open edges (cut or border) that meet there: [1]: tips; [2]: on a lip or border; [3]: T
+  // junctions; [4]: crossings; [5]: more edges.
   std::array<std::int64_t, 6> points_by_degree{};
 
   [[nodiscard]] std::int64_t characteristic() const { return vertices - edges + triangles; }
@@ -33,9 +33,13 @@ struct Census {
   [[nodiscard]] std::int64_t welded_characteristic() const { return characteristic() - extra_fans + lip_edges; }
 };
 
-// Ranges; orientation, exactly; a tiling of the domain without gap or overlap; adjacency and locks as edges demand; one
-// vertex for each sector and one sector for each vertex (so: manifold, no bow-tie, tips single, lips in pairs that
-// share their points); every lip open; pieces; Euler. `census`, where given, is filled if nothing is wrong.
+// Checks a mesh:
+//   all indices are in range, and all triangles counter-clockwise, exactly;
+//   the triangles tile the domain without gap or overlap;
+//   adjacency and locks are those that the edges imply;
+//   each sector has one vertex and each vertex one sector, so the mesh is a manifold without bow-ties;
+//   every lip is open; the pieces and Euler's formula are right.
+// `census`, if not null, is filled if nothing is wrong.
 Finding find_flaw(const mesh::TriangleMesh& mesh, Census* census = nullptr);
 
 }  // namespace kerf::audit

@@ -25,9 +25,9 @@ class OldMeshIndex {
   }
 
   enum class EdgeKind { kAbsent, kInner, kOpen };
-  // Returns the kind of the side of a solid triangle that runs from a to b.
+  // Returns the kind of the side from a to b of a solid triangle; kAbsent if no solid triangle has this side.
   [[nodiscard]] EdgeKind edge_kind(mesh::VertexId a, mesh::VertexId b) const;
-  // Returns true if a solid triangle has these corners; `sorted`.
+  // Returns true if a solid triangle has these corners, given in ascending order.
   [[nodiscard]] bool has_triangle(const std::array<mesh::VertexId, 3>& sorted) const;
 
  private:
@@ -35,10 +35,10 @@ class OldMeshIndex {
 
   const mesh::MeshData& data_;
   std::vector<std::size_t> solid_;
-  BoxGrid grid_;                                        // over those
-  std::vector<std::vector<std::size_t>> corners_at_;    // by point
+  BoxGrid grid_;                                        // over the triangles of solid_
+  std::vector<std::vector<std::size_t>> corners_at_;    // indices of solid slots, by point
   std::vector<Edge> edges_;                             // sorted
-  std::vector<std::array<mesh::VertexId, 3>> corners_;  // sorted, each sorted
+  std::vector<std::array<mesh::VertexId, 3>> corners_;  // of solid triangles; sorted, as is each entry
 };
 
 }  // namespace kerf::audit

@@ -18,16 +18,16 @@ namespace {
 
 using Box = Eigen::AlignedBox2d;
 using Eigen::Vector2d;
-using Range = std::pair<double, double>;  // of a parameter; empty where first > second
+using Range = std::pair<double, double>;  // interval of a parameter; empty if first > second
 
-// Lips of one generation lie this close to those of the one before: each split rounds by a unit or two.  lattice units
+// Lattice units: largest distance of a lip from its place before the cut, because each split rounds by a unit or two.
 constexpr double kRounding = 64.0;
-// Gaps in what covers a segment that are no gaps: rounding of the intervals' ends.  lattice units
+// Lattice units: longest gap in the cover of a segment that counts as rounding of the intervals' ends.
 constexpr double kNoGap = 128.0;
 
 struct Segment {
   Vector2d a, b;         // lattice units
-  bool is_dust = false;  // of a stroke no larger than the snap distance
+  bool is_dust = false;  // part of a stroke that is no larger than the snap distance
   [[nodiscard]] Box box(double margin) const {
     Box box(a.cwiseMin(b), a.cwiseMax(b));
     box.min().array() -= margin;
@@ -50,7 +50,7 @@ void extend(Range& range, const Range& other) {
                                      : Range{std::min(range.first, other.first), std::max(range.second, other.second)};
 }
 
-// The t in [0, 1] for which |start + t step - centre| <= radius.
+// Returns the t in [0, 1] with |start + t step - centre| <= radius.
 Range inside_disc(const Vector2d& start, const Vector2d& step, const Vector2d& centre, double radius) {
   const double a = step.squaredNorm();
   const double middle = (centre - start).dot(step) / a;
@@ -61,7 +61,7 @@ Range inside_disc(const Vector2d& start, const Vector2d& step, const Vector2d& c
   return range.first <= range.second ? range : nothing();
 }
 
-// The t in [0, 1] for which low <= f0 + t df <= high, cut down to what `range` holds.
+// Returns the t in `range` with low <= f0 + t df <= high.
 Range between(Range range, double f0, double df, double low, double high) {
   if (df == 0.0) return f0 >= low && f0 <= high ? range : nothing();
   double enter = (low - f0) / df;
@@ -70,7 +70,8 @@ Range between(Range range, double f0, double df, double low, double high) {
   return {std::max(range.first, enter), std::min(range.second, leave)};
 }
 
-// The part of `path` no farther than `radius` from `other`: one interval, since that neighbourhood is convex.
+// Returns the part of `path` within `radius` of `other`. It is one interval, because the points within `radius` form a
+// convex set.
 Range near(const Segment& path, const Segment& other, double radius) {
   const Vector2d step = path.b - path.a;
   Range range = inside_disc(path.a, step, other.a, radius);
@@ -86,7 +87,7 @@ Range near(const Segment& path, const Segment& other, double radius) {
   return range;
 }
 
-// The part of `path` inside a counter-clockwise triangle whose edges are moved outwards by `margin`.
+// Returns the part of `path` inside a counter-clockwise triangle whose edges are moved outwards by `margin`.
 Range inside_triangle(const Segment& path, const std::array<Vector2d, 3>& corners, double margin) {
   Range range{0.0, 1.0};
   const Vector2d step = path.b - path.a;
@@ -99,7 +100,7 @@ Range inside_triangle(const Segment& path, const std::array<Vector2d, 3>& corner
   return range;
 }
 
-// The first part of `wanted` longer than `least` that `given` leaves out.
+// Returns the first part of `wanted` longer than `least` that `given` does not cover.
 std::optional<Range> first_gap(std::vector<Range> wanted, std::vector<Range> given, double least) {
   std::sort(wanted.begin(), wanted.end());
   std::sort(given.begin(), given.end());
@@ -115,7 +116,7 @@ std::optional<Range> first_gap(std::vector<Range> wanted, std::vector<Range> giv
   return std::nullopt;
 }
 
-// Open edges of a sheet, as segments with a grid to find them by.
+// Holds the open edges of a sheet as segments, with a grid to find them.
 class Locks {
  public:
   Locks(const mesh::TriangleMesh& mesh, mesh::LockBits which) : grid_({}) {
@@ -186,7 +187,8 @@ class PathAudit {
     return find_stray_lip(segments_of(plan), radius_of(plan, report));
   }
 
-  // Returns a stretch of the path inside the sheet that is not covered. Marks the triangles that it runs through.
+  // Returns a stretch of the path inside the sheet that is not covered by lips or border. Marks the triangles that the
+  // path crosses.
   Finding find_gap(const cut::CutPlan& plan, const cut::CutReport& report) {
     const double spacing = before_.data().lattice.spacing;
     const double radius = radius_of(plan, report);
@@ -204,7 +206,7 @@ class PathAudit {
       new_locks_.cover(segment, radius, given);
       const auto gap = first_gap(std::move(wanted), std::move(given), kNoGap / length);
       if (!gap || (segment.is_dust && report.merged_segments > 0)) continue;
-      if (plan.options.width_m && lies_in_void(segment, *gap, radius)) continue;  // between strips that closed a gap
+      if (plan.options.width_m && lies_in_void(segment, *gap, radius)) continue;  // removed between strips
       std::ostringstream text;
       const Vector2d at = segment.a + 0.5 * (gap->first + gap->second) * (segment.b - segment.a);
       text << "no lip within " << radius * spacing << " m of the path at lattice point (" << std::fixed << at.x()
@@ -294,7 +296,7 @@ class PathAudit {
       }
     }
     for (const Segment& lip : old_locks_.segments()) {
-      if (takes_material_) break;  // lips inside the strip go with it
+      if (takes_material_) break;  // lips inside the strip are removed with it
       std::vector<Range> given;
       new_locks_.cover(lip, kRounding, given);
       if (first_gap({{0.0, 1.0}}, std::move(given), kNoGap / (lip.b - lip.a).norm())) return "an old lip is gone";
@@ -307,7 +309,7 @@ class PathAudit {
   Locks old_locks_, new_locks_, cuts_;
   std::vector<std::array<Vector2d, 3>> solid_;
   BoxGrid grid_;
-  std::vector<bool> grazed_, crossed_;  // of solid_: touched by the path, and more than touched
+  std::vector<bool> grazed_, crossed_;  // of solid_: touched by the path, and crossed by it
   bool takes_material_ = false;
 };
 

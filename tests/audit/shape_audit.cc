@@ -23,7 +23,7 @@ std::array<LatticePoint, 3> places_of(const MeshData& data, const TriangleRecord
   return places;
 }
 
-// Lattice units, in the rest shape: where that is curved, on the facet of r.
+// Returns the distance of p and q in the rest shape, lattice units; on a curved one, measured on the facet of r.
 double length_of(const MeshData& data, const TriangleRecord& r, const LatticePoint& p, const LatticePoint& q) {
   const Eigen::Vector2d flat(static_cast<double>(p.x - q.x), static_cast<double>(p.y - q.y));
   return data.surface ? (data.surface->facets[index(r.region)].axes * flat).norm() : std::hypot(flat.x(), flat.y());
@@ -47,7 +47,8 @@ Finding find_shape_flaw(const MeshData& old, const MeshData& now, const std::vec
   for (const mesh::TriangleId t : outcome.edit.rewritten_triangles) {
     const TriangleRecord& r = now.triangles[index(t)];
     if (!is_solid(r)) continue;
-    // A new point may lie where relaxing took an old one away.
+    // A triangle with a new point is new, even if an old triangle had the same places: relaxing may have moved an old
+    // point away.
     const bool has_new_point =
         std::any_of(r.points.begin(), r.points.end(), [&](mesh::PointId p) { return index(p) >= old.points.size(); });
     if (!has_new_point && std::binary_search(old_places.begin(), old_places.end(), places_of(now, r))) continue;
@@ -63,7 +64,7 @@ Finding find_shape_flaw(const MeshData& old, const MeshData& now, const std::vec
     least_height = std::min(least_height, height * now.lattice.spacing);
     most_aspect = std::max(most_aspect, side[2] / height);
   }
-  if (least_angle == 180.0) return std::nullopt;  // a cut along edges that are there makes none
+  if (least_angle == 180.0) return std::nullopt;  // a cut along existing edges makes no triangles
   if (std::abs(quality.min_angle_deg - least_angle) > 1e-5) return "min_angle_deg is not that of the triangles";
   if (std::abs(quality.min_height_m - least_height) > 1e-9 * least_height) return "min_height_m is wrong";
   if (std::abs(quality.max_aspect - most_aspect) > 1e-9 * most_aspect) return "max_aspect is wrong";

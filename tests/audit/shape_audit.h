@@ -8,8 +8,8 @@
 
 namespace kerf::audit {
 
-// Checks that the quality in the report is that of the triangles that the cut made. Angles come from side lengths,
-// heights from the area. `old_solid`: slots of the old mesh with material.
+// Checks that the quality in the report matches the triangles that the cut made. Angles come from side lengths, heights
+// from the area. `old_solid`: slots of the old mesh with material.
 Finding find_shape_flaw(const mesh::MeshData& old, const mesh::MeshData& now, const std::vector<std::size_t>& old_solid,
                         const cut::CutOutcome& outcome);
 

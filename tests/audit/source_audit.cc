@@ -22,7 +22,7 @@ using mesh::VertexId;
 using mesh::VertexSource;
 using EdgeKind = OldMeshIndex::EdgeKind;
 
-// A point this near to an older lip was put on it.  lattice units
+// Lattice units: a point within this distance of an older lip was laid on it.
 constexpr double kOnLip = 12.0;
 
 std::string text(const char* what, VertexId v) {
@@ -45,7 +45,7 @@ class SourceAudit {
   }
 
  private:
-  // Old vertices that share a triangle, weights of a mean, and the rest position they give.
+  // Checks one source: old vertices that share a triangle, weights that sum to 1, and the rest position that they give.
   Finding check_source(const VertexSource& source) {
     std::array<VertexId, 3> used{};
     std::size_t num_used = 0;
@@ -91,7 +91,7 @@ class SourceAudit {
     return std::nullopt;
   }
 
-  // Each vertex inherits from its own side of every old lip.
+  // Checks that each vertex inherits from its own side of every old lip.
   Finding check_lip_sources() {
     std::map<mesh::PointId, const VertexSource*> first_at;
     for (std::size_t v = 0; v < now_.vertices.size(); ++v) {
@@ -114,7 +114,7 @@ class SourceAudit {
     return std::nullopt;
   }
 
-  // At an old point: copied from the old vertex in whose sector it lies.
+  // Checks a vertex at an old point: it must be a copy of the old vertex in whose sector it lies.
   Finding check_sector(std::size_t v, mesh::PointId p, const VertexSource* source) {
     VertexId origin = static_cast<VertexId>(v);
     if (source != nullptr) {
@@ -143,7 +143,7 @@ class SourceAudit {
     return text("in a sector that belonged to another vertex", static_cast<VertexId>(v));
   }
 
-  // Returns true if the point was put on an existing lip or border.
+  // Returns true if the vertex's point was laid on an existing lip or border.
   bool lies_on_lip(const VertexSource& source) {
     const LatticePoint& place = now_.points[index(now_.vertices[index(source.vertex)].point)].at;
     const Vector2d here = as_vector(place);
@@ -179,7 +179,7 @@ class SourceAudit {
       const LatticePoint tripled = tripled_centre(now_, now_.triangles[first_slot_of_[v]]);
       return turn(minus(end, start), {tripled.x - 3 * start.x, tripled.y - 3 * start.y}) > 0;
     };
-    // Both sides of a lip between the same two vertices only where both are tips.
+    // Both sides of a lip have the same two vertices only if both are tips.
     if (is_left(a, b) || (old_index_.edge_kind(b, a) == EdgeKind::kOpen && is_left(b, a))) return std::nullopt;
     return text("made of the other side's vertices", source.vertex);
   }
@@ -188,7 +188,7 @@ class SourceAudit {
   const MeshData& now_;
   const mesh::MeshEdit& edit_;
   OldMeshIndex& old_index_;
-  std::vector<std::size_t> first_slot_of_;  // vertex now -> its lowest slot
+  std::vector<std::size_t> first_slot_of_;  // lowest slot of each vertex of the mesh after the cut
 };
 
 }  // namespace

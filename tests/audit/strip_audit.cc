@@ -43,7 +43,7 @@ double distance_to(const std::vector<std::vector<Vector2d>>& lines, const Vector
   return least;
 }
 
-// By the angles under which the sides of closed lines are seen.
+// Returns the winding number of closed lines around p, as the sum of the angles of their sides seen from p.
 double winding(const std::vector<std::vector<Vector2d>>& lines, const Vector2d& p) {
   double angle = 0.0;
   for (const std::vector<Vector2d>& line : lines) {
@@ -56,7 +56,7 @@ double winding(const std::vector<std::vector<Vector2d>>& lines, const Vector2d& 
   return angle / (2.0 * 3.14159265358979323846);
 }
 
-// Locates material.
+// Finds whether a place has material.
 class Solid {
  public:
   explicit Solid(const mesh::TriangleMesh& mesh) : data_(mesh.data()), grid_({}) {
@@ -72,7 +72,8 @@ class Solid {
     grid_ = BoxGrid(std::move(boxes));
   }
 
-  // True if `p` is inside a triangle by more than `margin`, m (below 0: or outside by no more than that).
+  // True if `p` lies in the box of a solid triangle and more than `margin` (m) inside its sides. Below 0, it may lie
+  // outside them by -margin.
   bool holds(const Vector2d& p, double margin) {
     bool found = false;
     grid_.for_touching(Box(p, p), [&](std::size_t i) {
@@ -94,7 +95,7 @@ class Solid {
   BoxGrid grid_;
 };
 
-// m^2; where the rest shape is curved, on the surface.
+// Returns the area of the material in the rest shape, m^2; of a curved one on its surface.
 double area(const MeshData& data) {
   std::vector<Wide> doubled(data.surface ? data.surface->facets.size() : 1, 0);  // by facet
   for (const TriangleRecord& r : data.triangles) {
@@ -147,12 +148,12 @@ Finding find_wrong_counts(const MeshData& before, const MeshData& after, const c
 Finding find_strip_flaw(const mesh::TriangleMesh& before, const mesh::TriangleMesh& after, const cut::CutPlan& plan,
                         const cut::CutOutcome& outcome) {
   if (Finding found = find_wrong_counts(before.data(), after.data(), outcome)) return found;
-  // Checks rewritten triangles: those left are outside, those removed inside.
+  // Checks some rewritten triangles: those left must be outside the outline, those removed inside.
   constexpr std::size_t kLookedAt = 100;
   const auto& rewritten = outcome.edit.rewritten_triangles;
   const std::size_t stride = rewritten.size() / kLookedAt + 1;
   const auto outline = lines_of(plan.outline);
-  const double margin = outcome.report.deviation_m - plan.curve_deviation_m;  // between outline and border
+  const double margin = outcome.report.deviation_m - plan.curve_deviation_m;  // distance from outline to border
   if (margin > *plan.options.width_m / 8.0) return "the sides of the strip have moved by more than an eighth of it";
   Solid is(after);
   for (std::size_t i = 0; i < rewritten.size(); i += stride) {
@@ -170,7 +171,7 @@ Finding find_strip_flaw(const mesh::TriangleMesh& before, const mesh::TriangleMe
     if (inside && is.holds(centre, 0.0)) return "slot " + std::to_string(t) + " is left inside the strip";
     if (!inside && !is.holds(centre, -margin)) return "material of slot " + std::to_string(t) + " is gone";
   }
-  // No piece is left inside, touched or not.
+  // No piece may be left inside the outline, even one that the cut did not touch.
   std::vector<bool> seen(index(after.data().num_pieces), false);
   for (const TriangleRecord& r : after.data().triangles) {
     if (r.region < 0 || seen[index(r.piece)]) continue;
@@ -194,7 +195,7 @@ Finding find_strewn_flaw(const mesh::TriangleMesh& before, const mesh::TriangleM
       }
     }
   }
-  // Between two samples the curve bends by far less than the margin.
+  // With so many samples the curve deviates from its chords by far less than the margin.
   constexpr int kSamplesOfCurve = 1000;
   const auto lines = sample_curve(curve, kSamplesOfCurve);
   const double radius = 0.5 * *plan.options.width_m;

@@ -6,7 +6,7 @@
 
 namespace kerf::audit {
 
-// Disjoint sets of 0..n-1.
+// Maintains disjoint sets of the numbers 0..n-1.
 class UnionFind {
  public:
   explicit UnionFind(std::size_t size) : parent_(size) { std::iota(parent_.begin(), parent_.end(), std::size_t{0}); }

@@ -20,7 +20,7 @@
 namespace kerf::stability {
 namespace {
 
-constexpr int kSide = 6;  // vertices a side
+constexpr int kSide = 6;  // vertices per side
 constexpr std::array<double, 5> kYoungsModuli{1.0, 1e3, 1e6, 1e9, 1e12};
 constexpr std::array<double, 5> kSteps{1e-4, 1e-3, 1.0 / 60.0, 0.1, 1.0};
 constexpr std::array<double, 4> kAspects{1.0, 1e2, 1e4, 9e5};  // 1e6 is refused: see mesh::kMinFlatness
@@ -55,7 +55,7 @@ linear::VertexField random_field(std::uint64_t seed, Eigen::Index n, double size
   return field;
 }
 
-// The start's positions, changed.
+// Makes a kind of start: the resting grid, changed by `change`.
 StartKind shaped(const char* name, std::function<void(fem::State& state)> change) {
   return {name, [change = std::move(change)](double aspect) {
             Start start = resting_grid(aspect);
@@ -77,7 +77,7 @@ Start pinned(double aspect, int num_pins) {
   return start;
 }
 
-// A row of cells a millionth as high as they are long, nearly; the others are not.
+// A grid with one row of cells that are about a millionth as high as long.
 Start flat_row(double /*aspect*/) {
   mesh::IndexedMesh sheet;
   sheet.rest.resize(2, kSide * kSide);
@@ -106,7 +106,7 @@ Start one_triangle(double aspect) {
   return start;
 }
 
-// A grid and, beside it, a triangle alone.
+// A square and, beside it, a small triangle.
 Start island(double aspect) {
   mesh::IndexedMesh sheet = test::indexed({{0, 0}, {1, 0}, {1, 1}, {0, 1}, {2, 0}, {2.001, 0}, {2, 0.001}},
                                           {{0, 1, 2}, {0, 2, 3}, {4, 5, 6}});
@@ -134,7 +134,7 @@ mesh::TriangleMesh cut_often(double aspect) {
 }
 
 Start after_cuts(double aspect) {
-  constexpr double kMost = 100.0;  // beyond it most cuts would be refused
+  constexpr double kMost = 100.0;  // largest aspect ratio; beyond it most cuts would be refused
   static const mesh::TriangleMesh square = cut_often(1.0);
   static const mesh::TriangleMesh strip = cut_often(kMost);
   Start start = resting(aspect < kMost ? square : strip);
@@ -142,7 +142,8 @@ Start after_cuts(double aspect) {
   return start;
 }
 
-// So many cubic curves of about 0.3 m across a sheet of 1 m x 1 m, squeezed to the aspect ratio.
+// Returns a sheet of 1 m x 1 m with `count` cuts along cubic curves of about 0.3 m; all is squeezed to the aspect
+// ratio.
 mesh::TriangleMesh with_curves(int count, double aspect) {
   mesh::TriangleMesh mesh = test::must(mesh::make_grid({2 * kSide, 2 * kSide, 1.0, 1.0 / aspect}));
   SeededRandom random(29);
@@ -155,7 +156,8 @@ mesh::TriangleMesh with_curves(int count, double aspect) {
   return mesh;
 }
 
-// Stretched, and moving as a whole and in waves: what tiny triangles between strands hold comes loose.
+// A sheet with many cuts, stretched and moving as a whole and in waves. This releases what tiny triangles between
+// strands hold.
 StartKind after_curves(const char* name, int count) {
   constexpr double kMost = 100.0;  // as in after_cuts()
   return {name, [count](double aspect) {
@@ -175,8 +177,8 @@ StartKind after_curves(const char* name, int count) {
           }};
 }
 
-// The lightest and the heaviest material that there may be, 1e7 times as heavy, side by side; stretched and moving, so
-// that each pulls the other.
+// The lightest and the heaviest material allowed, 1e7 times as heavy, side by side. They are stretched and moving, so
+// that they pull at each other.
 Start density_jump(double aspect) {
   Start start = resting_grid(aspect);
   std::vector<std::int32_t> regions(static_cast<std::size_t>(start.mesh.num_triangle_slots()), 0);

@@ -1,6 +1,7 @@
 // Cuts a hanging sheet very often, then lets it move: stability_cuts [cuts] [vertices a side] [ticks after] [tr-bdf2].
-// Slits at random places, of up to two edge lengths, a tenth of them between one tick and the next. Ends with 1 if a
-// number is not finite, a step was given up, energy was gained, or mesh or model differ from fresh ones.
+// Slits at random places are up to two edge lengths long; a tenth of them come between one tick and the next. The exit
+// status is 1 if a number is not finite, a step failed, or energy was gained. It is also 1 if mesh or model differ from
+// newly built ones.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -24,9 +25,9 @@ using kerf::sheet::TickReport;
 
 struct Run {
   Sheet sheet;
-  double gain = 0.0;          // J, most over the energy at the start and of cuts, over all ticks so far
+  double gain = 0.0;          // J, largest excess over start_energy + of_cuts in all ticks so far
   double start_energy = 0.0;  // J
-  double of_cuts = 0.0;       // J, what cuts added: they move mass, and so weight, to lighter vertices
+  double of_cuts = 0.0;       // J, energy added by cuts, which move mass, and so weight, between vertices
   long num_applied = 0, num_ticks = 0, num_failed = 0, num_not_finite = 0;
   unsigned flags = 0;
 };
@@ -44,7 +45,7 @@ kerf::scene::Command make_cut(kerf::SeededRandom& random, double edge) {
   return kerf::scenes::line_cut(from, from + along);
 }
 
-// Takes note of the energy after the cuts of a tick, before it is integrated.
+// Records the energy after the cuts of a tick, before the tick is integrated.
 class AfterCuts final : public kerf::sheet::StageObserver {
  public:
   explicit AfterCuts(const Sheet& sheet) : sheet_(sheet) {}
@@ -112,7 +113,7 @@ int main(int argc, char** argv) {
   const bool is_valid = !run.sheet.mesh().find_violation();
   const bool is_fresh =
       run.sheet.model().hash() == kerf::fem::Model(run.sheet.mesh(), run.sheet.config().material).hash();
-  const double moved = 9.81 * run.sheet.model().masses().total();  // J, a fall by 1 m
+  const double moved = 9.81 * run.sheet.model().masses().total();  // J, energy of a fall by 1 m
   std::printf("\ncuts made: %ld of %d; vertices: %d; ticks: %ld; not finite: %ld; failed: %ld; flags: %#x\n",
               run.num_applied, num_cuts, run.sheet.mesh().num_vertices(), run.num_ticks, run.num_not_finite,
               run.num_failed, run.flags);

@@ -1,4 +1,5 @@
-// Values that are none in every number that a step is given; scene_test.cc has those of scenes and commands.
+// Puts bad values (see bad_values.h) into every number of a step's input; scene_test.cc does the same for scenes and
+// commands.
 #include <cstdio>
 #include <cstring>
 #include <functional>
@@ -15,7 +16,7 @@
 namespace kerf::stability {
 namespace {
 
-// A sheet with everything that a step takes.
+// The input of a step, with every kind of load.
 struct StepInput {
   explicit StepInput(const mesh::TriangleMesh& mesh, const fem::Model& model) : state(fem::rest_state(mesh)) {
     loads.external_forces = Eigen::Matrix3Xd::Zero(3, mesh.num_vertices());
@@ -35,7 +36,7 @@ struct StepInput {
   fem::Loads loads;
 };
 
-// A number of a step's input, picked at random; one a kind of number.
+// A kind of number in a step's input; `at` picks one of them at random.
 struct Place {
   const char* name;
   std::function<double&(StepInput& input, SeededRandom& random)> at;
@@ -75,7 +76,7 @@ std::vector<Place> places() {
   };
 }
 
-// A step either refuses and leaves the state, bit for bit, or ends finite.
+// A step must either refuse and leave the state unchanged, bit for bit, or end with finite numbers.
 TEST(StabilityOfInput, OneBadValueAtAnyOfAThousandPlaces) {
   const mesh::TriangleMesh mesh = fem::square_grid(5);
   const fem::Model model(mesh, fem::isotropic(1e6, 0.3, 1e-3, 300.0));

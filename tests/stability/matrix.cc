@@ -1,6 +1,6 @@
-// Runs the stability matrix and prints what came of it, by start: stability_matrix [cases per start] [steps] [start]
-// With a start, those of it alone. Ends with status 1 where a case is not finite, or an accurate one does not keep its
-// energy and momentum.
+// Runs the stability matrix and prints the results by start: stability_matrix [cases per start] [steps] [start]. If a
+// start is given, only its cases run. The exit status is 1 if a case is not finite, or an accurate one does not keep
+// its energy and momentum.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -17,8 +17,8 @@ using kerf::stability::Outcome;
 // Results of the cases of one start.
 struct Row {
   int cases = 0, not_finite = 0, failed = 0;
-  std::array<int, 3> classes{};  // A, B, C
-  std::array<double, 3> gain{};  // by class
+  std::array<int, 3> classes{};  // number of cases of class A, B, C: see fem::ConditionClass
+  std::array<double, 3> gain{};  // largest gain of each class
   double drift = 0.0;
   std::array<long, kerf::fem::kStepFlagNames.size()> flags{};
 

@@ -1,5 +1,5 @@
-// Values that are none in every number of a scene and of a command: refused at the entrance, with the field, or a sheet
-// that stays finite.
+// Puts bad values (see bad_values.h) into every number of a scene and of a command. They must be refused with the
+// field, or the sheet must stay finite.
 #include <cstring>
 #include <functional>
 #include <string>
@@ -20,7 +20,7 @@ using scene::Command;
 using scene::SheetConfig;
 using sheet::Sheet;
 
-// A sheet with something of everything: two materials, bending stiffness as measured, pins, a moving constraint, every
+// Returns a scene that uses every feature: two materials, measured bending stiffness, pins, a moving constraint, every
 // kind of load and of collider.
 SheetConfig full_scene() {
   SheetConfig config = scenes::hanging(6);
@@ -160,7 +160,7 @@ bool are_equal(const linear::VertexField& a, const linear::VertexField& b) {
          std::memcmp(a.data(), b.data(), sizeof(double) * static_cast<std::size_t>(a.size())) == 0;
 }
 
-// A failed step leaves the sheet as it was.
+// Expects finite states, and that a failed step leaves the sheet unchanged.
 void expect_finite_steps(Sheet& sheet) {
   for (int tick = 0; tick < 3; ++tick) {
     const fem::State before = sheet.state();

@@ -1,4 +1,4 @@
-// A share of the stability matrix (stability_matrix runs all of it), and very long runs.
+// Runs a share of the stability matrix, of which the program stability_matrix runs all, and some very long runs.
 #include <algorithm>
 #include <stdexcept>
 #include <string>
@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kTestedPerStart = 6;  // 126 cases
 
-// Cases of each start, and steps of each; stability_matrix takes 600.
+// share(): cases of each start. num_steps(): steps of each case, of which stability_matrix makes 600.
 std::size_t share() {
   return static_cast<std::size_t>(test::num_trials({.few = 1, .usual = kTestedPerStart, .many = 2 * kTestedPerStart}));
 }
@@ -43,7 +43,7 @@ TEST_P(StabilityMatrixCase, StaysFiniteAndKeepsItsEnergy) {
     EXPECT_LE(outcome.gain, 1.0) << outcome.integrator;
   }
   if (rating != fem::ConditionClass::kAccurate) return;
-  // Verlet swings about the energy that it keeps by what its steps resolve.
+  // Verlet's energy oscillates about a constant, within the accuracy of its steps.
   EXPECT_LE(outcome.gain, outcome.is_explicit ? 1e-2 : 1e-4) << outcome.integrator;
   EXPECT_LE(outcome.drift, 1e-6) << outcome.integrator;
 }
@@ -78,13 +78,14 @@ INSTANTIATE_TEST_SUITE_P(
                     find_case("1000 m/s at random, E 1e+09 Pa, nu 0.49, dt 0.1 s, aspect 1e+02"),
                     find_case("density jump of 1e7, E 1e+00 Pa, nu 0.63, dt 0.0001 s, aspect 1e+04")));
 
-// 1000 rad/s about the normal for 10,000 steps, by what users get, explicit here, and by both implicit ones with five
-// Newton steps: with two, conjugate gradients to 1e-4 leave the centre where TR-BDF2 is 4e-9 off.
+// Sheets spin at 1000 rad/s about the normal for 10,000 steps. The integrators are the default, explicit here, and both
+// implicit ones with five Newton steps. With only two, and conjugate gradients to 1e-4, TR-BDF2 leaves the centre 4e-9
+// off its place.
 TEST(StabilityOfSpin, NeverGainsEnergyNorLeavesItsPlace) {
   struct Spin {
     fem::IntegratorKind kind;
     double youngs_modulus, dt;  // Pa, s
-    int newton_iterations = 0;  // of a new sheet
+    int newton_iterations = 0;  // 0: as for a new sheet
   };
   constexpr double kTick = 1.0 / 60.0;
   const int num_spin_steps = test::num_trials({.few = 100, .usual = 2'000, .many = 10'000});

@@ -9,7 +9,7 @@ namespace kerf::test {
 
 bool counts_allocations();
 
-// Allocations so far, and the bytes asked for, given back or not. The tests have one thread.
+// Return the number of allocations so far, freed or not, and the bytes requested by them. For tests with one thread.
 std::size_t num_allocations();
 std::size_t allocated_bytes();
 

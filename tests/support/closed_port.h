@@ -9,7 +9,7 @@
 
 namespace kerf::test {
 
-// An address at which no server answers, on any machine: a port that is held and not listened on.
+// Provides an address at which no server answers: a port of this machine that is bound, but not listened on.
 class ClosedPort {
  public:
   ClosedPort() : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {

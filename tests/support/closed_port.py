@@ -1,4 +1,4 @@
-"""An address at which no server answers, on any machine: a port that this process holds and does not listen on."""
+"""An address at which no server answers: a port of this machine that the process has bound, but does not listen on."""
 
 import socket
 
@@ -6,7 +6,7 @@ _held = []
 
 
 def closed_port():
-    """HOST:PORT; the port is held until the process ends."""
+    """Returns HOST:PORT; the port stays bound until the process ends."""
     if not _held:
         held = socket.socket()
         held.bind(("127.0.0.1", 0))

@@ -9,16 +9,17 @@
 
 #include "server/core/cut/curve.h"
 
-// Cuts that quality is judged by: smooth and cornered ones, tiny and large loops, many at once, crossing ones. On a
-// unit square whose edges are `h` long.
+// Makes cuts by which the quality of meshes is judged: smooth and cornered ones, tiny and large loops, many at once,
+// crossing ones. They are for a unit square whose edges are `h` long.
 namespace kerf::test {
 
 struct CutPattern {
   std::string name;
-  std::vector<cut::Curve> curves;  // cut one after the other
+  std::vector<cut::Curve> curves;  // to be cut one after the other
 };
 
-// Points of a curve given by its parameter in [0, 1]; closed where the ends are meant to meet.
+// Returns `count` points of the curve `at`, whose parameter is in [0, 1]. If `closed`, the first point is repeated at
+// the end.
 inline cut::Polyline sampled(int count, bool closed, const std::function<Eigen::Vector2d(double)>& at) {
   cut::Polyline line;
   for (int i = 0; i < count; ++i) line.points.push_back(at(static_cast<double>(i) / (closed ? count : count - 1)));
@@ -30,7 +31,7 @@ inline Eigen::Vector2d polar(const Eigen::Vector2d& centre, double radius, doubl
   return centre + radius * Eigen::Vector2d(std::cos(angle), std::sin(angle));
 }
 
-// From left to right, `teeth` corners of the angle given (degrees).
+// Returns a zigzag from left to right with `teeth` corners of this angle (degrees).
 inline cut::Polyline zigzag(int teeth, double corner_deg) {
   const double step = 0.8 / (teeth + 1);
   const double height = 0.5 * step / std::tan(0.5 * corner_deg * std::numbers::pi / 180.0);

@@ -13,12 +13,12 @@
 
 namespace kerf::scenes {
 
-inline constexpr double kGivesUp = 66.0;         // m/s^2: with this gravity along z it reports kFrozen
-inline constexpr double kRunsShort = 88.0;       // m/s^2: with this one memory runs out in it
-inline constexpr double kWritesNonsense = 77.0;  // m/s^2: with this one it writes NaN and reports success
+inline constexpr double kGivesUp = 66.0;         // m/s^2: gravity along z with which a step reports kFrozen
+inline constexpr double kRunsShort = 88.0;       // m/s^2: gravity along z with which memory runs out in a step
+inline constexpr double kWritesNonsense = 77.0;  // m/s^2: gravity along z with which a step writes NaN as success
 
-// A real integrator that fails on request, the request being the gravity: so a step still depends on its arguments
-// alone.
+// Wraps a real integrator and fails if gravity has one of the values above. A step thus still depends only on its
+// arguments.
 class FailingIntegrator : public fem::Integrator {
  public:
   explicit FailingIntegrator(const fem::IntegratorOptions& options) : inner_(fem::make_integrator(options)) {}

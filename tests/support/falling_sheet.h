@@ -13,7 +13,8 @@
 
 namespace kerf::test {
 
-// 1 m x 1 m of 20 x 20 vertices; falls from the horizontal, two corners pinned. It crumples after some 0.4 s.
+// A sheet of 1 m x 1 m with 20 x 20 vertices that falls from the horizontal, with two corners pinned. It crumples after
+// some 0.4 s.
 struct FallingSheet {
   static constexpr int kSide = 20;
 
@@ -27,7 +28,7 @@ struct FallingSheet {
     }
   }
 
-  // J, more than at the start; 0 of an exact motion.
+  // Returns the energy minus the energy at the start, J; 0 for an exact motion without damping.
   [[nodiscard]] double energy_gain(const fem::State& state) const {
     return model.energies(state, loads.gravity).total() - model.energies(start, loads.gravity).total();
   }
@@ -39,16 +40,16 @@ struct FallingSheet {
 };
 
 struct Fall {
-  std::vector<fem::State> states;  // at the end of every interval
+  std::vector<fem::State> states;  // one at the end of each interval
   int solves = 0;
   int substeps = 0;
   int repaired = 0;        // steps
   int not_converged = 0;   // steps
-  double simulated = 0.0;  // s; less than asked for where max_substeps did not do
-  double seconds = 0.0;    // of CPU
+  double simulated = 0.0;  // s; less than requested if max_substeps was too few
+  double seconds = 0.0;    // CPU time
 };
 
-// In steps of 1 / rate (Hz); `interval` in seconds, a whole number of steps.
+// Lets a sheet fall in steps of 1 / rate (Hz). `interval`: seconds, a whole number of steps.
 inline Fall fall(const FallingSheet& sheet, const fem::IntegratorOptions& options, double rate, double interval,
                  int num_intervals) {
   const std::unique_ptr<fem::Integrator> integrator = fem::make_integrator(options);
@@ -71,7 +72,7 @@ inline Fall fall(const FallingSheet& sheet, const fem::IntegratorOptions& option
   return result;
 }
 
-// m, of the vertex that is farthest off.
+// Returns the largest distance, m, between the two positions of a vertex.
 inline double largest_distance(const fem::State& a, const fem::State& b) {
   return (a.x - b.x).colwise().norm().maxCoeff();
 }

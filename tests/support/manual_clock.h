@@ -11,13 +11,13 @@
 
 namespace kerf::test {
 
-// Stands still until move_to() moves it: a server on it does nothing by itself, and all its actions are repeatable.
-// Timers fire on the thread that moves the clock.
+// A clock that moves only by move_to(). A server with this clock does nothing by itself, and its actions are
+// repeatable. Timers fire on the thread that moves the clock.
 class ManualClock : public host::Clock {
  public:
   [[nodiscard]] host::Nanoseconds now() const override;
   [[nodiscard]] std::int64_t unix_us() const override;  // now() in microseconds, as if started in 1970.
-  // now(): simulated work takes the time that passes on this clock.
+  // Returns now(), because simulated work takes the time that passes on this clock.
   [[nodiscard]] host::Nanoseconds thread_cpu() const override;
   host::TimerId schedule(host::Nanoseconds deadline, std::function<void()> fire) override;
   bool cancel(host::TimerId timer) override;
@@ -26,7 +26,7 @@ class ManualClock : public host::Clock {
   [[nodiscard]] std::optional<host::Nanoseconds> next_deadline() const;
   [[nodiscard]] std::size_t num_timers() const;
   // Moves to `time` (>= now()) in one jump, then fires all timers due, in the order of (deadline, schedule()). Timers
-  // set by these for times already past fire too.
+  // that the fired ones set for times already past fire too.
   void move_to(host::Nanoseconds time);
 
  private:

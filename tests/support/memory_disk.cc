@@ -55,7 +55,7 @@ Result<std::string> MemoryDisk::read_file(const std::string& path, std::size_t m
 
 Status MemoryDisk::write_file(const std::string& path, std::string_view content) {
   const std::lock_guard lock(content_->mutex);
-  // Needs room for both: the old content is dropped only once the new one is complete.
+  // Needs room for old and new content, because the old one is dropped only once the new one is complete.
   if (content_->used_bytes + content.size() > content_->capacity_bytes) return disk_full(path);
   std::string& file = content_->files[path];
   content_->used_bytes += content.size();

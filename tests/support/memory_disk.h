@@ -12,11 +12,11 @@
 
 namespace kerf::test {
 
-// Files in memory, for tests and simulation. A capacity makes it run full.
+// Keeps files in memory, for tests and simulation. A limited capacity makes the disk run full.
 class MemoryDisk : public Disk {
  public:
   explicit MemoryDisk(std::size_t capacity_bytes = std::size_t{1} << 30U);
-  // Sets the capacity. It may be below what is in use: nothing is written then.
+  // Sets the capacity. If it is below the bytes in use, all writes fail.
   void set_capacity(std::size_t bytes);
   Result<std::string> read_file(const std::string& path, std::size_t max_bytes) override;
   Status write_file(const std::string& path, std::string_view content) override;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Mesh files to import.
+// Writes mesh files for tests of import.
 
 #include <algorithm>
 #include <array>
@@ -18,13 +18,13 @@ namespace kerf::test {
 enum class PlyKind { kAscii, kLittleEndian, kBigEndian };
 inline constexpr std::array<PlyKind, 3> kPlyKinds{PlyKind::kAscii, PlyKind::kLittleEndian, PlyKind::kBigEndian};
 
-// The first lines of a header.
+// Returns the first lines of a PLY header.
 inline std::string ply_start(PlyKind kind) {
   constexpr std::array<std::string_view, 3> kNames{"ascii", "binary_little_endian", "binary_big_endian"};
   return "ply\nformat " + std::string(kNames[static_cast<std::size_t>(kind)]) + " 1.0\n";
 }
 
-// Writes the part after the header.
+// Writes the part of a PLY file after its header.
 class PlyBody {
  public:
   explicit PlyBody(PlyKind kind) : kind_(kind) {}
@@ -34,7 +34,7 @@ class PlyBody {
     if (kind_ == PlyKind::kAscii) {
       std::ostringstream word;
       word.precision(17);
-      word << +value << ' ';  // + : numbers of one byte are no characters
+      word << +value << ' ';  // + makes numbers of one byte print as numbers, not characters
       text_ += word.str();
       return *this;
     }
@@ -44,7 +44,7 @@ class PlyBody {
     text_.append(bytes.data(), bytes.size());
     return *this;
   }
-  // The end of a vertex, face or other element.
+  // Ends a vertex, face or other element.
   PlyBody& end() {
     if (kind_ == PlyKind::kAscii) text_ += '\n';
     return *this;
@@ -56,7 +56,7 @@ class PlyBody {
   std::string text_;
 };
 
-// A flat sheet of triangles at height z, positions as doubles.
+// Returns a PLY file of a flat sheet of triangles at height z, with positions as doubles.
 inline std::string write_ply(const mesh::IndexedMesh& sheet, PlyKind kind, double z = 0.0) {
   PlyBody body(kind);
   for (Eigen::Index v = 0; v < sheet.rest.cols(); ++v) body.add(sheet.rest(0, v)).add(sheet.rest(1, v)).add(z).end();
@@ -71,7 +71,7 @@ inline std::string write_ply(const mesh::IndexedMesh& sheet, PlyKind kind, doubl
          body.text();
 }
 
-// The same as Wavefront OBJ.
+// Returns a Wavefront OBJ file of a flat sheet of triangles at height z.
 inline std::string write_obj(const mesh::IndexedMesh& sheet, double z = 0.0) {
   std::ostringstream text;
   text.precision(17);

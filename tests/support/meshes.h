@@ -1,6 +1,6 @@
 #pragma once
 
-// The zoo: small sheets that are nasty in one way each, and the grids that most tests use.
+// Makes the zoo, small sheets that are each difficult in one way, and the grids that most tests use.
 
 #include <cstdint>
 #include <cstdio>
@@ -30,7 +30,7 @@ inline mesh::IndexedMesh indexed(std::initializer_list<std::array<double, 2>> re
   return sheet;
 }
 
-// The mesh of a fixture that must build; ends the test program with the reason otherwise.
+// Returns the mesh of a fixture; if it could not be built, ends the test program with the reason.
 inline mesh::TriangleMesh must(Result<mesh::TriangleMesh> built) {
   if (!built.ok()) {
     std::fprintf(stderr, "fixture does not build: %s\n", built.error().message.c_str());
@@ -39,7 +39,7 @@ inline mesh::TriangleMesh must(Result<mesh::TriangleMesh> built) {
   return std::move(built).value();
 }
 
-// num x num vertices on the unit square; cell (i, j) halved from lower left to upper right.
+// Returns num x num vertices on the unit square; each cell is divided from lower left to upper right.
 inline mesh::TriangleMesh grid(std::int32_t num) {
   return must(mesh::make_grid({num, num, 1.0, 1.0}));
 }
@@ -47,7 +47,7 @@ inline mesh::TriangleMesh jittered_grid(std::int32_t num, std::uint64_t seed) {
   return must(mesh::make_jittered_grid({num, num, 1.0, 1.0}, seed));
 }
 
-// num x num vertices on the unit square, the diagonals of its cells alternating.
+// Returns num x num vertices on the unit square; the diagonals of the cells alternate.
 inline mesh::TriangleMesh union_jack(std::int32_t num) {
   mesh::IndexedMesh sheet;
   sheet.rest.resize(2, num * num);
@@ -67,7 +67,7 @@ inline mesh::TriangleMesh union_jack(std::int32_t num) {
   return must(mesh::import_mesh(sheet));
 }
 
-// The vertices joined to v by an edge, in counter-clockwise order.
+// Returns the vertices joined to v by an edge, in counter-clockwise order.
 inline std::vector<mesh::VertexId> one_ring(const mesh::TriangleMesh& mesh, mesh::VertexId v) {
   std::vector<mesh::TriangleId> triangles;
   mesh.triangles_around(v, triangles);
@@ -104,7 +104,7 @@ inline mesh::IndexedMesh two_components() {
                  {{0, 1, 2}, {0, 2, 3}, {4, 5, 6}, {4, 6, 7}});
 }
 
-// Two triangles that touch in one place, with a vertex each there: one point, two vertices, two pieces.
+// Two triangles that touch in one place: one point, two vertices (one for each triangle), two pieces.
 inline mesh::IndexedMesh touching_corners() {
   return indexed({{0, 0}, {1, -1}, {1, 1}, {0, 0}, {-1, 1}, {-1, -1}}, {{0, 1, 2}, {3, 4, 5}});
 }
@@ -121,7 +121,7 @@ inline mesh::IndexedMesh three_way_junction() {
                  {{0, 1, 2}, {3, 4, 5}, {6, 7, 8}});
 }
 
-// Triangles nearly as flat as import takes them, beside ones of 1 m.
+// Triangles that are almost too flat for import, beside triangles of 1 m.
 inline mesh::IndexedMesh slivers() {
   return indexed({{0, 0}, {1, 0}, {0.5, 1.1e-6}, {0.5, 1}, {0.5, -1e-5}}, {{0, 2, 3}, {2, 1, 3}, {0, 1, 2}, {0, 4, 1}});
 }

@@ -14,7 +14,7 @@
 
 namespace kerf::test {
 
-// A cubic Bezier curve of about 0.3 m in a sheet of 1 m x 1 m.
+// Returns a random cubic Bezier curve of about 0.3 m in a sheet of 1 m x 1 m.
 inline cut::Curve random_cubic(SeededRandom& random) {
   const Eigen::Vector2d middle(random.uniform(0.1, 0.9), random.uniform(0.1, 0.9));
   const double angle = random.uniform(0.0, 2.0 * std::numbers::pi);
@@ -25,13 +25,13 @@ inline cut::Curve random_cubic(SeededRandom& random) {
   return cut::CubicBezier{{middle - half, second, third, middle + half}};
 }
 
-// Cuts that were made on a mesh and its model, and can be taken back.
+// Makes random cuts on a mesh and its model, and can undo them.
 class RandomCuts {
  public:
   RandomCuts(std::uint64_t seed, mesh::TriangleMesh& mesh, fem::Model& model)
       : random_(seed), mesh_(mesh), model_(model) {}
 
-  // Until so many are made in all; curves that miss do not count.
+  // Makes cuts until there are `count` in all; curves that miss do not count.
   void make(std::size_t count) {
     while (done_.size() < count) make_one();
   }

@@ -7,14 +7,14 @@
 #include "server/core/fem/element/material.h"
 #include "server/core/scene/sheet_config.h"
 
-// Scenes that tests, benchmarks and the soak test share.
+// Provides scenes for tests, benchmarks and the soak test.
 namespace kerf::scenes {
 
 inline fem::Material demo_material() {
   return fem::find_preset("demo").value();
 }
 
-// n x n vertices on 1 m x 1 m, hanging by its top edge in the x-z plane.
+// Returns a sheet of 1 m x 1 m with n x n vertices that hangs by its top edge in the x-z plane.
 inline scene::SheetConfig hanging(std::int32_t n) {
   scene::SheetConfig config;
   config.mesh = scene::GridSource{n, n, 1.0, 1.0, scene::GridPattern::kUniformDiagonals, 0};
@@ -23,7 +23,7 @@ inline scene::SheetConfig hanging(std::int32_t n) {
   return config;
 }
 
-// 1 m x 1 m in the plane z = 0, free, without gravity.
+// Returns a sheet of 1 m x 1 m in the plane z = 0, without pins and gravity.
 inline scene::SheetConfig flat(std::int32_t n) {
   scene::SheetConfig config = hanging(n);
   config.placement.y_axis = {0.0, 1.0, 0.0};
@@ -51,13 +51,13 @@ inline scene::Cut circle_cut(const Eigen::Vector2d& centre, double radius) {
   return cut;
 }
 
-// A Bezier slit inside, a punched circle, a line right through: 3 pieces in the end.
+// Returns a Bezier slit inside the sheet, a circle and a line across the sheet: 3 pieces in the end.
 inline std::vector<scene::Cut> three_cuts() {
   return {bezier_cut({0.2, 0.5}, {0.4, 0.8}, {0.6, 0.2}, {0.8, 0.5}), circle_cut({0.3, 0.3}, 0.1),
           line_cut({-0.1, 0.85}, {1.1, 0.8})};
 }
 
-// hanging(n) with three_cuts() at ticks 10, 20 and 30.
+// Returns hanging(n) with three_cuts() at ticks 10, 20 and 30.
 inline scene::SheetConfig hanging_with_three_cuts(std::int32_t n) {
   scene::SheetConfig config = hanging(n);
   std::int64_t tick = 10;
@@ -70,7 +70,7 @@ inline scene::SheetConfig hanging_with_three_cuts(std::int32_t n) {
   return config;
 }
 
-// A horizontal sheet of n x n vertices, 1 m x 1 m, 10 cm above a sphere of radius 0.3 m around the origin.
+// Returns a horizontal sheet of 1 m x 1 m with n x n vertices, 10 cm above a sphere of radius 0.3 m around the origin.
 inline scene::SheetConfig draped_over_sphere(std::int32_t n) {
   scene::SheetConfig config = hanging(n);
   config.placement.origin = {-0.5, -0.5, 0.4};
@@ -80,7 +80,7 @@ inline scene::SheetConfig draped_over_sphere(std::int32_t n) {
   return config;
 }
 
-// Returns a small sheet lying on a floor, initially at rest except for settling.
+// Returns a sheet lying on a floor; it only settles a little at first.
 inline scene::SheetConfig lying_on_floor(std::int32_t n) {
   scene::SheetConfig config = hanging(n);
   config.placement.origin = {0.0, 0.0, 0.5 * config.material.thickness};

@@ -1,6 +1,6 @@
 #pragma once
 
-// Curved rest surfaces.
+// Makes sheets with curved rest shapes.
 
 #include <cmath>
 #include <cstdint>
@@ -14,7 +14,8 @@
 
 namespace kerf::test {
 
-// The unit square, num x num vertices, jittered or not, with a rest position in space for each vertex.
+// Returns the unit square with num x num vertices, jittered or not. `map` gives the rest position in space of each
+// vertex.
 template <typename Map>
 mesh::IndexedMesh shell(std::int32_t num, bool jittered, const Map& map) {
   const mesh::TriangleMesh flat = jittered ? jittered_grid(num, 7) : grid(num);
@@ -32,7 +33,7 @@ mesh::IndexedMesh shell(std::int32_t num, bool jittered, const Map& map) {
   return sheet;
 }
 
-// Returns a square rolled about an axis along y, with this radius (m): an isometry except for the chords.
+// Returns a square rolled about an axis along y, with this radius (m). Lengths stay, except that chords replace arcs.
 inline mesh::IndexedMesh rolled_square(std::int32_t num, double radius, bool jittered = false) {
   return shell(num, jittered, [radius](const Eigen::Vector2d& at) {
     const double angle = (at.x() - 0.5) / radius;
@@ -40,7 +41,7 @@ inline mesh::IndexedMesh rolled_square(std::int32_t num, double radius, bool jit
   });
 }
 
-// The upper part of a sphere of radius 1 m over a square of side `side` <= 1.2 m.
+// Returns the upper part of a sphere of radius 1 m over a square of side `side` <= 1.2 m.
 inline mesh::IndexedMesh dome(std::int32_t num, double side, bool jittered = false) {
   return shell(num, jittered, [side](const Eigen::Vector2d& at) {
     const Eigen::Vector2d p = side * (at - Eigen::Vector2d(0.5, 0.5));
@@ -48,7 +49,7 @@ inline mesh::IndexedMesh dome(std::int32_t num, double side, bool jittered = fal
   });
 }
 
-// Two squares of 1 m that meet at a right angle along y.
+// Returns two rectangles of 1 m that meet at a right angle along y.
 inline mesh::IndexedMesh creased_sheet(std::int32_t num) {
   return shell(num, false, [](const Eigen::Vector2d& at) {
     const double x = 2.0 * (at.x() - 0.5);

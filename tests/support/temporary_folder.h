@@ -10,7 +10,8 @@
 
 namespace kerf::test {
 
-// A new, empty folder for one test, removed with all that lies in it. Two tests, builds or users never share one.
+// A new, empty folder for one test. The destructor removes it with its content. No two tests, builds or users share
+// one.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
@@ -25,7 +26,7 @@ class TemporaryFolder {
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   std::filesystem::path operator/(std::string_view name) const { return path_ / name; }
 
-  // Writes a file, and the folders that it lies in; its path.
+  // Writes a file and makes the folders that contain it. Returns its path.
   std::filesystem::path write(std::string_view name, std::string_view content) const {
     const std::filesystem::path file = path_ / name;
     std::filesystem::create_directories(file.parent_path());

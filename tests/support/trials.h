@@ -17,13 +17,13 @@ struct NumTrials {
   int few = 0, usual = 0, many = 0;
 };
 
-// Ends the program where a variable of the environment cannot be read: a typing error is not taken for a long run.
+// Ends the program if a variable of the environment is invalid, so that a typing error does not pass unnoticed.
 [[noreturn]] inline void refuse(const char* variable, const std::string& value, const char* allowed) {
   std::fprintf(stderr, "%s: say %s, not '%s'\n", variable, allowed, value.c_str());
   std::exit(2);  // NOLINT(concurrency-mt-unsafe): before any thread
 }
 
-// The whole number of a variable of the environment, if it is set.
+// Returns the whole number in a variable of the environment, if it is set.
 inline std::optional<std::uint64_t> number_of(const char* variable) {
   const char* text = std::getenv(variable);  // NOLINT(concurrency-mt-unsafe)
   if (text == nullptr) return std::nullopt;
@@ -34,7 +34,7 @@ inline std::optional<std::uint64_t> number_of(const char* variable) {
   return std::strtoull(text, nullptr, 10);
 }
 
-// The count that KERF_TRIALS names.
+// Returns the number of trials chosen by KERF_TRIALS.
 inline int num_trials(const NumTrials& counts) {
   const char* named = std::getenv("KERF_TRIALS");  // NOLINT(concurrency-mt-unsafe)
   const std::string word = named == nullptr ? "usual" : named;
@@ -44,17 +44,18 @@ inline int num_trials(const NumTrials& counts) {
   refuse("KERF_TRIALS", word, "few, usual or many");
 }
 
-// KERF_SEED, at most 10^12.
+// Returns KERF_SEED modulo 10^12 + 1; 0 if it is not set.
 inline std::uint64_t chosen_seed() {
   return number_of("KERF_SEED").value_or(0) % 1'000'000'000'001;
 }
 
-// The least seed of this run's trials, even: seeds from it on, fewer than ten million, are those of no other KERF_SEED.
+// Returns the first seed of this run's trials, an even number. The ten million seeds from it on belong to no other
+// KERF_SEED.
 inline std::uint64_t first_seed() {
   return 10'000'000 * chosen_seed();
 }
 
-// The seed of the one trial that is to be run, if there is one.
+// Returns the seed of the only trial to run, if KERF_CUT_SEED is set.
 inline std::optional<std::uint64_t> only_seed() {
   return number_of("KERF_CUT_SEED");
 }

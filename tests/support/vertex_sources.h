@@ -10,8 +10,8 @@
 
 namespace kerf::test {
 
-// The rest position of each vertex of an edit must be what its weights give, from positions before the edit. Returns
-// what is wrong in words, or nothing.
+// Checks that the rest position of each vertex in `sources` is the weighted mean of the positions before the edit.
+// Describes the first fault, or returns nothing.
 inline std::optional<std::string> find_wrong_source(const mesh::TriangleMesh& before, const mesh::TriangleMesh& after,
                                                     const std::vector<mesh::VertexSource>& sources) {
   const double allowed = 1e-12 * before.bounding_box().sizes().maxCoeff();

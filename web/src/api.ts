@@ -1,7 +1,7 @@
 import { create, fromJson, toJson } from '@bufbuild/protobuf';
 import type { DescMessage, DescMethodUnary, JsonValue, MessageInitShape, MessageShape } from '@bufbuild/protobuf';
 
-/** A call that the server refused (or could not be reached for: code UNAVAILABLE). */
+/** A call that the server refused. The code is UNAVAILABLE if the server could not be reached. */
 export class ApiError extends Error {
   override readonly name = 'ApiError';
 
@@ -9,7 +9,7 @@ export class ApiError extends Error {
     /** Name of the google.rpc.Code, such as NOT_FOUND. */
     readonly code: string,
     message: string,
-    /** Path of the request's field that is wrong, such as "scene.grid.columns"; empty where none is named. */
+    /** Path of the wrong field of the request, such as "scene.grid.columns"; empty if the server names none. */
     readonly field = '',
   ) {
     super(message);
@@ -36,7 +36,7 @@ const kCodes = [
   'UNAUTHENTICATED',
 ];
 
-/** google.rpc.Status as JSON, what of it is used. */
+/** The parts of google.rpc.Status, as JSON, that are used here. */
 interface StatusJson {
   code?: number | string;
   message?: string;
@@ -54,7 +54,7 @@ async function post(url: string, body: string, signal: AbortSignal | undefined):
   return { status: response.status, body: await response.text() };
 }
 
-// fetch() does not tell how much of a body is sent.
+// Uses XMLHttpRequest, because fetch() does not report how much of a body is sent.
 function postTelling(
   url: string,
   body: string | Blob,
@@ -98,14 +98,14 @@ function messageOf<O extends DescMessage>(output: O, { status, body }: Answer): 
   return fromJson(output, JSON.parse(body) as JsonValue, { ignoreUnknownFields: true });
 }
 
-/** A request as it is sent. */
+/** Returns the JSON text of a request. */
 export function requestBody<I extends DescMessage>(input: I, request: MessageInitShape<I>): string {
   return JSON.stringify(toJson(input, create(input, request)));
 }
 
 /**
- * One unary call as protobuf JSON over POST /kerf.v1.Service/Method, to the server that served this page.
- * @param options.onProgress  receives the part of the request that is sent, 0..1
+ * Makes a unary call as protobuf JSON over POST /kerf.v1.Service/Method, to the server of this page.
+ * @param options.onProgress  receives the share of the request that has been sent, 0..1
  * @throws ApiError
  */
 export async function call<I extends DescMessage, O extends DescMessage>(
@@ -125,10 +125,10 @@ export async function call<I extends DescMessage, O extends DescMessage>(
   return messageOf(method.output, answer);
 }
 
-/** For a long transfer. */
+/** Options of a long transfer. */
 export interface TransferOptions {
   signal: AbortSignal;
-  /** Receives the part that is sent or has arrived, 0..1. */
+  /** Receives the share that has been sent or has arrived, 0..1. */
   onProgress: (part: number) => void;
 }
 
@@ -153,7 +153,7 @@ export async function sendFile<O extends DescMessage>(
 }
 
 /**
- * A file of the server's, in parts.
+ * Fetches a file from the server; returns its content in parts.
  * @throws ApiError
  */
 export async function fetchFile(path: string, { signal, onProgress }: TransferOptions): Promise<BlobPart[]> {

@@ -36,12 +36,12 @@ import { Theme } from './ui/theme';
 import { ToolChoice } from './ui/tool_choice';
 import { Transfer } from './ui/transfer';
 
-/** Makes the parts of the viewer and joins them. Each part sees of the others only the interface that it names. */
+/** Makes the parts of the viewer and joins them. Each part sees the others only through interfaces that it declares. */
 export class App {
   private readonly canvas = element<HTMLCanvasElement>('canvas');
   private readonly notices = new Notices(element('notices'));
 
-  // The sheet: where its frames and settings come from, and where they go.
+  // The sheet: sources and receivers of its frames and settings.
   private readonly live: LiveSheet = new LiveSheet(
     () => this.wishes,
     {
@@ -220,7 +220,10 @@ export class App {
     installHooks({ live, shown, stage, look, tools, replayBar, recording, imageMode, loop }, this.canvas);
   }
 
-  /** Begins to draw, and opens the sheet that the address names, or else the first; waits until the server can be reached. */
+  /**
+   * Begins to draw and opens the sheet named in the page's address, or else the first. Waits until the server can be
+   * reached.
+   */
   async start(): Promise<void> {
     this.loop.start();
     await this.sheets.start();
@@ -231,7 +234,7 @@ export class App {
   }
 
   private get pace(): Pace {
-    // A recording has every tick, however the sheet is seen meanwhile.
+    // A recording needs every tick, even while the page is hidden.
     if (this.recording.isOn) return { isPaused: false, maxRateHz: 0 };
     return { isPaused: document.hidden, maxRateHz: this.imageMode.isShown ? this.imageMode.meshRateHz : 0 };
   }

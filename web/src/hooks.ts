@@ -19,22 +19,22 @@ export interface HookedParts {
   readonly loop: { readonly framesDrawn: number };
 }
 
-/** The picture of the server that is shown. */
+/** The server's picture that is shown. */
 interface PictureHooks {
   readonly tick: number;
-  /** Pictures that were shown since the mode was chosen. */
+  /** Number of pictures shown since the user chose pictures of the server. */
   readonly numShown: number;
   readonly width: number;
   readonly height: number;
   readonly codec: string;
   readonly connection: string;
-  /** Its camera is where the page's camera is. */
+  /** True if the picture was drawn from the page's present camera. */
   readonly isOfView: boolean;
 }
 
 /**
- * window.kerf, which the browser test (tests/e2e) reads and which changes nothing. It is no interface for programs: those
- * speak kerf.v1 with the server.
+ * window.kerf, a read-only view for the browser test (tests/e2e). It is no interface for programs, which should call
+ * kerf.v1 of the server.
  */
 export interface Hooks {
   readonly connection: string;
@@ -49,23 +49,23 @@ export interface Hooks {
   readonly isPaused: boolean;
   readonly isWireframe: boolean;
   readonly isByPiece: boolean;
-  /** Number of strains in the shown frame; 0 without. */
+  /** Number of strains in the shown frame; 0 if it has none. */
   readonly numStrains: number;
   readonly tool: string;
   readonly pinnedVertices: readonly number[];
   readonly framesDrawn: number;
-  /** The recording that is shown; undefined without one. */
+  /** The recording that is shown; undefined while a live sheet is shown. */
   readonly replay: { index: number; numFrames: number; isPlaying: boolean; atMs: number; durationMs: number } | undefined;
   readonly isRecording: boolean;
-  /** Undefined while the mesh is drawn here. */
+  /** Undefined while the page draws the mesh itself. */
   readonly picture: PictureHooks | undefined;
   /** See meshHash(); empty before the first frame. */
   readonly meshHash: string;
   /** World position of a material point, metres; undefined before the first frame. */
   toWorld(materialX: number, materialY: number): { x: number; y: number; z: number } | undefined;
-  /** The same on the page, CSS pixels. */
+  /** Position of a material point on the page, CSS pixels; undefined behind the camera and before the first frame. */
   toClient(materialX: number, materialY: number): { x: number; y: number } | undefined;
-  /** Id of the piece at a material point; undefined off the sheet and while it is not known. */
+  /** Id of the piece at a material point; undefined off the sheet and while the id is not known. */
   pieceAt(materialX: number, materialY: number): number | undefined;
 }
 

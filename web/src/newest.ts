@@ -1,6 +1,9 @@
-/** One call at a time, always with a sheet's newest value: a dragged slider does not fill the server's queue. */
+/**
+ * Makes one call at a time, always with the newest value of a sheet, so that a dragged slider does not fill the
+ * server's queue.
+ */
 export class Newest<T> {
-  // By sheet: what waits goes to the sheet that it was meant for, whichever is shown by then.
+  // By sheet: a waiting value goes to the sheet that it was meant for, even if another is shown by then.
   private readonly waiting = new Map<string, T>();
   private isSending = false;
 
@@ -13,7 +16,7 @@ export class Newest<T> {
     private readonly done: () => Promise<unknown>,
   ) {}
 
-  /** The server does not have the newest request yet. */
+  /** True while the server does not have the newest value yet. */
   get isBusy(): boolean {
     return this.isSending;
   }
@@ -25,7 +28,7 @@ export class Newest<T> {
 
   private async run(): Promise<void> {
     this.isSending = true;
-    // A value that is put meanwhile comes last.
+    // A value put in the meantime is sent last.
     for (const [name, value] of this.waiting) {
       this.waiting.delete(name);
       await this.send(name, value);

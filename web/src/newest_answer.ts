@@ -1,6 +1,6 @@
 /**
- * Takes a server's answers in the order of asking. Drops one that comes after a later one, and one that was asked for
- * before a change was answered.
+ * Takes a server's answers in the order of the questions. Drops an answer that arrives after the answer to a later
+ * question, or whose question was sent before a change was answered.
  */
 export class NewestAnswer<T> {
   private numAsked = 0;
@@ -13,7 +13,7 @@ export class NewestAnswer<T> {
     private readonly take: (answer: T) => void,
   ) {}
 
-  /** Asks. False if that failed; true once this answer, or one that is as new, has been taken. */
+  /** Asks the server. False if that failed; true once this answer, or one at least as new, has been taken. */
   fetch(): Promise<boolean> {
     const number = ++this.numAsked;
     const isTaken = this.ask(number);
@@ -21,15 +21,15 @@ export class NewestAnswer<T> {
     return isTaken;
   }
 
-  /** Asks after a change was answered: what was asked before need not have the change. */
+  /** Asks after a change was answered, because answers to earlier questions may lack the change. */
   refresh(): Promise<boolean> {
     this.oldUpTo = this.numAsked;
     return this.fetch();
   }
 
   /**
-   * Makes a change that is answered by what others ask for.
-   * @param change  undefined: it failed
+   * Makes a change whose answer is of the same kind as the answers to questions.
+   * @param change  resolves to undefined if the change failed
    */
   async command(change: () => Promise<T | undefined>): Promise<void> {
     const number = ++this.numAsked;
@@ -39,7 +39,7 @@ export class NewestAnswer<T> {
     const isAskedMeanwhile = this.numAsked > number;
     this.oldUpTo = this.numAsked;
     if (!isOld) this.take(answer);
-    // Asks again, as a question asked meanwhile may know of a later change than this answer, or of an earlier one.
+    // Asks again, because the answer to a question asked in the meantime may be older or newer than this one.
     if (isOld || isAskedMeanwhile) await this.fetch();
   }
 

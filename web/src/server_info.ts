@@ -5,8 +5,8 @@ import type { ServerInfo } from './gen/kerf/v1/server_pb';
 let asked: Promise<ServerInfo> | undefined;
 
 /**
- * Materials and limits of this server, asked for once.
- * @throws ApiError, and the next call asks again
+ * Returns materials and limits of this server, which is asked once.
+ * @throws ApiError if that fails; the next call then asks again
  */
 export function serverInfo(): Promise<ServerInfo> {
   asked ??= call(ServerService.method.getServerInfo, {}).catch((error: unknown) => {

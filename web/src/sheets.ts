@@ -3,7 +3,7 @@ import { SheetService, Sheet_RunState } from './gen/kerf/v1/sheets_pb';
 import type { Sheet } from './gen/kerf/v1/sheets_pb';
 
 /**
- * All sheets of this server, by name.
+ * Returns all sheets of this server, by name.
  * @throws ApiError
  */
 export async function listSheets(): Promise<Sheet[]> {

@@ -29,8 +29,7 @@ class Frame:
     triangles: Ints  # T x 3, vertex ids, counter-clockwise in material coordinates
     pieces: Ints  # T, the label of each triangle's piece: Piece.id of Sheet.pieces()
     material_positions: Float32s  # V x 2, metres, on the undeformed sheet
-    strains: Optional[Float32s]  # V, principal strain of the largest magnitude at each vertex, 0.01: one per cent
-                                 # longer; None: not requested
+    strains: Optional[Float32s]  # V, principal strains of the largest magnitude, 0.01: 1 % longer; None: not requested
     topology_changed: bool  # True if it changed since the frame before on this stream, and in the first frame
     resolution: Optional[Floats]  # 3, metres: distance of neighbouring coordinates along x, y, z; None in a loaded run
     stats: Optional[stream_pb2.FrameStats]  # see proto/kerf/v1/stream.proto; None in a loaded run

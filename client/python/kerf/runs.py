@@ -38,8 +38,7 @@ class RunWriter:
         # Not compressed: positions hardly get smaller, and the time is better spent on frames.
         self._file = zipfile.ZipFile(self._part, "w", zipfile.ZIP_STORED)
         self._ticks: List[int] = []
-        self._chunks: List[Dict[str, int]] = []  # of each chunk: number of its topology, number in the topology, number
-                                                 # of frames
+        self._chunks: List[Dict[str, int]] = []  # of each: its topology, its number there, its number of frames
         self._topology_version = -1
         self._topologies: List[int] = []  # versions of the topologies
         self._waiting: List[Frame] = []

@@ -28,8 +28,8 @@ class CovarianceRoot {
   // square root of M. A' is not finite if a pivot is 0 or below -1e-6, which rounding can cause.
   const Eigen::MatrixXd& exact(const BlockMatrix& A);
   // AS-CGM: the coupled Newton-Schulz iteration (eq. 3.27) from P = M, Q = I. A' is the last P; Q is dropped. It
-  // converges to M^1/2 only if |M - I| < 1, and M is not scaled to satisfy this. Otherwise it diverges, and ends early
-  // once it is not finite.
+  // converges to M^1/2 only if |M - I| < 1, and M is not scaled to satisfy this. For other M it diverges, and ends
+  // early once P is not finite.
   const Eigen::MatrixXd& approximate(const BlockMatrix& A);
 
  private:

@@ -1,8 +1,8 @@
 const kSvg = 'http://www.w3.org/2000/svg';
-// The server refuses drawings with more elements, or with more of them in one another; a copy leaves out the rest.
+// The server refuses drawings with more elements or deeper nesting; a copy leaves out the rest.
 const kMaxElements = 50_000;
 const kMaxDepth = 64;
-// px, of the hidden element that the drawing is measured in: what percentages are of.
+// Size in px of the hidden element in which the drawing is measured; percentages refer to it.
 const kHostSize = 1000;
 
 const kShapes = new Set(['path', 'rect', 'circle', 'ellipse', 'line', 'polyline', 'polygon']);
@@ -11,16 +11,18 @@ const kCopied = (
   'transform d points x y width height rx ry cx cy r x1 y1 x2 y2 viewBox preserveAspectRatio pathLength'
 ).split(' ');
 
-/** A drawing as the page has it: only geometry, no style, no script, nothing that loads; references are resolved. */
+/**
+ * A copy of a drawing in the page: only geometry, without style, scripts and things to load; references are resolved.
+ */
 export interface BareDrawing {
-  /** Laid out, but not seen; the drawing's own root is in it. */
+  /** The hidden element that contains `root`; the browser lays it out. */
   host: SVGSVGElement;
   root: SVGSVGElement;
-  /** False where it is too large or too deep, and the rest was left out. */
+  /** False if the drawing is too large or too deep, so that a part was left out. */
   isWhole: boolean;
 }
 
-/** Copies a drawing into the page for as long as `use` takes. Undefined if the text is no SVG. */
+/** Copies a drawing into the page, calls `use` and removes the copy. Undefined if the text is no SVG. */
 export function withBareDrawing<T>(text: string, use: (drawing: BareDrawing) => T): T | undefined {
   const parsed = new DOMParser().parseFromString(text, 'image/svg+xml');
   if (parsed.documentElement.localName !== 'svg') return undefined;
@@ -39,7 +41,7 @@ export function withBareDrawing<T>(text: string, use: (drawing: BareDrawing) => 
   }
 }
 
-/** In the order in which they are drawn. */
+/** Returns the shapes below `root`, in the order in which they are drawn. */
 export function shapesIn(root: Element): SVGGeometryElement[] {
   return [...root.querySelectorAll<SVGGeometryElement>([...kShapes].join(','))];
 }
@@ -78,7 +80,7 @@ class Copier {
     return made;
   }
 
-  // A reference becomes a group that is moved to where it stands, with a copy of what it refers to.
+  // Replaces a reference (<use>) by a group at its place, with a copy of the element referred to.
   private expand(use: Element, into: Element, depth: number): void {
     const href = use.getAttribute('href') ?? use.getAttributeNS('http://www.w3.org/1999/xlink', 'href') ?? '';
     const target = href.startsWith('#') ? this.from.getElementById(href.slice(1)) : null;

@@ -1,5 +1,5 @@
 /**
- * The edges with material on one side only: the outer border, holes and the lips of cuts.
+ * Returns the edges with material on one side only: the outer border, holes and the lips of cuts.
  *
  * @param triangles    3 S vertex ids, consistently oriented; -1 for empty slots
  * @param numSlots     S
@@ -7,7 +7,8 @@
  * @returns 3 n numbers: start, end, slot of each edge, with the triangle on its left
  */
 export function boundaryEdges(triangles: Int32Array, numSlots: number, numVertices: number): Uint32Array {
-  // Half-edges sorted by their smaller vertex (a counting sort); then each is compared with the few that share it.
+  // Half-edges are sorted by their smaller vertex (counting sort); each is then compared with the few that have the
+  // same smaller vertex.
   const first = new Uint32Array(numVertices + 2);
   forEachHalfEdge(triangles, numSlots, (a, b) => ++first[Math.min(a, b) + 2]);
   for (let v = 2; v < first.length; ++v) first[v] += first[v - 1];

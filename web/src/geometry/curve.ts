@@ -1,8 +1,8 @@
 import type { Point2 } from './locator';
 
 /**
- * Point at t in 0..1 of the Bezier curve with these control points, of any degree; rational where the weights (> 0, one
- * a point) differ. De Casteljau's algorithm on (w x, w y, w).
+ * Returns the point at t in 0..1 of the Bezier curve with these control points, of any degree. It is rational if the
+ * weights (> 0, one per point) differ. De Casteljau's algorithm on (w x, w y, w).
  */
 export function bezierPoint(points: readonly Point2[], t: number, weights?: readonly number[]): Point2 {
   const row = points.map(({ x, y }, i) => {
@@ -18,18 +18,22 @@ export function bezierPoint(points: readonly Point2[], t: number, weights?: read
 
 /** The closeness with which polylines follow a curve. */
 export interface Flatness {
-  /** The largest distance between them, in the curve's unit. */
+  /** Largest distance between polyline and curve, in the curve's unit. */
   tolerance: number;
-  /** A curve is halved this many times at most, >= 0. */
+  /** Largest number of times that a curve is halved, >= 0. */
   depth: number;
 }
 
-// A curve is measured at three points of a chord, between which it may be somewhat farther away.
+// Share of the tolerance allowed at the three measured points of a chord, because the curve may be farther away between
+// them.
 const kMeasured = 0.9;
-// A curve is halved so often, however flat it seems: one that turns back may look straight.
+// A curve is halved at least this often, because one that turns back may look straight.
 const kLeastDepth = 2;
 
-/** Points of a curve, both ends included, whose polyline follows it closely. @param at  point at t in 0..1 */
+/**
+ * Returns points of a curve, both ends included, whose polyline follows the curve closely.
+ * @param at  point of the curve at t in 0..1
+ */
 export function flattened(at: (t: number) => Point2, { tolerance, depth }: Flatness): Point2[] {
   const points = [at(0)];
   const add = (t0: number, t1: number, end: Point2, halvings: number): void => {
@@ -50,7 +54,7 @@ export function flattened(at: (t: number) => Point2, { tolerance, depth }: Flatn
   return points;
 }
 
-/** Closed polyline of n chords along the ellipse with centre c that passes through a and, at a right angle to it, b. */
+/** Returns a closed polyline of n chords along an ellipse with centre c. The semi-axes end at a and b. */
 export function ellipsePoints(c: Point2, a: Point2, b: Point2, n: number): Point2[] {
   return Array.from({ length: n + 1 }, (_, i) => {
     const angle = (2 * Math.PI * (i % n)) / n;
@@ -65,7 +69,7 @@ export function ellipsePoints(c: Point2, a: Point2, b: Point2, n: number): Point
 /**
  * Returns the fewest of the points, ends included, whose polyline stays within `tolerance` of all of them. Method:
  * Douglas and Peucker, "Algorithms for the reduction of the number of points required to represent a digitized line". A
- * stroke has a point for each move of the hand, and a cut puts a vertex on each point of its polyline.
+ * drawn stroke has a point for each move of the hand, and a cut would put a vertex on each of them.
  */
 export function simplify(points: readonly Point2[], tolerance: number): Point2[] {
   const isKept = points.map((_, i) => i === 0 || i === points.length - 1);

@@ -10,21 +10,22 @@ export interface Point2 {
   y: number;
 }
 
-/** The part of a chord, from 0 at its start to 1 at its end, that lies in a triangle. */
+/** The part of a chord that lies in a triangle; `start` and `end` go from 0 at the chord's start to 1 at its end. */
 export interface Crossing {
   slot: number;
   start: number;
   end: number;
 }
 
-// A part of a chord that is shorter is rounding.
+// A shorter part of a chord is a rounding error.
 const kLeastPart = 1e-9;
-// A chord along an edge is in the triangles on both sides of it, though rounding may make a corner's weight so much less.
+// A corner's weight may be this far below 0, so that a chord along an edge lies in the triangles on both sides despite
+// rounding.
 const kOnEdge = 1e-9;
 
 /**
- * Finds the triangle that holds a material point, by a uniform grid over the sheet (about one triangle a cell). Built
- * once a topology; material positions do not change otherwise.
+ * Finds the triangle that contains a material point, by a uniform grid over the sheet with about one triangle per cell.
+ * One is built for each topology version, because material positions do not change within one.
  */
 export class Locator {
   readonly min: Point2;
@@ -63,7 +64,7 @@ export class Locator {
     this.forEachCell(numSlots, (cell, slot) => (this.cellSlots[this.cellFirst[cell + 1]++] = slot));
   }
 
-  /** The place of a material point, or undefined off the sheet. */
+  /** Returns the place of a material point; undefined off the sheet. */
   find(point: Point2): Place | undefined {
     const { min, max } = this;
     if (!(point.x >= min.x && point.x <= max.x && point.y >= min.y && point.y <= max.y)) return undefined;
@@ -75,7 +76,10 @@ export class Locator {
     return undefined;
   }
 
-  /** The triangles that a chord passes through, in their order; no two parts overlap, and what is off the sheet is in none. */
+  /**
+   * Returns the triangles that a chord passes through, in order along it. Parts do not overlap; those off the sheet are
+   * missing.
+   */
   along(from: Point2, to: Point2): Crossing[] {
     const found: Crossing[] = [];
     this.forEachCellOn(from, to, (cell) => {
@@ -96,7 +100,7 @@ export class Locator {
     return crossings;
   }
 
-  /** Slots of triangles around a polygon, each once: all that it overlaps, and some beside it. */
+  /** Returns slots of triangles around a polygon, each once: all that the polygon overlaps, and some beside it. */
   slotsAround(polygon: readonly Point2[]): Set<number> {
     const [xs, ys] = [polygon.map(({ x }) => x), polygon.map(({ y }) => y)];
     const [first, last] = [this.column(Math.min(...xs)), this.column(Math.max(...xs))];
@@ -109,7 +113,7 @@ export class Locator {
     return slots;
   }
 
-  /** Material positions of a triangle's corners. */
+  /** Returns the material positions of a triangle's corners. */
   cornersOf(slot: number): Point2[] {
     return [0, 1, 2].map((corner) => {
       const at = 2 * this.triangles[3 * slot + corner];
@@ -117,7 +121,10 @@ export class Locator {
     });
   }
 
-  /** A point by the weights of a triangle's second and third corner, in it or not; undefined where that has no area. */
+  /**
+   * Expresses a point, which may be outside, by the weights of a triangle's second and third corner. Undefined if the
+   * triangle has no area.
+   */
   placeIn(slot: number, point: Point2): Place | undefined {
     const { material, triangles } = this;
     const [a, b, c] = [2 * triangles[3 * slot], 2 * triangles[3 * slot + 1], 2 * triangles[3 * slot + 2]];
@@ -131,12 +138,13 @@ export class Locator {
 
   private weights(slot: number, point: Point2): Place | undefined {
     const place = this.placeIn(slot, point);
-    // Room for the rounding of float32 positions, so that a point on an edge is not lost between its two triangles.
+    // Allows for the rounding of float32 positions, so that a point on an edge is found in one of its two triangles.
     const slack = -1e-5;
     return place && place.u >= slack && place.v >= slack && 1 - place.u - place.v >= slack ? place : undefined;
   }
 
-  // The part of a chord where no corner's weight is below 0. Makes no objects for triangles that it misses: most do.
+  // Returns the part of a chord where no corner's weight is below 0. Makes no objects for the many triangles that the
+  // chord misses.
   private crossing(slot: number, from: Point2, to: Point2): Crossing | undefined {
     const { material: m, triangles } = this;
     const [a, b, c] = [2 * triangles[3 * slot], 2 * triangles[3 * slot + 1], 2 * triangles[3 * slot + 2]];
@@ -167,7 +175,7 @@ export class Locator {
     return cellOf(y, this.min.y, this.max.y, this.rows);
   }
 
-  // The cells of each row lie between the columns in which the chord enters and leaves it.
+  // Visits in each row the cells between the columns in which the chord enters and leaves the row.
   private forEachCellOn(from: Point2, to: Point2, visit: (cell: number) => void): void {
     const { min, max, rows, columns } = this;
     const [low, high] = from.y < to.y ? [from, to] : [to, from];
@@ -177,7 +185,8 @@ export class Locator {
         const t = Math.min(1, Math.max(0, (y - low.y) / (high.y - low.y)));
         return low.x + t * (high.x - low.x);
       };
-      // A little more, for rounding; the chord may lie outside of the first and the last row.
+      // Widened a little for rounding. In the first and last row the chord's end is used, because it may lie outside
+      // the grid.
       const room = 1e-6 * height;
       const bottom = row === this.row(low.y) ? low.x : xAt(min.y + row * height - room);
       const top = row === this.row(high.y) ? high.x : xAt(min.y + (row + 1) * height + room);
@@ -202,7 +211,7 @@ export class Locator {
   }
 }
 
-// A place outside belongs to the first or the last cell.
+// Returns the cell of a coordinate; one outside belongs to the first or the last cell.
 function cellOf(at: number, min: number, max: number, count: number): number {
   const size = max - min;
   return size > 0 ? Math.min(count - 1, Math.max(0, Math.floor(((at - min) / size) * count))) : 0;

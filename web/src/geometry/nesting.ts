@@ -1,6 +1,6 @@
 import type { Point2 } from './locator';
 
-// So many points of a line say where it is: one alone may lie on another line.
+// Number of a line's points that are tested for being inside another line; a single one may lie on that line.
 const kProbes = 16;
 /** Most holes that the server accepts. */
 export const kMaxHoles = 1024;
@@ -8,9 +8,9 @@ export const kMaxHoles = 1024;
 type Line = readonly Point2[];
 
 /**
- * Which of these closed lines is the border of a sheet that has the others as holes: the one around the largest area.
- * Lines that cross are the server's to refuse.
- * @throws Error in words for people: lines that are no holes in it, or too many
+ * Returns the index of the closed line that is the border of a sheet with the others as holes: the one around the
+ * largest area. Lines that cross are not found here; the server refuses them.
+ * @throws Error with a text for people, if lines are no holes inside the border or are too many
  */
 export function borderOf(lines: readonly Line[]): number {
   if (lines.length - 1 > kMaxHoles) {
@@ -55,7 +55,7 @@ class Region {
     return 2 * probes.filter((probe) => this.contains(probe)).length > probes.length;
   }
 
-  // Even-odd.
+  // Tests a point by the even-odd rule.
   private contains({ x, y }: Point2): boolean {
     if (x < this.min.x || x > this.max.x || y < this.min.y || y > this.max.y) return false;
     let isInside = false;

@@ -1,5 +1,5 @@
 /**
- * Area-weighted vertex normals of the deformed sheet, unit length (zero for a vertex without material).
+ * Computes area-weighted vertex normals of the deformed sheet, of unit length; zero for a vertex without material.
  *
  * @param positions  3 V, metres
  * @param triangles  3 S vertex ids, -1 for empty slots

@@ -13,14 +13,13 @@ export function countSegments(data: string): number {
 }
 
 /**
- * Polylines, one a subpath, through path data (SVG 1.1, chapter 8.3), for a preview: what does not read as such is left
- * out.
+ * Converts path data (SVG 1.1, chapter 8.3) to polylines, one per subpath, for a preview. Malformed parts are left out.
  */
 export function pathLines(data: string, flatness: Flatness): Point2[][] {
   const lines: Point2[][] = [];
   let line: Point2[] = [];
   let at: Point2 = { x: 0, y: 0 };
-  // The second last control point of the curve before, for S and T.
+  // The last but one control point of the previous curve, for S and T.
   let control: Point2 | undefined;
   let curve = '';
 
@@ -53,7 +52,7 @@ export function pathLines(data: string, flatness: Flatness): Point2[][] {
     else if (name === 'Z') line.push(line[0]);
     at = line[line.length - 1];
     curve = name;
-    // The next segment begins another subpath, at this one's start.
+    // The next segment begins another subpath, at the start of this one.
     if (name === 'Z') line = [];
   };
 
@@ -61,7 +60,7 @@ export function pathLines(data: string, flatness: Flatness): Point2[][] {
   return lines.filter(({ length }) => length > 1);
 }
 
-/** Path data of each subpath by itself, exactly where it was; those that draw nothing are left out. */
+/** Returns path data for each subpath alone, at its exact place. Subpaths that draw nothing are left out. */
 export function subpaths(data: string): string[] {
   const parts: { move: string; rest: string }[] = [];
   let at: Point2 = { x: 0, y: 0 };
@@ -92,7 +91,7 @@ function endOf(letter: string, numbers: readonly number[], at: Point2): Point2 {
   return { x: origin.x + x, y: origin.y + y };
 }
 
-// One by one, each with its letter, which may stand for several in the data.
+// Yields the segments one by one, each with its letter, which the data may write once for several segments.
 function* segments(data: string): Generator<[letter: string, numbers: number[]]> {
   for (const [, letter, rest] of data.matchAll(/([mlhvcsqtaz])([^mlhvcsqtaz]*)/gi)) {
     const name = letter.toUpperCase();
@@ -100,13 +99,13 @@ function* segments(data: string): Generator<[letter: string, numbers: number[]]>
     const count = kCounts[name];
     if (count === 0) yield [letter, []];
     for (let i = 0; count > 0 && i + count <= numbers.length; i += count) {
-      // Further pairs after a move are lines.
+      // Pairs after the first of a move are lines.
       yield [name === 'M' && i > 0 ? (letter === 'M' ? 'L' : 'l') : letter, numbers.slice(i, i + count)];
     }
   }
 }
 
-// An arc's two flags may stand together with what follows them: "a 1 1 0 015 5".
+// Reads the numbers of arcs. Their two flags may have no separator before the next number: "a 1 1 0 015 5".
 function arcNumbers(text: string): number[] {
   const numbers: number[] = [];
   let rest = text;

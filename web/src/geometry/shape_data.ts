@@ -1,6 +1,6 @@
 import type { Point2 } from './locator';
 
-/** Path data of a rectangle whose corners may be rounded (SVG 1.1, 9.2); empty where it has no area. */
+/** Returns path data of a rectangle with corners rounded by rx, ry (SVG 1.1, 9.2); empty if it has no area. */
 export function rectangleData(x: number, y: number, width: number, height: number, rx: number, ry: number): string {
   if (!(width > 0 && height > 0)) return '';
   const [a, b] = [Math.min(rx, 0.5 * width), Math.min(ry, 0.5 * height)];
@@ -13,13 +13,13 @@ export function rectangleData(x: number, y: number, width: number, height: numbe
   );
 }
 
-/** Path data of an ellipse around (cx, cy); empty where it has no area. */
+/** Returns path data of an ellipse around (cx, cy); empty if it has no area. */
 export function ellipseData(cx: number, cy: number, rx: number, ry: number): string {
   if (!(rx > 0 && ry > 0)) return '';
   return `M${cx + rx} ${cy}a${rx} ${ry} 0 0 1 ${-2 * rx} 0a${rx} ${ry} 0 0 1 ${2 * rx} 0z`;
 }
 
-/** Path data of straight lines through points; empty where there are fewer than two. */
+/** Returns path data of straight lines through points; empty for fewer than two points. */
 export function linesData(points: readonly Point2[], isClosed: boolean): string {
   if (points.length < 2) return '';
   return `M${points.map(({ x, y }) => `${x} ${y}`).join('L')}${isClosed ? 'z' : ''}`;
@@ -29,14 +29,14 @@ function pointsOf({ points }: SVGPolygonElement | SVGPolylineElement): Point2[] 
   return Array.from({ length: points.numberOfItems }, (_, i) => points.getItem(i));
 }
 
-/** Path data of any basic shape, in its own coordinates; empty where it draws nothing. */
+/** Returns path data of any basic shape, in the shape's own coordinates; empty if it draws nothing. */
 export function shapeData(shape: SVGGeometryElement): string {
   const lengths = (names: string): number[] =>
     names.split(' ').map((name) => (shape as unknown as Record<string, SVGAnimatedLength>)[name].baseVal.value);
   switch (shape.localName) {
     case 'rect': {
       const [x, y, width, height, rx, ry] = lengths('x y width height rx ry');
-      // A radius that is not given is the other one.
+      // A missing radius equals the other one.
       const has = (name: string) => shape.hasAttribute(name);
       return rectangleData(x, y, width, height, has('rx') ? rx : ry, has('ry') ? ry : rx);
     }

@@ -1,14 +1,15 @@
 import type { Point2 } from './locator';
 
-// Corners sharper than this are rounded like ends, radians; others are filled by a triangle.
+// Corners that turn by more than this, radians, are rounded like ends; others are filled by a triangle.
 const kCorner = 0.5;
-// Sides of what stands for a disc.
+// Sides of the polygon that replaces a disc.
 const kDiscSides = 16;
 
 /**
- * The parts of lines that a pattern of lengths that are kept and left out in turn keeps; each line begins it again.
+ * Returns the parts of lines that a pattern keeps. Its lengths are kept and left out in turn; the pattern begins again
+ * on each line.
  *
- * @param lengths  > 0, an even number of them; none: all of it is kept
+ * @param lengths  > 0, an even number of them; none: the whole lines are kept
  */
 export function dashes(lines: readonly (readonly Point2[])[], lengths: readonly number[]): Point2[][] {
   if (lengths.length === 0) return lines.map((line) => [...line]);
@@ -40,8 +41,8 @@ function dashesOf(line: readonly Point2[], lengths: readonly number[]): Point2[]
 }
 
 /**
- * Polygons whose union is the strip of this width around a line, as a disc whose centre follows it sweeps it: one around
- * each chord, others at ends and corners. All turn the same way.
+ * Returns polygons whose union is the strip of this width around a line, as swept by a disc that follows the line. One
+ * is around each chord, others are at ends and corners. All have the same orientation.
  */
 export function stripPolygons(line: readonly Point2[], width: number): Point2[][] {
   const radius = 0.5 * width;
@@ -59,7 +60,7 @@ export function stripPolygons(line: readonly Point2[], width: number): Point2[][
 }
 
 class Chord {
-  /** To the left, as long as the strip is wide on that side. */
+  /** Vector to the left of the chord, of half the strip's width. */
   readonly normal: Point2;
 
   constructor(
@@ -83,7 +84,7 @@ function joint(chord: Chord, next: Chord): Point2[] {
   const { normal: b } = next;
   const turn = Math.atan2(a.x * b.y - a.y * b.x, a.x * b.x + a.y * b.y);
   if (Math.abs(turn) > kCorner) return disc(at, radius);
-  // Outside of the bend.
+  // A triangle on the outer side of the bend.
   return turn > 0 ? [at, moved(at, a, -1), moved(at, b, -1)] : [at, moved(at, b, 1), moved(at, a, 1)];
 }
 

@@ -10,14 +10,17 @@ export interface Hit {
   world: Vector3;
   /** metres */
   material: Point2;
-  /** The corner of the hit triangle nearest to the hit, in material coordinates. */
+  /** Vertex of the hit triangle with the largest weight at the hit. */
   vertex: number;
 }
 
-// A click this near to the border, in CSS pixels, counts as a point off the sheet beside it.
+// A click beside the sheet counts as a point there up to this distance from the border, in CSS pixels.
 const kReachPx = 160;
 
-/** The sheet as a surface in both coordinates: rays and material points to places on the current mesh. */
+/**
+ * The sheet as a surface in world and material coordinates. Finds the places of rays and material points on the current
+ * mesh.
+ */
 export class Surface {
   private locatorVersion = -1;
   private cachedLocator: Locator | undefined;
@@ -29,7 +32,10 @@ export class Surface {
 
   constructor(readonly mirror: SheetArrays) {}
 
-  /** True if a triangle has this vertex: cuts with a width leave others behind, which come to lie anywhere. */
+  /**
+   * True if a triangle has this vertex. Cuts with a width leave vertices without triangles, whose positions mean
+   * nothing.
+   */
   hasMaterial(vertex: number): boolean {
     const { mirror } = this;
     if (this.materialVersion !== mirror.topologyVersion) {
@@ -42,7 +48,7 @@ export class Surface {
     return this.cachedMaterial[vertex] === 1;
   }
 
-  /** This vertex, or if it has no material any more the nearest that has, on the undeformed sheet. */
+  /** Returns this vertex, or if it has no material any more, the nearest one on the undeformed sheet that has. */
   nearestWithMaterial(vertex: number): number {
     if (this.hasMaterial(vertex)) return vertex;
     const { numVertices, materialPositions: m } = this.mirror;
@@ -55,7 +61,7 @@ export class Surface {
     return nearest;
   }
 
-  /** Start, end, slot of each border or lip edge; see boundaryEdges(). */
+  /** Start vertex, end vertex and slot of each border or lip edge; see boundaryEdges(). */
   get boundary(): Uint32Array {
     const { mirror } = this;
     if (this.boundaryVersion !== mirror.topologyVersion) {
@@ -78,7 +84,7 @@ export class Surface {
     return out.fromArray(this.mirror.positions, 3 * vertex);
   }
 
-  /** The first triangle that the ray meets, from either side. */
+  /** Returns the first point where the ray meets a triangle, from either side. */
   pick(ray: Ray): Hit | undefined {
     const place = this.firstOnRay(ray.origin, ray.direction);
     if (!place) return undefined;
@@ -92,8 +98,8 @@ export class Surface {
   }
 
   /**
-   * Material point for a click beside the sheet: as far out of the nearest border edge as the click is from it, so
-   * that a cut can begin and end off the sheet. Undefined far from any border.
+   * Returns a material point for a click beside the sheet, so that a cut can begin and end off the sheet. It is as far
+   * outside the nearest border edge as the click is. Undefined far from any border.
    */
   pickBeside(
     pointPx: Vector2,
@@ -127,13 +133,16 @@ export class Surface {
     };
   }
 
-  /** World position of a material point; beside the sheet, the tangent plane at the nearest border edge is followed. */
+  /**
+   * Returns the world position of a material point; a point beside the sheet lies in the plane of the triangle at the
+   * nearest border edge.
+   */
   toWorld(point: Point2): Vector3 | undefined {
     const place = this.placeOf(point);
     return place && this.worldAt(place);
   }
 
-  /** The same as a place: its weights are outside 0..1 beside the sheet. */
+  /** Returns the place of a material point; beside the sheet its weights are outside 0..1. */
   placeOf(point: Point2): Place | undefined {
     return this.locator.find(point) ?? this.nearestOnBoundary(point);
   }
@@ -154,7 +163,7 @@ export class Surface {
       .addScaledVector(this.vertexPosition(triangles[first + 2]), place.v);
   }
 
-  // The triangle at the border edge nearest to the point, with weights of the point itself, so outside 0..1.
+  // Returns the triangle at the border edge nearest to the point, and the point's weights in it, some outside 0..1.
   private nearestOnBoundary(point: Point2): Place | undefined {
     const { boundary } = this;
     const { materialPositions: m } = this.mirror;
@@ -173,8 +182,8 @@ export class Surface {
     return slot < 0 ? undefined : this.locator.placeIn(slot, point);
   }
 
-  // Moeller and Trumbore, "Fast, minimum storage ray/triangle intersection" (1997), over all triangles: a click or a
-  // pointer move, not a frame, so that no acceleration structure has to follow the moving mesh.
+  // Moeller and Trumbore, "Fast, minimum storage ray/triangle intersection" (1997), over all triangles. It runs per
+  // click or pointer move, not per frame, so it needs no acceleration structure that follows the moving mesh.
   private firstOnRay(origin: Vector3, direction: Vector3): Place | undefined {
     const { positions: x, triangles, numSlots } = this.mirror;
     const { x: dx, y: dy, z: dz } = direction;

@@ -1,17 +1,17 @@
 import type { Point2 } from './locator';
 
-/** An arc of path data, without its end: radii, turn of its x axis in degrees, flags. */
+/** An arc of path data without its end: radii, rotation of the x axis in degrees, flags. */
 export type ArcNumbers = readonly [rx: number, ry: number, turnDeg: number, isLarge: number, isSweep: number];
 
 /**
- * Point at t in 0..1 of an elliptical arc (SVG 1.1, F.6: from its end points to its centre). Undefined if that is a
- * straight line: without a radius, or without a way to go.
+ * Returns a function that gives the point at t in 0..1 of an elliptical arc (SVG 1.1, F.6). Undefined if the arc is
+ * straight or empty: a radius is 0, or its ends are equal.
  */
 export function svgArc(from: Point2, to: Point2, [rx, ry, turnDeg, isLarge, isSweep]: ArcNumbers) {
   if (rx === 0 || ry === 0 || (from.x === to.x && from.y === to.y)) return undefined;
   const turn = (turnDeg * Math.PI) / 180;
   const [cosine, sine] = [Math.cos(turn), Math.sin(turn)];
-  // Half of the way back, in the axes of the ellipse.
+  // Half of the vector from the end back to the start, along the axes of the ellipse.
   const [halfX, halfY] = [0.5 * (from.x - to.x), 0.5 * (from.y - to.y)];
   const x = cosine * halfX + sine * halfY;
   const y = -sine * halfX + cosine * halfY;
@@ -23,7 +23,7 @@ export function svgArc(from: Point2, to: Point2, [rx, ry, turnDeg, isLarge, isSw
   const start = Math.atan2((y - centerY) / b, (x - centerX) / a);
   const end = Math.atan2((-y - centerY) / b, (-x - centerX) / a);
   const whole = 2 * Math.PI;
-  // The arc turns by less than a whole turn, backwards without the flag.
+  // The arc sweeps less than a whole turn, in the negative direction without the sweep flag.
   const swept = isSweep ? (end - start + 2 * whole) % whole : -((start - end + 2 * whole) % whole);
   const [middleX, middleY] = [0.5 * (from.x + to.x), 0.5 * (from.y + to.y)];
   return (t: number): Point2 => {

@@ -2,7 +2,7 @@ import type { SheetArrays } from '../stream/sheet_copy';
 import type { Place, Point2 } from './locator';
 import type { Surface } from './surface';
 
-/** Points that lie on a sheet, wherever it moves, until its triangles change. */
+/** Points that stay on a sheet as it moves; valid until its triangles change. */
 export interface Places {
   /** Slot of the triangle at each point. */
   readonly slots: Int32Array;
@@ -10,18 +10,21 @@ export interface Places {
   readonly weights: Float64Array;
 }
 
-// A chord beside the sheet is divided into pieces of this part of the sheet's larger side.
+// A chord beside the sheet is divided into pieces of this length, as a share of the sheet's larger side.
 const kBesidePart = 1 / 64;
-// A segment that is shorter, in parts of the sheet's larger side, has no direction in single precision, and is left out.
+// A segment shorter than this share of the sheet's larger side has no direction in single precision and is left out.
 const kLeastLength = 1e-6;
-// A gap between two triangles that is a smaller part of the chord is rounding.
+// A gap between two triangles that is a smaller share of the chord is a rounding error.
 const kLeastGap = 1e-6;
 
 function between(from: Point2, to: Point2, t: number): Point2 {
   return { x: (1 - t) * from.x + t * to.x, y: (1 - t) * from.y + t * to.y };
 }
 
-/** The parts of a chord, each in one triangle (its slot) or, in short pieces, beside the sheet (undefined). */
+/**
+ * Returns the parts of a chord. Each is in one triangle, given by its slot, or is a short piece beside the sheet: slot
+ * undefined.
+ */
 function partsOf(from: Point2, to: Point2, surface: Surface): { slot: number | undefined; start: number; end: number }[] {
   const { min, max } = surface.locator;
   const step = kBesidePart * Math.max(max.x - min.x, max.y - min.y);
@@ -47,7 +50,7 @@ class PlaceList {
   private readonly slots: number[] = [];
   private readonly weights: number[] = [];
 
-  /** Adds all of them, or none if one is on no triangle. */
+  /** Adds all places, or none if one of them is undefined. */
   add(places: readonly (Place | undefined)[]): void {
     if (!places.every((place) => place !== undefined)) return;
     for (const { slot, u, v } of places) {
@@ -62,8 +65,8 @@ class PlaceList {
 }
 
 /**
- * Lays convex polygons, in metres of material, onto a sheet: corners of triangles that fill what of them is on the sheet, 3
- * each, and each in one of the sheet's triangles.
+ * Lays convex polygons, in material coordinates (m), onto a sheet. Returns the corners, 3 each, of triangles that fill
+ * the polygons' parts on the sheet; each lies in one triangle of the sheet.
  */
 export function placePolygons(polygons: readonly (readonly Point2[])[], surface: Surface): Places {
   const { locator } = surface;
@@ -77,7 +80,7 @@ export function placePolygons(polygons: readonly (readonly Point2[])[], surface:
   return list.places;
 }
 
-/** The part of a convex polygon inside a triangle that runs counter-clockwise (Sutherland and Hodgman, 1974). */
+/** Returns the part of a convex polygon inside a counter-clockwise triangle (Sutherland and Hodgman, 1974). */
 function clipped(polygon: readonly Point2[], triangle: readonly Point2[]): readonly Point2[] {
   let left = polygon;
   for (let i = 0; i < 3 && left.length > 0; ++i) {
@@ -93,7 +96,10 @@ function clipped(polygon: readonly Point2[], triangle: readonly Point2[]): reado
   return left.length > 2 ? left : [];
 }
 
-/** Lays lines, in metres of material, onto the triangles that they pass through: the ends of segments, 2 each. */
+/**
+ * Lays lines, in material coordinates (m), onto the triangles that they pass through. Returns the ends of segments, 2
+ * each.
+ */
 export function traceLines(lines: readonly (readonly Point2[])[], surface: Surface): Places {
   const list = new PlaceList();
   const { min, max } = surface.locator;
@@ -111,7 +117,7 @@ export function traceLines(lines: readonly (readonly Point2[])[], surface: Surfa
   return list.places;
 }
 
-/** World positions of these points, metres, 3 numbers each. */
+/** Writes the world positions of the points, metres, 3 numbers each. */
 export function writePositions({ slots, weights }: Places, sheet: SheetArrays, out: Float32Array): void {
   const { positions: x, triangles } = sheet;
   for (let i = 0; i < slots.length; ++i) {

@@ -2,8 +2,8 @@ import { DoubleSide, MeshStandardMaterial } from 'three';
 import type { IUniform } from 'three';
 import { kClothOffset } from './depth_offsets';
 
-// Checks of woven bands in material coordinates, so that stretch and shear show, filtered to the size of a pixel. The
-// two sides differ in colour, so that folds show. Own colours take the place of both.
+// Checks of woven bands in material coordinates, filtered to the size of a pixel, show stretch and shear. The two sides
+// differ in colour, which shows folds. Colours of vertices (hasOwnColors) replace both.
 const kPattern = /* glsl */ `
   uniform float checkSize;
   uniform bool hasOwnColors;
@@ -65,7 +65,7 @@ export class ClothMaterial extends MeshStandardMaterial {
     };
   }
 
-  /** @param size  metres, > 0: width of one light and one dark band together */
+  /** @param size  metres, > 0: width of a light and a dark band together */
   setCheckSize(size: number): void {
     this.checkSize.value = size;
   }

@@ -16,7 +16,8 @@ import { kSupportOffset } from './depth_offsets';
 import { GroundMaterial } from './ground_material';
 import { hidingMaterial, kHidingOrder } from './hiding_material';
 
-// Curved solids are drawn a little smaller: cloth between two vertices that rest on them does not sink into them.
+// Curved solids are drawn smaller by this factor, so that cloth between two vertices resting on them does not seem to
+// sink in.
 const kShrink = 0.985;
 const kSolid = new MeshStandardMaterial({
   color: 0x9aa3ad,
@@ -98,7 +99,7 @@ export class ColliderView {
     this.drawn.visible = isDrawn;
   }
 
-  /** Lets solids hide what is behind them while they are not drawn, or not. */
+  /** Sets whether solids that are not drawn still hide what is behind them. */
   setHiding(isHiding: boolean): void {
     this.masks.visible = isHiding;
   }

@@ -5,18 +5,18 @@ export interface DepthOffset {
   polygonOffsetUnits: number;
 }
 
-/** The cloth lies behind the lips and wires drawn on it, and in front of what it rests on. */
+/** Draws the cloth behind the lips and wires on it, and in front of the solids and floors that it rests on. */
 export const kClothOffset: DepthOffset = { polygonOffset: true, polygonOffsetFactor: 1.5, polygonOffsetUnits: 2 };
 
 /**
- * Solids and floors lie behind the cloth that rests on them, also where a pixel covers much of a surface. The factor is well
- * above the cloth's own, whose wrinkles are steeper than the solid. The units are 0.15 % of the first view's distance in a
- * depth buffer of 24 bits, as in the server's pictures.
+ * Draws solids and floors behind the cloth that rests on them, also where a pixel covers much of a surface. The factor
+ * is well above the cloth's own, whose wrinkles are steeper than the solid. In a depth buffer of 24 bits the units
+ * shift by 0.15 % of the first view's distance, as in the server's pictures.
  */
 export const kSupportOffset: DepthOffset = { polygonOffset: true, polygonOffsetFactor: 4, polygonOffsetUnits: 256 };
 
 /**
- * Drawings on the cloth are nearer than it, by 0.6 % of the first view's distance. Lines have a width, on slopes too, and
- * are to be hidden by folds, not by the cloth that they lie on.
+ * Draws drawings on the cloth nearer than the cloth, by 0.6 % of the first view's distance. Wide lines on slopes are
+ * thus hidden only by folds, not by the cloth that they lie on.
  */
 export const kNearerOffset: DepthOffset = { polygonOffset: true, polygonOffsetFactor: 0, polygonOffsetUnits: -1024 };

@@ -1,6 +1,6 @@
-/** The fineness with which a picture is drawn. */
+/** A level of detail for drawing pictures. */
 export interface Quality {
-  /** Its pixels against those of full resolution, in each direction. */
+  /** Pixels in each direction, as a share of those of full resolution. */
   scale: number;
   hasShadows: boolean;
 }
@@ -12,24 +12,24 @@ const kLevels: readonly Quality[] = [
   { scale: 0.5, hasShadows: true },
   { scale: 0.5, hasShadows: false },
 ];
-// Pictures a second: below the first it is drawn more coarsely, above the second there is room for more.
+// Pictures per second: below kLeastRateHz drawing becomes coarser; above kRoomRateHz a finer level may be tried.
 const kLeastRateHz = 20;
 const kRoomRateHz = 45;
-// A rate is measured over this time at least, and over so many pictures, of which the longest does not count.
+// A rate is measured over at least this time and this number of pictures. The slowest picture does not count.
 const kWindowMs = 1000;
 const kFewestPictures = 3;
-// A picture that has not changed for so long is still.
+// A picture that has not changed for this long counts as still.
 const kStillMs = 500;
-// A good rate lasts so long before a finer level is tried; each try that was too slow doubles it.
+// A good rate must last this long before a finer level is tried. Each try that was too slow doubles the time.
 const kFirstPatienceMs = 3000;
 const kLongestPatienceMs = 96_000;
 
 /**
- * Chooses how finely pictures are drawn: more coarsely step by step while they come too seldom, finer again when there is
- * room. A still picture is as fine as can be. Times are given to it, in milliseconds.
+ * Chooses how finely pictures are drawn: step by step more coarsely while their rate is too low, and finer again when
+ * there is room. A still picture is drawn at the finest level. The caller passes all times, in milliseconds.
  */
 export class DrawingQuality {
-  /** Even the coarsest pictures come too seldom. */
+  /** True if the rate is too low even at the coarsest level. */
   isTooSlow = false;
 
   private level = 0;
@@ -41,23 +41,23 @@ export class DrawingQuality {
   private longestMs = 0;
   private movedMs = Number.NEGATIVE_INFINITY;
 
-  /** A picture that differs from the one before is drawn. */
+  /** Call it when a picture is drawn that differs from the one before. */
   moved(nowMs: number): void {
     this.movedMs = nowMs;
   }
 
-  /** @param isMoving  the sheet moves by itself */
+  /** @param isMoving  true if the sheet moves by itself */
   at(nowMs: number, isMoving: boolean): Quality {
     return kLevels[isMoving || nowMs - this.movedMs < kStillMs ? this.level : 0];
   }
 
-  /** One of several pictures in a row, at the level that is for moving ones, took this long. */
+  /** Records the time that a picture took. It is one of several in a row, drawn at the level for moving pictures. */
   took(pictureMs: number): void {
     this.numPictures += 1;
     this.spentMs += pictureMs;
     this.longestMs = Math.max(this.longestMs, pictureMs);
     if (this.spentMs < kWindowMs || this.numPictures < kFewestPictures) return;
-    // A single hitch, as when a shader is compiled, says nothing of the others.
+    // Leaves out the slowest picture, since a single hitch, such as compiling a shader, does not recur.
     const rateHz = (1000 * (this.numPictures - 1)) / (this.spentMs - this.longestMs);
     this.judge(rateHz, this.spentMs);
     this.numPictures = this.spentMs = this.longestMs = 0;

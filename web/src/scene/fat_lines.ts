@@ -17,9 +17,9 @@ export interface FatLineStyle {
   /** CSS pixels */
   width: number;
   opacity?: number;
-  /** Drawn over everything, hidden or not. */
+  /** Draws the lines over everything, even where something is in front. */
   onTop?: boolean;
-  /** Draws of lines on the cloth only the parts that are seen, or only those that something hides. */
+  /** For lines on the cloth: draws only their visible parts, or only the parts that something hides. */
   part?: 'seen' | 'hidden';
 }
 
@@ -27,7 +27,8 @@ function lineMaterial({ color, width, opacity = 1, onTop = false, part }: FatLin
   const material = new LineMaterial({
     color,
     linewidth: width,
-    // Transparent objects are drawn after all others, in the order of renderOrder: so are lines over something.
+    // Lines over other things count as transparent, because transparent objects are drawn after all others, by
+    // renderOrder.
     transparent: onTop || part !== undefined || opacity < 1,
     opacity,
     depthTest: !onTop,
@@ -37,7 +38,7 @@ function lineMaterial({ color, width, opacity = 1, onTop = false, part }: FatLin
   Object.assign(material, kNearerOffset);
   if (part === 'seen') return material;
   material.depthFunc = GreaterDepth;
-  // Ends of neighbours overlap, and are not to be less faint than the rest.
+  // Colours each pixel once, because overlapping ends of neighbours would otherwise be less faint than the rest.
   material.stencilWrite = true;
   material.stencilRef = 1;
   material.stencilFunc = NotEqualStencilFunc;
@@ -45,7 +46,7 @@ function lineMaterial({ color, width, opacity = 1, onTop = false, part }: FatLin
   return material;
 }
 
-/** Line segments of a width in pixels whose ends are rewritten in place, frame after frame. */
+/** Line segments with a width in pixels. Their ends are rewritten in place for each frame. */
 export class FatLines {
   readonly object: LineSegments2;
   readonly material: LineMaterial;
@@ -60,7 +61,7 @@ export class FatLines {
     this.object.geometry.instanceCount = 0;
   }
 
-  /** Draws the same segments once more, over the looks that they have so far. */
+  /** Draws the same segments once more in another style, over the styles so far. */
   addLook(style: FatLineStyle): LineMaterial {
     const material = lineMaterial(style);
     const again = new LineSegments2(this.object.geometry, material);
@@ -70,7 +71,9 @@ export class FatLines {
     return material;
   }
 
-  /** Room for `count` segments: 6 numbers each (start, end; metres), to be filled before the next draw. */
+  /**
+   * Returns room for `count` segments, 6 numbers each (start, end; metres). The caller fills it before the next draw.
+   */
   begin(count: number): Float32Array {
     if (6 * count > this.buffer.array.length)
       this.buffer = this.allocate(Math.max(count, this.buffer.array.length / 3));

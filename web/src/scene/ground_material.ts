@@ -15,7 +15,7 @@ const kGround = /* glsl */ `
   }
 `;
 
-/** A plane's floor: lit and shadowed, with a metre's grid, fading out with the distance from its middle. */
+/** The floor of a plane: lit and shadowed, with a grid of one metre, fading out with the distance from its middle. */
 export class GroundMaterial extends MeshLambertMaterial {
   private readonly reachUniform: IUniform<number> = { value: 2 };
   private readonly lineColor: IUniform<Color> = { value: new Color(0x000000) };

@@ -10,8 +10,8 @@ export interface MeshFile {
 }
 
 /**
- * The sheet as it is shown, in a geometry of its own: positions, normals, and as texture coordinates material positions in
- * metres. Vertices keep their numbers; slots without material are left out.
+ * Copies the shown sheet to a geometry: positions, normals, and material positions (m) as texture coordinates. Vertices
+ * keep their numbers; slots without material are left out.
  */
 export function sheetGeometry(sheet: SheetArrays): BufferGeometry {
   const { numVertices, numSlots, triangles } = sheet;
@@ -27,16 +27,16 @@ export function sheetGeometry(sheet: SheetArrays): BufferGeometry {
 }
 
 /**
- * OBJ: as the sheet is, z up, to be read again by `kerf sheet create --obj`. GLB: glTF 2.0 in one file, turned as glTF wants
- * it, y up.
- * @param name  of the object in the file
+ * Makes a mesh file. OBJ has z up, so that `kerf sheet create --obj` can read it. GLB is glTF 2.0 in one file, turned
+ * to y up as glTF requires.
+ * @param name  name of the object in the file
  */
 export async function meshFile(sheet: SheetArrays, name: string, format: MeshFormat): Promise<MeshFile> {
   const geometry = sheetGeometry(sheet);
   const material = new MeshStandardMaterial({ name: 'cloth', color: 0xd8d0bc, roughness: 0.86, side: DoubleSide });
   const mesh = new Mesh(geometry, material);
   mesh.name = name;
-  // Loaded when they are wanted.
+  // The exporters are loaded only when needed.
   if (format === 'obj') {
     const { OBJExporter } = await import('three/addons/exporters/OBJExporter.js');
     return { content: new OBJExporter().parse(mesh), mediaType: 'model/obj' };

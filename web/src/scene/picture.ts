@@ -1,6 +1,6 @@
 /**
- * A PNG of what was drawn, over the page's sky.
- * @param drawOver  draws what lies over it
+ * Returns a PNG of the drawn canvas over the page's sky.
+ * @param drawOver  draws what lies over the picture
  */
 export async function pictureOf(
   drawn: HTMLCanvasElement,

@@ -2,7 +2,7 @@ import type { PerspectiveCamera, Vector2, Vector3 } from 'three';
 import type { ColorBy } from '../gen/kerf/v1/render_pb';
 import type { ImageView } from '../stream/image_watch';
 
-// kerf.v1.ImageView: sides, and of VP8 the pixels of a picture.
+// Limits of kerf.v1.ImageView: the sides of a picture, and for VP8 its number of pixels.
 const kMaxSidePx = 4096;
 const kMinSidePx = 16;
 const kMaxVideoPx = 1920 * 1200;
@@ -13,10 +13,10 @@ export interface PictureSize {
 }
 
 /**
- * Size of a picture that fills a canvas: as many pixels as it has, or where those are more than the server draws, fewer of the
- * same shape. Even, for video halves colours.
+ * Returns the size of a picture that fills a canvas: its pixels, or fewer in the same proportions if the server does
+ * not draw as many. Both sides are even, because video halves the resolution of colours.
  * @param canvas  CSS pixels
- * @param ratio   pixels a CSS pixel
+ * @param ratio   pixels per CSS pixel
  */
 export function pictureSize({ x, y }: Pick<Vector2, 'x' | 'y'>, ratio: number): PictureSize {
   const fits = Math.min(1, kMaxSidePx / (ratio * Math.max(x, y)), Math.sqrt(kMaxVideoPx / (ratio * ratio * x * y)));
@@ -24,7 +24,7 @@ export function pictureSize({ x, y }: Pick<Vector2, 'x' | 'y'>, ratio: number): 
   return { widthPx: even(x), heightPx: even(y) };
 }
 
-/** View of a sheet from a camera that looks at `target`. */
+/** Returns the view of a sheet from a camera that looks at `target`. */
 export function pictureView(
   camera: PerspectiveCamera,
   target: Vector3,
@@ -38,7 +38,7 @@ export function pictureView(
     camera: {
       eye: vector(camera.position),
       target: vector(target),
-      // Not the camera's own: the light comes from where up is.
+      // The world's up, not the view's, because the light comes from it.
       up: vector(camera.up),
       verticalFovDeg: camera.fov,
     },

@@ -1,10 +1,10 @@
 import { Color } from 'three';
 import type { SheetArrays } from '../stream/sheet_copy';
 
-// Okabe and Ito, "Color universal design" (2008), without black: distinguishable for the colour-blind too. In an order in
-// which neighbours, as the parts of one cut are, differ most.
+// Okabe and Ito, "Color universal design" (2008), without black: distinguishable for the colour-blind too. Neighbours
+// in the list, such as the two parts of a cut, differ most.
 const kPalette = [0x0072b2, 0xe69f00, 0x009e73, 0xcc79a7, 0x56b4e9, 0xd55e00, 0xf0e442];
-// Further rounds through it are mixed with white and with black.
+// Later rounds through the palette are mixed with white, then with black.
 const kRounds: readonly [number, number][] = [
   [0xffffff, 0],
   [0xffffff, 0.5],
@@ -12,7 +12,10 @@ const kRounds: readonly [number, number][] = [
 ];
 const kUnknown = new Color(0x9a9a9a);
 
-/** Always the same for an id (1, 2, ...): a piece keeps its colour as long as it is not cut itself. */
+/**
+ * Returns the colour of a piece, which depends only on its id (1, 2, ...). A piece thus keeps its colour until it is
+ * cut itself.
+ */
 export function pieceColor(id: number): Color {
   const round = Math.floor((id - 1) / kPalette.length) % kRounds.length;
   const [towards, share] = kRounds[round];
@@ -20,7 +23,7 @@ export function pieceColor(id: number): Color {
 }
 
 /**
- * A colour for each vertex, 3 V numbers, linear. No two pieces share a vertex.
+ * Returns a colour for each vertex, 3 V numbers, linear. This is possible because no two pieces share a vertex.
  *
  * @param ids     label -> id
  */
@@ -36,16 +39,16 @@ export function pieceColors(mirror: SheetArrays, ids: ReadonlyMap<number, number
 }
 
 /**
- * While ids of a new topology are on their way: old vertices keep their colours, new ones, and those that have
- * material again, get that of a neighbour.
+ * Returns colours to show until the ids of a new topology arrive. Old vertices keep their colours; new ones, and those
+ * that have material again, get the colour of a neighbour.
  *
- * @param old  of the topology before, 3 numbers a vertex
+ * @param old  colours in the topology before, 3 numbers per vertex
  */
 export function carriedColors(mirror: SheetArrays, old: Float32Array): Float32Array {
   const out = new Float32Array(3 * mirror.numVertices);
   out.set(old.subarray(0, out.length));
   const { triangles } = mirror;
-  // A vertex without material has no colour, black; it gets material again where its cut is undone.
+  // A vertex without material is black, which means no colour; it gets material again if its cut is undone.
   const isKnown = (first: number) => first < old.length && old[first] + old[first + 1] + old[first + 2] > 0;
   for (let slot = 0; slot < mirror.numSlots; ++slot) {
     const corners = [0, 1, 2].map((corner) => 3 * triangles[3 * slot + corner]);

@@ -1,7 +1,7 @@
 import { BufferAttribute, BufferGeometry, DoubleSide, Mesh, MeshBasicMaterial, Vector3 } from 'three';
 import type { SheetArrays } from '../stream/sheet_copy';
 
-/** Corners of a piece's triangles, 3 numbers each. */
+/** Returns the vertices of a piece's triangles, 3 per triangle. */
 export function trianglesOf(mirror: SheetArrays, label: number): Uint32Array {
   const corners: number[] = [];
   for (let slot = 0; slot < mirror.numSlots; ++slot) {
@@ -11,7 +11,7 @@ export function trianglesOf(mirror: SheetArrays, label: number): Uint32Array {
   return Uint32Array.from(corners);
 }
 
-/** World, metres: mean of the corners of a piece's triangles. */
+/** Returns the mean of the corners of a piece's triangles; world, metres. */
 export function pieceCentre(mirror: SheetArrays, label: number): Vector3 {
   const corners = trianglesOf(mirror, label);
   const sum = new Vector3();
@@ -20,7 +20,7 @@ export function pieceCentre(mirror: SheetArrays, label: number): Vector3 {
   return sum.divideScalar(Math.max(1, corners.length));
 }
 
-/** One piece shines through its own colours, in front of the cloth. */
+/** Highlights one piece by a translucent colour drawn over the cloth. */
 export class PieceHighlight {
   readonly object = new Mesh(
     new BufferGeometry(),
@@ -39,12 +39,12 @@ export class PieceHighlight {
     return this.label !== undefined;
   }
 
-  /** @param label  of the piece in the mirror's frames; undefined: none */
+  /** @param label  label of the piece in the mirror's frames; undefined: no piece is highlighted */
   set(label: number | undefined): void {
     this.label = label;
   }
 
-  /** @param positions  attribute of the sheet's own mesh */
+  /** @param positions  position attribute of the sheet's mesh, which is shared */
   update(mirror: SheetArrays, positions: BufferAttribute): void {
     const { object, label } = this;
     object.visible = label !== undefined;

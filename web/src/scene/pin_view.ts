@@ -25,7 +25,7 @@ export class PinView {
     const at = new Vector3();
     let count = 0;
     for (const vertex of this.vertices) {
-      // A pin goes with its material; the list without it is on its way.
+      // A pin disappears with its material; the server's list without the pin has not arrived yet.
       if (!surface.hasMaterial(vertex)) continue;
       at.fromArray(mirror.positions, 3 * vertex);
       this.balls.setMatrixAt(count++, matrix.makeScale(radius, radius, radius).setPosition(at));

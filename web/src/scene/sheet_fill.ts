@@ -13,14 +13,15 @@ import {
 import type { ColorRepresentation } from 'three';
 import { kNearerOffset } from './depth_offsets';
 
-/** Triangles on the cloth that may overlap: each place is coloured once, and faintly where a fold hides it. */
+/** Draws triangles on the cloth, which may overlap: each pixel is coloured once, and faintly where a fold hides it. */
 export class SheetFill {
   readonly object = new Group();
   private readonly geometry = new BufferGeometry();
   private corners = this.allocate(64);
 
   constructor(color: ColorRepresentation, opacity: number, faintOpacity: number, order: number) {
-    // The stencils differ from one another and from that of lines: each keeps its own places from being coloured twice.
+    // The two stencil values differ from each other and from the lines' value, because each prevents colouring its own
+    // pixels twice.
     const [seen, hidden] = [
       { opacity, stencilRef: 2 },
       { opacity: faintOpacity, stencilRef: 3, depthFunc: GreaterDepth },
@@ -45,7 +46,7 @@ export class SheetFill {
     this.begin(0);
   }
 
-  /** Room for `count` corners: 3 numbers each, metres, to be filled before the next draw. */
+  /** Returns room for `count` corners, 3 numbers each, metres. The caller fills it before the next draw. */
   begin(count: number): Float32Array {
     if (3 * count > this.corners.array.length) this.corners = this.allocate(Math.max(count, (2 * this.corners.array.length) / 3));
     this.geometry.setDrawRange(0, count);

@@ -9,7 +9,7 @@ import type { Stage } from './stage';
 import { WindView } from './wind_view';
 import { worldBox } from './world_box';
 
-// The radius of a pin, in parts of the sheet's larger side.
+// Radius of a pin, as a share of the sheet's larger side.
 const kPinRadius = 0.009;
 
 /** A sheet and what is around it: colliders, pins, wind. */
@@ -28,29 +28,29 @@ export class SheetScene {
     stage.scene.add(this.object);
   }
 
-  /** Looks at the whole of it. */
+  /** Moves the camera so that sheet and colliders are in view. */
   fit({ mirror }: Surface, colliders: readonly Collider[]): void {
     const box = worldBox(mirror, colliders);
     this.stage.fit(box);
     this.wind.fit(box);
-    // The floor reaches as far as is seen.
+    // Sizes the floor for the new view.
     this.colliders.set(colliders);
   }
 
-  /** Takes the settings that the server has, which are not in frames. */
+  /** Shows the server's settings, which frames do not contain. */
   set({ scene, pinnedVertices }: Sheet): void {
     this.wind.set(scene?.wind);
     this.pins.set(pinnedVertices);
     this.colliders.set(scene?.colliders ?? []);
   }
 
-  /** Sheet and colliders are drawn here, or are in the picture that the server draws. */
+  /** Sets whether the page draws sheet and colliders; otherwise the server's picture shows them. */
   setDrawn(isDrawn: boolean): void {
     this.isDrawn = isDrawn;
     this.show();
   }
 
-  /** Lets sheet and solids hide what lies over a picture of the server, or not; false: it was so before. */
+  /** Sets whether sheet and solids hide what lies over a picture of the server. False if nothing changed. */
   setHiding(isHiding: boolean): boolean {
     if (isHiding === this.isHiding) return false;
     this.isHiding = isHiding;

@@ -34,7 +34,7 @@ export class SheetView {
   private shownVersion = -1;
   private wiresVersion = -1;
   private colors: Float32Array | undefined;
-  // Source of the colours.
+  // The ids, version and scale that `colors` was computed from.
   private coloredIds: ReadonlyMap<number, number> | undefined;
   private coloredVersion = -1;
   private strainEnd = 0;
@@ -61,26 +61,27 @@ export class SheetView {
     if (this.wires.visible) this.updateWires();
   }
 
-  /** True if all but a piece that is lit up is drawn; update() is due afterwards. */
+  /** Sets whether the sheet is drawn; a highlighted piece always is. Call update() afterwards. */
   setDrawn(isDrawn: boolean): void {
     this.isDrawn = isDrawn;
     this.mesh.visible = this.lips.object.visible = isDrawn;
     this.wires.visible = isDrawn && this.hasWires;
   }
 
-  /** Lets it hide what is behind it while it is not drawn, or not; update() is due afterwards. */
+  /** Sets whether the sheet hides what is behind it while it is not drawn. Call update() afterwards. */
   setHiding(isHiding: boolean): void {
     this.mask.visible = isHiding;
   }
 
-  /** Lights one piece up, by its label in the frames, from the next update() on; undefined: none. */
+  /** Highlights the piece with this label in the frames, from the next update() on; undefined: no piece. */
   highlight(label: number | undefined): void {
     this.highlighted.set(label);
   }
 
   /**
-   * Colours the pieces, or the cloth as it is.
-   * @param ids  label -> id in the mirror's topology version; undefined while it is not known; null: off
+   * Colours the sheet by piece, or in the cloth's own colours.
+   * @param ids  label -> id in the mirror's topology version; undefined while the ids are not known; null: the cloth's
+   *   colours
    */
   colorByPiece(ids: ReadonlyMap<number, number> | undefined | null): void {
     if (!this.isDrawn) return;
@@ -100,8 +101,9 @@ export class SheetView {
   }
 
   /**
-   * Colours the sheet by its strains, on a scale that follows the largest; call after update().
-   * @returns the end of the scale, -; undefined where the last frame had no strains: the colours stay as they were
+   * Colours the sheet by its strains, on a scale that adapts to the largest ones. Call it after update().
+   * @returns the strain (-) at the end of the scale; undefined if the last frame had no strains, and the colours then
+   *   stay
    */
   colorByStrain(): number | undefined {
     const strains = this.surface?.mirror.strains;
@@ -117,7 +119,7 @@ export class SheetView {
     return this.strainEnd;
   }
 
-  /** Takes the mirror's newest state; `surface` may be another one after a new connection. */
+  /** Shows the mirror's newest state; `surface` is another object after a new connection. */
   update(surface: Surface): void {
     const { mirror } = surface;
     if (surface !== this.surface) this.shownVersion = -1;
@@ -193,7 +195,8 @@ export class SheetView {
       mirror: { triangles, numSlots },
       boundary,
     } = this.surface;
-    // Each inner edge belongs to two triangles that run along it in opposite directions, each border edge to one.
+    // Lists each edge once: the two triangles of an inner edge run along it in opposite directions; a border edge has
+    // one triangle.
     const edges: number[] = [];
     for (let i = 0; i < 3 * numSlots; ++i) {
       const next = i % 3 === 2 ? i - 2 : i + 1;

@@ -17,9 +17,9 @@ import { GroundMaterial } from './ground_material';
 
 const kFovDeg = 36;
 const kViewDirection = new Vector3(0.5, -1, 0.62).normalize();
-// The sheet fills this part of the picture's height or width at first; it will swing and fall.
+// The sheet fills this share of the picture's height or width at first, which leaves room to swing and fall.
 const kFilled = 0.88;
-// Radians that the camera keeps from straight above or below, where "up" would turn over and "right" be undefined.
+// Smallest angle, radians, of the camera to straight up or down, where its up vector would flip.
 const kLeastPolar = 0.01;
 const kLightDirection = new Vector3(-0.45, -0.5, 1).normalize();
 
@@ -65,12 +65,12 @@ export class Stage {
     this.isStale = true;
   }
 
-  /** Gives the keyboard to the canvas, and so to the tool. */
+  /** Gives the keyboard focus to the canvas, so that keys reach the tool. */
   focus(): void {
     this.canvas.focus({ preventScroll: true });
   }
 
-  /** Moves the camera on; true if something changed since the last draw(). */
+  /** Continues camera motion; true if something changed since the last draw(). */
   advance(): boolean {
     this.controls.update();
     return this.isStale;
@@ -81,7 +81,7 @@ export class Stage {
     this.renderer.render(this.scene, this.camera);
   }
 
-  /** Sets how finely it draws; false if that is no change. */
+  /** Sets how finely the stage draws; false if nothing changed. */
   setQuality(quality: Quality): boolean {
     const { scale, hasShadows } = this.quality;
     if (quality.scale === scale && quality.hasShadows === hasShadows) return false;
@@ -91,7 +91,7 @@ export class Stage {
     return true;
   }
 
-  /** The browser's name for the graphics card or program that draws; empty where it does not say. */
+  /** The browser's name for the graphics card or software that draws; empty if the browser does not give one. */
   get graphics(): string {
     const context = this.renderer.getContext();
     const info = context.getExtension('WEBGL_debug_renderer_info');
@@ -99,8 +99,8 @@ export class Stage {
   }
 
   /**
-   * The picture as it is drawn now, transparent where there is nothing, on a canvas of its own.
-   * @param scale  its pixels a CSS pixel
+   * Returns a new canvas with the present picture, transparent where nothing is drawn.
+   * @param scale  pixels per CSS pixel
    */
   picture(scale: number): HTMLCanvasElement {
     const copy = document.createElement('canvas');
@@ -119,7 +119,7 @@ export class Stage {
     return copy;
   }
 
-  /** Looks at the whole of a box, and sizes light, shadow and floor for it. */
+  /** Moves the camera so that the whole box is in view, and sizes light, shadow and floor for the box. */
   fit(box: Box3): void {
     const { center, radius } = box.getBoundingSphere(new Sphere());
     const distance = this.fittingDistance(box, center);
@@ -143,7 +143,7 @@ export class Stage {
     this.invalidate();
   }
 
-  /** Turns the camera about what it looks at: `left` and `up` in radians, never over the top. */
+  /** Turns the camera around its target by `left` and `up`, radians; it stops before straight up or down. */
   orbit(left: number, up: number): void {
     const { target } = this.controls;
     const offset = this.camera.position.clone().sub(target);
@@ -155,7 +155,7 @@ export class Stage {
     this.controls.update();
   }
 
-  /** Nearer to what it looks at by this factor, farther below 1. */
+  /** Moves the camera nearer to its target by this factor, or farther away if the factor is below 1. */
   zoom(factor: number): void {
     const { target, minDistance, maxDistance } = this.controls;
     const offset = this.camera.position.clone().sub(target);
@@ -164,14 +164,14 @@ export class Stage {
     this.controls.update();
   }
 
-  /** Moves the camera and what it looks at across the view, CSS pixels. */
+  /** Moves the camera and its target across the view, by CSS pixels. */
   pan(rightPx: number, upPx: number): void {
     const scale = this.metresPerPx(this.controls.target);
     const shift = new Vector3(rightPx * scale, upPx * scale, 0).applyQuaternion(this.camera.quaternion);
     this.lookAt(this.controls.target.clone().add(shift));
   }
 
-  /** Moves a world point into the middle of the picture, from the same side and as far away. */
+  /** Moves a world point into the middle of the picture; direction and distance of the camera stay. */
   lookAt(at: Vector3): void {
     const { target } = this.controls;
     this.camera.position.add(at).sub(target);
@@ -179,8 +179,8 @@ export class Stage {
     this.controls.update();
   }
 
-  // The least distance from `center`, along the first view's direction, from which all corners of the box are in the
-  // picture, and some room.
+  // Returns the least distance from `center`, along kViewDirection, from which all corners of the box are in view with
+  // some margin.
   private fittingDistance(box: Box3, center: Vector3): number {
     const right = new Vector3().crossVectors(this.camera.up, kViewDirection).normalize();
     const up = new Vector3().crossVectors(kViewDirection, right);
@@ -198,28 +198,28 @@ export class Stage {
     return distance;
   }
 
-  /** Ray through a point of the canvas, CSS pixels from its upper left corner. */
+  /** Returns the ray through a point of the canvas, CSS pixels from the upper left corner. */
   rayAt(point: Vector2): Ray {
     const clip = new Vector2((2 * point.x) / this.sizePx.x - 1, 1 - (2 * point.y) / this.sizePx.y);
     this.raycaster.setFromCamera(clip, this.camera);
     return this.raycaster.ray.clone();
   }
 
-  /** Canvas point of a world point, CSS pixels; undefined behind the camera. */
+  /** Returns the canvas point of a world point, CSS pixels; undefined behind the camera. */
   project(world: Vector3): Vector2 | undefined {
     const p = world.clone().project(this.camera);
     if (p.z > 1) return undefined;
     return new Vector2((0.5 + 0.5 * p.x) * this.sizePx.x, (0.5 - 0.5 * p.y) * this.sizePx.y);
   }
 
-  /** Metres that one CSS pixel covers at a world point, across the view. */
+  /** Returns the metres that one CSS pixel covers at a world point, across the view. */
   metresPerPx(at: Vector3): number {
     const forward = this.camera.getWorldDirection(new Vector3());
     const depth = at.clone().sub(this.camera.position).dot(forward);
     return (2 * Math.abs(depth) * Math.tan(0.5 * kFovDeg * (Math.PI / 180))) / this.sizePx.y;
   }
 
-  /** Light and floor for a dark page, or for a light one. */
+  /** Sets light and floor for a dark or a light page. */
   setDark(isDark: boolean): void {
     this.sky.intensity = isDark ? 0.9 : 1.25;
     this.sky.groundColor.set(isDark ? 0x3a4250 : 0x9a948c);

@@ -1,22 +1,24 @@
 import { Color } from 'three';
 
 // The cool-warm map of K. Moreland, "Diverging color maps for scientific visualization" (2009): blue where the sheet is
-// compressed, grey where it is as long as at rest, red where it is stretched. The colour-blind tell its sides apart.
+// compressed, grey where it is as long as at rest, red where it is stretched. The colour-blind can distinguish its two
+// sides.
 const kStops = [
   0x3b4cc0, 0x6282ea, 0x8db0fe, 0xb8d0f9, 0xdddddd, 0xf5c4ad, 0xf49a7b, 0xde604d, 0xb40426,
 ].map((hex) => new Color(hex));
-// The table of colours has one in its middle, and neighbours differ by at most one in a channel of a picture.
+// Size of the table of colours: odd, so that one is in the middle; neighbours differ by at most 1/255 in each channel.
 const kNumShades = 1025;
 const kSmallestMax = 1e-4;
-// The scale ends where 99 % of the vertices are below: at a pin or the end of a cut a few have many times as much.
+// Share of the vertices whose strains lie within the scale. A few, at pins and ends of cuts, are many times larger.
 const kShareBelow = 0.99;
 const kMaxSamples = 2000;
 
-/** For legends: CSS, evenly from the most compressed to the most stretched. */
+/** CSS colours for legends, at equal distances from the most compressed to the most stretched. */
 export const kStrainStops: readonly string[] = kStops.map((color) => color.getStyle());
 export const kStrainGradient = `linear-gradient(to right, ${kStrainStops.join(', ')})`;
 
-// Linear, 3 numbers each, evenly over the scale; between stops they are mixed in sRGB, as in a gradient of CSS.
+// Linear colours, 3 numbers each, evenly spaced over the scale. Between stops they are mixed in sRGB, as CSS gradients
+// do.
 const kShades = makeShades();
 
 function makeShades(): Float32Array {
@@ -33,7 +35,7 @@ function makeShades(): Float32Array {
   return shades;
 }
 
-/** The next of 1, 2, 5, 10, 20, ... times a power of ten that is not below `value`. */
+/** Returns the smallest number >= `value` that is 1, 2 or 5 times a power of ten. */
 function roundedUp(value: number): number {
   const decade = 10 ** Math.floor(Math.log10(value));
   for (const step of [1, 2, 5]) if (value <= step * decade * (1 + 1e-9)) return step * decade;
@@ -48,10 +50,10 @@ function largestOfMost(strains: Float32Array): number {
 }
 
 /**
- * The end of the scale, -, >= 1e-4: a round number that the magnitudes of nearly all strains are just below, and that does
- * not change with every frame. The scale begins at its negative.
+ * Returns the strain (-) at which the symmetric scale ends, >= 1e-4: a round number that 99 % of the magnitudes do not
+ * exceed. It stays while these reach a fifth of it, so that it does not change with every frame.
  *
- * @param current  the end so far
+ * @param current  the present end; 0: none yet
  */
 export function strainScaleEnd(strains: Float32Array, current: number): number {
   const largest = Math.max(kSmallestMax, largestOfMost(strains));
@@ -59,9 +61,10 @@ export function strainScaleEnd(strains: Float32Array, current: number): number {
 }
 
 /**
- * A colour for each vertex, linear, 3 numbers each: from blue at `-end` and below over grey at 0 to red at `end` and above.
+ * Returns a colour for each vertex, linear, 3 numbers each: from blue at `-end` and below over grey at 0 to red at
+ * `end` and above.
  *
- * @param room  is written to and returned where it has exactly the length
+ * @param room  array for the result, used if it has exactly the right length
  */
 export function strainColors(strains: Float32Array, end: number, room?: Float32Array): Float32Array {
   const out = room?.length === 3 * strains.length ? room : new Float32Array(3 * strains.length);
@@ -75,12 +78,12 @@ export function strainColors(strains: Float32Array, end: number, room?: Float32A
 
 /** A mark of the scale. */
 export interface StrainTick {
-  /** From 0 at the scale's left end to 1 at its right one. */
+  /** Place on the scale, from 0 at its left end to 1 at its right end. */
   at: number;
   text: string;
 }
 
-/** Marks at both ends, at nothing and half way: percentages, of which the last says so. */
+/** Returns marks at both ends, at 0 and half way between, as percentages; only the last has the sign "%". */
 export function strainTicks(end: number): StrainTick[] {
   return [-1, -0.5, 0, 0.5, 1].map((share) => {
     const percent = String(Number((100 * Math.abs(share) * end).toPrecision(2)));

@@ -4,7 +4,7 @@ import type { StrainTick } from './strain_colors';
 /** The page's legend of the colours by strain. */
 export interface StrainLegend {
   ticks: readonly StrainTick[];
-  /** The meaning of the scale's ends. */
+  /** Words for the scale's ends, such as "compressed". */
   words: readonly [left: string, right: string];
   /** CSS colours. */
   ink: string;
@@ -22,9 +22,9 @@ const kTick = 4;
 const kHeight = 2 * kPadding.end + kLine + kScale.height + kTick + kLine;
 
 /**
- * Draws it in the lower left corner.
- * @param context  of a picture with `ratio` pixels a CSS pixel
- * @param height   of the picture, pixels
+ * Draws the legend in the lower left corner.
+ * @param context  context of a picture with `ratio` pixels per CSS pixel
+ * @param height   height of the picture, pixels
  */
 export function drawStrainLegend(
   context: CanvasRenderingContext2D,

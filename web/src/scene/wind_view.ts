@@ -3,10 +3,10 @@ import type { Box3, Object3D } from 'three';
 import type { Wind } from '../gen/kerf/v1/scene_pb';
 
 const kColor = 0x2f86d6;
-// m/s: an arrow at full length.
+// Wind speed, m/s, at which the arrow has its full length.
 const kFull = 20;
 
-/** An arrow beside the scene that says where the wind blows, the longer the stronger; none in still air. */
+/** An arrow above the scene in the direction of the wind, longer for stronger wind; hidden in still air. */
 export class WindView {
   private readonly arrow = new ArrowHelper(new Vector3(1, 0, 0), new Vector3(), 1, kColor);
   private wind: Wind | undefined;
@@ -25,7 +25,7 @@ export class WindView {
     this.update();
   }
 
-  /** @param box  what there is to see, metres: the arrow is above its middle */
+  /** @param box  box around the scene, metres; the arrow is above its middle */
   fit(box: Box3): void {
     const size = box.getSize(new Vector3());
     this.reach = 0.5 * Math.max(size.x, size.y, size.z);

@@ -11,7 +11,7 @@ function expand(box: Box3, center: Vector3, reach: number): void {
   box.union(new Box3(center.clone().subScalar(reach), center.clone().addScalar(reach)));
 }
 
-/** Box around what there is to see: the sheet and every collider that ends somewhere. Metres. */
+/** Returns the box around the sheet and all bounded colliders (not planes), metres. */
 export function worldBox(mirror: SheetArrays, colliders: readonly Collider[]): Box3 {
   const box = new Box3();
   const at = new Vector3();

@@ -20,14 +20,14 @@ export interface StreamWishes {
 }
 
 export interface LiveSheetEvents {
-  /** The connection has another state. */
+  /** Called when the state of the connection has changed. */
   onState(): void;
   onFrame(copy: SheetCopy, frame: FrameCopy): void;
   onSettings(sheet: Sheet): void;
   onRejection(rejection: Rejection): void;
-  /** @param parts  the file, once it is finished */
+  /** @param parts  content of the file once the recording is finished, else undefined */
   onRecording(progress: RecordingProgress, parts: ArrayBuffer[] | undefined): void;
-  /** The stream has ended, and what it recorded is lost. `why` is a sentence for people. */
+  /** Called when the stream has failed and its recording is lost. `why` is a sentence for people. */
   onFailed(why: string): void;
 }
 
@@ -36,17 +36,17 @@ export class LiveSheet implements OpenSheet {
   sheetName = '';
 
   private readonly stream: SheetStream;
-  // Ignores failures: the stream says that the connection is lost or the sheet is gone.
+  // Failures are ignored, because the stream reports a lost connection or a deleted sheet.
   private readonly answers = new NewestAnswer<Sheet>(
     () => call(SheetService.method.getSheet, { name: this.sheetName }),
     (sheet) => this.answered(sheet),
   );
   private readonly settings = new SettingsFollower(() => this.answers.fetch());
   private clock = new FrameClock();
-  // A new one comes with each connection.
+  // Each connection has a new copy.
   private copy: SheetCopy | undefined;
 
-  /** @param wishes  is asked whenever a stream starts or its pace may change */
+  /** @param wishes  called whenever a stream starts or its pace may change */
   constructor(
     private readonly wishes: () => StreamWishes,
     private readonly events: LiveSheetEvents,
@@ -54,7 +54,7 @@ export class LiveSheet implements OpenSheet {
   ) {
     this.stream = new SheetStream({
       onState: (state) => {
-        // The first frame of the next connection asks again.
+        // The first frame of the next connection then fetches the settings again.
         if (state !== 'live') this.settings.reset();
         events.onState();
       },
@@ -62,7 +62,7 @@ export class LiveSheet implements OpenSheet {
       onRejection: (rejection) => events.onRejection(rejection),
       onRecording: (progress, parts) => {
         events.onRecording(progress, parts);
-        // A full recording ends in a hidden page as well, where no drawing sets the pace.
+        // Sets the pace here, because a recording may also end in a hidden page, where no drawing does so.
         this.followPace();
       },
       onFailed: (why) => events.onFailed(why),
@@ -89,29 +89,29 @@ export class LiveSheet implements OpenSheet {
     this.startStream(false);
   }
 
-  /** Watches no sheet any more. The name stays. */
+  /** Stops watching; sheetName stays. */
   close(): void {
     this.stream.close();
     this.settings.reset();
   }
 
-  /** Starts another stream of the same sheet. `goesOn`: it continues from the triangles that are here. */
+  /** Starts another stream of the same sheet. `goesOn`: it continues from the present copy's triangles. */
   restart(goesOn: boolean): void {
     if (this.isWatched) this.startStream(goesOn);
   }
 
-  /** The page is shown, or hidden. */
+  /** Call it when the page was shown or hidden. */
   pageSeen(): void {
     this.followPace();
     if (!document.hidden) this.watch?.retryNow();
   }
 
-  /** Asks for frames as often as they are wanted now. Cheap where nothing has changed. */
+  /** Requests the frame rate that is wanted now. Cheap if nothing has changed. */
   followPace(): void {
     this.watch?.setPace(this.wishes().pace);
   }
 
-  /** Moves the vertices to where they are at `nowMs`; true if any has moved. */
+  /** Moves the vertices to their positions at `nowMs`; true if any has moved. */
   advance(nowMs: number): boolean {
     return this.watch?.copy?.advance(nowMs) ?? false;
   }
@@ -121,7 +121,7 @@ export class LiveSheet implements OpenSheet {
     this.watch?.acknowledge();
   }
 
-  /** Asks for the settings; false if that failed. */
+  /** Fetches the settings; false if that failed. */
   fetch(): Promise<boolean> {
     return this.answers.fetch();
   }
@@ -130,7 +130,7 @@ export class LiveSheet implements OpenSheet {
     await this.answers.refresh();
   }
 
-  /** Runs a call that changes the sheet and is answered by its settings. */
+  /** Runs a call that changes the sheet and whose answer has the new settings. */
   command(run: () => Promise<Sheet>): Promise<void> {
     return this.answers.command(() => this.reporter.attempt(run));
   }
@@ -146,7 +146,7 @@ export class LiveSheet implements OpenSheet {
 
   private received(copy: SheetCopy, frame: FrameCopy): void {
     if (copy !== this.copy) {
-      // A new connection, perhaps to another server, has another clock and may have other settings.
+      // A new connection may be to a restarted server, with another clock and other settings.
       this.copy = copy;
       this.clock = new FrameClock();
       this.settings.reset();
@@ -157,7 +157,7 @@ export class LiveSheet implements OpenSheet {
       if (this.isWatched) this.settings.saw(stats.settingsVersion);
     }
     this.events.onFrame(copy, frame);
-    // No drawing acknowledges the frames that a recording makes come to a hidden page.
+    // A hidden page gets frames while it records, but draws nothing that would acknowledge them.
     if (document.hidden) this.acknowledge();
   }
 }

@@ -2,21 +2,24 @@ import type { Sheet } from '../gen/kerf/v1/sheets_pb';
 import type { Surface } from '../geometry/surface';
 import type { RemoteWatch } from '../stream/remote_watch';
 
-/** The live sheet that calls to the server are about. */
+/** The live sheet on which calls to the server act. */
 export interface OpenSheet {
-  /** sheets/{sheet}; empty without one. It stays while a recording is shown: closing that leads back to it. */
+  /**
+   * sheets/{sheet}; empty if no sheet is open. It stays while a recording is shown, because closing the recording
+   * returns to the sheet.
+   */
   readonly sheetName: string;
-  /** Asks for the settings after a change that was not answered by them. */
+  /** Fetches the settings after a change whose answer did not contain them. */
   refresh(): Promise<void>;
 }
 
-/** The stream of the live sheet, for gestures that act on it while they last. */
+/** The stream of the live sheet, for gestures that send commands while they last. */
 export interface GestureStream {
   /** Undefined without a live sheet, and while a recording is shown. */
   readonly watch: Pick<RemoteWatch, 'state' | 'send'> | undefined;
 }
 
-/** The sheet that is seen, of the live stream or of a recording. */
+/** The sheet that is shown: live or from a recording. */
 export interface ShownState {
   /** Undefined before the first frame. */
   readonly surface: Surface | undefined;

@@ -8,21 +8,21 @@ import type { SheetCopy } from '../stream/sheet_copy';
 import type { ShownState } from './open_sheet';
 
 export interface ShownSheetEvents {
-  /** Frames come from another connection or recording. */
+  /** Called when frames begin to come from another connection or recording. */
   onSource(): void;
-  /** The settings are others than `before`, which is undefined for the first ones of a sheet. */
+  /** Called when settings arrive. `before`: those before; undefined for the first settings of a sheet. */
   onSettings(sheet: Sheet, before: Sheet | undefined): void;
 }
 
-/** The sheet that is seen, of the live stream or of a recording: its newest frame, its settings, and its scene. */
+/** The sheet that is shown, live or from a recording: its newest frame, its settings and its scene. */
 export class ShownSheet implements ShownState {
   surface: Surface | undefined;
   sheet: Sheet | undefined;
 
   private readonly scene: SheetScene;
-  // The scene does not have the newest frame, or not in its present look.
+  // True if the scene lacks the newest frame or the present look.
   private isStale = false;
-  // A frame has come since the last drawing.
+  // True if a frame has come since the last drawing.
   private hasArrived = false;
   private isFitted = false;
 
@@ -75,12 +75,12 @@ export class ShownSheet implements ShownState {
     this.stage.invalidate();
   }
 
-  /** Looks at the whole of it. */
+  /** Moves the camera so that the whole sheet is in view. */
   fit(): void {
     if (this.surface) this.scene.fit(this.surface, this.sheet?.scene?.colliders ?? []);
   }
 
-  /** Lights one piece up, by its label in the frames; undefined: none. */
+  /** Highlights the piece with this label in the frames; undefined: no piece. */
   highlight(label: number | undefined): void {
     this.view.highlight(label);
     this.showAgain();
@@ -91,18 +91,18 @@ export class ShownSheet implements ShownState {
     if (this.surface) this.stage.lookAt(pieceCentre(this.surface.mirror, label));
   }
 
-  /** Draws sheet and colliders here, or leaves them to the server's picture. */
+  /** Sets whether the page draws sheet and colliders; otherwise the server's picture shows them. */
   setDrawn(isDrawn: boolean): void {
     this.scene.setDrawn(isDrawn);
     this.showAgain();
   }
 
-  /** Lets sheet and solids hide things that lie over the server's picture, or not. */
+  /** Sets whether sheet and solids hide things that lie over the server's picture. */
   setHiding(isHiding: boolean): void {
     if (this.scene.setHiding(isHiding)) this.showAgain();
   }
 
-  /** Draws the newest frame once more, in a look that may have changed. */
+  /** Draws the newest frame once more, because its look may have changed. */
   showAgain(): void {
     this.isStale = this.surface !== undefined;
     this.stage.invalidate();
@@ -114,14 +114,14 @@ export class ShownSheet implements ShownState {
     this.isStale = false;
     if (!this.isFitted) {
       this.fit();
-      // Fits once more when the colliders are known.
+      // Fits again when the settings, and with them the colliders, are known.
       this.isFitted = this.sheet !== undefined;
     }
     this.scene.update(this.surface);
     return true;
   }
 
-  /** Notes that a picture was drawn; true if a frame has come since the last one. */
+  /** Notes that a picture was drawn; true if a frame has come since the picture before. */
   drawn(): boolean {
     const { hasArrived } = this;
     this.hasArrived = false;

@@ -3,26 +3,28 @@ export type ConnectionState = 'connecting' | 'live' | 'lost' | 'ended';
 export interface ConnectionEvents {
   /** `detail` says why, for people, and is empty when all is well. */
   onState(state: ConnectionState, detail: string): void;
-  /** The socket is open: time to send what a stream begins with. */
+  /** Called when the socket is open, to send the first messages of a stream. */
   onOpen(): void;
-  /** An exception ends this connection, with its message as the reason, and another is tried. */
+  /**
+   * Called for each message. An exception ends this connection, with its message as the reason, and another is tried.
+   */
   onMessage(bytes: Uint8Array): void;
-  /** The server closed the connection, with this reason: true if trying again is of no use. */
+  /** Returns true if trying again is useless after the server closed the connection for this reason. */
   isFinal?(reason: string): boolean;
 }
 
 const kFirstRetryMs = 250;
 const kLastRetryMs = 8000;
-// A connection that was live for this long was a good one: the next retry starts from the shortest wait again.
+// After a connection that was live for this long, the next retry starts with the shortest wait again.
 const kStableAfterMs = 5000;
 
 /**
- * A WebSocket of subprotocol kerf.v1 that is kept alive: a lost one is tried again, at growing intervals, until close();
- * a paused one waits for retryNow().
+ * A WebSocket of subprotocol kerf.v1 that is kept open. A lost connection is retried at growing intervals until
+ * close(); while paused, it waits for retryNow().
  */
 export class Connection {
   state: ConnectionState = 'connecting';
-  /** True while the page is hidden: a connection that is lost is not tried again by itself. */
+  /** True while the page is hidden: a lost connection is then retried only by retryNow(). */
   isPaused = false;
 
   private socket: WebSocket | undefined;
@@ -33,7 +35,7 @@ export class Connection {
   private whyLost = '';
   private isClosed = false;
 
-  /** @param url  of the WebSocket, ws://HOST:PORT/watch */
+  /** @param url  address of the WebSocket, ws://HOST:PORT/watch */
   constructor(
     private readonly url: string,
     private readonly events: ConnectionEvents,
@@ -41,14 +43,14 @@ export class Connection {
     this.connect();
   }
 
-  /** False if there is no connection. */
+  /** Sends a message; false if there is no connection. */
   send(bytes: Uint8Array): boolean {
     if (this.socket?.readyState !== WebSocket.OPEN) return false;
     this.socket.send(bytes as Uint8Array<ArrayBuffer>);
     return true;
   }
 
-  /** The stream has brought what it is there for. */
+  /** Call it when the stream has delivered its first frame or picture. */
   markLive(): void {
     if (this.state === 'live') return;
     this.hasBeenLive = true;
@@ -56,12 +58,14 @@ export class Connection {
     this.setState('live', '');
   }
 
-  /** The other side says that this connection ends, and why; the next is tried once it has. */
+  /**
+   * Call it when the server announces the end of this connection; `why` is its reason. Another is tried after the end.
+   */
   expectLoss(why: string): void {
     this.whyLost = why;
   }
 
-  /** Ended for good. */
+  /** Ends the connection for good. */
   end(detail: string): void {
     this.isClosed = true;
     this.setState('ended', detail);
@@ -83,7 +87,7 @@ export class Connection {
 
   private connect(): void {
     this.whyLost = '';
-    // One that is only being opened would become a second stream.
+    // Closes the old socket: if it is still opening, it would become a second stream.
     this.socket?.close();
     this.setState(this.hasBeenLive ? 'lost' : 'connecting', this.hasBeenLive ? 'reconnecting' : '');
     const socket = new WebSocket(this.url, 'kerf.v1');
@@ -113,7 +117,7 @@ export class Connection {
       return;
     }
     if (this.isPaused) {
-      // A page that draws nothing acknowledges nothing: wait for retryNow().
+      // A hidden page draws nothing and would acknowledge nothing, so it waits for retryNow().
       this.setState('lost', why);
       return;
     }
@@ -133,7 +137,7 @@ export function endedText(reasonName: string, message: string): string {
   return message || reasonName.toLowerCase().replaceAll('_', ' ');
 }
 
-/** Microseconds, >= 1, since `arrivedMs` (performance.now()): held_us of stream.proto. */
+/** Returns the microseconds, >= 1, since `arrivedMs` (performance.now()), for held_us of stream.proto. */
 export function heldUs(arrivedMs: number): bigint {
   return BigInt(1 + Math.max(0, Math.round(1000 * (performance.now() - arrivedMs))));
 }

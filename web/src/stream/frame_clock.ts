@@ -1,6 +1,7 @@
 /**
- * Age of frames without synchronised clocks. The smallest difference seen between arrival here and publication there
- * counts as the clocks' offset plus the shortest way. So ages are relative to the fastest frame of this stream.
+ * Measures the age of frames without synchronised clocks. The smallest difference seen between arrival here and
+ * publication on the server counts as the clocks' offset plus the shortest transit. Ages are thus relative to the
+ * fastest frame of this stream.
  */
 export class FrameClock {
   private offsetMs = Number.POSITIVE_INFINITY;
@@ -15,7 +16,7 @@ export class FrameClock {
     this.offsetMs = Math.min(this.offsetMs, localMs - this.publishedMs);
   }
 
-  /** Age at `localMs` of the state that the last frame shows, ms, >= 0; undefined before the first. */
+  /** Returns the age at `localMs` of the last frame's state, ms, >= 0; undefined before the first frame. */
   ageMs(localMs: number): number | undefined {
     return Number.isFinite(this.offsetMs) ? Math.max(0, localMs - this.publishedMs - this.offsetMs) : undefined;
   }

@@ -4,9 +4,9 @@ import { kNoVertex } from './predictors';
 import type { Predictors } from './predictors';
 
 /**
- * @param base       coordinates of the base frame's `baseCount` / 3 vertices; a keyframe has none
- * @param positions  receives 3 coordinates a vertex; not `base`
- * @param room       for 3 numbers a vertex, in between; more are allocated
+ * @param base       `baseCount` coordinates of the base frame; a keyframe has none
+ * @param positions  receives 3 coordinates per vertex; must not be `base`
+ * @param room       scratch space for 3 numbers per vertex; allocated if absent or too small
  */
 export function unpackPositions(
   bytes: Uint8Array,
@@ -41,7 +41,7 @@ export function unpackPositions(
   }
 }
 
-/** One signed number -128..127 a vertex. `room` as of unpackPositions(). */
+/** Returns one signed number -128..127 per vertex. `room` is as in unpackPositions(). */
 export function unpackBytes(bytes: Uint8Array, { nearA, nearB }: Predictors, room?: Uint32Array): Int8Array {
   const differences = unpackIntegers(bytes, nearA.length, 1, room);
   const values = new Int8Array(nearA.length);
@@ -65,7 +65,7 @@ export function unpackAscending(bytes: Uint8Array, count: number): Uint32Array {
   return ids;
 }
 
-/** @param whole  all slots of a full patch, rather than those that a patch lists */
+/** @param whole  true for all slots of a full patch, false for the slots that a patch lists */
 export function unpackTriangles(bytes: Uint8Array, count: number, whole: boolean): Int32Array {
   const differences = unpackIntegers(bytes, 3 * count, 3);
   const triangles = new Int32Array(3 * count);
@@ -85,7 +85,7 @@ export function unpackLabels(bytes: Uint8Array, count: number): Int32Array {
   return labels;
 }
 
-// 32-bit floats in their order as integers.
+// Maps a 32-bit float to an integer; greater floats have greater integers.
 const floatBits = new DataView(new ArrayBuffer(4));
 function orderOf(value: number): number {
   floatBits.setFloat32(0, value);
@@ -98,8 +98,8 @@ function floatOf(order: number): number {
 }
 
 /**
- * @param listed    ids whose positions the bytes are, ascending
- * @param material  2 a vertex; holds the others, receives the listed ones
+ * @param listed    ids of the vertices whose positions `bytes` has, ascending
+ * @param material  2 numbers per vertex; has the other vertices' positions, receives those of the listed ones
  */
 export function unpackMaterialPositions(
   bytes: Uint8Array,

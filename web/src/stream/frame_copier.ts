@@ -4,17 +4,17 @@ import type { FrameCopy, TopologyCopy } from './sheet_copy';
 import { SpareArrays } from './spare_arrays';
 import type { Delivery } from './stream_meter';
 
-/** Copies of a mirror's state for the page, in a worker. */
+/** Copies a mirror's state in a worker, to be sent to the page. */
 export class FrameCopier {
   readonly spare = new SpareArrays();
   private shownTriangles: Int32Array | undefined;
 
   /**
-   * @param isFirst  the page has nothing yet: with the topology, whether it is new or not
-   * @returns the copy, and the buffers that go with it
+   * @param isFirst  the page has no frame yet, so the copy includes the topology even if it is not new
+   * @returns the copy, and its buffers to be transferred
    */
   copy(mirror: SheetMirror, delivery: Delivery, isFirst: boolean): { frame: FrameCopy; buffers: ArrayBuffer[] } {
-    // A frame with a topology brings new arrays.
+    // A frame with a new topology gives the mirror new arrays.
     const topology = isFirst || mirror.triangles !== this.shownTriangles ? topologyOf(mirror) : undefined;
     this.shownTriangles = mirror.triangles;
     const frame: FrameCopy = {

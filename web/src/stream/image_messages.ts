@@ -3,8 +3,8 @@ import type { ConnectionState } from './connection';
 import type { ImageView, Refusal, ShownPicture } from './image_watch';
 import type { Pace } from './watch';
 
-// Messages between the page and the worker that holds its stream of pictures. `id` numbers the page's streams: what
-// concerns an earlier one is passed over.
+// Messages between the page and the worker that holds its stream of pictures. `id` numbers the page's streams; messages
+// about an earlier stream are ignored.
 
 export type ToImages =
   | { kind: 'start'; id: number; url: string; name: string; codec: ImageCodec; view: ImageView; pace: Pace }

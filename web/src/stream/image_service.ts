@@ -4,7 +4,7 @@ import type { ImageWatchEvents } from './image_watch';
 import type { openDecoder } from './picture_decoder';
 import type { Port } from './watch_messages';
 
-/** The worker's side of a stream of pictures: holds the connection and decodes. */
+/** The worker's side of a stream of pictures: holds the connection and decodes the pictures. */
 export class ImageService {
   private watch: ImageWatch | undefined;
   private id = 0;

@@ -20,26 +20,29 @@ export interface ShownPicture {
   sequence: number;
   tick: number;
   stats: FrameStats | undefined;
-  /** That it was drawn with. */
+  /** Camera that the picture was drawn with. */
   camera: Camera | undefined;
-  /** Largest strain of the scale; 0: none. */
+  /** Strain (-) at the end of the colour scale; 0: not coloured by strain. */
   strainEnd: number;
   delivery: Delivery;
-  /** When it came, this machine's Unix time, milliseconds. */
+  /** Arrival, this machine's Unix time, milliseconds. */
   arrivedMs: number;
 }
 
-/** Why there will be no pictures in this way; what the server's close reason begins with, or what this end says. */
+/**
+ * Reason why pictures cannot be shown with this codec: the first word of the server's close reason, or UNDECODABLE from
+ * the viewer.
+ */
 export type Refusal = 'RENDERER_UNAVAILABLE' | 'NO_VIDEO_CODEC' | 'UNDECODABLE';
 
 export interface ImageWatchEvents {
   onState(state: ConnectionState, detail: string): void;
   onPicture(shown: ShownPicture): void;
-  /** The watch has ended. */
+  /** Called when the watch has ended for this reason. */
   onRefused(refusal: Refusal, message: string): void;
 }
 
-// One lost place is a mishap; that many errors without a picture between them are a decoder that does not work.
+// After this many errors without a picture between them the decoder counts as broken.
 const kMaxErrors = 3;
 
 interface Arrival {
@@ -51,8 +54,8 @@ interface Arrival {
 }
 
 /**
- * Watches one sheet in pictures over WebSocket /images and keeps watching (see Connection). The owner acknowledges what it
- * has drawn: the server draws no more than that.
+ * Watches one sheet in pictures over WebSocket /images and keeps watching (see Connection). The owner acknowledges the
+ * pictures that it has drawn, and the server draws no more than that.
  */
 export class ImageWatch {
   private readonly connection: Connection;
@@ -60,12 +63,12 @@ export class ImageWatch {
   private readonly arrivals = new Map<number, Arrival>();
   private acknowledged = 0;
   private pace: Pace = { isPaused: false, maxRateHz: 0 };
-  // True while images build on the last decoded picture; false from an error until the next key image.
+  // True if the next image can be decoded from those before; false from an error until the next key image.
   private isFollowed = true;
   private numErrors = 0;
 
   /**
-   * @param url   of the WebSocket, ws://HOST:PORT/images
+   * @param url   address of the WebSocket, ws://HOST:PORT/images
    * @param name  sheets/{sheet}
    */
   constructor(
@@ -84,7 +87,7 @@ export class ImageWatch {
     });
   }
 
-  /** From the next picture on. */
+  /** Sets the view from the next picture on. */
   setView(view: ImageView): void {
     this.view = view;
     this.send({ case: 'view', value: view });
@@ -97,7 +100,7 @@ export class ImageWatch {
     if (this.connection.state === 'live') this.sendPace();
   }
 
-  /** The picture of this sequence is drawn; it, and those before it, have been used. */
+  /** Tells the server that the picture with this sequence number, and all before it, have been used. */
   acknowledge(sequence: number): void {
     const arrival = this.arrivals.get(sequence);
     if (!arrival) return;
@@ -151,8 +154,8 @@ export class ImageWatch {
     this.connection.markLive();
     if (!wasLive && this.pace.isPaused) this.sendPace();
     if (image.key) this.isFollowed = true;
-    // After an error, pictures that build on a lost one are not decoded. They are acknowledged all the same, because
-    // the server otherwise sends no more.
+    // After an error, pictures that build on a lost one are not decoded. They are still acknowledged, because the
+    // server would otherwise send no more.
     if (this.isFollowed) this.decode(image);
     else this.acknowledge(sequence);
   }
@@ -165,7 +168,7 @@ export class ImageWatch {
     }
   }
 
-  // Sends the view again, so that the server sends an image that can be decoded by itself.
+  // Handles a decoding error: sends the view again, so that the server sends an image that can be decoded by itself.
   private lostPlace(message: string): void {
     this.isFollowed = false;
     this.numErrors += 1;
@@ -181,7 +184,7 @@ export class ImageWatch {
 
   private show(picture: Picture, sequence: number): void {
     const arrival = this.arrivals.get(sequence);
-    // It belongs to an earlier connection, or was given up.
+    // The picture belongs to an earlier connection, or was skipped.
     if (!arrival) return picture.close();
     this.numErrors = 0;
     const { image, atMs, unixMs, numBytes, numUnacknowledged } = arrival;

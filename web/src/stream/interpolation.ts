@@ -1,12 +1,12 @@
-// Frames at about the rate at which pictures are drawn are shown as they come: a way between them would only delay them.
+// Frames closer together than this are shown as they come; interpolating between them would only delay them.
 const kShortestMs = 25;
-// After a longer pause a frame is shown at once.
+// A frame after a longer pause is shown at once.
 const kLongestMs = 500;
 const kSmoothing = 0.3;
 
 /**
- * The way of positions from what is shown to the newest frame. It takes as long as frames are
- * apart. So a sheet whose frames come ten times a second moves evenly, and is shown at most one frame late.
+ * Moves positions from those shown to those of the newest frame, in the time between two frames. A sheet with ten
+ * frames per second thus moves evenly, and is shown at most one frame late.
  */
 export class Interpolation {
   private from: Float32Array = new Float32Array(0);
@@ -19,15 +19,16 @@ export class Interpolation {
   private isDone = true;
 
   /**
-   * @param shown   what is shown, at least as long as `to`; is `to` at once where there is no way to go
-   * @param to      is copied: belongs to the caller again afterwards
-   * @param goesOn  false: positions have nothing to do with those before
+   * @param shown   the shown positions, at least as long as `to`; set to `to` at once if there is nothing to
+   *   interpolate
+   * @param to      positions of the newest frame; copied, so the caller may reuse the array
+   * @param goesOn  false: the positions do not continue those before
    */
   take(shown: Float32Array, to: Float32Array, nowMs: number, goesOn: boolean): void {
     const sinceMs = nowMs - this.arrivedMs;
     this.arrivedMs = nowMs;
     if (!goesOn || sinceMs > kLongestMs) {
-      // The interval of the frames is measured again.
+      // The interval between frames is measured again.
       this.intervalMs = 0;
       this.jump(shown, to);
       return;
@@ -48,7 +49,7 @@ export class Interpolation {
     this.isDone = false;
   }
 
-  /** Brings `shown` to `nowMs`; false where nothing has changed since the last call. */
+  /** Moves `shown` to its positions at `nowMs`; false if nothing has changed since the last call. */
   advance(shown: Float32Array, nowMs: number): boolean {
     if (this.isDone) return false;
     const share = Math.min(1, Math.max(0, (nowMs - this.startMs) / this.durationMs));

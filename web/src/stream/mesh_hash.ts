@@ -1,8 +1,8 @@
 import type { SheetArrays } from './sheet_copy';
 
 /**
- * 8 hex digits (FNV-1a, 32 bits): equal for equal triangles, pieces and material positions, bit for bit, whichever frames
- * brought them. Where vertices are in the world is left out.
+ * Returns 8 hex digits (FNV-1a, 32 bits): equal for triangles, pieces and material positions that are equal bit for
+ * bit. World positions do not count.
  */
 export function meshHash(sheet: SheetArrays): string {
   let hash = 0x811c9dc5;

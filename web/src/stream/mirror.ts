@@ -21,7 +21,7 @@ function require(condition: boolean, message: () => string): asserts condition {
   if (!condition) throw new MirrorError(message());
 }
 
-/** Array with room for `count` elements and the first `used` of `array` kept; grows by doubling. */
+/** Returns an array with room for `count` elements that keeps the first `used` of `array`; it grows by doubling. */
 function withRoom<T extends Int32Array | Float32Array | Uint16Array | Uint32Array>(array: T, used: number, count: number): T {
   if (array.length >= count) return array;
   const grown = new (array.constructor as new (length: number) => T)(Math.max(count, 2 * array.length));
@@ -29,7 +29,7 @@ function withRoom<T extends Int32Array | Float32Array | Uint16Array | Uint32Arra
   return grown;
 }
 
-/** A copy with the first `used` elements and room for `count`. */
+/** Returns a copy of the first `used` elements with room for `count`. */
 function kept<T extends Int32Array | Float32Array>(array: T, used: number, count: number): T {
   const copy = new (array.constructor as new (length: number) => T)(count);
   copy.set(array.subarray(0, used) as never);
@@ -42,36 +42,36 @@ function aligned(bytes: Uint8Array): ArrayBuffer {
   return bytes.slice().buffer as ArrayBuffer;
 }
 
-/** A topology that a frame brings, before it is the mirror's. */
+/** A topology read from a frame, before the mirror takes it. */
 interface Topology {
   numSlots: number;
   numPieces: number;
   triangles: Int32Array;
   pieces: Int32Array;
   material: Float32Array;
-  /** Used for compact frames. */
+  /** Present for compact frames. */
   predictors: Predictors | undefined;
 }
 
 /**
- * The viewer's copy of a sheet: applies kerf.v1.Frame messages, keyframes, deltas and topology patches, in the order of
- * the stream. `apply` does all of a frame or, throwing MirrorError, nothing.
+ * The viewer's copy of a sheet. Applies kerf.v1.Frame messages (keyframes, deltas and topology patches) in the order of
+ * the stream. `apply` applies a frame completely, or throws MirrorError and changes nothing.
  *
- * The arrays may have spare room at the end; only the stated parts are valid. A frame with a topology brings new
+ * The arrays may have spare room at the end; only the stated lengths are valid. A frame with a topology makes new
  * arrays of triangles, pieces and material positions.
  */
 export class SheetMirror {
-  /** That of the last frame; 0 before the first. */
+  /** Sequence number of the last frame; 0 before the first. */
   sequence = 0;
-  /** That of the last frame; -1 before the first. */
+  /** Tick of the last frame; -1 before the first. */
   tick = -1;
-  /** -1 before the first. */
+  /** Version of the topology; -1 before the first frame. */
   topologyVersion = -1;
   /** V */
   numVertices = 0;
   /** S, empty slots included */
   numSlots = 0;
-  /** Counts those of the whole sheet. */
+  /** Number of pieces of the whole sheet. */
   numPieces = 0;
   /** 3 V: x, y, z interleaved, metres, world */
   positions: Float32Array = new Float32Array(0);
@@ -81,12 +81,15 @@ export class SheetMirror {
   triangles: Int32Array = new Int32Array(0);
   /** S, -1 for an empty slot */
   pieces: Int32Array = new Int32Array(0);
-  /** V principal strains of the largest magnitude, -, of the last frame, exactly; undefined where it had none */
+  /**
+   * V principal strains of the largest magnitude, -, in an array of exactly this length; undefined if the last frame
+   * had none
+   */
   strains: Float32Array | undefined;
-  /** Those of the last frame that had any. */
+  /** Stats of the last frame that had any. */
   stats: FrameStats | undefined;
 
-  // q of stream.proto: 3 V, and the buffer that the next frame is decoded into.
+  // Quantised positions (q of stream.proto), 3 V, and the buffer into which the next frame is decoded.
   private quantised: Uint16Array = new Uint16Array(0);
   private next: Uint16Array = new Uint16Array(0);
   // Buffers into which the numbers of a frame are unpacked.
@@ -96,10 +99,10 @@ export class SheetMirror {
   private readonly boxMin = [0, 0, 0];
   private readonly boxStep = [0, 0, 0];
 
-  /** That of the stream's first frame; empty before it. See stream.proto. */
+  /** Epoch from the stream's first frame; empty before it. See stream.proto. */
   epoch = '';
 
-  /** A mirror for the first frame of another stream, which may continue from this one's topology. Shares its arrays. */
+  /** Returns a mirror for another stream, which may continue from the topology of this one. The two share arrays. */
   resumed(): SheetMirror {
     const next = new SheetMirror();
     Object.assign(next, { ...this, sequence: 0, tick: -1, quantised: new Uint16Array(0), next: new Uint16Array(0) });
@@ -108,7 +111,7 @@ export class SheetMirror {
     return next;
   }
 
-  /** With this one's state, and no array that a frame which one of them applies changes in the other. */
+  /** Returns a mirror with the same state. Applying frames to one does not change the other's arrays. */
   copy(): SheetMirror {
     const copy = new SheetMirror();
     Object.assign(copy, this, {
@@ -124,7 +127,7 @@ export class SheetMirror {
     return copy;
   }
 
-  /** The next stream must bring everything. */
+  /** Makes the next stream begin with the whole topology. */
   forgetEpoch(): void {
     this.epoch = '';
   }
@@ -153,7 +156,7 @@ export class SheetMirror {
       throw error instanceof CodeError ? new MirrorError(`frame of tick ${frame.tick}: ${error.message}`) : error;
     }
 
-    // Nothing fails from here on.
+    // Nothing can fail from here on.
     if (topology) this.commitTopology(topology);
     this.commitPositions(frame, isKeyframe);
     this.strains = strains && this.scaledStrains(strains, frame.strainScale);
@@ -226,7 +229,7 @@ export class SheetMirror {
       `${frame.numVertices} vertices without a patch; the mirror has ${this.numVertices}`);
   }
 
-  /** The topology with the frame's patch, in arrays of its own. */
+  /** Returns the topology after the frame's patch, in new arrays. */
   private patched(frame: Frame, patch: TopologyPatch): Topology {
     const isFull = patch.baseVersion === -1;
     require(isFull || patch.baseVersion === this.topologyVersion, () =>
@@ -274,7 +277,7 @@ export class SheetMirror {
   }
 }
 
-/** q of stream.proto, one a vertex. */
+/** Returns the quantised strains (q of stream.proto), one per vertex. */
 function readStrains(frame: Frame, predictors: () => Predictors, room: Uint32Array): Int8Array | undefined {
   if (frame.strainScale === 0) {
     require(frame.strains.length === 0, () => 'strains without a scale');
@@ -307,7 +310,7 @@ function readPatch(frame: Frame, patch: TopologyPatch, isFull: boolean): ReadPat
   };
   const ids = (bytes: Uint8Array, count: number, what: string) =>
     isCompact ? unpackAscending(bytes, count) : new Uint32Array(words(bytes, count, what).buffer);
-  // The bytes of a full patch bound the counts, so they are read before lists of all ids are made.
+  // Reads triangles and pieces first: their bytes bound the counts before lists of all ids are made.
   const triangles = isCompact
     ? unpackTriangles(patch.triangles, n, isFull)
     : words(patch.triangles, 3 * n, 'triangles');

@@ -5,7 +5,7 @@ const kParameterBits = 5;
 const kAllZero = 31;
 const kEscape = 16;
 
-/** Bytes that are not what the sender's encoder makes. */
+/** Thrown for bytes that the sender's encoder cannot have made. */
 export class CodeError extends Error {
   override readonly name = 'CodeError';
 }
@@ -17,7 +17,7 @@ export function unzigzag(value: number): number {
 class BitReader {
   private at = 0;
   private pending = 0;
-  // Never more than 32; below 0 once more was taken than there is.
+  // Number of bits in `pending`, at most 32; below 0 once more bits were taken than there are.
   private numPending = 0;
 
   constructor(private readonly bytes: Uint8Array) {}
@@ -37,7 +37,7 @@ class BitReader {
     return (low | (this.take(count - 16) << 16)) >>> 0;
   }
 
-  /** The ones before the next zero, which is taken too; or kEscape of them. */
+  /** Takes the ones before the next zero, and the zero; at most kEscape ones. Returns their number. */
   takeUnary(): number {
     this.refill();
     const ones = Math.min(31 - Math.clz32(~this.pending & (this.pending + 1)), kEscape);
@@ -49,7 +49,7 @@ class BitReader {
     return this.numPending < 0;
   }
 
-  /** Nothing is left but the zeros that fill the last byte. */
+  /** True if nothing is left except the zeros that fill the last byte. */
   get atEnd(): boolean {
     return this.numPending >= 0 && this.numPending < 8 && this.at === this.bytes.length && this.pending === 0;
   }
@@ -68,15 +68,15 @@ class BitReader {
 }
 
 /**
- * @param count    numbers, a multiple of `columns`
- * @param columns  of each row
- * @param room     receives the numbers where it is long enough; what is in it before does not matter
- * @throws CodeError where the bytes are not exactly those of so many numbers
+ * @param count    number of numbers, a multiple of `columns`
+ * @param columns  numbers in each row
+ * @param room     array for the result, used if it is long enough; its content is overwritten
+ * @throws CodeError if the bytes are not exactly those of `count` numbers
  */
 export function unpackIntegers(bytes: Uint8Array, count: number, columns: number, room?: Uint32Array): Uint32Array {
   const rows = count / columns;
   if (!Number.isInteger(rows) || rows < 0) throw new CodeError(`${count} numbers in rows of ${columns}`);
-  // Each column of a block has a parameter: nothing is allocated for what cannot be there.
+  // Each column of a block has a parameter, so the bytes bound the count before anything is allocated.
   if ((8 * bytes.length) / kParameterBits < Math.ceil(rows / kBlockRows) * columns) {
     throw new CodeError(`${bytes.length} bytes for ${count} numbers`);
   }

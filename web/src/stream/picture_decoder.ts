@@ -1,13 +1,13 @@
 import { ImageCodec } from '../gen/kerf/v1/render_pb';
 import type { Image } from '../gen/kerf/v1/render_pb';
 
-/** A picture that can be drawn, and must be closed by its owner. */
+/** A picture that can be drawn; its owner must close it. */
 export type Picture = VideoFrame | ImageBitmap;
 
 export interface PictureDecoder {
   /**
-   * The pictures come in the order of the calls, each with the sequence of its image.
-   * @throws where the image does not follow from those before it
+   * Decodes an image. Pictures arrive in the order of the calls, each with the sequence number of its image.
+   * @throws if the image cannot be decoded after those before it
    */
   decode(image: Image): void;
   close(): void;
@@ -15,13 +15,15 @@ export interface PictureDecoder {
 
 export interface DecoderEvents {
   onPicture(picture: Picture, sequence: number): void;
-  /** Nothing comes any more before an image that can be decoded by itself. */
+  /** Called on an error: no picture follows until an image that can be decoded by itself. */
   onError(message: string): void;
 }
 
 const kVideoConfig = { codec: 'vp8', optimizeForLatency: true };
 
-/** True if this browser decodes VP8 itself: WebCodecs, on pages that are safe from others (https and this machine). */
+/**
+ * True if this browser decodes VP8 itself. That needs WebCodecs, which only secure pages (https, this machine) have.
+ */
 export async function decodesVideo(): Promise<boolean> {
   if (typeof VideoDecoder === 'undefined') return false;
   const answer = await VideoDecoder.isConfigSupported(kVideoConfig).catch(() => undefined);
@@ -35,7 +37,7 @@ class VideoPictures implements PictureDecoder {
 
   decode({ key, sequence, data }: Image): void {
     this.decoder ??= this.open();
-    // The timestamp comes back with the picture.
+    // The decoder returns the timestamp with the picture, so it carries the sequence number.
     this.decoder.decode(new EncodedVideoChunk({ type: key ? 'key' : 'delta', timestamp: Number(sequence), data }));
   }
 

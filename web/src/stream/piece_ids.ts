@@ -1,7 +1,7 @@
 import { call } from '../api';
 import { CutService } from '../gen/kerf/v1/cuts_pb';
 
-/** The stable ids of a sheet's pieces, by their labels in frames of one topology version. */
+/** The stable ids of a sheet's pieces, by the labels that frames of one topology version use. */
 export interface PieceList {
   topologyVersion: number;
   /** label -> id */
@@ -11,7 +11,7 @@ export interface PieceList {
 const kPageSize = 1000;
 const kRetryMs = 1000;
 
-/** All pages of ListPieces; undefined where a cut came between two of them. */
+/** Fetches all pages of ListPieces; undefined if a cut came between two pages. */
 async function listPieces(parent: string): Promise<PieceList | undefined> {
   const ids = new Map<number, number>();
   let topologyVersion: number | undefined;
@@ -27,31 +27,31 @@ async function listPieces(parent: string): Promise<PieceList | undefined> {
 }
 
 /**
- * Frames number a sheet's pieces again after each cut; this asks the server which of them is which, one call at a time,
- * once for each topology version that is needed.
+ * Finds the ids of pieces, because frames number the pieces again after each cut. Asks the server in one call at a
+ * time, once for each topology version that is needed.
  */
 export class PieceIds {
   private list: PieceList | undefined;
   private isAsking = false;
   private wanted: { sheet: string; version: number } | undefined;
 
-  /** @param arrived  called when ids() has something new */
+  /** @param arrived  called when at() may have a new answer */
   constructor(
     private readonly arrived: () => void,
     private readonly ask: (sheet: string) => Promise<PieceList | undefined> = listPieces,
   ) {}
 
-  /** label -> id at this version, if known; undefined asks for it. */
+  /** Returns label -> id at this version; if it is not known, returns undefined and asks the server. */
   at(sheet: string, version: number): ReadonlyMap<number, number> | undefined {
     if (this.wanted?.sheet !== sheet) this.list = undefined;
     this.wanted = { sheet, version };
     if (this.list?.topologyVersion === version) return this.list.ids;
-    // A newer one waits for its frame.
+    // A newer list is kept until its frame arrives.
     if (!this.isAsking && !(this.list && this.list.topologyVersion > version)) void this.fetch();
     return undefined;
   }
 
-  /** Another connection: its versions need not be those of the one before. */
+  /** Forgets all ids. Call it for a new connection, whose topology versions may differ. */
   reset(): void {
     this.list = undefined;
     this.wanted = undefined;
@@ -61,7 +61,7 @@ export class PieceIds {
     this.isAsking = true;
     const { wanted } = this;
     const list = await this.ask(wanted!.sheet).catch(() => undefined);
-    // A failed call is made again, but not at once; a lost connection is reported elsewhere.
+    // Waits before a failed call is repeated; a lost connection is reported elsewhere.
     if (!list) await new Promise((resolve) => setTimeout(resolve, kRetryMs));
     this.isAsking = false;
     if (list && this.wanted?.sheet === wanted!.sheet) this.list = list;

@@ -1,15 +1,15 @@
-// server/service/codec/vertex_predictors.h: from which earlier vertices a vertex is foretold.
+// As server/service/codec/vertex_predictors.h: finds the earlier vertices from which a vertex is predicted.
 
 export const kNoVertex = -1;
 
-/** One entry a vertex in each: ids below the vertex's own, or kNoVertex. */
+/** One entry per vertex in each array: an id below the vertex's own, or kNoVertex. */
 export interface Predictors {
   nearA: Int32Array;
   nearB: Int32Array;
   across: Int32Array;
 }
 
-/** The slots around each vertex, one list behind the other. */
+/** Returns the slots around each vertex, as lists that follow one another in an array. */
 function slotsAround(triangles: Int32Array, numSlots: number, numVertices: number) {
   const begins = new Int32Array(numVertices + 1);
   for (let i = 0; i < 3 * numSlots; ++i) if (triangles[i] !== kNoVertex) ++begins[triangles[i] + 1];
@@ -23,13 +23,13 @@ function slotsAround(triangles: Int32Array, numSlots: number, numVertices: numbe
 }
 
 /**
- * @param triangles  3 a slot: vertex ids in 0..numVertices-1, or kNoVertex thrice
+ * @param triangles  3 per slot: vertex ids in 0..numVertices-1, or three times kNoVertex
  */
 export function vertexPredictors(triangles: Int32Array, numSlots: number, numVertices: number): Predictors {
   const nearA = new Int32Array(numVertices).fill(kNoVertex);
   const nearB = new Int32Array(numVertices).fill(kNoVertex);
   const across = new Int32Array(numVertices).fill(kNoVertex);
-  // nearA where a vertex is the highest in no slot.
+  // Becomes nearA of vertices that are the highest of no slot.
   const neighbours = new Int32Array(numVertices).fill(kNoVertex);
   for (let first = 0; first < 3 * numSlots; first += 3) {
     if (triangles[first] === kNoVertex) continue;

@@ -8,22 +8,23 @@ import type { Sheet } from '../gen/kerf/v1/sheets_pb';
 //   uint32   length of the kerf.v1.Sheet that follows: the sheet and its settings when the recording began
 //   then for each frame:
 //     uint32   length of the message, > 0
-//     float64  when it came, milliseconds since the first one, not below that of the one before
+//     float64  arrival, milliseconds since the first message, never below the arrival of the message before
 //     bytes    kerf.v1.WatchResponse with a frame
-// A frame of sequence 1 begins a connection: a keyframe with the full topology. The first one is such a frame.
+// A frame with sequence number 1 begins a connection: it is a keyframe with the full topology. The file's first frame
+// is one.
 
 const kMagic = 'KERFSTRM';
 const kVersion = 1;
 const kHeadBytes = 16;
 export const kRecordHeadBytes = 12;
 
-/** A file that is no recording, or one that breaks the format. */
+/** Thrown for a file that is no recording or violates the format. */
 export class RecordingError extends Error {
   override readonly name = 'RecordingError';
 }
 
 export interface RecordedMessage {
-  /** Since the first, milliseconds. */
+  /** Arrival, milliseconds since the first message. */
   atMs: number;
   /** kerf.v1.WatchResponse */
   bytes: Uint8Array;
@@ -32,11 +33,11 @@ export interface RecordedMessage {
 export interface Recording {
   sheet: Sheet;
   messages: RecordedMessage[];
-  /** Bytes after the last whole message: of one that was not written to its end. */
+  /** Bytes after the last whole message; they belong to a message that was not written completely. */
   numTornBytes: number;
 }
 
-/** Bytes that a file begins with. */
+/** Returns the first bytes of a file. */
 export function encodeHeader(sheet: Sheet): Uint8Array<ArrayBuffer> {
   const body = toBinary(SheetSchema, sheet);
   const bytes = new Uint8Array(kHeadBytes + body.length);
@@ -66,7 +67,7 @@ function decodeSheet(bytes: Uint8Array): Sheet {
 }
 
 /**
- * The messages are views of `file`, and not decoded.
+ * Splits a file into messages, which are views of `file` and not decoded.
  * @throws RecordingError
  */
 export function decodeRecording(file: Uint8Array): Recording {

@@ -7,9 +7,9 @@ import type { Port } from './watch_messages';
 
 export interface RemoteImagesEvents {
   onState(): void;
-  /** There is a picture to take. */
+  /** Called when a picture can be drawn. */
   onPicture(shown: ShownPicture): void;
-  /** The stream has ended, as there will be no pictures in this way. */
+  /** Called when the stream has ended because pictures cannot be shown with this codec. */
   onRefused(refusal: Refusal, message: string): void;
 }
 
@@ -19,10 +19,10 @@ export interface RemoteImagesOptions {
   pace: Pace;
 }
 
-/** An ImageWatch in a worker, seen from the page. One at a time on a port. */
+/** The page's side of an ImageWatch that runs in a worker. One at a time per port. */
 export class RemoteImages {
   state: ConnectionState = 'connecting';
-  /** Says why, for people, and is empty when all is well. */
+  /** Reason of the state, for people; empty when all is well. */
   detail = '';
 
   private static lastId = 0;
@@ -31,8 +31,8 @@ export class RemoteImages {
   private waiting: ShownPicture | undefined;
 
   /**
-   * @param port  of a worker that has an ImageService
-   * @param url   of the WebSocket, ws://HOST:PORT/images
+   * @param port  port of a worker that has an ImageService
+   * @param url   address of the WebSocket, ws://HOST:PORT/images
    * @param name  sheets/{sheet}
    */
   constructor(
@@ -46,7 +46,7 @@ export class RemoteImages {
     port.postMessage({ kind: 'start', id: this.id, url, name, ...options });
   }
 
-  /** Draws the newest picture, if it was not drawn yet, and acknowledges it and all before it. */
+  /** Draws the newest picture and acknowledges it and all before it; false if it was drawn before. */
   draw(paint: (shown: ShownPicture) => void): boolean {
     const shown = this.waiting;
     if (!shown) return false;
@@ -69,7 +69,7 @@ export class RemoteImages {
     this.port.postMessage({ kind: 'retry', id: this.id });
   }
 
-  /** Ends the stream. Pictures and states that are still under way are ignored. */
+  /** Ends the stream. Pictures and states still in transit are ignored. */
   close(): void {
     this.isClosed = true;
     this.port.postMessage({ kind: 'close', id: this.id });
@@ -88,7 +88,7 @@ export class RemoteImages {
         this.detail = message.detail;
         return this.events.onState();
       case 'picture':
-        // One that was not drawn in time is passed over.
+        // A picture that was not drawn before the next arrived is skipped.
         this.waiting?.picture.close();
         this.waiting = message.shown;
         return this.events.onPicture(message.shown);

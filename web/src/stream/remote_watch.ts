@@ -7,28 +7,28 @@ import type { Pace, WatchRequestKind } from './watch';
 import type { FromWorker, Port, ToWorker } from './watch_messages';
 
 export interface RemoteWatchEvents {
-  /** `detail` says why, for people, and is empty when all is well. */
+  /** Called for a new state; `detail` is its reason, for people, and empty when all is well. */
   onState(state: ConnectionState, detail: string): void;
-  /** After each frame taken into `copy`. A new copy comes with each connection. */
+  /** Called after each frame taken into `copy`. Each connection has a new copy. */
   onFrame(copy: SheetCopy, frame: FrameCopy): void;
   onRejection(rejection: Rejection): void;
-  /** @param parts  the file, once it is finished */
+  /** @param parts  content of the file once the recording is finished, else undefined */
   onRecording(progress: RecordingProgress, parts: ArrayBuffer[] | undefined): void;
 }
 
 export interface RemoteWatchOptions {
   strains: boolean;
-  /** From the triangles of the stream that this port had before, of the same sheet. */
+  /** True to continue from the triangles of this port's previous stream, which was of the same sheet. */
   goesOn: boolean;
   pace: Pace;
 }
 
-/** A Watch in a worker, seen from the page: the same calls, answered by and by. One at a time on a port. */
+/** The page's side of a Watch that runs in a worker: the same calls, answered later. One at a time per port. */
 export class RemoteWatch {
-  /** Survives a lost connection, so that the last picture stays. */
+  /** Stays after a lost connection, so that the last frame remains visible. */
   copy: SheetCopy | undefined;
   state: ConnectionState = 'connecting';
-  /** Says why, for people, and is empty when all is well. */
+  /** Reason of the state, for people; empty when all is well. */
   detail = '';
 
   private static lastId = 0;
@@ -39,8 +39,8 @@ export class RemoteWatch {
   private pace: Pace;
 
   /**
-   * @param port  of a worker that has a WatchService
-   * @param url   of the WebSocket, ws://HOST:PORT/watch
+   * @param port  port of a worker that has a WatchService
+   * @param url   address of the WebSocket, ws://HOST:PORT/watch
    * @param name  sheets/{sheet}
    */
   constructor(
@@ -55,7 +55,7 @@ export class RemoteWatch {
     port.postMessage({ kind: 'start', id: this.id, url, name, ...options });
   }
 
-  /** Tells the server that everything received so far has been used. Cheap when there is nothing to tell. */
+  /** Tells the server that all frames received so far have been used. Cheap if there is no new frame. */
   acknowledge(): void {
     if (!this.hasNews) return;
     this.hasNews = false;
@@ -64,14 +64,14 @@ export class RemoteWatch {
     this.port.postMessage({ kind: 'acknowledge', id: this.id, spare }, spare);
   }
 
-  /** Sends a grab, drag or release; false if there is no connection (the server then has already let go). */
+  /** Sends a grab, drag or release; false if there is no connection, and the server has then already ended the grab. */
   send(request: WatchRequestKind): boolean {
     if (this.state !== 'live') return false;
     this.port.postMessage({ kind: 'send', id: this.id, request });
     return true;
   }
 
-  /** See Watch.setPace(). Cheap when it is the pace that it has. */
+  /** See Watch.setPace(). Cheap if the pace does not change. */
   setPace(pace: Pace): void {
     if (pace.isPaused === this.pace.isPaused && pace.maxRateHz === this.pace.maxRateHz) return;
     this.pace = pace;
@@ -88,18 +88,18 @@ export class RemoteWatch {
     this.port.postMessage({ kind: 'record', header, limitBytes });
   }
 
-  /** onRecording() then gets the file. */
+  /** Ends a recording; onRecording() then gets the file. */
   stopRecording(): void {
     this.port.postMessage({ kind: 'stopRecording' });
   }
 
-  /** Ends the stream. Frames and states that are still under way are ignored; the file of a recording still comes. */
+  /** Ends the stream. Frames and states still in transit are ignored; the file of a recording still arrives. */
   close(): void {
     this.isClosed = true;
     this.port.postMessage({ kind: 'close', id: this.id });
   }
 
-  /** The worker is gone: nothing comes any more. */
+  /** Call it when the worker has failed and will send nothing more. */
   fail(why: string): void {
     this.setState('ended', why);
   }

@@ -5,18 +5,18 @@ import type { FrameCopy } from './sheet_copy';
 import type { Port } from './watch_messages';
 
 export interface ReplayEvents {
-  /** @param share  of the file that was checked, 0..1 */
+  /** @param share  share of the file that has been checked, 0..1 */
   onProgress(share: number): void;
   onOpened(replay: Replay): void;
   onFrame(copy: SheetCopy, frame: FrameCopy): void;
-  /** The file cannot be played, and why. */
+  /** Called if the file cannot be played; `message` is the reason. */
   onFailed(message: string): void;
 }
 
-// A page that was hidden meanwhile continues from where it was.
+// Longest time that one step advances, so that a page that was hidden continues from its old position.
 const kLongestStepMs = 1000;
 
-/** A recording that is played: where it stands, how fast it goes, and the sheet there. Decoded in a worker. */
+/** A recording being played: its position, its speed, and the sheet there. It is decoded in a worker. */
 export class Replay {
   /** The sheet and its settings when the recording began. */
   sheet: Sheet | undefined;
@@ -24,16 +24,16 @@ export class Replay {
   isPlaying = false;
   /** Playback speed, relative to the recording. */
   speed = 1;
-  /** That of the shown frame; -1 before the first. */
+  /** Index of the shown frame; -1 before the first. */
   index = -1;
-  /** Bytes at the end of the file that are no whole frame. */
+  /** Bytes of an incomplete frame at the end of the file. */
   numTornBytes = 0;
 
   private timesMs: Float64Array = new Float64Array(0);
   private ticks: Float64Array = new Float64Array(0);
   private positionMs = 0;
   private lastMs: number | undefined;
-  // The frame that the worker was asked for and has not shown.
+  // Index of the frame requested from the worker that has not arrived; undefined: none.
   private asked: number | undefined;
 
   constructor(
@@ -53,17 +53,17 @@ export class Replay {
     return this.timesMs.at(-1) ?? 0;
   }
 
-  /** Position, since the first frame; 0..durationMs */
+  /** Position: milliseconds since the first frame, 0..durationMs. */
   get atMs(): number {
     return this.positionMs;
   }
 
-  /** That of the frame that belongs there. */
+  /** Tick of the frame at the position. */
   get tick(): number {
     return this.ticks[this.frameAt(this.positionMs)] ?? -1;
   }
 
-  /** At its end it begins again. */
+  /** Starts or stops playing; at the end of the recording, playing starts again from its beginning. */
   togglePlaying(): void {
     this.isPlaying = !this.isPlaying;
     if (this.isPlaying && this.positionMs >= this.durationMs) this.positionMs = 0;
@@ -74,7 +74,7 @@ export class Replay {
     this.positionMs = Math.min(this.durationMs, Math.max(0, atMs));
   }
 
-  /** By so many frames; pauses. */
+  /** Moves by this number of frames and pauses. */
   step(frames: number): void {
     this.isPlaying = false;
     const index = Math.min(this.numFrames - 1, Math.max(0, this.frameAt(this.positionMs) + frames));
@@ -82,8 +82,8 @@ export class Replay {
   }
 
   /**
-   * Advances to `nowMs`, and asks for the frame there, one at a time: what a slow machine cannot show is skipped.
-   * @returns whether what is shown has changed since the last call
+   * Advances to `nowMs` and requests the frame there. Only one request runs at a time, so a slow machine skips frames.
+   * @returns true if the shown sheet has changed since the last call
    */
   advance(nowMs: number): boolean {
     if (this.isPlaying) {
@@ -99,7 +99,7 @@ export class Replay {
     return this.copy?.advance(nowMs) ?? false;
   }
 
-  // The last frame that had come by then: by bisection.
+  // Returns the index of the last frame that arrived by `atMs`, by bisection.
   private frameAt(atMs: number): number {
     let [low, high] = [0, this.numFrames];
     while (low < high) {
@@ -128,7 +128,7 @@ export class Replay {
   }
 
   private take({ frame, index, isFirst }: FromReplay & { kind: 'frame' }): void {
-    // Frames that follow each other at the pace at which they came move on evenly; others are jumps.
+    // Motion is interpolated only between frames that are played in order; all other changes are jumps.
     const goesOn = this.isPlaying && index > this.index;
     this.asked = undefined;
     this.index = index;

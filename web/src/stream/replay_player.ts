@@ -5,19 +5,19 @@ import { SheetMirror } from './mirror';
 import { RecordingError } from './recording_format';
 import type { Recording } from './recording_format';
 
-// At most so many frames are decoded to seek: a tenth of a second at 10,000 vertices.
+// Largest number of frames decoded to seek; at 10,000 vertices that takes a tenth of a second.
 const kFramesBetweenCopies = 64;
 
-/** Data of a frame besides the sheet. */
+/** The sheet at a frame, and data about the frame. */
 export interface ReplayedFrame {
   mirror: SheetMirror;
   numBytes: number;
   isKeyframe: boolean;
 }
 
-/** The frames of a recording in any order, each decoded from the nearest copy of the sheet before it. */
+/** Decodes the frames of a recording in any order, each from the nearest earlier copy of the sheet. */
 export class ReplayPlayer {
-  /** Value of each frame; NaN until it is first decoded. */
+  /** Tick of each frame; NaN until the frame is first decoded. */
   readonly ticks: Float64Array;
   private readonly copies: SheetMirror[] = [];
   private mirror = new SheetMirror();
@@ -32,12 +32,12 @@ export class ReplayPlayer {
   }
 
   /**
-   * @param index  0..numFrames - 1; all before it must have been sought once
+   * @param index  0..numFrames - 1; seek() must have been called before for every smaller index
    * @throws RecordingError
    */
   seek(index: number): ReplayedFrame {
     const from = Math.floor(index / kFramesBetweenCopies);
-    // Forwards from where it is, unless there is a copy on the way.
+    // Decodes forwards from the present frame, unless a copy is nearer.
     if (index < this.at || from * kFramesBetweenCopies > this.at) {
       const copy = this.copies[from];
       if (copy) {
@@ -62,7 +62,7 @@ export class ReplayPlayer {
 
   private apply(index: number): void {
     const frame = this.frame(index);
-    // The first of a connection. It owes nothing to what was before.
+    // The first frame of a connection does not depend on earlier frames.
     if (frame.sequence === 1n) this.mirror = new SheetMirror();
     try {
       this.mirror.apply(frame);

@@ -5,10 +5,10 @@ import type { FromReplay, ToReplay } from './replay_messages';
 import { ReplayPlayer } from './replay_player';
 import type { Port } from './watch_messages';
 
-// A recording is checked in pieces of about this length, between which the worker listens.
+// A recording is checked in pieces of about this duration, between which the worker receives messages.
 const kPieceMs = 50;
 
-/** The worker's side of a replay: checks the whole file once, then shows any frame that is asked for. */
+/** The worker's side of a replay: checks the whole file once, then sends any frame that the page requests. */
 export class ReplayService {
   private player: ReplayPlayer | undefined;
   private readonly copier = new FrameCopier();

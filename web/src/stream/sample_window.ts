@@ -1,6 +1,6 @@
 /**
- * Numbers with the times at which they came, as far back as `spanMs`, at most `capacity` of them: a newer one takes the place
- * of the oldest. Nothing is allocated after the first few.
+ * Keeps the numbers added in the last `spanMs`, with their times. At most `capacity` are kept; a newer one replaces the
+ * oldest. It allocates nothing after construction.
  */
 export class SampleWindow {
   private readonly times: Float64Array;
@@ -23,7 +23,7 @@ export class SampleWindow {
     return this.length;
   }
 
-  /** @param atMs  not before that of the number before */
+  /** @param atMs  time of the number, not before the time of the previous one */
   add(atMs: number, value: number): void {
     const { length: capacity } = this.times;
     const end = (this.first + this.length) % capacity;
@@ -34,7 +34,7 @@ export class SampleWindow {
     this.forget(atMs);
   }
 
-  /** Drops what is older than the span at `nowMs`. */
+  /** Drops numbers that are older than the span at `nowMs`. */
   forget(nowMs: number): void {
     while (this.length > 0 && nowMs - this.times[this.first] >= this.spanMs) {
       this.first = (this.first + 1) % this.times.length;
@@ -46,7 +46,7 @@ export class SampleWindow {
     this.length = 0;
   }
 
-  /** From the oldest to the newest. */
+  /** Visits the numbers from the oldest to the newest. */
   forEach(use: (atMs: number, value: number) => void): void {
     for (let i = 0; i < this.length; ++i) {
       const at = (this.first + i) % this.times.length;
@@ -66,19 +66,23 @@ export class SampleWindow {
     return max;
   }
 
-  /** The newest; undefined without any. */
+  /** Returns the newest number; undefined if there is none. */
   last(): number | undefined {
     return this.length === 0 ? undefined : this.values[(this.first + this.length - 1) % this.values.length];
   }
 
-  /** A second, over the time since the oldest came, at least a quarter of the span; of `sum` or of the count. */
+  /**
+   * Returns `sum` (by default the count) per second, over the time since the oldest number was added, at least a
+   * quarter of the span.
+   */
   rate(nowMs: number, sum = this.length): number {
     if (this.length === 0) return 0;
     return (1000 * sum) / Math.max(0.25 * this.spanMs, nowMs - this.times[this.first]);
   }
 
   /**
-   * The smallest that at least the share `q` of the numbers do not exceed (nearest rank); undefined without any.
+   * Returns the smallest number that at least the share `q` of the numbers do not exceed (nearest rank); undefined if
+   * there is none.
    * @param q  0..1
    */
   quantile(q: number): number | undefined {

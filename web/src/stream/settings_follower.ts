@@ -1,31 +1,29 @@
-// Fetches changes at most this often, however often it changes; a fetch that failed is repeated after the
-// longer wait.
+// Least time between two fetches, and the longer wait after a fetch that failed.
 const kIntervalMs = 250;
 const kRetryMs = 1000;
 
 /**
- * Fetches a sheet's settings whenever a frame tells of others than those last fetched. A change that comes too soon
- * after the last fetch is fetched when its time has come, whether or not another frame arrives: a paused sheet sends
- * none.
+ * Fetches a sheet's settings whenever a frame has another settings version than the last fetch. A change too soon after
+ * that fetch waits for a timer, not for another frame, because a paused sheet sends none.
  */
 export class SettingsFollower {
   private wanted: number | undefined;
   private held: number | undefined;
   private timer: ReturnType<typeof setTimeout> | undefined;
   private nextMs = 0;
-  // The fetch under way; an answer to an earlier one means nothing.
+  // The fetch in progress; answers to earlier ones are ignored.
   private running: object | undefined;
 
-  /** @param fetch  false or a rejection: it failed, try again */
+  /** @param fetch  fetches the settings; false or a rejection: it failed and is tried again */
   constructor(private readonly fetch: () => Promise<boolean>) {}
 
-  /** A frame came with this settings version. */
+  /** Call it for each frame, with its settings version. */
   saw(version: number): void {
     this.wanted = version;
     this.schedule();
   }
 
-  /** Forgets what was seen and fetched, and fetches nothing before the next saw(). */
+  /** Forgets all versions, and fetches nothing before the next saw(). */
   reset(): void {
     clearTimeout(this.timer);
     this.timer = undefined;

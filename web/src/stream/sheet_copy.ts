@@ -2,9 +2,11 @@ import type { FrameStats } from '../gen/kerf/v1/stream_pb';
 import { Interpolation } from './interpolation';
 import type { Delivery } from './stream_meter';
 
-/** A sheet as the viewer's parts read it. Arrays may have spare room at the end; only the stated parts are valid. */
+/**
+ * A sheet as the parts of the viewer read it. Arrays may have spare room at the end; only the stated lengths are valid.
+ */
 export interface SheetArrays {
-  /** That of the last frame; -1 before the first. */
+  /** Tick of the last frame; -1 before the first. */
   readonly tick: number;
   /** -1 before the first frame */
   readonly topologyVersion: number;
@@ -12,7 +14,7 @@ export interface SheetArrays {
   readonly numVertices: number;
   /** S, empty slots included */
   readonly numSlots: number;
-  /** Counts those of the whole sheet. */
+  /** Number of pieces of the whole sheet. */
   readonly numPieces: number;
   /** 3 V: x, y, z interleaved, metres, world */
   readonly positions: Float32Array;
@@ -22,7 +24,7 @@ export interface SheetArrays {
   readonly triangles: Int32Array;
   /** S, -1 for an empty slot */
   readonly pieces: Int32Array;
-  /** V principal strains of the largest magnitude, -, of the last frame; undefined where it had none */
+  /** V principal strains of the largest magnitude, -; undefined if the last frame had none */
   readonly strains: Float32Array | undefined;
   readonly stats: FrameStats | undefined;
 }
@@ -37,33 +39,33 @@ export interface TopologyCopy {
   materialPositions: Float32Array;
 }
 
-/** The buffers of a frame's arrays that SheetCopy.take() has copied. */
+/** Returns the buffers of the frame's arrays that SheetCopy.take() copies and does not keep. */
 export function copiedBuffers({ positions, strains }: FrameCopy): ArrayBuffer[] {
   return [positions, strains].filter((array) => array !== undefined).map((array) => array.buffer as ArrayBuffer);
 }
 
-/** A frame after it was decoded: what goes from the worker to the page. */
+/** A decoded frame, as the worker sends it to the page. */
 export interface FrameCopy {
-  /** See kerf.v1.Frame.epoch; of the stream's first frame. */
+  /** kerf.v1.Frame.epoch of the stream's first frame. */
   epoch: string;
   tick: number;
   topologyVersion: number;
   numSlots: number;
   numPieces: number;
-  /** 3 V, exactly */
+  /** 3 V, without spare room */
   positions: Float32Array;
   strains: Float32Array | undefined;
   stats: FrameStats | undefined;
-  /** When it came, this machine's Unix time, milliseconds. */
+  /** Arrival, this machine's Unix time, milliseconds. */
   arrivedMs: number;
-  /** Present if it differs from that of the previous frame, and in a connection's first frame. */
+  /** Present if the topology has changed since the previous frame, and in a connection's first frame. */
   topology: TopologyCopy | undefined;
   delivery: Delivery;
 }
 
 /**
- * The page's copy of a sheet. `positions` are those shown, which are on their way from frame to frame where frames come
- * more seldom than pictures are drawn; everything else is the newest frame's.
+ * The page's copy of a sheet. `positions` are those shown: they move from frame to frame if frames come more slowly
+ * than pictures are drawn. Everything else is the newest frame's.
  */
 export class SheetCopy implements SheetArrays {
   epoch = '';
@@ -85,11 +87,11 @@ export class SheetCopy implements SheetArrays {
   /**
    * Copies positions and strains, keeps the arrays of a topology.
    * @param nowMs   performance.now()
-   * @param isNext  true if it continues from the frames that were taken before
+   * @param isNext  true if the frame continues the frames taken before
    */
   take(frame: FrameCopy, nowMs: number, isNext = true): void {
     const count = frame.positions.length;
-    // Vertices of another topology are others, though they have the same numbers.
+    // After a change of topology a vertex number may mean another vertex, so nothing is interpolated.
     const goesOn = isNext && frame.topology === undefined && count === 3 * this.numVertices && !frame.stats?.paused;
     if (this.positions.length < count) this.positions = new Float32Array(Math.max(count, 2 * this.positions.length));
     this.interpolation.take(this.positions, frame.positions, nowMs, goesOn);
@@ -116,7 +118,7 @@ export class SheetCopy implements SheetArrays {
     this.strains.set(strains);
   }
 
-  /** Brings `positions` to `nowMs`; true if they have changed, and perhaps will again. */
+  /** Moves `positions` to `nowMs`; true if they have changed. */
   advance(nowMs: number): boolean {
     return this.interpolation.advance(this.positions, nowMs);
   }

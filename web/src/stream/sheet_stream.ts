@@ -4,21 +4,21 @@ import { streamUrl } from './stream_url';
 import { startWorker } from './workers';
 
 export interface SheetStreamEvents extends RemoteWatchEvents {
-  /** The worker has failed, and what it recorded is lost. `why` is a sentence for people. */
+  /** Called when the worker has failed and its recording is lost. `why` is a sentence for people. */
   onFailed(why: string): void;
 }
 
-/** The stream of one sheet at a time, in a worker that the next stream starts again after a failure. */
+/** The stream of one sheet at a time, in a worker. After a failure the next stream starts a new worker. */
 export class SheetStream {
   private current: RemoteWatch | undefined;
   private worker: Worker | undefined;
 
   constructor(private readonly events: SheetStreamEvents) {
-    // Loads while the page finds out which sheet to open.
+    // Starts early, so that the worker loads while the page finds out which sheet to open.
     this.worker = this.startWorker();
   }
 
-  /** Undefined where no sheet is watched. */
+  /** The present stream; undefined if no sheet is watched. */
   get watch(): RemoteWatch | undefined {
     return this.current;
   }

@@ -1,7 +1,7 @@
-// More than there are frames on their way between worker and page, each with positions and strains.
+// Largest number of buffers kept: more than the positions and strains of all frames in transit between worker and page.
 const kMaxKept = 16;
 
-/** Buffers that come back from where they were sent, to be filled again instead of allocating others for each frame. */
+/** Keeps buffers that the page has returned, to be filled again, so that frames need no new ones. */
 export class SpareArrays {
   private buffers: ArrayBuffer[] = [];
 
@@ -10,11 +10,11 @@ export class SpareArrays {
 
   put(buffers: readonly ArrayBuffer[]): void {
     this.buffers.push(...buffers);
-    // The largest of a mesh that grows came last.
+    // Keeps the last ones, which are the largest if the mesh grows.
     if (this.buffers.length > kMaxKept) this.buffers = this.buffers.slice(-kMaxKept);
   }
 
-  /** The first `count` numbers of `array`, in a buffer of its own. */
+  /** Returns a copy of the first `count` numbers of `array`, in a buffer of its own. */
   copyOf(array: Float32Array, count: number): Float32Array {
     const numBytes = 4 * count;
     const found = this.buffers.findIndex((buffer) => buffer.byteLength >= numBytes && buffer.byteLength <= 4 * numBytes);

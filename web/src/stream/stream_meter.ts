@@ -1,32 +1,32 @@
 import { SampleWindow } from './sample_window';
 
-/** Cost of one message of a stream, measured where it arrived. */
+/** Cost of one message of a stream, measured by the receiver. */
 export interface Delivery {
   /** Size of the whole message. */
   numBytes: number;
-  /** Can be read without those before it. */
+  /** True if the message can be decoded without those before it. */
   isKeyframe: boolean;
-  /** Frames that had come and were not acknowledged, with this one. */
+  /** Number of frames received and not acknowledged, including this one. */
   numUnacknowledged: number;
   decodeMs: number;
 }
 
-/** The figures of kerf.v1.FrameStats that are measured on the way. */
+/** The figures of kerf.v1.FrameStats that the server measures. */
 export interface TickFigures {
-  /** Ticks that were not sent before this one. */
+  /** Ticks since the frame before that were not sent. */
   skipped: number;
   tickCpuUs: number;
 }
 
 const kSpanMs = 5000;
-// Holds 5 s at 1000 Hz, the highest rate that a stream can have, the newest four.
+// At 1000 Hz, the highest rate of a stream, this holds the newest four of the 5 s.
 const kCapacity = 4096;
 
-/** The last seconds of a stream. Holds numbers only of what it is given, so that it costs nothing while it is not read. */
+/** Figures of the last seconds of a stream. It only stores numbers and computes nothing until it is read. */
 export class StreamMeter {
   readonly spanMs = kSpanMs;
   readonly drawn = new SampleWindow(kSpanMs, kCapacity);
-  /** ms, of frames as they were drawn */
+  /** Ages of frames when they were drawn, ms */
   readonly ages = new SampleWindow(kSpanMs, kCapacity);
   readonly bytes = new SampleWindow(kSpanMs, kCapacity);
   readonly keyframes = new SampleWindow(kSpanMs, kCapacity);
@@ -52,7 +52,7 @@ export class StreamMeter {
     this.tickTimes.add(nowMs, figures.tickCpuUs);
   }
 
-  /** @param ageMs  of what was drawn; undefined where it was drawn before or its age is not known */
+  /** @param ageMs  age of the frame drawn; undefined if it was drawn before or its age is not known */
   wasDrawn(nowMs: number, ageMs: number | undefined): void {
     this.drawn.add(nowMs, 1);
     if (ageMs !== undefined) this.ages.add(nowMs, ageMs);

@@ -5,11 +5,13 @@ export interface RecordingProgress {
   numFrames: number;
   numBytes: number;
   durationMs: number;
-  /** The limit is reached: nothing is added any more. */
+  /** True once the limit is reached; nothing more is added then. */
   isFull: boolean;
 }
 
-/** Keeps the messages of a stream from the first frame of a connection on, until they would take more than the limit. */
+/**
+ * Keeps the messages of a stream, beginning with the first frame of a connection, until they would exceed the limit.
+ */
 export class StreamRecorder {
   private readonly parts: Uint8Array<ArrayBuffer>[];
   private firstMs: number | undefined;
@@ -17,7 +19,7 @@ export class StreamRecorder {
 
   /**
    * @param header      see recording_format.ts
-   * @param limitBytes  of the whole file
+   * @param limitBytes  largest size of the whole file
    */
   constructor(
     header: Uint8Array<ArrayBuffer>,
@@ -33,7 +35,7 @@ export class StreamRecorder {
 
   /**
    * @param bytes    kerf.v1.WatchResponse with a frame
-   * @param isFirst  of a connection: with the full topology
+   * @param isFirst  true for the first frame of a connection, which has the full topology
    * @param nowMs    performance.now()
    */
   add(bytes: Uint8Array, isFirst: boolean, nowMs: number): void {
@@ -52,7 +54,7 @@ export class StreamRecorder {
     state.durationMs = atMs;
   }
 
-  /** The file, in parts; whoever takes them owns them. */
+  /** Returns the file in parts, which the caller then owns. */
   finish(): ArrayBuffer[] {
     return this.parts.map((part) => part.buffer);
   }

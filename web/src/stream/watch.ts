@@ -10,10 +10,10 @@ import type { Delivery } from './stream_meter';
 export type WatchRequestKind = MessageInitShape<typeof WatchRequestSchema>['kind'];
 
 export interface WatchEvents {
-  /** `detail` says why, for people, and is empty when all is well. */
+  /** Called for a new state; `detail` is its reason, for people, and empty when all is well. */
   onState(state: ConnectionState, detail: string): void;
   /**
-   * After each frame applied to `mirror`. A new mirror comes with each connection.
+   * Called after each frame applied to `mirror`. Each connection has a new mirror.
    * @param bytes  the WatchResponse with the frame
    */
   onFrame(mirror: SheetMirror, delivery: Delivery, bytes: Uint8Array): void;
@@ -21,15 +21,15 @@ export interface WatchEvents {
 }
 
 export interface WatchOptions {
-  /** Frames have strains. */
+  /** True to get frames with strains. */
   strains?: boolean;
-  /** Mirror of the same sheet by an earlier Watch: what it has is not sent again. */
+  /** Mirror of an earlier Watch of the same sheet; its topology is not sent again. */
   from?: SheetMirror;
-  /** Each connection brings the whole topology. */
+  /** Called for each connection; true to get the whole topology. */
   startsWhole?: () => boolean;
 }
 
-/** Pace of the frames; see kerf.v1.WatchPace. */
+/** Rate of the frames; see kerf.v1.WatchPace. */
 export interface Pace {
   isPaused: boolean;
   /** 0: every tick */
@@ -37,13 +37,13 @@ export interface Pace {
 }
 
 /**
- * Watches one sheet over WebSocket /watch and keeps watching (see Connection). Frames are applied as they come (the server
- * sends at most few unacknowledged ones, see held_us in stream.proto); the owner calls acknowledge() when it draws, and
- * setPace() when the page is hidden. A connection after the first continues from the triangles that the last one brought, if the
- * server still knows them.
+ * Watches one sheet over WebSocket /watch and keeps watching (see Connection). Frames are applied as they come; the
+ * server sends only a few without acknowledgement (see held_us in stream.proto). The owner calls acknowledge() when it
+ * draws, and setPace() when the page is hidden. Later connections continue from the last topology if the server still
+ * knows it.
  */
 export class Watch {
-  /** Last complete mirror: survives a lost connection, so that the last picture stays. */
+  /** Mirror after the last complete frame. It stays after a lost connection, so that the last frame remains visible. */
   mirror: SheetMirror | undefined;
 
   private readonly connection: Connection;
@@ -53,7 +53,7 @@ export class Watch {
   private pace: Pace = { isPaused: false, maxRateHz: 0 };
 
   /**
-   * @param url   of the WebSocket, ws://HOST:PORT/watch
+   * @param url   address of the WebSocket, ws://HOST:PORT/watch
    * @param name  sheets/{sheet}
    */
   constructor(
@@ -73,7 +73,7 @@ export class Watch {
     return this.connection.state;
   }
 
-  /** Tells the server that everything received so far has been used. Cheap when there is nothing to tell. */
+  /** Tells the server that all frames received so far have been used. Cheap if there is no new frame. */
   acknowledge(): void {
     if (this.incoming.sequence === this.acknowledged) return;
     const sequence = BigInt(this.incoming.sequence);
@@ -82,17 +82,17 @@ export class Watch {
     }
   }
 
-  /** While it is paused no frames come; the connection stays. */
+  /** Sets the rate of frames. While paused no frames come, but the connection stays. */
   setPace(pace: Pace): void {
     const { isPaused, maxRateHz } = this.pace;
     if (pace.isPaused === isPaused && pace.maxRateHz === maxRateHz) return;
     this.pace = pace;
     this.connection.isPaused = pace.isPaused;
-    // Before the first frame there is no pace to change; receive() looks at it.
+    // Before the first frame nothing is sent; receive() then sends the pace.
     if (this.state === 'live') this.sendPace();
   }
 
-  /** Sends a grab, drag or release; false if there is no connection (the server then has already let go). */
+  /** Sends a grab, drag or release; false if there is no connection, and the server has then already ended the grab. */
   send(kind: WatchRequestKind): boolean {
     return this.connection.send(toBinary(WatchRequestSchema, create(WatchRequestSchema, { kind })));
   }
@@ -133,7 +133,7 @@ export class Watch {
     try {
       this.incoming.apply(frame);
     } catch (error) {
-      // A frame that does not fit: start again from nothing.
+      // The frame does not fit the mirror, so the next connection starts with the whole topology.
       this.mirror?.forgetEpoch();
       this.options.from?.forgetEpoch();
       throw error;

@@ -4,33 +4,33 @@ import type { FrameCopy } from './sheet_copy';
 import type { RecordingProgress } from './stream_recorder';
 import type { Pace, WatchRequestKind } from './watch';
 
-// Messages between the page and the worker that holds its connection. `id` numbers the page's streams: what concerns an
-// earlier one is passed over.
+// Messages between the page and the worker that holds its connection. `id` numbers the page's streams; messages about
+// an earlier stream are ignored.
 
 export type ToWorker =
-  /** `goesOn`: from the triangles of the stream before, of the same sheet. */
+  /** `goesOn`: true to continue from the triangles of the previous stream, which was of the same sheet. */
   | { kind: 'start'; id: number; url: string; name: string; strains: boolean; goesOn: boolean; pace: Pace }
-  /** `spare`: arrays of frames that the page has copied, to be used again. */
+  /** `spare`: buffers of frames that the page has copied, to be used again. */
   | { kind: 'acknowledge'; id: number; spare: ArrayBuffer[] }
   | { kind: 'send'; id: number; request: WatchRequestKind }
   | { kind: 'pace'; id: number; pace: Pace }
   | { kind: 'retry'; id: number }
   | { kind: 'close'; id: number }
-  /** From the next connection on, which brings everything; see StreamRecorder. */
+  /** Records from the next connection on, which begins with the whole topology; see StreamRecorder. */
   | { kind: 'record'; header: Uint8Array<ArrayBuffer>; limitBytes: number }
   /** Answered by `recorded`. */
   | { kind: 'stopRecording' };
 
 export type FromWorker =
   | { kind: 'state'; id: number; state: ConnectionState; detail: string }
-  /** `isFirst`: of a connection. */
+  /** `isFirst`: true for the first frame of a connection. */
   | { kind: 'frame'; id: number; frame: FrameCopy; isFirst: boolean }
   | { kind: 'rejection'; id: number; rejection: Rejection }
   | { kind: 'recording'; progress: RecordingProgress }
-  /** `parts`: the file. */
+  /** `parts`: content of the file. */
   | { kind: 'recorded'; progress: RecordingProgress; parts: ArrayBuffer[] };
 
-/** The part of Worker and of a worker's own scope that is used. */
+/** The part of the interfaces of Worker and of a worker's scope that is used here. */
 export interface Port<Out, In> {
   postMessage(message: Out, transfer?: Transferable[]): void;
   onmessage: ((event: MessageEvent<In>) => void) | null;

@@ -6,12 +6,12 @@ import { StreamRecorder } from './stream_recorder';
 import { Watch } from './watch';
 import type { FromWorker, Port, ToWorker } from './watch_messages';
 
-// The progress of a recording is shown as text.
+// Interval of progress messages of a recording, which the page shows as text.
 const kTellEveryMs = 200;
 
 /**
- * The worker's side: holds the connection, decodes frames and hands copies of them to the page, which draws meanwhile. The
- * server sends no more than the page acknowledges, so none are queued between the two.
+ * The worker's side of a stream: holds the connection, decodes frames and sends copies to the page, which draws at the
+ * same time. The server sends no more than the page acknowledges, so no frames queue up between worker and page.
  */
 export class WatchService {
   private watch: Watch | undefined;

@@ -7,7 +7,7 @@ const kStart = {
 
 /**
  * Starts one of the page's workers.
- * @param failed  called once if it cannot be loaded or fails: it is ended then, and answers nothing
+ * @param failed  called once if the worker cannot be loaded or fails; it is then ended and sends nothing more
  */
 export function startWorker(name: keyof typeof kStart, failed: (why: string) => void): Worker {
   const worker = kStart[name]();
@@ -16,7 +16,7 @@ export function startWorker(name: keyof typeof kStart, failed: (why: string) => 
     worker.terminate();
     failed(why);
   };
-  // A worker that cannot be loaded says no more than that.
+  // The event has no message if the worker cannot be loaded.
   worker.onerror = ({ message }) => fail(message || 'its program cannot be loaded');
   worker.onmessageerror = () => fail('its messages cannot be read');
   return worker;

@@ -4,10 +4,10 @@ import type { Viewer } from './tool';
 
 /** The one piece to cut, if the user has chosen it by a tap. */
 export class ChosenPiece {
-  /** The next tap chooses it. */
+  /** True while the next tap chooses the piece. */
   isChoosing = false;
 
-  // A material point of the piece, whose label may change with each cut.
+  // A material point of the piece: its label may change with each cut.
   private mark: Point2 | undefined;
 
   constructor(private readonly viewer: Pick<Viewer, 'shown'>) {}
@@ -16,25 +16,25 @@ export class ChosenPiece {
     return this.mark !== undefined;
   }
 
-  /** Label of the piece; undefined if none is chosen, or it has no material at its mark any more. */
+  /** Label of the piece; undefined if none is chosen, or if the sheet has no material at the mark any more. */
   get label(): number | undefined {
     const { surface } = this.viewer.shown;
     const place = this.mark && surface?.locator.find(this.mark);
     return place && surface!.mirror.pieces[place.slot];
   }
 
-  /** The mark, as a material point; undefined where there is no label. */
+  /** Material point of the mark; undefined if there is no label. */
   get place(): Point2 | undefined {
     return this.label === undefined ? undefined : this.mark;
   }
 
-  /** Lets the next tap choose it; forgets the piece instead if one is chosen. */
+  /** Lets the next tap choose a piece; if one is chosen, forgets it instead. */
   toggle(): void {
     this.isChoosing = !this.isChoosing && !this.isChosen;
     this.mark = undefined;
   }
 
-  /** Takes the piece that the ray hits; beside the sheet the choice stays open. */
+  /** Chooses the piece that the ray hits; if it misses the sheet, the next tap chooses. */
   take(ray: Ray): void {
     this.mark = this.viewer.shown.surface?.pick(ray)?.material;
     this.isChoosing = !this.mark;

@@ -8,17 +8,17 @@ import { SheetPreview } from './sheet_preview';
 import { stripAlong } from './strip_preview';
 import type { Viewer } from './tool';
 
-/** A drawing about to be cut, with all that decides how it is shown. */
+/** A drawing about to be cut, with all that affects how it is shown. */
 export interface ShownDrawing {
   drawing: Drawing;
   plane: DrawingPlane;
-  /** The plane is the material, and not the picture. */
+  /** True if `plane` is the material, false if it is the picture. */
   isOnMaterial: boolean;
-  /** Metres of material that are cut and left in turn; none: all of it is cut. */
+  /** Lengths of material cut and left in turn, metres; empty: everything is cut. */
   dashLengths: readonly number[];
-  /** Metres of material that the cut takes away. */
+  /** Width of the strip that the cut removes, metres of material. */
   widthM: number;
-  /** -1: none */
+  /** Index of the chosen handle; -1: none */
   chosenHandle: number;
   /** Material point at which the chosen piece is marked; undefined: no mark. */
   mark: Point2 | undefined;
@@ -33,7 +33,7 @@ export class CutDisplay {
 
   /**
    * @param chosen  called with the index of a handle that is pressed
-   * @param moved   called with the index of a handle and where it was dragged, CSS pixels on the overlay
+   * @param moved   called with the index of a dragged handle and its new place, CSS pixels on the overlay
    */
   constructor(
     private readonly viewer: Pick<Viewer, 'overlay' | 'stage' | 'shown'>,
@@ -49,7 +49,7 @@ export class CutDisplay {
     this.handles = new CutHandles(overlay, chosen, moved);
   }
 
-  /** Says that the drawing, its dashes or its width may be others than before. */
+  /** Call it when the drawing, its dashes or its width may have changed. */
   changed(): void {
     this.sheetPreview.changed();
   }
@@ -82,7 +82,7 @@ export class CutDisplay {
     this.sheetPreview.show(surface, () => ({ lines: drawing.lines(), dashLengths, widthM }));
   }
 
-  // Lengths are those on a sheet that is seen face-on in the middle of the view.
+  // Converts lengths to pixels as for a sheet seen face-on in the middle of the view.
   private showOnPicture({ drawing, plane, dashLengths, widthM }: ShownDrawing): void {
     const { stage } = this.viewer;
     this.sheetPreview.hide();

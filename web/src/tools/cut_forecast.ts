@@ -5,10 +5,10 @@ import type { CreateCutRequestSchema, CutResult } from '../gen/kerf/v1/cuts_pb';
 
 type Request = MessageInitShape<typeof CreateCutRequestSchema>;
 
-// A drawing that changes is not asked about.
+// Time without changes after which the server is asked about a drawing.
 const kSettledMs = 400;
 
-/** Says what the server expects of a cut, where that ends real time; else nothing. */
+/** Returns a warning if the sheet is too slow for real time after a cut and was not before; else an empty text. */
 export function forecastText({ tickBeforeUs, tickAfterUs, tickBudgetUs }: CutResult): string {
   if (!(tickBeforeUs <= tickBudgetUs && tickAfterUs > tickBudgetUs)) return '';
   const ms = (us: number) => Number((us / 1000).toPrecision(2));
@@ -16,11 +16,14 @@ export function forecastText({ tickBeforeUs, tickAfterUs, tickBudgetUs }: CutRes
   return `This cut slows the sheet to ${percent} % of its speed: a tick then takes ${ms(tickAfterUs)} ms of the ${ms(tickBudgetUs)} ms available`;
 }
 
-/** Asks the server what a drawn cut would cost, once the drawing has settled, and one question at a time. */
+/**
+ * Asks the server how much time ticks would take after a drawn cut. It asks once the drawing has settled, one question
+ * at a time.
+ */
 export class CutForecast {
   warning = '';
   private timer = 0;
-  private drawn = 0; // counts drawings: answers about older ones are late
+  private drawn = 0; // counts drawings; answers about older ones are ignored
   private isAsking = false;
   private request: (() => Request) | undefined;
   private circumstances = '';
@@ -31,7 +34,7 @@ export class CutForecast {
     private readonly tryCut = (request: Request) => call(CutService.method.createCut, request),
   ) {}
 
-  /** @param request  says what would be cut, when it is asked; undefined while there is nothing to cut */
+  /** @param request  makes the request when it is needed; undefined while there is nothing to cut */
   ask(request: (() => Request) | undefined): void {
     clearTimeout(this.timer);
     const number = ++this.drawn;
@@ -42,7 +45,10 @@ export class CutForecast {
     if (request) this.wait(number, request);
   }
 
-  /** Asks again where the same drawing no longer cuts the same. @param circumstances  name what that depends on */
+  /**
+   * Asks again if the same drawing would now cut differently.
+   * @param circumstances  text that changes with all that the cut depends on besides the drawing
+   */
   follow(circumstances: string): void {
     if (circumstances === this.circumstances) return;
     this.circumstances = circumstances;
@@ -53,7 +59,7 @@ export class CutForecast {
     this.timer = window.setTimeout(() => void this.find(number, request), kSettledMs);
   }
 
-  // A cut that the server would refuse is refused when it is made, with the reason.
+  // Ignores refusals: the server refuses the cut again, with the reason, when it is made.
   private async find(number: number, request: () => Request): Promise<void> {
     if (this.isAsking) return this.wait(number, request);
     this.isAsking = true;

@@ -1,19 +1,19 @@
 import { Vector2 } from 'three';
 
 export interface Handle {
-  /** On the overlay, CSS pixels; undefined hides it (behind the camera). */
+  /** Place on the overlay, CSS pixels; undefined hides a handle behind the camera. */
   px: Vector2 | undefined;
   text: string;
   isChosen: boolean;
 }
 
-/** The points of a drawing as elements over the canvas, which can be dragged. */
+/** Shows the points of a drawing as elements over the canvas, which can be dragged. */
 export class CutHandles {
   private readonly elements: HTMLElement[] = [];
 
   /**
    * @param chosen  called with the index of a handle that is pressed
-   * @param moved   called with the index of a handle and where it was dragged, CSS pixels on the overlay
+   * @param moved   called with the index of a dragged handle and its new place, CSS pixels on the overlay
    */
   constructor(
     private readonly overlay: HTMLElement,

@@ -1,22 +1,22 @@
 import type { Vector2 } from 'three';
 
 export interface PixelLine {
-  /** Undefined behind the camera. */
+  /** Points on the canvas, CSS pixels; undefined behind the camera. */
   points: readonly (Vector2 | undefined)[];
   isGuide?: boolean;
 }
 
-/** A polygon on the canvas; undefined behind the camera. */
+/** A polygon on the canvas, CSS pixels; points behind the camera are undefined. */
 export type PixelPolygon = readonly (Vector2 | undefined)[];
 
-// So many lines are drawn thinner.
+// More lines than this are drawn thinner.
 const kManyLines = 12;
 
 const kSvg = 'http://www.w3.org/2000/svg';
 
 /**
- * The curve about to be cut, the strip that it takes away and, thinner and white, its guides, over the sheet: a bright
- * line in a dark rim reads everywhere.
+ * Shows over the sheet the curve about to be cut, the strip that the cut removes and, thinner and white, guides. Lines
+ * are bright in a dark rim, which is visible on any colour.
  */
 export class CutPreview {
   private readonly svg = document.createElementNS(kSvg, 'svg');
@@ -41,8 +41,8 @@ export class CutPreview {
   }
 
   /**
-   * @param dashPx  lengths that are cut and left, CSS pixels; none: all of it is cut
-   * @param strip   what is taken away: polygons that may overlap
+   * @param dashPx  lengths cut and left in turn, CSS pixels; empty: everything is cut
+   * @param strip   polygons of the strip that the cut removes, which may overlap
    */
   show(lines: readonly PixelLine[], dashPx: readonly number[] = [], strip: readonly PixelPolygon[] = []): void {
     this.strip.setAttribute('d', polygonData(strip));
@@ -58,7 +58,7 @@ export class CutPreview {
   }
 }
 
-// One that is partly behind the camera is left out.
+// Leaves out polygons that are partly behind the camera.
 function polygonData(polygons: readonly PixelPolygon[]): string {
   return polygons
     .filter((polygon) => polygon.every((point) => point !== undefined))

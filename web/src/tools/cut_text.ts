@@ -1,7 +1,7 @@
 import { CutResult_Status } from '../gen/kerf/v1/cuts_pb';
 import type { CutResult } from '../gen/kerf/v1/cuts_pb';
 
-/** A small length to two digits, in the unit in which it reads best. */
+/** Formats a small length with two digits, in a suitable unit. */
 export function lengthText(metres: number): string {
   if (metres > 0 && metres < 1e-9) return 'under 1 nm';
   const [factor, unit] = metres >= 1e-4 || metres === 0 ? [1e3, 'mm'] : metres >= 1e-7 ? [1e6, 'µm'] : [1e9, 'nm'];
@@ -12,18 +12,18 @@ export function countText(count: number, one: string, many = `${one}s`): string 
   return `${count.toLocaleString('en')} ${count === 1 ? one : many}`;
 }
 
-/** An area to two digits, in the unit in which it reads best. */
+/** Formats an area with two digits, in a suitable unit. */
 export function areaText(squareMetres: number): string {
   const units: [number, string][] = [[1, 'm²'], [1e4, 'cm²'], [1e6, 'mm²'], [1e12, 'µm²']];
   return inUnit(squareMetres, units);
 }
 
-/** A mass to two digits, in the unit in which it reads best. */
+/** Formats a mass with two digits, in a suitable unit. */
 export function massText(kilograms: number): string {
   return inUnit(kilograms, [[1, 'kg'], [1e3, 'g'], [1e6, 'mg'], [1e9, 'µg']]);
 }
 
-// In the first unit in which the number is not below one.
+// Formats a value in the first unit in which the number is not below one.
 function inUnit(value: number, units: readonly [number, string][]): string {
   const last = units.at(-1)!;
   const [factor, unit] = units.find(([scale]) => scale * value >= 0.995) ?? last;
@@ -32,8 +32,8 @@ function inUnit(value: number, units: readonly [number, string][]): string {
 }
 
 /**
- * The reply to a cut in a few words; what the server warns of is not in it.
- * @param hasWidth  whether a strip was to be taken away
+ * Returns the reply to a cut in a few words, without the server's warnings.
+ * @param hasWidth  true if the cut was to remove a strip
  */
 export function cutText(result: CutResult, hasWidth = false): string {
   if (result.status === CutResult_Status.NO_INTERSECTION) {
@@ -45,7 +45,7 @@ export function cutText(result: CutResult, hasWidth = false): string {
   return `Cut: ${countText(result.pieces, 'piece')}${removed ? `, ${areaText(removed.areaM2)} removed` : ''}`;
 }
 
-/** The rest of the reply to a cut, a sentence each; empty where nothing was cut. */
+/** Returns more about the reply to a cut, one sentence each; empty if nothing was cut. */
 export function cutDetails(result: CutResult): string[] {
   if (result.status !== CutResult_Status.APPLIED) return [];
   const { removed, layers, tick } = result;
@@ -58,12 +58,12 @@ export function cutDetails(result: CutResult): string[] {
   ];
 }
 
-/** Warnings of the server, in sentences; empty without any. */
+/** Returns the server's warnings as sentences; empty if there are none. */
 export function warningText({ warnings }: CutResult): string {
   return warnings.map((warning) => `${warning.charAt(0).toUpperCase()}${warning.slice(1)}.`).join(' ');
 }
 
-/** Bytes in the unit in which they read best. */
+/** Formats a number of bytes in a suitable unit. */
 export function sizeText(bytes: number): string {
   if (bytes < 1024) return countText(bytes, 'byte');
   const [factor, unit] = bytes < 1024 ** 2 ? [1024, 'KiB'] : [1024 ** 2, 'MiB'];

@@ -21,21 +21,22 @@ import type { Pointer, Tool, Viewer } from './tool';
 
 type CutViewer = Pick<Viewer, 'overlay' | 'stage' | 'shown' | 'notices'> & { live: Pick<OpenSheet, 'sheetName'> };
 
-/** A perforation: metres of the sheet that are cut and left in turn. */
+/** A perforation: lengths of the sheet cut and left in turn, metres. */
 export interface Dashes {
   isOn: boolean;
   cutM: number;
   leftM: number;
 }
 
-/** Weights go from this to its inverse. */
+/** Weights are in kLeastWeight..1 / kLeastWeight. */
 export const kLeastWeight = 0.05;
 // A key changes a weight by this factor.
 const kWeightStep = 1.25;
 
 /**
- * Draws something and cuts along it: through the sheet seen under it on the picture or, on request, through the material.
- * On the material the drawing moves with the sheet. A cut from border to border starts and ends beside the sheet.
+ * Lets the user draw a curve and cuts along it: through the sheet seen under the curve on the picture or, on request,
+ * through the material. A drawing on the material moves with the sheet. A cut from border to border must start and end
+ * beside the sheet.
  */
 export class CutTool implements Tool {
   readonly id = 'cut';
@@ -47,7 +48,7 @@ export class CutTool implements Tool {
   private currentTarget: CutTarget = 'seen';
   private drawing: Drawing = newDrawing('curve');
   private chosenHandle = -1;
-  private readonly underWay = new Set<Drawing>(); // being cut; meanwhile another may be drawn and cut
+  private readonly underWay = new Set<Drawing>(); // drawings being cut; another may be drawn and cut at the same time
   private readonly chosenPiece: ChosenPiece;
   private last: { drawing: Drawing; mode: CutMode; target: CutTarget; sizePx: Vector2 } | undefined;
   private readonly picture = new PicturePlane();
@@ -80,7 +81,7 @@ export class CutTool implements Tool {
     this.cancel();
   }
 
-  /** Lays a drawing on the sheet; false while there is none. */
+  /** Lays an SVG drawing on the sheet; false if there is no sheet yet. */
   lay(picture: Omit<Picture, 'outline'>): boolean {
     const { locator } = this.viewer.shown.surface ?? {};
     if (!locator) return false;
@@ -95,12 +96,14 @@ export class CutTool implements Tool {
     return this.currentMode === 'svg' ? 'material' : this.currentTarget;
   }
 
-  /** A piece was chosen by a tap; without one, the piece seen where the line first meets the sheet is cut. */
+  /**
+   * True if a piece was chosen by a tap. Without a choice, the piece seen where the line first meets the sheet is cut.
+   */
   get hasPiece(): boolean {
     return this.chosenPiece.isChosen;
   }
 
-  /** Lets the next tap choose the piece; forgets it instead if one is chosen. */
+  /** Lets the next tap choose the piece to cut; if one is chosen, forgets it instead. */
   choosePiece(): void {
     this.chosenPiece.toggle();
     this.refresh();
@@ -110,7 +113,7 @@ export class CutTool implements Tool {
     return this.last !== undefined && !this.isStarted;
   }
 
-  /** Lays the drawing that was cut last again, in its old place on the picture or on the material. */
+  /** Shows the drawing that was cut last again, in its old place on the picture or on the material. */
   again(): void {
     if (!this.hasLast) return;
     const { drawing, mode, target, sizePx } = this.last!;
@@ -121,7 +124,7 @@ export class CutTool implements Tool {
     this.refresh();
   }
 
-  /** Chooses a target; a drawing that is started is taken along to where it lies now. */
+  /** Chooses a target. A drawing that was begun keeps its place in the picture on the new plane. */
   setTarget(target: CutTarget): void {
     const from = this.plane;
     this.currentTarget = target;
@@ -145,7 +148,7 @@ export class CutTool implements Tool {
     return this.drawing.isStarted;
   }
 
-  /** True while a drawing lies on the sheet as it hangs. */
+  /** True while a drawing lies on the moving sheet. */
   get isOnSheet(): boolean {
     return this.isStarted && this.target === 'material';
   }
@@ -154,12 +157,12 @@ export class CutTool implements Tool {
     return this.chosenPiece.isChoosing ? `${pressVerb()} the piece to cut` : this.drawing.prompt;
   }
 
-  /** Says that the cut would end real time, and at what cost; else empty. */
+  /** Warning that the sheet would be too slow for real time after the cut; else empty. */
   get warning(): string {
     return this.forecast.warning;
   }
 
-  /** The chosen point that has a weight. */
+  /** The chosen point and its weight; undefined if it has none. */
   get weighted(): { index: number; weight: number } | undefined {
     const weight = this.drawing.isReady ? this.drawing.weights?.[this.chosenHandle] : undefined;
     return weight === undefined ? undefined : { index: this.chosenHandle, weight };
@@ -176,7 +179,7 @@ export class CutTool implements Tool {
     this.refresh();
   }
 
-  /** Width of the strip that is taken away, metres of the sheet; 0: none. */
+  /** Width of the strip that the cut removes, metres of the sheet; 0: none. */
   get widthM(): number {
     return this.currentWidthM;
   }
@@ -198,7 +201,7 @@ export class CutTool implements Tool {
   leave(): void {
     this.chosenPiece.forget();
     this.cancel();
-    // Takes the drawing off the canvas: only the chosen tool is updated before a drawing.
+    // Removes the drawing from the canvas now, because later only the chosen tool is updated.
     this.update();
   }
 
@@ -221,7 +224,7 @@ export class CutTool implements Tool {
     this.refresh();
   }
 
-  // A press that is taken began a new drawing, except for one on a picture's box, which only moved it.
+  // A press that was taken has begun a new drawing, unless it only moved the box of an SVG drawing.
   abandon(): void {
     this.drawing.release(this.plane.tremor);
     if (this.currentMode !== 'svg') this.cancel();
@@ -238,7 +241,7 @@ export class CutTool implements Tool {
     this.refresh();
   }
 
-  /** Gives up the choice of a piece, or else the drawing; false if there is neither. */
+  /** Cancels the choice of a piece, or else the drawing; false if there is neither. */
   escape(): boolean {
     const { chosenPiece } = this;
     if (!chosenPiece.isChoosing && !this.isStarted) return false;
@@ -248,7 +251,7 @@ export class CutTool implements Tool {
     return true;
   }
 
-  /** Takes the last point back; false if nothing is drawn. */
+  /** Removes the last point; false if nothing is drawn. */
   removeLast(): boolean {
     if (!this.isStarted) return false;
     this.drawing.removeLast();
@@ -256,7 +259,7 @@ export class CutTool implements Tool {
     return true;
   }
 
-  /** Moves the chosen point's weight a step up or down; false if no chosen point has one. */
+  /** Changes the chosen point's weight by a step up or down; false if no point with a weight is chosen. */
   stepWeight(direction: 1 | -1): boolean {
     if (!this.weighted) return false;
     this.setWeight(this.weighted.weight * kWeightStep ** direction);
@@ -328,18 +331,19 @@ export class CutTool implements Tool {
     return target === 'material' ? undefined : cutView(stage.camera, stage.sizePx, target, this.depth, this.chosenPiece.label);
   }
 
-  // Names all that decides what a cut goes through, apart from the drawing: the triangles and, on the picture, the view.
+  // Text that changes with all that affects a cut besides the drawing: the triangles and, on the picture, the view.
   private get circumstances(): string {
     return `${this.viewer.shown.surface?.mirror.topologyVersion} ${JSON.stringify(this.view)}`;
   }
 
-  // Metres of material.
+  // Lengths cut and left in turn, metres of material.
   private get dashLengths(): number[] {
     const { isOn, cutM, leftM } = this.dashes;
     return isOn ? [cutM, leftM] : [];
   }
 
-  // A picture of another size shows the same things at the same distances from its middle, in parts of its height.
+  // Scales a drawing on the picture after a change of the canvas: things keep their distance from the middle as a share
+  // of the height.
   private followSize(): void {
     const { x, y } = this.drawnSizePx;
     const { sizePx } = this.viewer.stage;

@@ -7,10 +7,13 @@ import type { Point2 } from '../geometry/locator';
 import type { Surface } from '../geometry/surface';
 import type { Viewer } from './tool';
 
-/** Names what a cut goes through: layers of the sheet as it is seen, or the material, wherever it is. */
+/**
+ * The target of a cut: layers of the sheet as seen in the picture, or the material regardless of its place in the
+ * world.
+ */
 export type CutTarget = 'seen' | 'all' | 'piece' | 'depth' | 'material';
 
-/** Metres from the camera along its axis. */
+/** Range of distances from the camera along its axis, metres. */
 export interface DepthRange {
   nearestM: number;
   farthestM: number;
@@ -24,8 +27,8 @@ const kLayers: Record<Exclude<CutTarget, 'material'>, View_Layers> = {
 };
 
 /**
- * The view of a cut that is drawn on a picture of this size (CSS pixels) from where the camera is.
- * @param piece  label of the one piece; undefined: that seen where the curve first meets the sheet
+ * Returns the view for a cut drawn on a picture of this size (CSS pixels) from the camera.
+ * @param piece  label of the piece to cut; undefined: the piece seen where the curve first meets the sheet
  */
 export function cutView(
   camera: PerspectiveCamera,
@@ -46,7 +49,7 @@ export function cutView(
   };
 }
 
-/** The half of the sheet that is nearer to the camera, in whole millimetres. */
+/** Returns the range of the half of the sheet nearer to the camera, in whole millimetres. */
 export function frontHalf(surface: Surface, camera: PerspectiveCamera): DepthRange {
   const forward = camera.getWorldDirection(new Vector3());
   let [nearest, farthest] = [Infinity, 0];
@@ -58,20 +61,20 @@ export function frontHalf(surface: Surface, camera: PerspectiveCamera): DepthRan
   return { nearestM, farthestM: Math.max(nearestM, Math.ceil(500 * (nearest + farthest)) / 1e3) };
 }
 
-/** The plane that a drawing lies on: it joins the drawing's coordinates and the canvas. */
+/** The plane on which a drawing lies. It converts between the drawing's coordinates and the canvas. */
 export interface DrawingPlane {
-  /** The plane's point under a point of the canvas, CSS pixels. */
+  /** Returns the plane's point under a point of the canvas, CSS pixels. */
   at(px: Vector2): Point2 | undefined;
   toPx(point: Point2): Vector2 | undefined;
-  /** The distance that a hand strays unintentionally, in the plane's unit. */
+  /** Distance within which movements of the hand are unintentional, in the plane's unit. */
   readonly tremor: number;
 }
 
 const kTremorPx = 1.5;
-// The same on the material, in parts of the sheet's diagonal.
+// Tremor on the material, as a share of the sheet's diagonal.
 const kTremorPart = 0.002;
 
-/** The picture: the drawing stays where it is on the canvas, and the sheet moves below it. */
+/** The picture as a plane: the drawing stays in its place on the canvas while the sheet moves below it. */
 export class PicturePlane implements DrawingPlane {
   readonly tremor = kTremorPx;
 
@@ -84,7 +87,10 @@ export class PicturePlane implements DrawingPlane {
   }
 }
 
-/** The material: the drawing moves with the sheet. A point beside the sheet is as far beside its nearest border. */
+/**
+ * The material as a plane: the drawing moves with the sheet. A point beside the sheet keeps its distance to the nearest
+ * border.
+ */
 export class MaterialPlane implements DrawingPlane {
   constructor(private readonly viewer: Pick<Viewer, 'shown' | 'stage'>) {}
 

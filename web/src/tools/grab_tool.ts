@@ -9,23 +9,23 @@ interface ActiveGrab {
   id: string;
   vertex: number;
   watch: NonNullable<GestureStream['watch']>;
-  /** Passes through the grabbed point and faces the camera; the pointer moves the target on it. */
+  /** Plane through the grabbed point that faces the camera; the pointer moves the target in this plane. */
   plane: Plane;
   target: Vector3;
   isTargetNew: boolean;
 }
 
-// A release that found the server's queue full is sent again after this long.
+// Wait before a release is repeated that the server refused because its queue was full.
 const kReleaseRetryMs = 100;
 
-/** Drags a vertex by a spring, which shows how hard it pulls. Targets go out at most once a drawn frame. */
+/** Drags a vertex by a spring, whose look shows the force. A target is sent at most once per drawn picture. */
 export class GrabTool implements Tool {
   readonly id = 'grab';
   readonly cursor = 'pointer';
   private readonly spring = new FatLines({ color: 0xff7a1a, width: 3, onTop: true });
   private active: ActiveGrab | undefined;
   private count = 0;
-  // Ids of the grabs whose release waits to be sent again.
+  // Ids of grabs whose release waits to be sent again.
   private readonly retrying = new Set<string>();
   private readonly idPrefix = `web-${crypto.getRandomValues(new Uint32Array(1))[0].toString(36)}`;
 
@@ -40,7 +40,7 @@ export class GrabTool implements Tool {
     this.release();
   }
 
-  /** Takes hold of a vertex, and lets go of any other. */
+  /** Grabs a vertex, and releases the one held before. */
   press(pointer: Pointer): boolean {
     this.release();
     const { stage } = this.viewer;
@@ -80,7 +80,7 @@ export class GrabTool implements Tool {
 
   tap(): void {}
 
-  /** Lets go; false if nothing is held. */
+  /** Releases the grab; false if nothing is held. */
   escape(): boolean {
     const isHolding = this.active !== undefined;
     this.release();
@@ -92,7 +92,7 @@ export class GrabTool implements Tool {
     const { surface } = this.viewer.shown;
     const { watch } = this.viewer.live;
     if (!active || !surface) return;
-    // The grab ended with its stream, or its vertex with a reset.
+    // The grab has ended with its stream, or its vertex no longer exists after a reset.
     if (watch !== active.watch || watch.state !== 'live' || active.vertex >= surface.mirror.numVertices) {
       this.forget();
       return;
@@ -101,7 +101,7 @@ export class GrabTool implements Tool {
       active.watch.send({ case: 'drag', value: { grabId: active.id, target: active.target } });
       active.isTargetNew = false;
     }
-    // The server moves a grab to what is left beside it.
+    // If the vertex loses its material, the server moves the grab to the nearest vertex that has some.
     const at = surface.vertexPosition(surface.nearestWithMaterial(active.vertex));
     this.spring.setPolyline([...at.toArray(), ...active.target.toArray()]);
     const { min, max } = surface.locator;
@@ -114,13 +114,14 @@ export class GrabTool implements Tool {
     const { active } = this;
     const isFull = reason === 'QUEUE_FULL';
     if (active?.id !== grabId) {
-      // It is let go here already, and must not keep pulling there.
+      // The page has already released this grab, so it must not continue to pull on the server.
       if (isFull) this.retryRelease(grabId);
       else if (reason !== 'GRAB_NOT_FOUND') this.refused(message || reason);
       return;
     }
     if (isFull) {
-      // The next drawing sends the lost target again. If the grab itself was lost, the server then knows no such grab.
+      // The next drawing sends the lost target again. If the grab itself was refused, the server answers
+      // GRAB_NOT_FOUND.
       active.isTargetNew = true;
       this.viewer.stage.invalidate();
       return;

@@ -1,15 +1,15 @@
 import { Vector2 } from 'three';
 import type { Pointer, Tool, Viewer } from './tool';
 
-/** CSS pixels that an arrow key moves the cross, and with Shift. */
+/** CSS pixels by which an arrow key moves the cross, without and with Shift. */
 export const kCrossStep = 16;
 export const kCrossFineStep = 2;
 
-/** A cross on the picture that keys move: it does with the tool all that a mouse does. */
+/** A cross on the picture that is moved by keys and controls the tool as a mouse does. */
 export class KeyboardPointer {
   private px: Vector2 | undefined;
   private isHolding = false;
-  // It has moved since it last did something: Enter then means this place, and not the drawing.
+  // True if the cross has moved since its last press: Enter then acts at its place, and does not cut the drawing.
   private isFresh = false;
   private readonly cross = document.createElement('div');
   private readonly place = document.createElement('output');
@@ -24,7 +24,7 @@ export class KeyboardPointer {
     viewer.overlay.append(this.cross);
   }
 
-  /** Shows the cross, in the middle at first, and moves it by CSS pixels, with anything that it holds. */
+  /** Shows the cross, at first in the middle, and moves it, and what it holds, by CSS pixels. */
   move(dx: number, dy: number): void {
     const { sizePx } = this.viewer.stage;
     const from = this.px ?? sizePx.clone().multiplyScalar(0.5);
@@ -37,7 +37,7 @@ export class KeyboardPointer {
     this.show(this.px);
   }
 
-  /** A tap, or a press that the next one releases; false if the cross has not moved since the last. */
+  /** Taps, or presses until the next call releases; false if the cross has not moved since the last call. */
   press(): boolean {
     if (!this.px || !(this.isFresh || this.isHolding)) return false;
     this.isFresh = false;
@@ -52,7 +52,7 @@ export class KeyboardPointer {
     return true;
   }
 
-  /** Takes the cross away and lets go with it; false if there is none. */
+  /** Hides the cross and releases what it holds; false if there is no cross. */
   hide(): boolean {
     if (!this.px) return false;
     if (this.isHolding) this.tool().release();

@@ -6,7 +6,7 @@ import { RegionSchema } from '../gen/kerf/v1/conditions_pb';
 import { Newest } from '../newest';
 import type { Pointer, Tool, Viewer } from './tool';
 
-// A tap this near to a pin, in CSS pixels, is meant for it.
+// A tap within this distance of a pin, CSS pixels, is meant for the pin.
 const kPinReachPx = 9;
 
 interface PinWish {
@@ -17,12 +17,12 @@ interface PinWish {
   vertex: number;
 }
 
-/** A tap on a vertex pins it where it is, or lets it go. */
+/** A tap on a vertex pins it at its present place, or unpins it. */
 export class PinTool implements Tool {
   readonly id = 'pin';
   readonly cursor = 'cell';
 
-  // Not answered yet, or not in the settings since.
+  // The pins last requested; undefined once the sheet's settings have them.
   private wish: PinWish | undefined;
   private readonly newest = new Newest<PinWish>(
     (name, wish) => this.send(name, wish),
@@ -46,7 +46,8 @@ export class PinTool implements Tool {
     if (vertex !== undefined) this.toggle(vertex);
   }
 
-  // The balls on the pins reach beyond the sheet, and a pin is more often meant than its neighbour.
+  // Returns the pin near a tap: its ball reaches beyond the sheet, and a pin is more often meant than a vertex beside
+  // it.
   private pinNear(px: Vector2): number | undefined {
     const { stage } = this.viewer;
     const { surface, sheet } = this.viewer.shown;
@@ -60,7 +61,7 @@ export class PinTool implements Tool {
     return found;
   }
 
-  // All pins are set at once, so those that were asked for before count, whatever has been answered.
+  // Each request sets all pins, so it starts from the pins last requested, even if they are not answered yet.
   private toggle(vertex: number): void {
     const { sheetName: name } = this.viewer.live;
     const { sheet } = this.viewer.shown;

@@ -2,16 +2,16 @@ import { Vector2 } from 'three';
 import type { Stage } from '../scene/stage';
 import type { Pointer, Tool } from './tool';
 
-// A press that moves less than this, in CSS pixels, is a tap.
+// A press that moves less than this, CSS pixels, is a tap.
 const kTapReachPx = 6;
 
-/** Gives pointer gestures on the canvas to the chosen tool first; what it does not take moves the view. */
+/** Gives pointer gestures on the canvas to the chosen tool; a gesture that the tool does not take moves the view. */
 export class PointerRouter {
   private pressed: { id: number; start: Vector2; last: PointerEvent; isTaken: boolean; isTap: boolean } | undefined;
   private isHandingOver = false;
 
   /**
-   * @param area         contains the canvas: events are seen here before OrbitControls sees them there
+   * @param area         element around the canvas, which gets events before OrbitControls does
    * @param beforePress  called before the tool, or the view, gets a press
    */
   constructor(
@@ -35,7 +35,7 @@ export class PointerRouter {
 
   private down(event: PointerEvent): void {
     if (event.target !== this.canvas || this.isHandingOver) return;
-    // Keys belong to the tool from here on, not to the button that was pressed before.
+    // Gives the keyboard to the tool, instead of the button that was pressed before.
     this.canvas.focus({ preventScroll: true });
     this.beforePress();
     if (this.pressed) {
@@ -63,7 +63,8 @@ export class PointerRouter {
     this.tool().drag(pointer);
   }
 
-  // A second finger: both move the view, whatever the first one had begun. The view has not seen it go down.
+  // Ends the tool's gesture at a second finger, because two fingers move the view. The first press is repeated for the
+  // view, which has not seen it.
   private handOver(): void {
     const pressed = this.pressed!;
     pressed.isTaken = false;

@@ -1,4 +1,4 @@
-/** The word for choosing a place: a mouse clicks, a finger taps. */
+/** Returns the verb for choosing a place: "Click" with a mouse, "Tap" with a finger. */
 export function pressVerb(): 'Click' | 'Tap' {
   return globalThis.matchMedia?.('(hover: hover) and (pointer: fine)').matches ? 'Click' : 'Tap';
 }

@@ -11,10 +11,10 @@ import { SheetFill } from '../scene/sheet_fill';
 import type { PreviewLine } from './drawings/drawing';
 import { stripAlong } from './strip_preview';
 
-/** A drawing on the material, in metres of it. */
+/** A drawing on the material, in material coordinates (m). */
 export interface MaterialDrawing {
   lines: readonly PreviewLine[];
-  /** Lengths that are cut and left in turn; none: all of it is cut. */
+  /** Lengths cut and left in turn, metres; empty: everything is cut. */
   dashLengths: readonly number[];
   widthM: number;
 }
@@ -29,15 +29,15 @@ interface Look {
 const kRim = 0x10151c;
 const kCurve: Look = { color: 0xffd23f, widthPx: 4, rimPx: 7 };
 const kGuide: Look = { color: 0xffffff, widthPx: 2, rimPx: 4.5 };
-// So many lines are drawn thinner.
+// More lines than this are drawn thinner.
 const kManyLines = 12;
 const kFine = { widthPx: 1.5, rimPx: 3.5 };
 const kFaint = 0.4;
 const kStrip = { color: 0xe5383b, opacity: 0.55, faintOpacity: 0.2 };
-// More dashes than this cannot be made out: the line is drawn whole.
+// A line with more dashes than this is drawn whole, because they could not be distinguished.
 const kMaxDashes = 5000;
 
-/** Lines on the sheet in a dark rim, faint where a fold hides them. */
+/** Lines on the sheet with a dark rim, faint where a fold hides them. */
 class SheetLines {
   private readonly lines: FatLines;
   private readonly rim: LineMaterial;
@@ -72,10 +72,10 @@ class SheetLines {
   }
 }
 
-/** The curve about to be cut as it will lie on the material, bent with the sheet, and the strip that it takes away. */
+/** Shows on the moving sheet the curve about to be cut and the strip that the cut removes. */
 export class SheetPreview {
   readonly object = new Group();
-  // All are drawn over the floor: the strip, guides over it, curves over them.
+  // All are drawn over the floor: first the strip, then guides, then curves.
   private readonly strip = new SheetFill(kStrip.color, kStrip.opacity, kStrip.faintOpacity, 1);
   private readonly guides = new SheetLines(kGuide, 2);
   private readonly curves = new SheetLines(kCurve, 5);
@@ -88,7 +88,7 @@ export class SheetPreview {
     this.object.visible = false;
   }
 
-  /** Says that the drawing is another than before. */
+  /** Call it when the drawing has changed. */
   changed(): void {
     this.version = -1;
   }
@@ -98,8 +98,8 @@ export class SheetPreview {
   }
 
   /**
-   * Shows it on the sheet as it hangs now.
-   * @param read  is called if the drawing or the triangles are others than before
+   * Shows the drawing on the sheet's present shape.
+   * @param read  called for the drawing if it or the triangles have changed
    */
   show(surface: Surface, read: () => MaterialDrawing): void {
     const { topologyVersion } = surface.mirror;

@@ -5,12 +5,12 @@ const kTaut = new Color(0xe0201b);
 // CSS pixels.
 const kThinnest = 2;
 const kThickest = 8;
-// Share of the sheet's diagonal: a longer spring looks no different.
+// Length, as a share of the sheet's diagonal, beyond which the look of the spring stays the same.
 const kLongest = 0.3;
 
 /**
- * Look of the spring of a grab. Its force is in proportion to its length; the stiffness is the server's choice.
- * @param lengthM  from the held vertex to the pointer, metres
+ * Returns the look of a grab's spring. The force is proportional to the length; the server chooses the stiffness.
+ * @param lengthM  distance from the held vertex to the pointer, metres
  * @param sizeM    the sheet's diagonal, metres, > 0
  */
 export function springLook(lengthM: number, sizeM: number): { widthPx: number; color: Color } {

@@ -2,10 +2,10 @@ import { simplify } from '../geometry/curve';
 import type { Point2 } from '../geometry/locator';
 import { dashes as dashesOf, stripPolygons } from '../geometry/strip';
 
-// Lines with more chords than this together are simplified.
+// Lines that together have more chords than this are simplified.
 const kMostChords = 2000;
-// Parts of the width that simpler lines may be away from the drawing, until there are few enough chords. Beyond the last
-// a strip would no longer cover its lines.
+// Largest distances of simplified lines from the drawing, as shares of the width, tried in turn until there are few
+// enough chords. Beyond 0.5 the strip would no longer cover the lines.
 const kStrays = [0.02, 0.1, 0.5];
 
 function numChords(lines: readonly (readonly Point2[])[]): number {
@@ -13,10 +13,10 @@ function numChords(lines: readonly (readonly Point2[])[]): number {
 }
 
 /**
- * The strip that a cut along these lines takes away: polygons that may overlap.
+ * Returns the strip that a cut along these lines removes, as polygons that may overlap.
  *
- * @param width    in the lines' unit; 0: it takes nothing
- * @param lengths  of dashes, that are cut and left in turn; none: all of it is cut
+ * @param width    in the lines' unit; 0: nothing is removed
+ * @param lengths  lengths cut and left in turn; empty: everything is cut
  */
 export function stripAlong(lines: readonly (readonly Point2[])[], width: number, lengths: readonly number[]): Point2[][] {
   if (width === 0) return [];

@@ -6,34 +6,37 @@ import type { GestureStream, OpenSheet, ShownState } from '../sheet/open_sheet';
 export type ToolId = 'view' | 'cut' | 'grab' | 'pin';
 
 export interface Pointer {
-  /** On the canvas, CSS pixels. */
+  /** Place on the canvas, CSS pixels. */
   px: Vector2;
   ray: Ray;
 }
 
-/** Gives gestures a meaning while it is chosen; one that it does not take moves the view. Its keys are in ui/shortcuts.ts. */
+/**
+ * A tool handles gestures while it is chosen; a gesture that it does not take moves the view. Its keys are in
+ * ui/shortcuts.ts.
+ */
 export interface Tool {
   readonly id: ToolId;
   /** CSS cursor over the canvas. */
   readonly cursor: string;
   enter(): void;
   leave(): void;
-  /** The pointer went down; true takes the gesture, which drag() and release() then follow. */
+  /** Called when the pointer goes down; true takes the gesture, so that drag() and release() follow. */
   press(pointer: Pointer): boolean;
   drag(pointer: Pointer): void;
   release(): void;
-  /** A second finger came: the gesture that press() took is the view's now, and its beginning is undone. */
+  /** Called at a second finger: undoes the gesture that press() took, which now moves the view. */
   abandon(): void;
-  /** The pointer went down and up in one place, and press() did not take it. */
+  /** Called when the pointer went down and up in one place and press() did not take the gesture. */
   tap(pointer: Pointer): void;
-  /** Follows the sheet, which may have moved, before each drawing. */
+  /** Called before each drawing, to follow the sheet, which may have moved. */
   update(): void;
 }
 
 /** The parts of the viewer that tools use. */
 export interface Viewer {
   readonly stage: Stage;
-  /** Covers the canvas exactly, and takes handles. */
+  /** Element that covers the canvas exactly and holds handles. */
   readonly overlay: HTMLElement;
   readonly shown: ShownState;
   readonly live: OpenSheet & GestureStream;

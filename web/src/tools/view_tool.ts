@@ -1,6 +1,6 @@
 import type { Tool } from './tool';
 
-/** Only looks: every gesture moves the view. */
+/** Takes no gesture, so that every gesture moves the view. */
 export class ViewTool implements Tool {
   readonly id = 'view';
   readonly cursor = 'grab';

@@ -1,7 +1,7 @@
 import { DrawingQuality } from '../scene/drawing_quality';
 import type { Stage } from '../scene/stage';
 
-/** The parts of the viewer that are drawn more or less finely. */
+/** The parts of the viewer that this file needs. */
 export interface AdaptedParts {
   readonly stage: Pick<Stage, 'graphics' | 'setQuality'>;
   readonly live: { readonly isWatched: boolean };
@@ -10,7 +10,7 @@ export interface AdaptedParts {
   readonly notices: { offer(text: string, label: string, accept: () => void): () => void };
 }
 
-// Matches the names that browsers have for drawing without a graphics card.
+// Matches the names by which browsers report drawing without a graphics card.
 const kSoftware = /swiftshader|llvmpipe|softpipe|software|basic render/i;
 
 /** @param graphics  see Stage.graphics */
@@ -19,34 +19,34 @@ export function slowDrawingText(graphics: string): string {
 }
 
 /**
- * Draws as finely as this machine can at a good rate. If even the coarsest pictures come too seldom, it says why, once,
- * and offers those of the server.
+ * Draws as finely as this machine can at a good rate. If even the coarsest level is too slow, it says why, once, and
+ * offers pictures drawn by the server.
  */
 export class AdaptiveDrawing {
   private readonly quality = new DrawingQuality();
   private readonly isFixed = new URLSearchParams(location.search).get('resolution') === 'full';
-  // The time of the last picture, if it counts.
+  // Time of the last picture; undefined if its duration must not count.
   private drawnMs: number | undefined;
   private hasOffered = false;
   private closeOffer: (() => void) | undefined;
 
   constructor(private readonly parts: AdaptedParts) {
-    // Nothing is drawn in a hidden page: that time is no picture's.
+    // A hidden page draws nothing, so that time must not count for a picture.
     document.addEventListener('visibilitychange', () => (this.drawnMs = undefined));
   }
 
   /**
-   * Begins the drawing loop's turn at `nowMs`.
-   * @param isChanged  the view has changed since the last turn
-   * @param isMoving   the sheet moves by itself
-   * @returns whether there is anything to draw
+   * Call it at the beginning of each turn of the drawing loop, at `nowMs`.
+   * @param isChanged  true if the view has changed since the last turn
+   * @param isMoving   true if the sheet moves by itself
+   * @returns true if there is anything to draw
    */
   begin(nowMs: number, isChanged: boolean, isMoving: boolean): boolean {
     const { quality } = this;
     const { imageMode, stage } = this.parts;
     if (this.isFixed) return isChanged;
     if (this.drawnMs !== undefined) quality.took(nowMs - this.drawnMs);
-    // Little is drawn here over pictures of the server.
+    // Over pictures of the server the page draws little, so its times do not count.
     const isOwn = !imageMode.isOn;
     this.drawnMs = isChanged && isOwn ? nowMs : undefined;
     if (isChanged) quality.moved(nowMs);

@@ -6,15 +6,15 @@ export type ShownState = ConnectionState | 'replay';
 
 interface StateOfConnection {
   readonly state: ConnectionState;
-  /** Says why, for people; empty when all is well. */
+  /** Reason of the state, for people; empty when all is well. */
   readonly detail: string;
 }
 
-/** The connections that the chip speaks of. */
+/** The connections that the chip shows. */
 export interface ConnectedParts {
-  /** The mesh's connection is undefined without a live sheet. */
+  /** `watch`: the connection of the mesh; undefined without a live sheet. */
   readonly live: { readonly watch: StateOfConnection | undefined };
-  /** The trouble of the connection that pictures come by is undefined while all is well. */
+  /** `trouble`: the connection of the server's pictures; undefined while all is well. */
   readonly imageMode: { readonly trouble: StateOfConnection | undefined };
   readonly replayBar: { readonly isOpen: boolean };
 }
@@ -31,7 +31,7 @@ const kStateText: Record<ShownState, string> = {
 export class ConnectionChip {
   constructor(private readonly parts: ConnectedParts) {}
 
-  /** Shows the connection of the live sheet's mesh or, where that is well, the trouble with its pictures. */
+  /** Shows the state of the mesh's connection; if it is live, but pictures have trouble, shows theirs. */
   update(): void {
     const { live, imageMode } = this.parts;
     if (!live.watch) return;
@@ -40,11 +40,11 @@ export class ConnectionChip {
   }
 
   /**
-   * Shows a state; while a recording is shown, only that one.
+   * Shows a state; while a recording is shown, only the state 'replay'.
    * @param detail  see ConnectionEvents.onState()
    */
   show(state: ShownState, detail: string): void {
-    // A recording needs no server.
+    // A recording needs no server, so states of connections do not matter.
     if (this.parts.replayBar.isOpen && state !== 'replay') return;
     const chip = element('connection');
     chip.dataset.state = state;

@@ -30,8 +30,8 @@ export class CutPanel {
   private readonly mode: Choice<CutMode>;
 
   /**
-   * @param done        gives the keyboard back to the canvas
-   * @param chooseFile  asks for a drawing
+   * @param done        returns the keyboard focus to the canvas
+   * @param chooseFile  lets the user choose a file with a drawing
    */
   constructor(
     private readonly tool: CutTool,
@@ -59,17 +59,17 @@ export class CutPanel {
     whenNumber(this.dashCut, (mm) => tool.setDashes({ cutM: mm * kMillimetre }));
     whenNumber(this.dashLeft, (mm) => tool.setDashes({ leftM: mm * kMillimetre }));
     whenNumber(this.width, (mm) => tool.setWidth(mm * kMillimetre));
-    // Typed values hold at once; these keys leave the field.
+    // Typed values take effect at once; these keys leave the field.
     element('cut-options').addEventListener('keydown', ({ key }) => {
       if (key === 'Enter' || key === 'Escape') done();
     });
-    // The slider's ends are the logarithms of the weights.
+    // The slider's values are logarithms of weights.
     this.weight.min = String(Math.log10(kLeastWeight));
     this.weight.max = String(-Math.log10(kLeastWeight));
     whenNumber(this.weight, (exponent) => tool.setWeight(10 ** exponent));
   }
 
-  /** Puts the keyboard into the field of the width. */
+  /** Moves the keyboard focus to the field of the width. */
   askWidth(): void {
     this.width.focus();
     this.width.select();
@@ -113,7 +113,7 @@ function whenNumber(input: HTMLInputElement, use: (value: number) => void): void
   });
 }
 
-// Not while it is typed into, nor where it only differs by rounding.
+// Shows a number, except while the field is typed into, or if the number differs only by rounding.
 function setNumber(input: HTMLInputElement, value: number): void {
   if (document.activeElement === input && input.type === 'number') return;
   const text = String(Number(value.toFixed(4)));

@@ -1,21 +1,21 @@
-/** The element of index.html with this id. */
+/** Returns the element of index.html with this id. */
 export function element<T extends HTMLElement = HTMLElement>(id: string): T {
   const found = document.getElementById(id);
   if (!found) throw new Error(`index.html has no #${id}`);
   return found as T;
 }
 
-/** Replaces text only when it differs, so that a line updated every frame costs no layout. */
+/** Replaces text only if it differs, so that a line updated every frame needs no layout. */
 export function setText(target: HTMLElement, text: string): void {
   if (target.textContent !== text) target.textContent = text;
 }
 
-/** Switches off, or on again, all that acts on the live sheet: elements with data-live. */
+/** Enables or disables all controls that act on the live sheet: elements with data-live. */
 export function setLiveControls(isOn: boolean): void {
   for (const control of document.querySelectorAll<HTMLElement>('[data-live]')) control.inert = !isOn;
 }
 
-/** Buttons of which one is chosen; arrow keys move between them. */
+/** A group of buttons of which one is chosen; arrow keys move between them. */
 export class Choice<T extends string> {
   private readonly buttons: HTMLButtonElement[];
 
@@ -48,7 +48,7 @@ export class Choice<T extends string> {
   }
 }
 
-/** A new element with these properties (attributes where the name has a dash, or is `role` or `for`) and children. */
+/** Makes an element with these properties and children. Names with a dash, `role` and `for` are set as attributes. */
 export function make<K extends keyof HTMLElementTagNameMap>(
   tag: K,
   properties: Record<string, string | boolean | number>,
@@ -63,7 +63,7 @@ export function make<K extends keyof HTMLElementTagNameMap>(
   return made;
 }
 
-/** A drawing of index.html's `icon-NAME`. */
+/** Returns an element that draws the icon `icon-NAME` of index.html. */
 export function icon(name: string): SVGSVGElement {
   const kSvg = 'http://www.w3.org/2000/svg';
   const svg = document.createElementNS(kSvg, 'svg');

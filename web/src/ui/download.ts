@@ -1,13 +1,13 @@
 import { bytesText } from './statistics_text';
 
-/** Hands a file to the browser's downloads. Returns what to say about it. */
+/** Downloads a file in the browser. Returns a message about it for the user. */
 export function saveFile(parts: BlobPart[], name: string, mediaType: string): string {
   const blob = new Blob(parts, { type: mediaType });
   const link = document.createElement('a');
   link.href = URL.createObjectURL(blob);
   link.download = name;
   link.click();
-  // The browser has taken the blob by the time that the next task runs.
+  // The browser has read the link by the next task, so the URL can be revoked then.
   setTimeout(() => URL.revokeObjectURL(link.href));
   return `Saved ${name} (${bytesText(blob.size)})`;
 }

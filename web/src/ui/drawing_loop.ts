@@ -22,7 +22,7 @@ export interface DrawnParts {
   readonly statistics: Pick<StatisticsPanel, 'drawn' | 'update'>;
 }
 
-/** Draws with each animation frame, if there is anything new to see, and keeps the figures about it up to date. */
+/** Draws at each animation frame if anything has changed, and updates the figures about drawing. */
 export class DrawingLoop {
   framesDrawn = 0;
 
@@ -37,7 +37,7 @@ export class DrawingLoop {
     const { stage, shown, live, replayBar, imageMode, tools, quality } = this.parts;
     live.followPace();
     if (live.advance(nowMs) || replayBar.advance(nowMs)) shown.showAgain();
-    // A drawing on the sheet is faint where a fold hides it, in pictures of the server as well.
+    // Lets folds hide a drawing on the sheet also over a picture of the server.
     shown.setHiding(imageMode.isShown && tools.cut.isOnSheet);
     const isStale = quality.begin(nowMs, stage.advance(), this.isMoving);
     if (isStale) {
@@ -46,7 +46,7 @@ export class DrawingLoop {
       stage.draw();
       imageMode.look();
     }
-    // The drawing under a picture of the server is not the sheet.
+    // While a picture of the server is shown, only that picture counts as a drawing of the sheet.
     const isDrawn = imageMode.draw() || (isStale && !imageMode.isShown);
     if (isDrawn) this.drawn(nowMs);
     this.showFigures(nowMs);
@@ -76,14 +76,14 @@ export class DrawingLoop {
     statistics.update(figures, imageMode.isShown ? imageMode.format : 'mesh', nowMs);
   }
 
-  // The sheet that is shown moves by itself.
+  // True if the shown sheet moves by itself.
   private get isMoving(): boolean {
     const { live, replayBar, shown } = this.parts;
     if (!live.watch) return replayBar.playing?.isPlaying ?? false;
     return live.watch.state === 'live' && !isStill(shown.surface?.mirror.stats);
   }
 
-  // A sheet that does not move sends nothing: its last frame is not old, it is the present.
+  // Undefined for a still sheet: it sends nothing, so its last frame is up to date.
   private get ageMs(): number | undefined {
     const { live, imageMode } = this.parts;
     if (imageMode.isShown) return imageMode.ageMs;

@@ -1,6 +1,6 @@
 import { ApiError } from '../api';
 
-// Remedies for refusals that the server's own words do not name.
+// Remedies for refusals whose message names none, by code.
 const kAdvice: Record<string, string> = {
   UNAVAILABLE: 'Check that kerfd is running; the viewer reconnects by itself',
   RESOURCE_EXHAUSTED: 'Try again in a moment, or request less',
@@ -8,7 +8,7 @@ const kAdvice: Record<string, string> = {
   UNIMPLEMENTED: 'This server is older than the viewer: reload the page',
 };
 
-/** An error in words: what went wrong, and what to do. */
+/** Describes an error and its remedy for people. */
 export function errorText(error: Error): string {
   const advice = error instanceof ApiError ? kAdvice[error.code] : undefined;
   return advice ? `${error.message}. ${advice}` : error.message;

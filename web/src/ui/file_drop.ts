@@ -2,15 +2,15 @@ import { element } from './dom';
 import { isRecordingFile } from './replay_bar';
 import { isRunFile } from './server_recordings';
 
-/** Actions for a file that is dropped on the sheet. */
+/** Actions for a file dropped on the sheet, by its kind. */
 export interface FileTakers {
-  /** A new sheet. */
+  /** Makes a new sheet. */
   mesh(file: File): void;
-  /** Frames, played here. */
+  /** Plays recorded frames in the page. */
   frames(file: File): void;
-  /** A recording of a server's, played by the server as a new sheet. */
+  /** Lets the server play its recording as a new sheet. */
   run(file: File): void;
-  /** Anything else: to cut along. */
+  /** Takes any other file as a drawing to cut along. */
   drawing(file: File): void;
 }
 
@@ -18,7 +18,7 @@ function hasFiles({ dataTransfer }: DragEvent): boolean {
   return dataTransfer?.types.includes('Files') ?? false;
 }
 
-// Without a taker of the file, the browser would leave the page to show it.
+// Ignores a file dropped elsewhere; otherwise the browser would leave the page to show it.
 function keepPage(event: DragEvent): void {
   if (event.defaultPrevented || !hasFiles(event)) return;
   event.preventDefault();

@@ -2,10 +2,10 @@ const kKey = 'kerf-hint';
 
 type Kept = Pick<Storage, 'getItem' | 'setItem'>;
 
-/** Says in one line what to do first, until it is closed or a tool is tried; on later visits not at all. */
+/** Says in one line what to do first, until it is closed or a tool is tried. Later visits do not show it. */
 export class FirstHint {
   /**
-   * @param storage  asking for it may throw: then each visit is a first one
+   * @param storage  may throw; each visit then counts as the first
    */
   constructor(
     private readonly line: HTMLElement,
@@ -22,7 +22,7 @@ export class FirstHint {
     try {
       this.storage().setItem(kKey, 'seen');
     } catch {
-      // Then it is closed as long as the page is open.
+      // Without storage the hint stays closed only while the page is open.
     }
   }
 

@@ -1,7 +1,7 @@
 import { make } from './dom';
 import type { ShortcutGroup } from './shortcuts';
 
-/** The page of keys, made from the table that they are bound by. */
+/** The help page of keys, made from the table by which keys are bound. */
 export class Help {
   constructor(private readonly dialog: HTMLDialogElement) {
     dialog.addEventListener('click', (event) => {
@@ -19,7 +19,7 @@ export class Help {
 
   open(): void {
     this.dialog.showModal();
-    // The focus is on its last line.
+    // Scrolls to the top, because the focus is on the last line.
     this.dialog.scrollTop = 0;
   }
 }

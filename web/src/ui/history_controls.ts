@@ -14,7 +14,7 @@ function stepText(step: HistoryStep, { cuts, pieces, reset }: MessageShape<typeo
   return `${what} ${step === 'undo' ? 'undone' : 'redone'}: ${pieces} ${pieces === 1 ? 'piece' : 'pieces'}`;
 }
 
-// More presses than this while one step is under way are unintended.
+// Most steps that wait while one is in progress; more presses are unintended.
 const kMostWaiting = 8;
 
 interface AskedStep {
@@ -23,8 +23,8 @@ interface AskedStep {
 }
 
 /**
- * Undo and redo of the sheet's cuts. Each press is a step: one is under way, and the others wait in their order. A held
- * key has at most one step waiting, so that it does not fill the server's queue and ends when it is let go.
+ * Undo and redo of the sheet's cuts. Each press is a step: one is in progress, and others wait in order. A held key has
+ * at most one step waiting, so that it does not fill the server's queue and stops when released.
  */
 export class HistoryControls {
   private isSending = false;
@@ -36,7 +36,7 @@ export class HistoryControls {
     private readonly send: typeof call = call,
   ) {}
 
-  /** @param isHeld  by a key that has asked for it already */
+  /** @param isHeld  true for repeats of a held key */
   async run(step: HistoryStep, isHeld = false): Promise<void> {
     const { waiting } = this;
     if (waiting.length >= (isHeld ? 1 : kMostWaiting)) return;
@@ -44,7 +44,7 @@ export class HistoryControls {
     if (this.isSending) return;
     this.isSending = true;
     for (let next = waiting.shift(); next; next = waiting.shift()) {
-      // After a refusal the next would only be refused as well.
+      // After a refusal the next steps would be refused too.
       if (!(await this.make(next))) waiting.length = 0;
     }
     this.isSending = false;

@@ -19,11 +19,12 @@ import type { SheetLook } from './sheet_look';
 import type { StatisticsPanel } from './statistics_panel';
 import type { StrainScale } from './strain_scale';
 
-// Rate of the mesh beside pictures while its places are needed, and while only its figures are.
+// Rates of the mesh's frames while pictures are shown: while tools need places on the mesh, and otherwise, for figures
+// only.
 const kPickingRateHz = 10;
 const kIdleRateHz = 1;
 
-/** The parts of the viewer that pictures are asked for, and seen in. */
+/** The parts of the viewer that pictures depend on. */
 export interface PictureParts {
   readonly live: Pick<OpenSheet, 'sheetName'> & { readonly isWatched: boolean };
   readonly stage: Pick<Stage, 'backdrop' | 'camera' | 'controls' | 'sizePx'>;
@@ -33,25 +34,25 @@ export interface PictureParts {
   readonly theme: { readonly isDark: boolean };
   readonly statistics: Pick<StatisticsPanel, 'arrived' | 'reset'>;
   readonly notices: Notifier;
-  /** A tool or a panel needs places on the mesh. */
+  /** True if a tool or a panel needs places on the mesh. */
   isPicking(): boolean;
-  /** Shows the state of the connections, which has changed. */
+  /** Called when the state of the pictures' connection has changed. */
   showConnections(): void;
-  /** Draws the mesh here, or leaves it to the picture. */
+  /** Sets whether the page draws the mesh; otherwise the server's picture shows it. */
   setMeshDrawn(isDrawn: boolean): void;
 }
 
 /**
- * The sheet in pictures that the server draws, in place of the mesh that is drawn here. The mesh still comes, seldom, so
- * that tools can pick from it; tools and pins draw over the picture.
+ * Shows the sheet in pictures drawn by the server, in place of the mesh drawn by the page. Frames of the mesh still
+ * come, at a low rate, so that tools can pick from it. Tools and pins are drawn over the picture.
  */
 export class ImageMode {
-  /** Tick of the picture that is shown; -1 before the first. */
+  /** Tick of the shown picture; -1 before the first. */
   tick = -1;
-  /** Pictures that were shown since the mode was chosen. */
+  /** Number of pictures shown since the mode was chosen. */
   numShown = 0;
   codec = ImageCodec.IMAGE_CODEC_UNSPECIFIED;
-  /** The camera of the picture that is shown. */
+  /** Camera of the shown picture. */
   camera: Camera | undefined;
 
   private readonly canvas = element<HTMLCanvasElement>('picture');
@@ -71,7 +72,7 @@ export class ImageMode {
     return this.isChosen;
   }
 
-  /** A picture is seen in place of the mesh: from the first one on. */
+  /** True if a picture is shown in place of the mesh, from the first picture on. */
   get isShown(): boolean {
     return !this.canvas.hidden;
   }
@@ -80,14 +81,16 @@ export class ImageMode {
     return this.images?.state;
   }
 
-  /** State of the connection that pictures come by, with the reason; undefined while all is well. */
+  /** State of the pictures' connection, with the reason; undefined while all is well. */
   get trouble(): { state: ConnectionState; detail: string } | undefined {
     const { images } = this;
     if (!images || images.detail === '') return undefined;
     return { state: images.state, detail: `No pictures: ${images.detail}` };
   }
 
-  /** Age of the shown picture's tick, milliseconds; undefined where the sheet does not move or no picture is live. */
+  /**
+   * Age of the shown picture's tick, milliseconds; undefined if the sheet does not move or the connection is not live.
+   */
   get ageMs(): number | undefined {
     const isMoving = this.stats !== undefined && !this.stats.paused && !this.stats.sleeping;
     return isMoving && this.state === 'live' ? this.clock.ageMs(unixTimeMs()) : undefined;
@@ -103,12 +106,12 @@ export class ImageMode {
     return { width: this.canvas.width, height: this.canvas.height };
   }
 
-  /** Rate of the mesh's frames while pictures are seen. */
+  /** Rate of the mesh's frames while pictures are shown. */
   get meshRateHz(): number {
     return this.parts.isPicking() ? kPickingRateHz : kIdleRateHz;
   }
 
-  /** Figures of the sheet as the picture shows it; the number of vertices is the mesh's. */
+  /** Returns figures of the sheet at the picture's tick; the number of vertices is the mesh's. */
   figures({ numVertices }: SheetFigures): SheetFigures {
     const { tick, stats } = this;
     return { tick, numVertices, numPieces: stats?.pieces ?? 0, stats };
@@ -125,7 +128,7 @@ export class ImageMode {
     }
     this.setChosen(true);
     this.canVideo ??= await decodesVideo();
-    // It may have been left meanwhile, or have followed another sheet.
+    // In the meantime the mode may have been left, or may already follow another sheet.
     if (this.parts.live.isWatched && !this.images) this.follow();
   }
 
@@ -136,7 +139,7 @@ export class ImageMode {
     this.setShown(false);
   }
 
-  /** Watches the live sheet from now on. */
+  /** Starts pictures of the live sheet, if the mode is chosen. */
   follow(): void {
     if (!this.isChosen || this.canVideo === undefined) return;
     this.close();
@@ -153,7 +156,7 @@ export class ImageMode {
     this.images = new RemoteImages(this.worker, streamUrl('images'), this.parts.live.sheetName, events, options);
   }
 
-  /** Watches no sheet; the last picture stays. */
+  /** Ends the stream of pictures; the last one stays visible. */
   close(): void {
     this.images?.close();
     this.images = undefined;
@@ -161,19 +164,19 @@ export class ImageMode {
     this.stats = undefined;
   }
 
-  /** No picture is seen before the next. */
+  /** Hides the last picture until the next arrives. */
   clear(): void {
     this.tick = -1;
     if (this.isShown) this.setShown(false);
   }
 
-  /** The page is shown, or hidden. */
+  /** Call it when the page was shown or hidden. */
   pageSeen(): void {
     this.images?.setPace(this.pace);
     if (!document.hidden) this.images?.retryNow();
   }
 
-  /** Asks for pictures of what the camera sees now, if that is something else than before. */
+  /** Requests pictures of the camera's present view if that has changed. */
   look(): void {
     if (!this.images) return;
     const view = this.view();
@@ -183,7 +186,7 @@ export class ImageMode {
     this.images.setView(view);
   }
 
-  /** Draws the newest picture; false if there is none that was not drawn yet. */
+  /** Draws the newest picture; false if it was drawn before. */
   draw(): boolean {
     return this.images?.draw((shown) => this.paint(shown)) ?? false;
   }
@@ -219,7 +222,7 @@ export class ImageMode {
     this.parts.setMeshDrawn(!isShown);
   }
 
-  // Tries the other codec, which server and browser may have both; without a renderer there are no pictures.
+  // Tries JPEG if VP8 fails; if the server has no renderer, there are no pictures.
   private refused(refusal: Refusal, message: string): void {
     if (refusal !== 'RENDERER_UNAVAILABLE' && this.codec === ImageCodec.IMAGE_VP8) {
       this.canVideo = false;

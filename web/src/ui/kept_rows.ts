@@ -2,7 +2,10 @@ export interface KeptRow {
   readonly item: HTMLElement;
 }
 
-/** The rows of a list by what they are of, each kept while that is there, so that whoever is in it stays in it. */
+/**
+ * Keeps the rows of a list by their keys. A row stays the same element while its key is listed, so that it keeps the
+ * focus.
+ */
 export class KeptRows<Key, Row extends KeptRow> {
   private readonly rows = new Map<Key, Row>();
 
@@ -15,7 +18,7 @@ export class KeptRows<Key, Row extends KeptRow> {
     return this.rows.get(key);
   }
 
-  /** The rows of these, in this order; those of others go. */
+  /** Shows the rows of these keys, in this order, and removes all others. */
   show(keys: readonly Key[]): Row[] {
     const focused = document.activeElement as HTMLElement | null;
     this.keepOnly(new Set(keys));
@@ -23,7 +26,7 @@ export class KeptRows<Key, Row extends KeptRow> {
     shown.forEach(({ item }, i) => {
       if (this.list.children[i] !== item) this.list.insertBefore(item, this.list.children[i] ?? null);
     });
-    // A row that is moved loses it.
+    // Restores the focus, which a moved row loses.
     if (focused && this.list.contains(focused)) focused.focus({ preventScroll: true });
     return shown;
   }

@@ -4,15 +4,15 @@ import { Help } from './help';
 import { chordOf, shortcutGroups, shortcutsFor } from './shortcuts';
 import type { KeyedParts, Shortcut } from './shortcuts';
 
-/** The parts of the viewer that decide what keys mean, with those that keys act on. */
+/** The parts of the viewer on which keys act, and those that decide the meaning of keys. */
 export type KeyBindingParts = KeyedParts & {
   readonly stage: { focus(): void };
   readonly tools: { readonly tool: { readonly id: ToolId } };
-  /** True if the chord is one of a recording that is shown. */
+  /** Handles the chord for a shown recording; false if it has no meaning there. */
   readonly replayBar: { key(chord: string): boolean };
 };
 
-// Names the key in the button's tip, and to screen readers.
+// Adds the key to the button's tip, and for screen readers.
 function annotate({ button, chords, isClicked, run }: Shortcut): void {
   const target = button && document.querySelector<HTMLElement>(button);
   if (!target) return;
@@ -22,7 +22,8 @@ function annotate({ button, chords, isClicked, run }: Shortcut): void {
   if (isClicked) target.addEventListener('click', () => run());
 }
 
-// Leaves typing to lists and fields, Space and Enter to buttons and boxes, arrows to sliders and choices.
+// True if the focused control needs the key: typing for lists and fields, Space and Enter for buttons and boxes, arrows
+// for sliders and choices.
 function isForControl({ target, key }: KeyboardEvent): boolean {
   const control = target as HTMLElement;
   if (control.closest('select, textarea, input:not([type=checkbox], [type=radio], [type=range])')) return true;
@@ -30,15 +31,15 @@ function isForControl({ target, key }: KeyboardEvent): boolean {
   return control.closest('[role=radio], input') !== null && key.startsWith('Arrow');
 }
 
-/** Binds keys, and the buttons that do the same. */
+/** Binds keys, and the buttons with the same actions. */
 export function bindKeys(parts: KeyBindingParts): void {
   const help = new Help(element<HTMLDialogElement>('help'));
   const groups = shortcutGroups(parts, () => help.open());
   help.fill(groups);
   for (const { shortcuts } of groups) shortcuts.forEach(annotate);
 
-  // A button that was clicked would keep the keyboard: Space would press it again rather than pause. Buttons reached
-  // with the Tab key (a click of detail 0) keep it, and a menu that was opened has it.
+  // Moves the focus from a clicked button to the canvas; otherwise Space would press the button again instead of
+  // pausing. Buttons reached with the Tab key (a click with detail 0) and open menus keep the focus.
   addEventListener('click', (event) => {
     const button = (event.target as HTMLElement).closest('.card button');
     if (event.detail > 0 && button && !button.matches('[aria-haspopup][aria-expanded=true]')) parts.stage.focus();
@@ -52,7 +53,7 @@ export function bindKeys(parts: KeyBindingParts): void {
       return;
     }
     for (const shortcut of shortcutsFor(groups, parts.tools.tool.id, chordOf(event))) {
-      // A held key does most things once.
+      // A held key acts once, unless the shortcut is repeated.
       if (event.repeat && !shortcut.isRepeated) event.preventDefault();
       else if (shortcut.run(event.repeat) !== false) event.preventDefault();
       if (event.defaultPrevented) return;

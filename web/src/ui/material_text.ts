@@ -1,23 +1,26 @@
 import type { Material } from '../gen/kerf/v1/scene_pb';
 import { siText } from './quantity_text';
 
-/** Bending stiffness along the first axis, N m, of the plate that the other numbers make (kerf.v1.Material). */
+/**
+ * Returns the bending stiffness along the first axis, N m, of a plate with the material's modulus and thickness
+ * (kerf.v1.Material).
+ */
 export function plateStiffness(material: Material): number {
   const { youngsModulusPa: e1 = 0, youngsModulus2Pa: e2 = e1, poissonsRatio: nu = 0, thicknessM: t = 0 } = material;
   return (e1 * t ** 3) / (12 * (1 - (nu * nu * e2) / e1));
 }
 
-/** Bending stiffness along the first axis, N m: given, or that of the plate by the factor that is. */
+/** Returns the bending stiffness along the first axis, N m: as given, or else that of the plate times bendingScale. */
 export function bendingStiffness(material: Material): number {
   return material.bendingStiffness1Nm ?? (material.bendingScale ?? 1) * plateStiffness(material);
 }
 
-/** "200 g/m²": what people know a cloth by. */
+/** Returns the mass per area, "200 g/m²", by which people know a cloth. */
 export function areaMassText({ densityKgpm3 = 0, thicknessM = 0 }: Material): string {
   return `${Number((1e3 * densityKgpm3 * thicknessM).toPrecision(3)).toLocaleString('en')} g/m²`;
 }
 
-/** The numbers of a material, in the order in which they are shown. */
+/** Returns the numbers of a material, in the order in which they are shown. */
 export function materialFacts(material: Material): [name: string, value: string][] {
   const { youngsModulusPa: e1 = 0, youngsModulus2Pa: e2 = e1, thicknessM = 0 } = material;
   const stiffness = e1 === e2 ? siText(e1, 'Pa') : `${siText(e1, 'Pa')} along, ${siText(e2, 'Pa')} across`;
@@ -32,7 +35,7 @@ export function materialFacts(material: Material): [name: string, value: string]
   ];
 }
 
-/** The preset that has these numbers, whichever way the sheet's fibres run; empty where none has. */
+/** Returns the preset with these numbers, regardless of the direction of the fibres; empty if there is none. */
 export function presetOf(material: Material, presets: readonly Material[]): string {
   const numbers = (of: Material) =>
     JSON.stringify([

@@ -1,8 +1,8 @@
-/** A menu that a button opens, by toggle(): arrow keys move in it, Escape, a choice or a press elsewhere close it. */
+/** A menu that a button opens by toggle(). Arrow keys move in it; Escape, a choice or a press elsewhere closes it. */
 export class Menu {
   private readonly items: HTMLButtonElement[];
 
-  /** @param panel  its buttons are the items */
+  /** @param panel  element whose buttons are the items */
   constructor(
     private readonly button: HTMLButtonElement,
     private readonly panel: HTMLElement,
@@ -46,7 +46,7 @@ export class Menu {
 
   private key(event: KeyboardEvent): void {
     const { key } = event;
-    // Keys of the viewer mean nothing here, Space and Enter press the item.
+    // Keeps keys from the viewer's shortcuts; Space and Enter press the item.
     event.stopPropagation();
     if (key === 'Escape' || key === 'Tab') return this.close();
     const step = key === 'ArrowDown' ? 1 : key === 'ArrowUp' ? -1 : 0;

@@ -5,12 +5,12 @@ import { errorText } from './error_text';
 const kMaxShown = 4;
 const kShownMs: Record<NoticeKind, number> = { info: 4000, success: 6000, warning: 12000, error: 9000 };
 
-/** Short messages that go away by themselves or when clicked, unless their details are open; and offers, which stay. */
+/** Shows short messages, which disappear after a while or when clicked, unless their details are open. Offers stay. */
 export class Notices implements Reporter {
   constructor(private readonly container: HTMLElement) {}
 
   notify(kind: NoticeKind, text: string, details: readonly string[] = []): void {
-    // Says once, and for longer, a text that is shown already.
+    // Replaces a notice with the same text, which is thus shown once, and longer.
     this.container.querySelector(`.notice[data-text="${CSS.escape(text)}"]`)?.remove();
     const notice = make('div', { className: 'card notice' }, text);
     notice.dataset.kind = kind;
@@ -41,8 +41,8 @@ export class Notices implements Reporter {
   }
 
   /**
-   * Shows a line with a button until it is closed, or the button is pressed.
-   * @returns a function that closes it
+   * Shows a line with a button, until it is closed or the button is pressed.
+   * @returns a function that closes the line
    */
   offer(text: string, label: string, accept: () => void): () => void {
     const accepting = make('button', { type: 'button', className: 'primary' }, label);

@@ -10,7 +10,7 @@ import { KeptRows } from './kept_rows';
 import type { KeptRow } from './kept_rows';
 import type { Panel } from './side_panels';
 
-// Lists this many pieces, the largest.
+// Number of pieces listed: the largest ones.
 const kMaxShown = 200;
 const kPageSize = 1000;
 const kRetryMs = 1000;
@@ -19,7 +19,7 @@ const kRetryMs = 1000;
 export interface ShownPieces {
   /** Undefined before the first frame. */
   readonly topologyVersion: number | undefined;
-  /** Lights one piece up, by its label in the frames; undefined: none. */
+  /** Highlights the piece with this label in the frames; undefined: no piece. */
   highlight(label: number | undefined): void;
   /** Moves the view so that the piece is in the middle. */
   centre(label: number): void;
@@ -28,15 +28,18 @@ export interface ShownPieces {
 interface Row extends KeptRow {
   readonly size: HTMLElement;
   readonly origin: HTMLElement;
-  /** In the frames, where the piece's label changes with each cut. */
+  /** Label of the piece in the frames; it may change with each cut. */
   label: number;
 }
 
-/** All pieces of the sheet with their sizes, while the panel is open. Asks the server after each change of topology. */
+/**
+ * Lists the pieces of the sheet with their sizes while the panel is open. It asks the server after each change of
+ * topology.
+ */
 export class PiecePanel implements Panel {
   private readonly rows = new KeptRows(element('piece-list'), (id: bigint) => this.create(id));
   private readonly error = element('piece-error');
-  // The piece that is lit up.
+  // Id of the highlighted piece.
   private litId: bigint | undefined;
   private isOpen = false;
   private isAsking = false;
@@ -58,7 +61,7 @@ export class PiecePanel implements Panel {
     this.light(undefined);
   }
 
-  /** Cheap where nothing changed: called with each frame. */
+  /** Updates the list. It is called with each frame, and cheap if nothing has changed. */
   update(): void {
     const { sheetName: sheet } = this.live;
     const { topologyVersion: version } = this.shown;
@@ -70,7 +73,7 @@ export class PiecePanel implements Panel {
         this.listed = listed === undefined ? undefined : { sheet, version: listed };
         this.isAsking = false;
         this.error.hidden = true;
-        // A sheet that stands still has no frame that would ask again.
+        // Asks again here, because a still sheet has no frame that would do so.
         if (listed === undefined) this.update();
       },
       (error: Error) => this.failed(error),
@@ -81,14 +84,14 @@ export class PiecePanel implements Panel {
     this.listed = undefined;
     setText(this.error, `The list is not up to date: ${errorText(error)}`);
     this.error.hidden = false;
-    // Waits, so as not to ask with each frame; a sheet that stands still has no frame that would ask again.
+    // Asks again after a while: not with each frame, but also for a still sheet, which has no frames.
     setTimeout(() => {
       this.isAsking = false;
       this.update();
     }, kRetryMs);
   }
 
-  // Gives the topology version that is listed now; undefined where a cut came between two pages.
+  // Lists the pieces. Returns their topology version; undefined if a cut came between two pages.
   private async fetch(parent: string): Promise<number | undefined> {
     const pieces: Piece[] = [];
     let version: number | undefined;

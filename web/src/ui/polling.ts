@@ -1,10 +1,10 @@
-/** Asks again and again, one question at a time, while it is on and the page is seen. */
+/** Asks repeatedly, one question at a time, while it is on and the page is visible. */
 export class Polling {
   private isOn = false;
   private isAsking = false;
   private timer: ReturnType<typeof setTimeout> | undefined;
 
-  /** @param periodMs  from one answer to the next question */
+  /** @param periodMs  time from an answer to the next question */
   constructor(
     private readonly ask: () => Promise<unknown>,
     private readonly periodMs: number,
@@ -22,7 +22,7 @@ export class Polling {
     clearTimeout(this.timer);
   }
 
-  /** Asks at once; what is being asked already is waited for. */
+  /** Asks at once, unless a question is already waiting for its answer. */
   now(): void {
     clearTimeout(this.timer);
     if (!this.isOn || this.isAsking || document.hidden) return;

@@ -7,17 +7,17 @@ import { element, setText } from './dom';
 import { fileName, saveFile } from './download';
 import { bytesText } from './statistics_text';
 
-/** The largest file, bytes: about one and a half minutes of 10,000 vertices at 60 frames a second. */
+/** Largest file, bytes: about one and a half minutes of 10,000 vertices at 60 frames per second. */
 const kLimitBytes = 128 * 1024 * 1024;
 
 /** The live sheet, whose stream is recorded. */
 export interface RecordedSheet extends Pick<OpenSheet, 'sheetName'> {
   readonly watch: Pick<RemoteWatch, 'state' | 'record' | 'stopRecording'> | undefined;
-  /** Starts another stream of the same sheet, with all triangles. */
+  /** Starts another stream of the same sheet, which begins with all triangles. */
   restart(goesOn: false): void;
 }
 
-/** Records the frames of the sheet that is shown, and saves them as a file when it is stopped or full. */
+/** Records the frames of the live sheet, and saves them as a file when the recording is stopped or full. */
 export class RecordingControl {
   private readonly chip = element<HTMLButtonElement>('recording');
   private sheetName = '';
@@ -46,27 +46,27 @@ export class RecordingControl {
     this.sheetName = sheetName;
     this.isStopping = false;
     watch.record(encodeHeader(sheet), kLimitBytes);
-    // A recording begins with everything.
+    // Starts a new stream, because a recording must begin with all triangles.
     this.live.restart(false);
     this.chip.hidden = false;
     this.show({ numFrames: 0, numBytes: 0, durationMs: 0, isFull: false });
   }
 
-  /** Ends the recording; its file comes later. */
+  /** Ends the recording; its file arrives later. */
   stop(): void {
     if (!this.isOn || this.isStopping) return;
     this.isStopping = true;
     this.live.watch?.stopRecording();
   }
 
-  /** The recorded frames are gone. */
+  /** Call it when the recorded frames are lost. */
   lose(): void {
     if (!this.isOn) return;
     this.chip.hidden = true;
     this.notices.notify('error', 'The recording is lost');
   }
 
-  /** @param parts  the file, once it is finished */
+  /** @param parts  content of the file once the recording is finished, else undefined */
   took(progress: RecordingProgress, parts: ArrayBuffer[] | undefined): void {
     if (parts) {
       this.chip.hidden = true;

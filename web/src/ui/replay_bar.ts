@@ -6,7 +6,7 @@ import { startWorker } from '../stream/workers';
 import { element, setLiveControls, setText } from './dom';
 import { bytesText } from './statistics_text';
 
-/** The largest file that is read into memory, bytes: four times the limit of this viewer's recordings. */
+/** Largest file that is read into memory, bytes: four times the limit of this viewer's recordings. */
 const kMaxFileBytes = 512 * 1024 * 1024;
 
 // Keys that change the live sheet, and do nothing while a recording is shown.
@@ -17,10 +17,10 @@ export function isRecordingFile(file: File): boolean {
 }
 
 export interface ReplayEvents {
-  /** A recording was read and checked, and is shown from now on. */
+  /** Called when a recording has been read and checked, and is shown from now on. */
   onOpened(sheet: Sheet): void;
   onFrame(copy: SheetCopy, frame: FrameCopy): void;
-  /** The recording, or its file, was given up: the live sheet is to be seen again. */
+  /** Called when the recording, or the reading of its file, has ended: the live sheet is to be shown again. */
   onClosed(): void;
 }
 
@@ -34,7 +34,7 @@ export class ReplayBar {
   private readonly progress = element<HTMLProgressElement>('replay-progress');
   private worker: Worker | undefined;
   private replay: Replay | undefined;
-  // The file that is read or shown; nothing comes from files that were chosen before it.
+  // The file that is read or shown; results for files chosen before are ignored.
   private file: File | undefined;
 
   constructor(
@@ -43,7 +43,7 @@ export class ReplayBar {
   ) {
     this.input.addEventListener('change', () => {
       const file = this.input.files?.[0];
-      // The same file may be chosen again.
+      // Clears the input, so that the same file can be chosen again.
       this.input.value = '';
       if (file) void this.open(file);
     });
@@ -56,12 +56,12 @@ export class ReplayBar {
     this.speed.addEventListener('change', () => this.setSpeed());
   }
 
-  /** A recording is shown. */
+  /** True if a recording is shown. */
   get isOpen(): boolean {
     return this.replay?.sheet !== undefined;
   }
 
-  /** sheets/{sheet} that was recorded; undefined where none is shown */
+  /** sheets/{sheet} that was recorded; undefined if no recording is shown */
   get sheetName(): string | undefined {
     return this.replay?.sheet?.name;
   }
@@ -70,12 +70,12 @@ export class ReplayBar {
     return this.isOpen ? this.replay : undefined;
   }
 
-  /** A recording is shown, or read. */
+  /** True if a recording is shown or being read. */
   get hasFile(): boolean {
     return this.file !== undefined;
   }
 
-  /** Asks for a file. */
+  /** Lets the user choose a file. */
   choose(): void {
     this.input.click();
   }
@@ -89,7 +89,7 @@ export class ReplayBar {
       refuse(why);
       this.close();
     };
-    // Keys and controls then reach the sheet that is seen.
+    // Closes the recording before, so that keys and controls never act on a sheet that is not shown.
     this.close();
     this.file = file;
     this.bar.hidden = false;
@@ -112,7 +112,7 @@ export class ReplayBar {
     this.events.onClosed();
   }
 
-  /** Ends the recording that is read or shown, if there is one. */
+  /** Ends the recording that is shown or being read, if any. */
   leave(): void {
     this.worker?.terminate();
     this.worker = undefined;
@@ -122,7 +122,10 @@ export class ReplayBar {
     setLiveControls(true);
   }
 
-  /** True if the chord (see chordOf) is one of a replay, or would change the live sheet, which is not the one shown. */
+  /**
+   * Handles a chord (see chordOf). True if it has a meaning for a replay, or would change the live sheet, which is not
+   * shown.
+   */
   key(chord: string): boolean {
     const { file, playing } = this;
     if (file && chord === 'Escape') this.close();
@@ -134,7 +137,7 @@ export class ReplayBar {
     return true;
   }
 
-  /** Plays up to `nowMs`; true if another frame is shown. */
+  /** Plays up to `nowMs`; true if the shown frame changes. */
   advance(nowMs: number): boolean {
     const { replay } = this;
     if (!replay || !this.isOpen) return false;

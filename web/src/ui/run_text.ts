@@ -4,7 +4,10 @@ import type { FrameStats } from '../gen/kerf/v1/stream_pb';
 import type { NoticeKind } from '../notifier';
 import { speedOf } from './speeds';
 
-/** A notice about a sheet that has played a server's recording to its end, or as far as it can; undefined before. */
+/**
+ * Returns a notice about a sheet that has played a server's recording to its end, or as far as possible; undefined
+ * before.
+ */
 export function runEndText({ state, endTick, divergedTick }: Replay): [kind: NoticeKind, text: string] | undefined {
   if (state === Replay_State.DONE) {
     return ['success', `Played to its end at tick ${endTick}, bit for bit as recorded. Resume it to let the sheet run on its own`];
@@ -14,7 +17,7 @@ export function runEndText({ state, endTick, divergedTick }: Replay): [kind: Not
   return ['warning', `Played as recorded to tick ${divergedTick} of ${endTick}, then differently: ${why}`];
 }
 
-/** The reason that the sheet does not move; undefined if it does, or nothing is known of it. */
+/** Returns the reason why the sheet does not move; undefined if it moves or nothing is known of it. */
 export function stillText(stats: Pick<FrameStats, 'paused' | 'sleeping'> | undefined): string | undefined {
   if (stats?.paused) return 'paused';
   return stats?.sleeping ? 'at rest' : undefined;
@@ -24,12 +27,12 @@ export function isStill(stats: Pick<FrameStats, 'paused' | 'sleeping'> | undefin
   return stillText(stats) !== undefined;
 }
 
-/** The sheet does not keep its pace: in slow motion it is not real time that counts. */
+/** True if the sheet is slower than its set speed, which in slow motion is below real time. */
 export function isBehind(
   stats: Pick<FrameStats, 'paused' | 'sleeping' | 'realTimeFactor' | 'speed'> | undefined,
 ): boolean {
   return stats !== undefined && !isStill(stats) && stats.realTimeFactor < 0.95 * speedOf(stats);
 }
 
-/** The text for the age of a frame that shows the sheet as it is now. */
+/** Text for the age of a frame that is up to date because the sheet does not move. */
 export const kCurrent = 'current';

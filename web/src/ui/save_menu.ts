@@ -10,7 +10,7 @@ import { element, setText } from './dom';
 import { fileName, saveFile } from './download';
 import { Menu } from './menu';
 
-/** The parts of the viewer that files are made of. */
+/** The parts of the viewer from which files are made. */
 export interface SavedParts {
   readonly stage: Pick<Stage, 'picture'>;
   readonly shown: Pick<ShownState, 'surface'>;
@@ -25,8 +25,8 @@ export interface SavedParts {
 }
 
 /**
- * Saves the sheet as it is seen: pictures, meshes, recordings of frames. The menu's items of the server’s recordings are
- * those of ServerRecordings.
+ * Saves the shown sheet: pictures, meshes, recordings of frames. ServerRecordings handles the menu's items for the
+ * server's recordings.
  */
 export class SaveMenu {
   private readonly menu: Menu;
@@ -67,7 +67,7 @@ export class SaveMenu {
 
   private async savePicture(scale: number): Promise<void> {
     const { imageMode, look, notices, shown, stage } = this.parts;
-    // Beside pictures of the server the mesh comes seldom.
+    // Uses the picture's tick if one is shown, because the mesh is then older.
     const tick = imageMode.isShown ? imageMode.tick : (shown.surface?.mirror.tick ?? 0);
     const name = this.nameOf(tick, scale === 1 ? 'png' : `${scale}x.png`);
     const { legend } = look.strainScale;

@@ -22,11 +22,11 @@ export interface RecordingParts {
   readonly notices: Notifier;
 }
 
-/** The server's recording of a sheet's run: saved as a file, and played by the server as a new sheet. */
+/** Saves the server's recording of a sheet's run as a file, and lets the server play such a file as a new sheet. */
 export class ServerRecordings {
   private readonly input = element<HTMLInputElement>('run-file');
 
-  /** @param opened  sheets/{sheet} that plays one */
+  /** @param opened  called with the sheets/{sheet} that plays a recording */
   constructor(
     private readonly parts: RecordingParts,
     private readonly opened: (name: string) => void,
@@ -35,7 +35,7 @@ export class ServerRecordings {
     element('play-run').addEventListener('click', () => this.input.click());
     this.input.addEventListener('change', () => {
       const file = this.input.files?.[0];
-      // The same file may be chosen again.
+      // Clears the input, so that the same file can be chosen again.
       this.input.value = '';
       if (file) void this.play(file);
     });

@@ -6,7 +6,7 @@ import { PieceIds } from '../stream/piece_ids';
 import { element } from './dom';
 import { StrainScale } from './strain_scale';
 
-/** The parts of the viewer that a look is seen in. */
+/** The parts of the viewer that show the look. */
 export interface LookedAt {
   readonly view: Pick<SheetView, 'isWireframe' | 'setWireframe' | 'colorByPiece' | 'colorByStrain'>;
   readonly shown: Pick<ShownState, 'surface'> & {
@@ -15,12 +15,12 @@ export interface LookedAt {
   };
   readonly live: Pick<OpenSheet, 'sheetName'> & {
     readonly isWatched: boolean;
-    /** Starts another stream of the same sheet, from the triangles that are here. */
+    /** Starts another stream of the same sheet, which continues from the present triangles. */
     restart(goesOn: true): void;
   };
   readonly stage: Pick<Stage, 'invalidate'>;
   readonly notices: Notifier;
-  /** A picture of the server is seen in place of the mesh. */
+  /** True if a picture of the server is shown in place of the mesh. */
   isPictureShown(): boolean;
 }
 
@@ -31,7 +31,7 @@ export class SheetLook {
   readonly strainScale = new StrainScale();
 
   private readonly pieceIds: PieceIds;
-  // The ids of a recording's pieces in one topology version.
+  // Ids made for a recording's pieces, in one topology version.
   private numbered: { version: number; ids: ReadonlyMap<number, number> } | undefined;
 
   constructor(private readonly parts: LookedAt) {
@@ -55,7 +55,7 @@ export class SheetLook {
     this.parts.shown.showAgain();
   }
 
-  /** Starts another stream: the server sends strains only to those who ask for them. */
+  /** Shows or hides strains. It starts another stream, because the server sends strains only on request. */
   toggleByStrain(): void {
     this.isByStrain = !this.isByStrain;
     element('by-strain').setAttribute('aria-pressed', String(this.isByStrain));
@@ -68,18 +68,18 @@ export class SheetLook {
     }
   }
 
-  /** Stable id of a piece by its label in the mirror's frames; undefined while it is not known. */
+  /** Returns the stable id of a piece by its label in the mirror's frames; undefined while it is not known. */
   pieceId(label: number): number | undefined {
     return this.idsOfPieces()?.get(label);
   }
 
-  /** Forgets all that is known of pieces: another sheet or connection comes. */
+  /** Forgets all ids of pieces. Call it before another sheet or connection. */
   reset(): void {
     this.pieceIds.reset();
     this.numbered = undefined;
   }
 
-  /** Colours the sheet's newest state, which the view has. */
+  /** Colours the newest state of the sheet, after the view has taken it. */
   color(): void {
     const { view } = this.parts;
     if (!this.isByStrain) {
@@ -92,17 +92,17 @@ export class SheetLook {
       return;
     }
     const end = view.colorByStrain();
-    // The server's pictures come with a scale of their own.
+    // The server's pictures have their own scale.
     if (end !== undefined && !this.parts.isPictureShown()) this.strainScale.show(end);
   }
 
-  // A recording is shown that has no strains. Those of a live sheet are on their way.
+  // True if a recording without strains is shown. Strains of a live sheet may still arrive.
   private get lacksStrains(): boolean {
     const { surface } = this.parts.shown;
     return surface !== undefined && !this.parts.live.isWatched && !surface.mirror.strains;
   }
 
-  // Makes ids, which count from 1, of the labels in a recording, which count from 0: it has no ids.
+  // Returns the ids of pieces. A recording has none, so its labels, counted from 0, become ids counted from 1.
   private idsOfPieces(): ReadonlyMap<number, number> | undefined {
     const { surface } = this.parts.shown;
     const { isWatched, sheetName } = this.parts.live;

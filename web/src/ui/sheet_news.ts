@@ -21,7 +21,7 @@ export class SheetNews {
   /**
    * Takes a live frame.
    * @param name   sheets/{sheet}
-   * @param epoch  kerf.v1.Frame.epoch of its stream
+   * @param epoch  kerf.v1.Frame.epoch of the sheet's stream
    */
   saw(name: string, epoch: string, { resets, resetsUndone }: SeenStats): void {
     const before = this.seen;
@@ -37,8 +37,8 @@ export class SheetNews {
   }
 
   /**
-   * Takes the settings of the sheet that is shown.
-   * @param before  the settings until now; undefined for the first ones of a sheet
+   * Takes the settings of the shown sheet.
+   * @param before  the previous settings; undefined for the first ones of a sheet
    */
   sawSettings({ runState }: Pick<Sheet, 'runState'>, before: Pick<Sheet, 'runState'> | undefined): void {
     if (runState === Sheet_RunState.FAILED && before?.runState !== Sheet_RunState.FAILED) {

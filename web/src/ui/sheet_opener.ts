@@ -9,7 +9,7 @@ import type { ReplayBar } from './replay_bar';
 import type { SidePanels } from './side_panels';
 import type { ToolChoice } from './tool_choice';
 
-/** The parts of the viewer that follow the sheet that is shown. */
+/** The parts of the viewer that change with the shown sheet. */
 export interface FollowingParts {
   readonly live: Pick<LiveSheet, 'sheetName' | 'isWatched' | 'open' | 'close' | 'refresh'>;
   readonly shown: Pick<ShownSheet, 'set' | 'clear' | 'hide'>;
@@ -21,7 +21,7 @@ export interface FollowingParts {
   readonly connection: Pick<ConnectionChip, 'show'>;
 }
 
-/** Decides which sheet is shown: a live one, a recording in its place, or none. */
+/** Switches the shown sheet: a live one, a recording in its place, or none. */
 export class SheetOpener {
   constructor(private readonly parts: FollowingParts) {}
 
@@ -38,13 +38,13 @@ export class SheetOpener {
     void live.refresh();
   }
 
-  /** Shows a live sheet, but not before the recording that is shown or read is closed. */
+  /** Shows a live sheet at once or, if a recording is shown or being read, after it is closed. */
   offer(name: string): void {
     if (this.parts.replayBar.hasFile) this.parts.live.sheetName = name;
     else this.open(name);
   }
 
-  /** Shows no live sheet and nothing of the last one. A recording that is shown or read stays. */
+  /** Shows no live sheet and removes the last one. A recording that is shown or being read stays. */
   close(): void {
     const { live, shown, imageMode, replayBar } = this.parts;
     live.sheetName = '';
@@ -54,20 +54,20 @@ export class SheetOpener {
     shown.hide();
   }
 
-  /** Shows a recording in place of the live sheet, whose name stays. */
+  /** Shows a recording in place of the live sheet; live.sheetName stays. */
   showReplay(sheet: Sheet): void {
     const { shown, tools, imageMode, panels, connection } = this.parts;
     this.letGo();
     imageMode.leave();
     tools.choose('view');
-    // The other panels are the live sheet's.
+    // Closes panels that concern the live sheet.
     if (panels.open !== 'sheets') panels.close();
     setLiveControls(false);
     shown.set(sheet);
     connection.show('replay', '');
   }
 
-  /** Returns from a recording to the live sheet, if there is one; it may have been watched all the time. */
+  /** Returns from a recording to the live sheet, if there is one and it is not watched already. */
   leaveReplay(): void {
     const { live } = this.parts;
     if (live.isWatched) return;
@@ -75,7 +75,7 @@ export class SheetOpener {
     else this.close();
   }
 
-  // The last sheet stays in the picture until the next one comes.
+  // Ends all that belongs to the last sheet, which stays visible until the next arrives.
   private letGo(): void {
     const { live, shown, tools, recording, imageMode } = this.parts;
     tools.tool.leave();

@@ -53,35 +53,38 @@ export interface KeyedParts {
   readonly panels: Pick<SidePanels, 'toggle' | 'close'>;
 }
 
-/** One thing that keys do. */
+/** One action of keys. */
 export interface Shortcut {
-  /** As chordOf() names them; any of them does it. */
+  /** Keys for the action, as named by chordOf(); each of them triggers it. */
   readonly chords: readonly string[];
-  /** For the help. */
+  /** Description of the action for the help. */
   readonly what: string;
-  /** CSS selector of the button that does the same: its tip names the key. */
+  /** CSS selector of the button with the same action; its tip names the key. */
   readonly button?: string;
-  /** No other listener acts on a press of the button. */
+  /** True if a click of the button runs the shortcut, because the button has no listener of its own. */
   readonly isClicked?: boolean;
-  /** A held key does it again and again. */
+  /** True if a held key repeats the action. */
   readonly isRepeated?: boolean;
   /**
-   * False: there was nothing to do, and the next meaning of the key counts.
-   * @param isHeld  the key has done it already and is not let go
+   * Runs the action. False: there was nothing to do, so the next meaning of the key is tried.
+   * @param isHeld  true for repeats of a held key
    */
   run(isHeld?: boolean): boolean | void;
 }
 
 export interface ShortcutGroup {
   readonly title: string;
-  /** Says what can be done without keys. */
+  /** Text about what can be done without keys. */
   readonly intro?: string;
-  /** Keys that mean this only while one of these tools is chosen. */
+  /** The tools with which these keys work; undefined: with every tool. */
   readonly tools?: readonly ToolId[];
   readonly shortcuts: readonly Shortcut[];
 }
 
-/** "Ctrl+Shift+Z", "W", "Space", "?": Cmd counts as Ctrl, and Shift only where the key does not say it already. */
+/**
+ * Returns the name of a key press: "Ctrl+Shift+Z", "W", "Space", "?". Cmd counts as Ctrl. Shift is left out if the
+ * key's character already implies it.
+ */
 export function chordOf(event: Pick<KeyboardEvent, 'key' | 'ctrlKey' | 'metaKey' | 'shiftKey' | 'altKey'>): string {
   const { key } = event;
   const name = key === ' ' ? 'Space' : key.length === 1 ? key.toUpperCase() : key;
@@ -90,7 +93,7 @@ export function chordOf(event: Pick<KeyboardEvent, 'key' | 'ctrlKey' | 'metaKey'
   return `${event.ctrlKey || event.metaKey ? 'Ctrl+' : ''}${event.altKey ? 'Alt+' : ''}${shift}${name}`;
 }
 
-/** Gives all meanings of a chord while `tool` is chosen: those of the tool's own keys first. */
+/** Returns all shortcuts of a chord while `tool` is chosen, those of the tool itself first. */
 export function shortcutsFor(groups: readonly ShortcutGroup[], tool: ToolId, chord: string): Shortcut[] {
   const isOwn = (group: ShortcutGroup) => group.tools?.includes(tool);
   const ordered = [...groups.filter(isOwn), ...groups.filter((group) => group.tools === undefined)];
@@ -310,10 +313,10 @@ function grabGroup(parts: KeyedParts): ShortcutGroup {
   };
 }
 
-// Radians and a factor that one press of a key turns and nears the view by.
+// Angle (radians) and factor by which one key press turns the view and moves it nearer.
 const kTurn = Math.PI / 36;
 const kNearer = 1.15;
-// CSS pixels.
+// CSS pixels by which one key press shifts the view.
 const kShift = 40;
 
 const kArrows: readonly [key: string, word: string, right: number, up: number][] = [
@@ -371,7 +374,7 @@ function crossKeys(parts: KeyedParts): ShortcutGroup {
   };
 }
 
-/** Every key there is, for keys.ts and for the help. If two groups have the same key, the first one counts. */
+/** Returns all shortcuts, for keys.ts and for the help. If two groups have the same key, the first one counts. */
 export function shortcutGroups(parts: KeyedParts, openHelp: () => void): ShortcutGroup[] {
   const always = [toolGroup(parts), simulationGroup(parts), viewGroup(parts, openHelp), panelGroup(parts), streamGroup(parts)];
   return [...always, viewKeys(parts), crossKeys(parts), ...cutGroups(parts), grabGroup(parts)];

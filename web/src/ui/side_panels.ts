@@ -1,6 +1,6 @@
 import { element } from './dom';
 
-/** Work of a panel while it is open. */
+/** Callbacks of a panel. */
 export interface Panel {
   opened(): void;
   closed(): void;
@@ -29,7 +29,7 @@ export class SidePanels {
     }
   }
 
-  /** Id of the open one. */
+  /** Id of the open panel; undefined: none. */
   get open(): string | undefined {
     return this.current;
   }
@@ -38,7 +38,7 @@ export class SidePanels {
     this.panels.set(id, panel);
   }
 
-  /** Opens it, and whoever came by the keyboard is in it then; or closes it. */
+  /** Opens or closes a panel. A panel opened by the keyboard gets the focus. */
   toggle(id: string): void {
     if (this.current === id) {
       this.close();
@@ -53,7 +53,7 @@ export class SidePanels {
     this.elementOf(id).focus({ preventScroll: true });
   }
 
-  /** False if none is open. */
+  /** Closes the open panel; false if none is open. */
   close(): boolean {
     const id = this.current;
     if (id === undefined) return false;

@@ -17,7 +17,7 @@ interface PauseWish {
 
 /** The live sheet, for calls that change it. */
 interface CommandedSheet extends OpenSheet {
-  /** Runs a call that is answered by the sheet's settings. */
+  /** Runs a call whose answer has the sheet's settings. */
   command(run: () => Promise<Sheet>): Promise<void>;
 }
 
@@ -26,9 +26,9 @@ export class SimulationControls {
   private readonly pauseButton = element<HTMLButtonElement>('pause');
 
   readonly speed: SpeedControl;
-  // sheets/{sheet} that plays a recording.
+  // sheets/{sheet} last shown playing a recording; undefined: none.
   private playing: string | undefined;
-  // Not answered yet.
+  // The last request to pause or resume, until it is answered.
   private wish: PauseWish | undefined;
   private readonly pauses = new Newest<boolean>(
     async (name, isPaused) => {
@@ -38,7 +38,7 @@ export class SimulationControls {
     async () => void (this.wish = undefined),
   );
 
-  /** @param numStreams  gives the number of streams of the sheet that come to this page */
+  /** @param numStreams  returns the number of streams of the sheet to this page */
   constructor(
     private readonly live: CommandedSheet,
     private readonly shown: Pick<ShownState, 'sheet'>,
@@ -64,14 +64,14 @@ export class SimulationControls {
     this.pauseButton.querySelector('use')!.setAttribute('href', this.isPaused ? '#icon-play' : '#icon-pause');
   }
 
-  // Says once that a recording has been played, if this page has shown it playing.
+  // Reports once that a recording has been played, if this page has shown it playing.
   private showRun({ name, replay }: Sheet): void {
     const end = replay && runEndText(replay);
     if (end && this.playing === name) this.reporter.notify(...end);
     this.playing = replay?.state === Replay_State.PLAYING ? name : undefined;
   }
 
-  /** Asks for the opposite of the last request: two quick presses are two changes, even before an answer. */
+  /** Requests the opposite of the last request, so that two quick presses are two changes, even before an answer. */
   togglePause(): void {
     const { sheetName: name } = this.live;
     const isPaused = this.wish?.name === name ? this.wish.isPaused : this.isPaused;
@@ -79,7 +79,7 @@ export class SimulationControls {
     this.pauses.put(name, this.wish.isPaused);
   }
 
-  /** One tick; a running sheet is paused first. */
+  /** Steps one tick; a running sheet is paused first. */
   async step(): Promise<void> {
     const { sheetName: name } = this.live;
     await this.live.command(async () => {
@@ -88,7 +88,7 @@ export class SimulationControls {
     });
   }
 
-  /** Asks first where others watch the sheet. */
+  /** Resets the sheet; asks for confirmation if others watch it. */
   async reset(): Promise<void> {
     const { sheetName: name } = this.live;
     const { getSheet, resetSheet } = SheetService.method;

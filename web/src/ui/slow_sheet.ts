@@ -4,17 +4,23 @@ import { isBehind } from './run_text';
 
 type SeenStats = Pick<FrameStats, 'realTimeFactor' | 'speed' | 'paused' | 'sleeping'>;
 
-// The factor is that of the last second or so, and other work of the machine disturbs it.
+// Time for which a sheet must be behind: the real-time factor covers about a second, and other work of the machine
+// disturbs it.
 const kBehindMs = 3000;
 
-/** Says why a sheet falls behind real time and what would help: once, until it has kept pace again. */
+/**
+ * Says why a sheet falls behind real time and what would help. It does so once, until the sheet has kept pace again.
+ */
 export class SlowSheet {
   private name = '';
-  private changedMs = 0; // since when the sheet is behind, or is not
+  private changedMs = 0; // time at which the sheet began to be behind, or to keep pace
   private isSlow = false;
   private isTold = false;
 
-  /** @param advice  what the server says of the sheet; empty where its ticks fit, and only the machine is busy */
+  /**
+   * @param advice  fetches the server's advice about the sheet; empty if its ticks are short enough and only the
+   *   machine is busy
+   */
   constructor(
     private readonly notify: (kind: NoticeKind, text: string) => void,
     private readonly advice: () => Promise<string>,

@@ -1,10 +1,10 @@
 import type { SampleWindow } from '../stream/sample_window';
 
-/** A small plot of a window's numbers over time, from 0 to the largest; the newest is at the right end. */
+/** A small plot of the numbers in a SampleWindow over time, from 0 to the largest; the newest is at the right end. */
 export class Sparkline {
   private readonly context: CanvasRenderingContext2D;
 
-  /** @param canvas  its CSS size and colour are those of the plot */
+  /** @param canvas  canvas whose CSS size and colour the plot takes */
   constructor(private readonly canvas: HTMLCanvasElement) {
     this.context = canvas.getContext('2d')!;
   }
@@ -13,7 +13,7 @@ export class Sparkline {
     const { canvas, context } = this;
     const width = Math.round(canvas.clientWidth * devicePixelRatio);
     const height = Math.round(canvas.clientHeight * devicePixelRatio);
-    // Setting it clears the canvas, too.
+    // Setting the size also clears the canvas.
     canvas.width = width;
     canvas.height = height;
     if (samples.count === 0) return;

@@ -7,7 +7,7 @@ import type { OpenSheet } from '../sheet/open_sheet';
 import { element } from './dom';
 import { kSpeeds, nextSpeed, speedOf, speedText } from './speeds';
 
-/** Slow motion and time lapse: the same ticks, farther apart or closer together. */
+/** Controls slow motion and time lapse: ticks with the same results, farther apart or closer together in time. */
 export class SpeedControl {
   private readonly select = element<HTMLSelectElement>('speed');
   private readonly newest: Newest<number>;
@@ -39,7 +39,7 @@ export class SpeedControl {
     this.set(nextSpeed(this.speed, direction));
   }
 
-  // Another client may have set one that is not in the list.
+  // Adds the speed to the list if it is missing, because another client may have set it.
   private showSpeed(speed: number): void {
     this.speed = speed;
     const speeds = [...new Set([...kSpeeds, speed])].sort((a, b) => a - b);

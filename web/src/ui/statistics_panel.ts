@@ -10,7 +10,7 @@ import type { StatisticId } from './statistics_text';
 
 const kUpdateEveryMs = 250;
 
-/** The overlay with what the stream and the sheet do. While it is hidden nothing is measured. */
+/** The overlay with figures of the stream and the sheet. While it is hidden nothing is measured. */
 export class StatisticsPanel {
   private readonly panel = element('statistics');
   private readonly button = element('statistics-toggle');
@@ -51,7 +51,7 @@ export class StatisticsPanel {
     this.reset();
   }
 
-  /** Earlier measurements do not belong to the new stream. */
+  /** Drops all measurements, for a new stream. */
   reset(): void {
     this.meter.clear();
     this.updatedMs = Number.NEGATIVE_INFINITY;
@@ -68,7 +68,7 @@ export class StatisticsPanel {
     if (this.isShown) this.meter.wasDrawn(nowMs, ageMs);
   }
 
-  /** @param format  of what comes, for people */
+  /** @param format  format of the stream, for people */
   update(sheet: SheetFigures | undefined, format: string, nowMs: number): void {
     if (!this.isShown || nowMs - this.updatedMs < kUpdateEveryMs) return;
     this.updatedMs = nowMs;

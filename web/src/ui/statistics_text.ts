@@ -3,7 +3,7 @@ import type { SheetFigures } from '../stream/sheet_copy';
 import type { StreamMeter } from '../stream/stream_meter';
 import { kCurrent, stillText } from './run_text';
 
-/** Labels of the overlay, and what they mean, in the order in which they are shown. */
+/** Labels and explanations of the overlay's figures, in the order in which they are shown. */
 export const kStatistics = {
   format: ['stream', 'The mesh, or pictures that the server draws; frames of the mesh beside pictures are not counted here'],
   fps: ['drawn', 'Pictures drawn per second'],
@@ -27,7 +27,7 @@ export type StatisticId = keyof typeof kStatistics;
 
 const kNothing = '–';
 
-/** Such as 1.23 kB; SI, three digits. */
+/** Formats a number of bytes such as 1.23 kB: SI prefixes, three digits. */
 export function bytesText(bytes: number): string {
   const units = ['B', 'kB', 'MB', 'GB'];
   let unit = 0;
@@ -54,7 +54,7 @@ function sheetTexts(sheet: SheetFigures, stats: FrameStats | undefined) {
   };
 }
 
-/** Text of the overlay at `nowMs`; call meter.forget(nowMs) before. */
+/** Returns the texts of the overlay at `nowMs`; call meter.forget(nowMs) before. */
 export function statisticsTexts(
   meter: StreamMeter,
   sheet: SheetFigures | undefined,

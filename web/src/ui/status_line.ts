@@ -4,12 +4,12 @@ import { SampleWindow } from '../stream/sample_window';
 import { element, setText } from './dom';
 import { isBehind, kCurrent, stillText } from './run_text';
 
-// A second of pictures, on the fastest of screens.
+// Window over which pictures are counted, and room for those of the fastest screens.
 const kFpsWindowMs = 1000;
 const kMostPictures = 480;
 const kNothing = '–';
 
-/** Tick, real-time factor, vertices, pieces, frame age and drawn frames a second. */
+/** Shows tick, real-time factor, vertices, pieces, frame age and drawn frames per second. */
 export class StatusLine {
   private readonly tick = element('status-tick');
   private readonly realTime = element('status-rtf');
@@ -19,20 +19,20 @@ export class StatusLine {
   private readonly fps = element('status-fps');
   private readonly pictures = new SampleWindow(kFpsWindowMs, kMostPictures);
 
-  /** A frame was drawn at `nowMs` (performance.now()). */
+  /** Call it when a picture was drawn, at `nowMs` (performance.now()). */
   drawn(nowMs: number): void {
     this.pictures.add(nowMs, 1);
   }
 
   /**
-   * @param sheet  undefined where none is shown
-   * @param ageMs  of the shown state; undefined where it has none
+   * @param sheet  undefined if no sheet is shown
+   * @param ageMs  age of the shown state; undefined if it has none
    */
   update(sheet: SheetFigures | undefined, ageMs: number | undefined, nowMs: number): void {
     this.pictures.forget(nowMs);
     const stats = sheet?.stats;
     const still = stillText(stats);
-    // The view of a sheet that does not move may.
+    // Shows the rate also for a still sheet, because its view may move.
     setText(this.fps, this.pictures.count === 0 && still ? still : String(this.pictures.count));
     setText(this.tick, sheet?.tick.toLocaleString('en') ?? kNothing);
     setText(this.vertices, sheet?.numVertices.toLocaleString('en') ?? kNothing);

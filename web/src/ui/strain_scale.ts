@@ -2,10 +2,10 @@ import { kStrainGradient, strainTicks } from '../scene/strain_colors';
 import type { StrainLegend } from '../scene/strain_legend';
 import { element, make, setText } from './dom';
 
-/** The meaning of the scale's ends. */
+/** Words for the scale's ends. */
 const kWords = ['compressed', 'stretched'] as const;
 
-/** The card with the colours by strain and what they mean. */
+/** The card that explains the colours by strain. */
 export class StrainScale {
   private readonly card = element('strain-legend');
   private readonly scale = element('strain-scale');
@@ -22,7 +22,7 @@ export class StrainScale {
     this.card.hidden = !isShown;
   }
 
-  /** @param end  of the scale, -, > 0: its last colour stands for that stretch and more */
+  /** @param end  strain at the end of the scale, -, > 0: the last colour stands for this stretch and more */
   show(end: number): void {
     this.scale.hidden = false;
     this.missing.hidden = true;
@@ -37,13 +37,13 @@ export class StrainScale {
     );
   }
 
-  /** Says that what is shown has no strains. */
+  /** Shows that the sheet has no strains. */
   showMissing(): void {
     this.scale.hidden = true;
     this.missing.hidden = false;
   }
 
-  /** As the page shows it; undefined where it shows no scale. */
+  /** The legend that the page shows; undefined if it shows no scale. */
   get legend(): StrainLegend | undefined {
     if (this.card.hidden || this.scale.hidden || this.end === 0) return undefined;
     const { color, backgroundColor, fontFamily } = getComputedStyle(this.card);

@@ -2,11 +2,11 @@ import { svgFault } from '../geometry/svg_fault';
 import type { Notifier } from '../notifier';
 import { element } from './dom';
 
-/** The tools, of which the cut tool takes a drawing. */
+/** The tools of the viewer; the cut tool takes a drawing. */
 export interface DrawingTools {
   readonly tool: object;
   readonly cut: {
-    /** False while there is no sheet. */
+    /** Lays a drawing on the sheet; false if there is no sheet yet. */
     lay(picture: { name: string; text: string }): boolean;
   };
   choose(id: 'cut'): void;
@@ -15,11 +15,11 @@ export interface DrawingTools {
 // The limit of kerf.v1.Svg.
 const kMaxBytes = 512 * 1024;
 
-/** SVG files that are dropped on the sheet (see FileDrop) or chosen: the cut tool lays them on it. */
+/** Takes SVG files that are dropped on the sheet (see FileDrop) or chosen; the cut tool lays them on the sheet. */
 export class SvgFiles {
   private readonly input = element<HTMLInputElement>('svg-file');
 
-  /** @param done  gives the keyboard to the canvas */
+  /** @param done  gives the keyboard focus to the canvas */
   constructor(
     private readonly tools: DrawingTools,
     private readonly notices: Notifier,
@@ -28,12 +28,12 @@ export class SvgFiles {
     this.input.addEventListener('change', () => {
       const file = this.input.files?.[0];
       if (file) void this.take(file);
-      // The same file may be chosen again.
+      // Clears the input, so that the same file can be chosen again.
       this.input.value = '';
     });
   }
 
-  /** Asks for a file. */
+  /** Lets the user choose a file. */
   choose(): void {
     this.input.click();
   }
@@ -50,7 +50,7 @@ export class SvgFiles {
     if (fault) return refuse(fault);
     const { tools } = this;
     tools.choose('cut');
-    // The tool is refused while a recording is shown.
+    // The cut tool cannot be chosen while a recording is shown.
     if (tools.tool !== tools.cut) return;
     if (!tools.cut.lay({ name: file.name, text })) return refuse('waits for a sheet: there is none yet');
     this.done();

@@ -1,4 +1,4 @@
-/** Marks an element with data-tabbed while it has the focus by the Tab key, and not by a click or a script. */
+/** Marks an element with data-tabbed while it has the focus from the Tab key, not from a click or a script. */
 export function markTabbedFocus(element: HTMLElement): void {
   let isTab = false;
   addEventListener('keydown', ({ key }) => void (isTab = key === 'Tab'), true);

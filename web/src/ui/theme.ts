@@ -6,25 +6,25 @@ const kText: Record<ThemeChoice, string> = { system: 'as the system', light: 'li
 const kIcons: Record<ThemeChoice, string> = { system: '#icon-system', light: '#icon-sun', dark: '#icon-moon' };
 
 /**
- * The choice that was kept; what is no choice, or cannot be read, is the system's.
- * @param storage  asking for it may throw already
+ * Returns the stored choice; 'system' if it is invalid or cannot be read.
+ * @param storage  may throw
  */
 export function keptChoice(storage: () => Pick<Storage, 'getItem'>): ThemeChoice {
   try {
     const kept = storage().getItem(kKey);
     return kChoices.find((choice) => choice === kept) ?? 'system';
   } catch {
-    // A page that may keep nothing may ask for nothing either.
+    // A page without permission to store cannot read either.
     return 'system';
   }
 }
 
-/** Light or dark: the colours follow `data-theme` of the root element (style/base.css). */
+/** Controls light and dark: the colours follow `data-theme` of the root element (style/base.css). */
 export class Theme {
   private choice = keptChoice(() => localStorage);
   private readonly system = matchMedia('(prefers-color-scheme: dark)');
 
-  /** @param changed  called at once and with each change */
+  /** @param changed  called in the constructor and after each change */
   constructor(
     private readonly button: HTMLElement,
     private readonly changed: (isDark: boolean) => void,
@@ -37,13 +37,13 @@ export class Theme {
     return this.choice === 'dark' || (this.choice === 'system' && this.system.matches);
   }
 
-  /** From the system's to light to dark and round again. */
+  /** Changes from the system's choice to light, to dark, and back to the system's. */
   next(): void {
     this.choice = kChoices[(kChoices.indexOf(this.choice) + 1) % kChoices.length];
     try {
       localStorage.setItem(kKey, this.choice);
     } catch {
-      // Then it holds as long as the page is open.
+      // Without storage the choice lasts only while the page is open.
     }
     this.show();
   }

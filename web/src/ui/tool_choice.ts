@@ -9,13 +9,13 @@ import { CutPanel } from './cut_panel';
 import { Choice, element } from './dom';
 
 export interface ToolChoiceEvents {
-  /** A tool that changes the sheet was taken in hand. */
+  /** Called when a tool that changes the sheet was chosen. */
   onTried(): void;
-  /** The cut tool is asked for a drawing in a file. */
+  /** Called when the user wants a drawing from a file for the cut tool. */
   onFileWanted(): void;
 }
 
-/** The tools, one of which is chosen and gets the gestures of mouse, fingers and keys on the canvas. */
+/** The tools. One of them is chosen and gets the gestures of mouse, fingers and keys on the canvas. */
 export class ToolChoice {
   readonly cut: CutTool;
   readonly grab: GrabTool;
@@ -58,7 +58,7 @@ export class ToolChoice {
     return this.chosen;
   }
 
-  /** Takes a tool in place of the one that is chosen. While a recording is shown only the view can be moved. */
+  /** Chooses another tool. While a recording is shown, only the view can be moved. */
   choose(id: ToolId): void {
     this.keyboardPointer.hide();
     if (id !== 'view' && this.replayBar.isOpen) {

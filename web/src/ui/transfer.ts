@@ -3,10 +3,13 @@ import type { Notifier } from '../notifier';
 import { element, setText } from './dom';
 import { errorText } from './error_text';
 
-// A shorter transfer is over before anybody could read about it.
+// Delay before a transfer is shown; a shorter one would be over before anyone could read about it.
 const kShownAfterMs = 200;
 
-/** A file on its way to or from the server: one at a time, shown in the header while it takes long, cancelled there. */
+/**
+ * Transfers a file to or from the server, one at a time. A long transfer is shown in the header, where it can be
+ * cancelled.
+ */
 export class Transfer {
   private readonly chip = element('transfer');
   private readonly progress = element<HTMLProgressElement>('transfer-progress');
@@ -21,9 +24,9 @@ export class Transfer {
   }
 
   /**
-   * Gives the result of `work`; undefined, with a notice, where it failed or was cancelled.
+   * Runs `work` and returns its result. If it failed or was cancelled, shows a notice and returns undefined.
    * @param text    "Sending fall.rec"
-   * @param failed  begins the notice: "fall.rec is not played: "
+   * @param failed  beginning of the notice: "fall.rec is not played: "
    */
   async run<T>(text: string, failed: string, work: (options: TransferOptions) => Promise<T>): Promise<T | undefined> {
     if (this.running) {
@@ -51,7 +54,7 @@ export class Transfer {
   private show(text: string, part: number): void {
     this.chip.hidden = false;
     setText(element('transfer-text'), text);
-    // All of it is there, and the server is at work for an unknown time.
+    // Once all is sent, the server works for an unknown time.
     if (part < 1) this.progress.value = part;
     else this.progress.removeAttribute('value');
   }

@@ -51,8 +51,7 @@ class Stream:
         except grpc.aio.UsageError:  # the channel was closed
             raise connection_closed(address) from None
         self._closed = False
-        self._reading: Optional[asyncio.Future[Any]] = None  # read of the next answer; it continues if its caller was
-                                                             # cancelled
+        self._reading: Optional[asyncio.Future[Any]] = None  # reads the next answer, also after its caller is cancelled
         self.out_of_time = False  # True if it ended because duration_s was over
 
     def __del__(self) -> None:

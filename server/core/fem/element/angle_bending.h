@@ -32,7 +32,7 @@ class AngleBending {
     // The four points of the Hinge, in its order. At a clamped edge the last one is kNone, and the hinge uses the
     // middle of the edge plus `held` in its place.
     std::array<mesh::VertexId, 4> vertex{mesh::kNone, mesh::kNone, mesh::kNone, mesh::kNone};
-    Eigen::Vector3d held = Eigen::Vector3d::Zero();  // m
+    Eigen::Vector3d held = Eigen::Vector3d::Zero();  // m, at a clamped edge: from its middle to the held point
     HingeSize rest;
   };
   struct Patch {

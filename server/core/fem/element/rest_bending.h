@@ -43,8 +43,8 @@ struct RestBendingPatches {
   std::span<const RestBending> rest;
 };
 
-// Makes the rest terms of a patch. `surface` holds its positions on the rest surface, m; the fit is that of
-// fit_bending.
+// Makes the rest terms of a patch. `surface` holds the places of its vertices on the rest surface, m, and `fit` is the
+// result of fit_bending().
 RestBending make_rest_bending(const std::array<Eigen::Vector3d, 6>& surface, const BendingFit& fit);
 
 // Adds to f (3 x V, N) the terms that add_bending_forces(rows, x + beta v, f) lacks. x: m; v: m/s; beta: see

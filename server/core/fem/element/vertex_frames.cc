@@ -12,7 +12,7 @@ namespace {
 // Returns an orthonormal frame from the sums of first tangents, second tangents and normals.
 Eigen::Matrix3d orthonormal(const Eigen::Matrix3d& sums) {
   const Eigen::Vector3d normal = sums.col(2).stableNormalized();
-  // Both tangents determine the direction of the first one.
+  // The sums of both tangents determine the first axis of the frame.
   const Eigen::Vector3d along = sums.col(0) + sums.col(1).cross(normal);
   const Eigen::Vector3d tangent = (along - along.dot(normal) * normal).stableNormalized();
   Eigen::Matrix3d frame;

@@ -24,7 +24,7 @@ const T* ClusterPush<T>::respond(const InertiaCluster& cluster, const T* wanted)
   const auto impulse_at = [&](std::size_t i) { return at(impulse_.front().lane.data(), i); };
   Four largest = Four::Zero();
   for (std::size_t i = 0; i < n; ++i) largest = largest.max(wanted_at(i).abs());
-  // Divides by the largest component, as squares of wanted changes may be too small for T.
+  // Wanted changes are divided by the largest component, because their squares may be too small for T.
   const T unit = largest.maxCoeff();
   if (!(unit > 0)) {
     std::fill_n(response, 4 * n, T{0});

@@ -8,17 +8,20 @@
 
 namespace kerf::fem {
 
-// Pushes vertices of a cluster as a body requires, by impulses j = s M wanted. All vertices respond by W j, W = M'^-1.
-// The scale s = (wanted, M wanted) / (M wanted, W M wanted) is a step of steepest descent. An impulse that stops
-// vertices never adds energy by M', nor does a smaller s. It is exact for one vertex, and for a free cluster that is
-// pushed as a whole. No pushed vertex responds by more than the largest wanted change. Displacements are found in the
-// same way. The remainder of both is left to the next substep.
+// Pushes the vertices of a cluster on which a body acts. `wanted` is the change of velocity that the body requires of
+// each of them, and the impulses are j = s M wanted. All vertices of the cluster respond by W j, W = M'^-1. The scale s
+// = (wanted, M wanted) / (M wanted, W M wanted) is a step of steepest descent. If the impulse only stops vertices it
+// adds no kinetic energy by M', and neither does a smaller s. The response is exact for one vertex, and for a free
+// cluster that is pushed as a whole. s is reduced if a pushed vertex would respond by more than the largest wanted
+// change. Changes of position are found in the same way. What is missing from the wanted changes is left to the next
+// substep.
 template <typename T>
 class ClusterPush {
  public:
   void reserve(std::size_t num_vertices);
-  // `wanted` has x, y, z and a fourth number for each of the cluster's vertices, 0 for those not pushed, aligned to 64
-  // bytes. Returns the resulting change of all of them, 0 in held components, valid until the next call.
+  // `wanted` has x, y, z and a fourth number for each vertex of the cluster, all 0 if it is not pushed; it is aligned
+  // to 64 bytes. Returns the resulting change of each vertex in the same layout, 0 in held components. It is valid
+  // until the next call.
   const T* respond(const InertiaCluster& cluster, const T* wanted);
 
  private:

@@ -12,9 +12,9 @@ namespace {
 using mesh::TriangleId;
 using mesh::VertexId;
 
-// Constants of a slot, its corners from the lowest vertex on; all 0 for kNone.
+// Constants of a slot, with its corners in the order of turned_triangle(); all 0 for kNone.
 struct TurnedConstants {
-  std::array<std::array<double, 2>, 3> g{};  // 1/m, of each corner
+  std::array<std::array<double, 2>, 3> g{};  // 1/m, shape gradient of each corner
   double area = 0.0;                         // m^2
 };
 
@@ -46,7 +46,8 @@ void set_triangle(const Model& model, TriangleId slot, double unit, TriangleLane
 // Edge k is as long as twice the area times the gradient of the opposite corner.
 template <typename T>
 void set_edges(const Model& model, TriangleId slot, double unit, EdgeLanes<T>& to, std::size_t l) {
-  constexpr std::array<std::array<std::size_t, 3>, 3> kEnds{{{0, 1, 2}, {0, 2, 1}, {1, 2, 0}}};  // and the opposite one
+  // Both ends of edge k, and the corner opposite it.
+  constexpr std::array<std::array<std::size_t, 3>, 3> kEnds{{{0, 1, 2}, {0, 2, 1}, {1, 2, 0}}};
   const TurnedConstants turned = turned_constants(model, slot);
   Eigen::Matrix3d N;
   for (std::size_t k = 0; k < 3; ++k) {

@@ -92,7 +92,8 @@ bool LeapfrogSweep<T>::enforce_block(ContactConstraint& contact, const LeapfrogA
   return store_vertices(vertices, changed, frame(), b, arrays) <= kReach;
 }
 
-// Records pushes. Vertices in clusters stay unchanged until push_clusters().
+// Moves what a body did to vertices in clusters into contact_.pushes, and undoes it in contact_.vertices.
+// push_clusters() then moves the clusters.
 template <typename T>
 void LeapfrogSweep<T>::gather_pushes(std::size_t block, std::uint32_t changed) {
   mesh::VertexLanes& vertices = contact_.vertices;
@@ -115,7 +116,7 @@ void LeapfrogSweep<T>::gather_pushes(std::size_t block, std::uint32_t changed) {
       vertices.v[c][l] = given.v[c][l];
       vertices.x[c][l] = given.x[c][l];
     }
-    // The body measures distances from the position it required.
+    // Contact counts distances from the position that it required.
     contact_.moved = std::max(contact_.moved, std::sqrt(squared));
     contact_.pushes.push_back(push);
   }
@@ -188,12 +189,13 @@ bool LeapfrogSweep<T>::move_cluster(std::span<const VertexId> vertices, const T*
   return is_inside;
 }
 
-// Moves pushed clusters as a whole. A vertex pushed by its mass alone would hardly stop its cluster, and one moved
-// alone would strain it. A cluster at rest on a body moves by its change of velocity during the drift, an arriving one
-// less far.
+// Moves pushed clusters as a whole. If one vertex were pushed by its mass alone it would hardly stop its cluster. If it
+// were moved alone it would strain the cluster. A cluster at rest on a body moves by its change of velocity during the
+// drift, an arriving one less far.
 template <typename T>
 bool LeapfrogSweep<T>::push_clusters(double drift) {
-  constexpr auto kLeft = static_cast<T>(0.25);  // -, of the largest wanted displacement, left to the next substep
+  constexpr auto kLeft = static_cast<T>(0.25);  // -, part of the largest wanted displacement that may be left to the
+                                                // next substep
   bool is_inside = true;
   double farthest = 0.0;  // m, largest travel of a vertex
   num_cluster_pushes_ += static_cast<int>(contact_.slots.size());

@@ -13,7 +13,8 @@ using mesh::VertexId;
 
 template <typename T>
 bool LeapfrogSweep<T>::set_start(const Model& model, const State& state) {
-  constexpr double kMostStrained = 0.25;  // -, of F^T F - I; beyond it, its own rounding matters
+  constexpr double kMostStrained = 0.25;  // -, largest entry of F^T F - I; beyond it, rounding of this matrix to floats
+                                          // matters
   KERF_DCHECK(model.materials().membrane_law() == MembraneLaw::kCorotational, "Green's has no displacements");
   start_.setZero();
   for (VertexId v = 0; v < layout_->num_vertices(); ++v) {

@@ -12,8 +12,8 @@ namespace {
 using mesh::TriangleId;
 using mesh::VertexId;
 
-// -, unit over edge length, and over the height of any triangle. Above these, strains of fixed-point positions are too
-// coarse.
+// -, largest unit of positions over the edge length (kCoarsest), and over the height of any triangle (kCoarsestAcross).
+// With larger units, strains of fixed-point positions are too coarse.
 constexpr double kCoarsest = 1.0 / (1 << 20);
 constexpr double kCoarsestAcross = 1e-5;
 // -, travel of a sheet, in sizes of the sheet, for which fixed-point units leave room. Triangles too flat for such a
@@ -31,12 +31,12 @@ double unit_of_positions(double reach, double edge) {
   return std::exp2(std::ceil(std::log2(std::max(reach, edge) / kUnits)));
 }
 
-// -, travel over the sheet's size in addition to that by its speed, as a sheet that springs back gets faster.
+// -, allowance for travel, in sizes of the sheet, beyond that by its speed. A sheet that springs back gets faster.
 constexpr double kSpring = 1.0;
-// -, the same for pieces; their range is all that is left before double precision.
+// -, the same allowance for each piece. It is smaller because the only alternative is double precision.
 constexpr double kSpringOfPieces = 0.25;
 
-// Returns the distance (m) that the sheet or piece may travel.
+// Returns the distance (m) that vertices of a sheet or piece may travel in a step.
 template <class Extent>
 double travel_of(const Extent& extent, double spring, const LeapfrogTerms& terms, double duration) {
   return spring * extent.size() + 4.0 * duration * (extent.speed + duration * terms.gravity.norm());
@@ -70,7 +70,7 @@ bool LeapfrogSweep<T>::set_frame(const Model& model, const LeapfrogTerms& terms,
   room_ = travel_of(all, kSpring, terms, duration);
   unit_ = unit_of_positions(0.5 * all.size() + room_, edge);
   if (is_fine()) return true;
-  // Pieces far apart each have an origin of their own, and only as much range as they need.
+  // If pieces are far apart each gets an origin of its own, and then needs range only for itself.
   const double reach = set_frames_of_pieces(terms, duration, state);
   unit_ = unit_of_positions(reach, edge);
   return is_fine();

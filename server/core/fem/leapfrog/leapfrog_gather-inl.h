@@ -33,8 +33,9 @@ using linear::HWY_NAMESPACE::spread;
 
 constexpr std::size_t kBlocksAtOnce = 4;  // irregular blocks whose corners are fetched together
 
-// Number of groups (of four vertices) by which rows are prefetched, if they do not begin where the rows of the previous
-// group end. Cuts cause that when rows grow. The processor itself prefetches the others.
+// Number of groups of four vertices by which rows of the bending matrix are prefetched. This is done only for rows that
+// do not begin where those of the previous group end. Cuts cause that when rows grow. The processor itself prefetches
+// all other rows.
 inline constexpr std::size_t kGroupsAhead = 4;
 
 template <typename T>
@@ -44,8 +45,8 @@ HWY_INLINE void fetch_moved(std::span<const FourEntries<T>> before, std::span<co
   for (std::size_t i = 0; i < entries.size(); i += kInLine) hwy::Prefetch(entries.data() + i);
 }
 
-// Computes bending forces of the vertices of a block. Adds entries in no diagonal, four rows side by side, to the sums
-// of diagonals if `is_gathered`.
+// Completes the bending forces of the vertices of a block, in `gathered`. Adds the entries that lie in no diagonal,
+// four rows side by side, and scales the sum. If `is_gathered` the sum begins with that of the diagonals.
 template <typename T>
 HWY_NOINLINE void bending_by_rows(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, std::size_t block,
                                   bool is_gathered) {
@@ -76,8 +77,8 @@ HWY_NOINLINE void bending_by_rows(const LeapfrogArrays<T>& arrays, const Leapfro
   }
 }
 
-// Adds forces of irregular corners around the vertices of a block, and extra forces. They are added to the gathered
-// forces if `is_gathered`, otherwise to 0.
+// Adds forces of irregular corners around the vertices of a block, and extra_force, to `gathered`. If `is_gathered` is
+// false the sum begins at 0.
 template <typename T>
 HWY_NOINLINE void add_corners(const LeapfrogArrays<T>& arrays, std::size_t block, bool is_gathered) {
   constexpr std::size_t kVertices = CornerPlaces().size();
@@ -128,8 +129,8 @@ HWY_INLINE std::array<V, 4> rows(D d, const Vec3<V>& columns) {
 }
 #endif
 
-// Positions of the corners of irregular triangles, for some blocks at once: data just written piece by piece cannot be
-// read as one vector yet.
+// Positions of the corners of irregular triangles. fetch() copies those of several blocks at once, because the
+// processor cannot read as one vector what was just written piece by piece.
 template <typename P>
 class CornerPositions {
  public:
@@ -156,7 +157,7 @@ class CornerPositions {
   alignas(64) P corner_[kBlocksAtOnce][3][4 * linear::kBlockLanes];
 };
 
-// Fixed-point positions are transposed in registers instead.
+// Fixed-point positions are transposed in registers instead of being copied.
 template <>
 class CornerPositions<std::int32_t> {
  public:

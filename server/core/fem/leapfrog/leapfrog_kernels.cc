@@ -16,7 +16,7 @@ namespace kerf::fem {
 namespace HWY_NAMESPACE {
 namespace {
 
-// Gathers bending forces of the vertices of a block by the diagonals of their rows, unscaled.
+// Sets `gathered` to the bending forces of the vertices of a block by the diagonals of the bending matrix, unscaled.
 template <typename T>
 HWY_NOINLINE void sum_bending_diagonals(const LeapfrogArrays<T>& arrays, std::size_t block) {
   const LanesOf<T> d;
@@ -38,7 +38,7 @@ HWY_NOINLINE void sum_bending_diagonals(const LeapfrogArrays<T>& arrays, std::si
   }
 }
 
-// Gathers bending forces of the vertices of the block, forces of irregular corners around them, and extra forces.
+// Sets `gathered` for the vertices of a block to bending forces plus forces of irregular corners plus extra_force.
 template <typename T>
 HWY_INLINE void gather(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, std::size_t block) {
   const bool bends = arrays.bending != nullptr;
@@ -67,7 +67,7 @@ template <class D>
 HWY_INLINE hn::Vec<D> kicked(D /*d*/, hn::Vec<D> v, hn::Vec<D> change, double* /*remainder*/) {
   return hn::Add(v, change);
 }
-// Adds with compensation: the rounding error of the sum is added to the next change.
+// Adds `change` to v. The rounding error of the sum becomes the remainder, which is added to the next change.
 template <class D>
 HWY_INLINE hn::Vec<D> kicked(D d, hn::Vec<D> v, hn::Vec<D> change, float* remainder) {
   const auto all = hn::Add(change, hn::Load(d, remainder));
@@ -99,7 +99,7 @@ HWY_NOINLINE void set_bending_positions(const LeapfrogArrays<T>& arrays, const L
   }
 }
 
-// Returns forces of the vertices from i on, including gathered ones if `has_gathered`.
+// Returns forces of the vertices from i on: those of quads, plus `gathered` if `has_gathered`.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE std::array<V, 3> forces_at(D d, const LeapfrogArrays<hn::TFromD<D>>& arrays, bool has_gathered,
                                       std::size_t i) {
@@ -188,8 +188,8 @@ HWY_INLINE void move_blocks_with_clusters(const LeapfrogArrays<T>& arrays, const
   }
 }
 
-// A triangle belongs to its lowest vertex. Once the forces of a block of quads are computed, no later quad reads its
-// vertices, so they can be moved.
+// Makes a substep. Quads are stored at their lowest vertex. Once the quad forces of a block are computed, no later quad
+// reads its vertices, so they can be moved.
 template <MembraneLaw kLaw, typename T>
 void substep(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, T* speed) {
   irregular_forces<kLaw>(arrays, step);

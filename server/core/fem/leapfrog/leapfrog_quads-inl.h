@@ -1,5 +1,5 @@
-// Forces of the quads of leapfrog_kernels.cc: the regular triangles, two at each vertex. Compiled once for each
-// instruction set.
+// Forces of quads for leapfrog_kernels.cc. A quad is the pair of regular triangles stored at one vertex, see
+// MembraneLayout. Compiled once for each instruction set.
 #if defined(KERF_FEM_LEAPFROG_QUADS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef KERF_FEM_LEAPFROG_QUADS_INL_H
 #undef KERF_FEM_LEAPFROG_QUADS_INL_H
@@ -65,7 +65,7 @@ HWY_INLINE std::array<Vec3<V>, 3> quad_edges(D d, const LeapfrogArrays<hn::TFrom
           edge(d, load3(dp, arrays.x, at + arrays.offsets[2]), x0)};
 }
 
-// Sets the gradients of the two triangles of each quad.
+// Sets the deformation gradients of the two triangles of each quad of a block.
 template <typename T>
 HWY_NOINLINE void set_quad_gradients(const LeapfrogArrays<T>& arrays, std::size_t block, StretchLanes<T>* to) {
   const LanesOf<T> d;
@@ -125,7 +125,7 @@ HWY_NOINLINE void set_quad_forces(const LeapfrogArrays<T>& arrays, const Leapfro
   }
 }
 
-// Computes quad forces of blocks first to last, at most kQuadBlocksAhead.
+// Computes the quad forces of blocks [first, last), at most kQuadBlocksAhead of them.
 template <MembraneLaw kLaw, typename T>
 void quad_forces(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, std::size_t first, std::size_t last) {
   StretchLanes<T> stretches[2 * kQuadBlocksAhead];

@@ -40,7 +40,7 @@ LeapfrogArrays<T> LeapfrogSweep<T>::arrays() {
   arrays.mass_damping = entries(mass_damping_);
   arrays.has_cluster = has_cluster_.empty() ? nullptr : has_cluster_.data();
   arrays.corner_x = entries(corner_x_);
-  arrays.corner_force = entries(corner_force_) + linear::kBlockLanes;  // after the entry of kNoCorner
+  arrays.corner_force = entries(corner_force_) + linear::kBlockLanes;  // after the zeros that kNoCorner reads
   arrays.gathered = entries(gathered_);
   arrays.bending_x = entries(bending_x_, 1);
   arrays.bending_fours = entries(bending_fours_);

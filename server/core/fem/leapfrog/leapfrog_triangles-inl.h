@@ -22,7 +22,8 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// A triangle thinner than this ratio of det S to tr S^2 has the stress of one as thin as this.
+// Least det S over tr F^T F, or in steps by displacements least det S. A triangle with less is treated as if it had
+// this much.
 template <typename T>
 constexpr T kLeastFlatness = std::is_same_v<T, float> ? T{1e-4} : T{1e-12};
 template <typename T>
@@ -97,15 +98,16 @@ HWY_INLINE hn::Vec<D> damping_of(D d, const LawLanes<hn::TFromD<D>>& lanes, std:
 template <typename T>
 using TriangleValues = std::array<T, linear::kBlockLanes>;  // of kBlockLanes triangles; uninitialised
 
-// Intermediate values of force computation, which runs in stages of several blocks each. In a single pass, each block
-// would wait for its own square roots. Formulas in membrane.h, with F = R S, c = F^T F, d = det S, s = tr S.
+// Intermediate values of kBlockLanes triangles while their forces are computed. Each stage of the computation processes
+// several blocks, because a block alone would wait for its own square roots. Formulas in membrane.h, with F = R S, c =
+// F^T F, d = det S, s = tr S.
 template <typename T>
 struct alignas(64) StretchLanes {
   std::array<TriangleValues<T>, 3> f1, f2;       // columns of F
   TriangleValues<T> c11, c22, c12, det_squared;  // det S squared
   TriangleValues<T> inverse_trace, inverse_det;  // 1 / s, 1 / d
 
-  // Results of set_strains(), which overwrite values it no longer needs: S - I and S12.
+  // Results of set_strains(): the diagonal of S - I, and S12. They overwrite values that are no longer needed.
   TriangleValues<T>& strain1() { return c11; }
   TriangleValues<T>& strain2() { return c22; }
   TriangleValues<T>& S12() { return c12; }
@@ -123,7 +125,7 @@ HWY_INLINE void store3(D d, const Vec3<hn::Vec<D>>& value, std::array<TriangleVa
   hn::Store(value.z, d, &to[2][l]);
 }
 
-// First stage: triangles with edges d1, d2 from corner 0.
+// First stage: sets F, c and det S squared of triangles with the edges d1, d2 from corner 0.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE void set_gradients(D d, const TriangleLanes<hn::TFromD<D>>& lanes, std::size_t l, const Vec3<V>& d1,
                               const Vec3<V>& d2, StretchLanes<hn::TFromD<D>>& to) {
@@ -140,8 +142,9 @@ HWY_INLINE void set_gradients(D d, const TriangleLanes<hn::TFromD<D>>& lanes, st
   hn::Store(dot(normal, normal), d, &to.det_squared[l]);
 }
 
-// First stage for edges of displacements since the step began. Stores F^T F - I in place of c, and det S squared - 1:
-// small values are never differences of large ones.
+// First stage in steps by displacements: d1, d2 are differences of displacements since the step began. Stores F^T F - I
+// in place of c, and det S squared - 1 in place of det S squared. Small values are thus never differences of large
+// ones.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE void set_gradients(D d, const TriangleLanes<hn::TFromD<D>>& lanes, const StartLanes<hn::TFromD<D>>& start,
                               std::size_t l, const Vec3<V>& d1, const Vec3<V>& d2, StretchLanes<hn::TFromD<D>>& to) {
@@ -164,7 +167,8 @@ HWY_INLINE void set_gradients(D d, const TriangleLanes<hn::TFromD<D>>& lanes, co
   hn::Store(hn::Add(hn::Add(e11, e22), product), d, &to.det_squared[l]);
 }
 
-// Second stage. The differences in S - I = (c + (d - s) I) / s are exact for small strains.
+// Second stage: sets S - I, S12, 1 / s and 1 / d. The differences in S - I = (c + (d - s) I) / s are exact for small
+// strains.
 template <typename T>
 HWY_INLINE void set_strains(StretchLanes<T>* blocks, std::size_t num_blocks) {
   const LanesOf<T> d;
@@ -189,8 +193,7 @@ HWY_INLINE void set_strains(StretchLanes<T>* blocks, std::size_t num_blocks) {
   }
 }
 
-// Second stage after set_gradients() from displacements. S - I = (E + (p - q) I) / s with F^T F = I + E, d = 1 + p and
-// s = 2 + q.
+// Second stage in steps by displacements. S - I = (E + (p - q) I) / s with F^T F = I + E, d = 1 + p and s = 2 + q.
 template <typename T>
 HWY_INLINE void set_strains_from_start(StretchLanes<T>* blocks, std::size_t num_blocks) {
   const LanesOf<T> d;
@@ -224,8 +227,9 @@ struct CornerForces {
   Vec3<V> force1, force2;
 };
 
-// Adds damping to a strain: beta times the rate of strain since the previous substep, centred at the time of
-// velocities. Keeps the strain for the next substep.
+// Returns a strain plus beta times its rate. `damping` is beta / h. The rate is the change since the previous substep,
+// whose strain is in `before`, over h. It is centred at the time of the velocities. Stores the strain in `before` for
+// the next substep.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE V damped(D d, V damping, V strain, hn::TFromD<D>* before) {
   const V change = hn::Sub(strain, hn::Load(d, before));
@@ -244,7 +248,7 @@ HWY_INLINE CornerForces<V> corner_forces(D d, const Law<V>& law, const TriangleL
   const V S12 = hn::Load(d, &stretch.S12()[l]);
   const V S11 = hn::Add(strain1, one);
   const V S22 = hn::Add(strain2, one);
-  // All values below include the factor of forces, -A / det S.
+  // e1 to e3, and all that follows from them, include the factor of forces, -A / det S.
   const V factor = hn::Mul(hn::Load(d, &lanes.minus_area.lane[l]), hn::Load(d, &stretch.inverse_det[l]));
   const V e1 = hn::Mul(damped(d, law.damping, strain1, &before[0].lane[l]), factor);
   const V e2 = hn::Mul(damped(d, law.damping, strain2, &before[1].lane[l]), factor);

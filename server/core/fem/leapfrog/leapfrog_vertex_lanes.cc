@@ -25,7 +25,7 @@ HWY_INLINE V widened(D d, const U* from) {
   return hn::PromoteTo(d, hn::Load(hn::Rebind<U, D>(), from));
 }
 
-// Returns the origins of positions of the vector at i, m.
+// Returns the origins, m, of the positions of the vertices from i on.
 HWY_INLINE std::array<V, 3> starts_at(D d, const PositionFrame& frame, std::size_t i) {
   std::array<V, 3> from{hn::Set(d, frame.origin[0]), hn::Set(d, frame.origin[1]), hn::Set(d, frame.origin[2])};
   if (frame.starts != nullptr) hn::LoadInterleaved3(d, frame.starts + 3 * i, from[0], from[1], from[2]);
@@ -54,7 +54,7 @@ HWY_INLINE void load_any(const LeapfrogArrays<T>& arrays, const PositionFrame& f
   }
 }
 
-// Returns the bits of `changed` for the vector at l.
+// Returns the bits of `changed` for the lanes from l on.
 HWY_INLINE hn::Mask<D> mask_at(D d, std::uint32_t changed, std::size_t l) {
   const std::array<std::uint8_t, 8> bits{static_cast<std::uint8_t>(changed >> l),
                                          static_cast<std::uint8_t>(changed >> l >> 8)};

@@ -16,11 +16,11 @@ static_assert(mesh::kVertexLanes == linear::kBlockLanes);
 // Origin and unit of positions in LeapfrogArrays.
 struct PositionFrame {
   std::array<double, 3> origin{};  // m
-  const double* starts = nullptr;  // m, x, y, z of each vertex, replaces the origin; or null
+  const double* starts = nullptr;  // m, x, y, z of an origin for each vertex, in place of `origin`; or null
   double unit = 1.0;               // m, a power of two
 };
 
-// Loads a block of vertices. `drift`: s, of the substep that led here from `before`.
+// Loads a block of vertices. `drift`, s, is that of the last substep; vertices.before becomes the positions before it.
 template <typename T>
 void load_vertices(const LeapfrogArrays<T>& arrays, const PositionFrame& frame, std::size_t block, double drift,
                    mesh::VertexLanes& vertices);

@@ -78,7 +78,8 @@ bool MembraneLayout::follow(const Model& model) {
     if (slot < model.num_slots()) add(model, slot);
   }
   num_changes_ += static_cast<std::int64_t>(changed.size());
-  // While each pair of a pattern has more than a third of the triangles, no other pair can.
+  // While each of the two pairs of the pattern has more than a third of the triangles, no other pair can have that
+  // many.
   const bool is_same = has_pattern() ? 3 * std::min(num_regular_[0], num_regular_[1]) > num_solid_
                                      : 4 * num_changes_ < changes_to_pattern_;
   if (!is_same) {
@@ -112,7 +113,7 @@ void MembraneLayout::find_pattern(const Model& model) {
   changes_to_pattern_ = std::abs(excess);
   offsets_ = {};
   if (excess <= 0) return;
-  // The order of the two must not depend on which is more frequent.
+  // The order of the two pairs must not depend on which of them is more frequent.
   OffsetPair a = std::min(most[0].second, most[1].second);
   OffsetPair b = std::max(most[0].second, most[1].second);
   if (a.second != b.first) std::swap(a, b);

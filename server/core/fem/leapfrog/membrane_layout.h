@@ -14,12 +14,12 @@
 
 namespace kerf::fem {
 
-// Pattern of quads: distances o in vertex ids from a quad's lowest vertex v. Its two triangles are (v, v + o[0], v +
-// o[1]) and (v, v + o[1], v + o[2]). All 0 means no pattern.
+// Pattern of quads, pairs of triangles that share an edge: distances o in vertex ids from a quad's lowest vertex v. Its
+// two triangles are (v, v + o[0], v + o[1]) and (v, v + o[1], v + o[2]). If all are 0 there is no pattern.
 using QuadOffsets = std::array<std::int32_t, 3>;
 
-// Returns the index of a corner of an irregular lane among the corners of all irregular lanes, ordered by block, corner
-// and lane.
+// Returns the index of a corner of an irregular lane (see MembraneLayout) among the corners of all such lanes. These
+// are ordered by block, then corner, then lane.
 inline std::int32_t corner_place(std::int32_t lane, int corner) {
   constexpr auto kLanes16 = static_cast<std::int32_t>(linear::kBlockLanes);
   return (3 * (lane / kLanes16) + corner) * kLanes16 + lane % kLanes16;
@@ -40,7 +40,8 @@ inline constexpr std::int32_t kNoCorner = -4;
 class MembraneLayout {
  public:
   void rebuild(const Model& model);
-  // Updates after exactly one Model::follow since the previous call. Returns false if everything was rebuilt.
+  // Updates after exactly one Model::follow since the previous call of rebuild() or follow(). Returns false if it had
+  // to call rebuild().
   bool follow(const Model& model);
 
   [[nodiscard]] int num_vertices() const { return num_vertices_; }
@@ -86,10 +87,10 @@ class MembraneLayout {
   QuadOffsets offsets_{};
   std::array<std::int64_t, 2> num_regular_{};  // by kind
   std::int64_t num_solid_ = 0;
-  // Four times the number of slot changes, since pairs were last counted, at which the pattern may change. The second
-  // most frequent pair is below or above a third of the triangles by this much, times three.
+  // |3 p - t| when pairs of offsets were last counted: p triangles had the second most frequent pair, of t in all. The
+  // pattern cannot change before a quarter of that many slots have changed.
   std::int64_t changes_to_pattern_ = 0;
-  std::int64_t num_changes_ = 0;  // of slots, since then
+  std::int64_t num_changes_ = 0;  // changes of slots since pairs were last counted
   std::vector<Place> places_;     // by slot
   std::vector<mesh::TriangleId> quad_slots_;
   std::vector<std::int32_t> num_quads_, num_corners_;
@@ -102,7 +103,8 @@ class MembraneLayout {
   std::vector<CornerPlaces> row_;  // scratch
 };
 
-// Corners of a slot with material from the lowest vertex on; `first` is the index of that corner in the model.
+// Corners of a slot with material, turned to begin with the lowest vertex. `first` is the index of that corner in the
+// model.
 struct TurnedTriangle {
   std::array<mesh::VertexId, 3> vertices{};
   std::size_t first = 0;

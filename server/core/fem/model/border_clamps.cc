@@ -137,8 +137,8 @@ EdgeMoment make_edge_moment(const RestSheet& sheet, const BorderClamps& clamps, 
   if (clamps.gradient_at(sheet, slot, k)) return made;
   patch.edges[k] = PatchEdge::kClamped;
   const BendingFit fit = fit_bending(patch, own.has_bending() ? own.inverse_bending : Eigen::Matrix3d::Identity());
-  // Among the conditions w = W x, the one of the edge contains the slope, arm x_nu - L x. It takes the value that
-  // minimises the energy w.law w / 2 with the others fixed.
+  // Among the conditions w = W x, the one of the edge contains the slope, arm x_nu - L x. The slope takes the value
+  // that minimises the energy w.law w / 2 with the other conditions fixed.
   const auto row = static_cast<Eigen::Index>(k);
   constexpr double kLeastLaw = 1e-3;  // -; below it the other conditions leave the slope undetermined
   const bool is_coupled = fit.law(row, row) > kLeastLaw * fit.law.trace();

@@ -15,7 +15,8 @@ using mesh::VertexId;
 
 namespace {
 
-// Visits the parts with the largest rows, as many as needed for the others to sum to at most `limit`, N/m.
+// Visits the parts with the largest row sums. They are as many as needed for the row sums of the other parts to add up
+// to at most `limit`, N/m.
 template <typename Visit>
 void for_each_stiff(std::vector<PartAtVertex>& parts, double limit, const Visit& visit) {
   std::sort(parts.begin(), parts.end(), [](const PartAtVertex& a, const PartAtVertex& b) {

@@ -15,25 +15,28 @@
 namespace kerf::fem {
 namespace {
 
-// Shifts, relative to the largest eigenvalue of M^-1 K: the first tried, their growth, and the one below which there is
-// none.
+// -, shifts relative to the largest eigenvalue of M^-1 K. kLeastShift is the one below which a shift becomes 0, and
+// kLargestExactShift the largest with the exact tangent.
 constexpr double kFirstShift = 1e-9;
 constexpr double kShiftGrowth = 10.0;
 constexpr double kLargestExactShift = 1e-5;
 constexpr double kShiftDecay = 0.1;
 constexpr double kLeastShift = 1e-13;
-constexpr double kRounding = 1e-12;  // relative rounding of eigenvalues of M^-1 K, that of free motions
+constexpr double kRounding = 1e-12;  // rounding of the eigenvalues of free motions, relative to the largest eigenvalue
+                                     // of M^-1 K
 constexpr double kLargestShift = 1e3;
 constexpr double kLinearTolerance = 1e-6;
 constexpr int kMaxWatchdogSteps = 6;    // steps
 constexpr double kWatchdogDecay = 0.5;  // largest ratio of the rises of the energy in consecutive steps
-constexpr double kLinearDecrease =
-    0.9;  // of the energy, over that of the slope; a full step has 0.5 if the energy is convex
+// -, decrease of the energy over the slope from which on a step is lengthened. A full step has 0.5 if the energy is
+// quadratic.
+constexpr double kLinearDecrease = 0.9;
 constexpr int kMaxLengthenings = 20;
 constexpr int kMaxLineHalvings = 40;
 constexpr double kSufficientDecrease = 1e-4;
-constexpr double kDiscernible = 100.0;    // decrease of the energy, over its rounding error
-constexpr int kMaxNonMonotoneSteps = 10;  // without a better residual
+constexpr double kDiscernible = 100.0;    // least slope over the rounding error of the energy at which energies can be
+                                          // compared
+constexpr int kMaxNonMonotoneSteps = 10;  // consecutive steps without a better residual
 
 }  // namespace
 
@@ -267,7 +270,8 @@ EquilibriumSolver::Progress EquilibriumSolver::try_watchdog_steps(const Model& m
       if (stats.shift < kLeastShift * model.stiffness_bound().value()) stats.shift = 0.0;
       return Progress::kDescended;
     }
-    // In a successful sequence each step removes nearly all false stretch of the previous one.
+    // In a sequence that succeeds, each step removes nearly all false stretch of the previous step, and the rise of the
+    // energy with it.
     if (i > 0 && !(rise <= kWatchdogDecay * last_rise)) break;
     last_rise = rise;
   }

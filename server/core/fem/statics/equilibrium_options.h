@@ -15,9 +15,10 @@ struct EquilibriumStats {
   // relative to the rounding error.
   double residual = 0.0;
   int iterations = 0;  // Newton steps
-  double shift = 0.0;  // 1/s^2, times the masses, added to the stiffness in the last step. 0: the stiffness is positive
-                       // definite there, so the equilibrium is stable. Eigenvalues down to -1e-12 of the largest are
-                       // tolerated, so that free motions, of the whole sheet or a part, count as neutral
+  // 1/s^2: this number times the masses was added to the stiffness in the last step. If it is 0 the stiffness is
+  // positive definite, so the equilibrium is stable. Eigenvalues down to -1e-12 of the largest are tolerated. Free
+  // motions of the sheet or of a part thus count as stable.
+  double shift = 0.0;
 };
 
 // Called whenever a search has moved the sheet; returning false ends it.

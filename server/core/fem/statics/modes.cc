@@ -19,11 +19,11 @@
 namespace kerf::fem {
 namespace {
 
-// Shift relative to the largest eigenvalue. It is below all eigenvalues of a stable state, and so near 0 that the
-// lowest stay apart from the next.
+// -, shift of the inverse, relative to the largest eigenvalue. It is below all eigenvalues of a stable state. It is
+// also so near 0 that the lowest eigenvalues of the shifted inverse stay apart from the next.
 constexpr double kShift = -1e-9;
-// Shift relative to the highest eigenvalue wanted. Nearer to 0 the rounding error of rigid motions, 1 / shift, is too
-// large beside the others.
+// -, shift of the inverse, relative to the highest eigenvalue wanted. Nearer to 0 the rounding error of rigid motions,
+// in proportion to 1 / shift, would be too large for the other modes.
 constexpr double kShiftOfHighest = -1e-3;
 constexpr int kMaxRestarts = 1000;
 constexpr double kTolerance = 1e-10;           // -, relative
@@ -155,7 +155,8 @@ struct Pairs {
   bool converged = false;
 };
 
-// Returns the `count` eigenvalues next to the shift, excluding those whose vectors are among `found`.
+// Returns the `count` eigenvalues next to the shift and their vectors, without those in `found`. `search` varies the
+// start of the iteration.
 Pairs lanczos(const Matrix& stiffness, const Matrix& mass, const Eigen::MatrixXd& found, int count, double shift,
               int search, const StopCondition& stop) {
   using Product = Spectra::SparseSymMatProd<double>;
@@ -176,7 +177,7 @@ Pairs lanczos(const Matrix& stiffness, const Matrix& mass, const Eigen::MatrixXd
           solver.info() == Spectra::CompInfo::Successful && num_found == count};
 }
 
-// Returns the lowest `count` of both.
+// Returns the lowest `count` pairs of a and b together.
 Pairs merged(const Pairs& a, const Pairs& b, int count) {
   std::vector<std::pair<double, Eigen::VectorXd>> all;
   for (const Pairs* pairs : {&a, &b}) {
@@ -208,8 +209,8 @@ double shift_below(const Matrix& stiffness, const Matrix& mass, double unit) {
 }
 
 // Returns how many of the lowest `count` eigenvalues are missing; `values` has one more. A Krylov space holds one
-// vector of a multiple eigenvalue, and rounding need not bring the others. They are counted in the middle of the
-// highest gap between the values found. Close to an eigenvalue, pivots in a fixed order are inexact.
+// vector of a multiple eigenvalue, and rounding need not bring in its other vectors. Eigenvalues are counted up to the
+// middle of the highest gap between the values found. Nearer to an eigenvalue, pivots in a fixed order are inexact.
 int num_missed(const Matrix& stiffness, const Matrix& mass, const Eigen::VectorXd& values, int count, double unit) {
   for (Eigen::Index k = count; k > 0; --k) {
     const double gap = values[k] - values[k - 1];

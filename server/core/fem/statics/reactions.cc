@@ -25,7 +25,7 @@ void add_loads(const Model& model, const Loads& loads, const linear::VertexField
   for (Eigen::Index i = 0; i < f.cols(); ++i) f.col(i) += model.mass()[static_cast<std::size_t>(i)] * loads.gravity;
 }
 
-// Turns the forces on the vertices other than those of the pins into reactions.
+// Replaces f, the sum of all forces on the vertices except those of pins, by the reactions.
 void turn_into_reactions(const Loads& loads, linear::VertexField& f) {
   linear::VertexField reactions = Eigen::Matrix3Xd::Zero(3, f.cols());
   for (const Pin& pin : loads.pins) reactions.col(pin.vertex) = pin.held(-f.col(pin.vertex), Eigen::Vector3d::Zero());

@@ -10,11 +10,11 @@ struct State;
 
 // Forces of the pins on the sheet. `reactions` (3 x V, N) is overwritten, and 0 in all components that no pin holds.
 // Forces that a clamp exerts besides them form the couple of the slope it holds, which has no resultant. The force of a
-// grab is its own. A pin takes up directly the part of a load on its own vertex, including its weight, and this belongs
-// to the reaction.
+// grab is its own. The reaction includes loads on the pinned vertex itself, such as its weight.
 
 // Finds the reactions at rest at x (3 x V, m): minus elastic forces and loads, without wind. In an equilibrium they
-// hold the sheet exactly. Elsewhere they would hold the held components if the others were held too.
+// hold the sheet exactly. In other states they are the forces on the held components if all other components were held
+// as well.
 void find_reactions(const Model& model, const Loads& loads, const linear::VertexField& x,
                     linear::VertexField& reactions);
 

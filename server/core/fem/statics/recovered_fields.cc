@@ -143,7 +143,8 @@ void for_corners(const Model& model, mesh::VertexId vertex, const Visit& visit) 
   });
 }
 
-// Calls visit() for the corners across the edges of these triangles that are opposite the vertex.
+// Calls visit(vertex, offset from `vertex`) for the corners that lie across the edges opposite `vertex` in the
+// triangles around it.
 template <typename Visit>
 void for_corners_across(const Model& model, mesh::VertexId vertex, const Visit& visit) {
   for_around(model, vertex, [&](std::size_t slot, const ElementBlock& block, std::size_t lane) {

@@ -14,27 +14,27 @@
 
 namespace kerf::fem {
 
-// Cost of a tick of IntegratorOptions::tick seconds, from counts alone. It leaves out contact and loads on vertices,
-// which cost implicit steps as well.
+// Estimated cost of a tick of IntegratorOptions::tick seconds, from counts alone. It leaves out contact and loads on
+// vertices, which cost time in implicit steps as well.
 struct TickEstimate {
-  double substeps = 0.0;     // explicit
-  double explicit_ns = 0.0;  // ns on one core of 2024
-  double implicit_ns = 0.0;  // ns, for TR-BDF2
-  bool is_explicit = true;   // as options.kind says, or as kAutomatic chooses
+  double substeps = 0.0;     // substeps of an explicit tick
+  double explicit_ns = 0.0;  // ns on one core of 2024, with explicit steps
+  double implicit_ns = 0.0;  // ns, with TR-BDF2
+  bool is_explicit = true;   // true if the tick is explicit: by options.kind, or by the choice of kAutomatic
 };
-// Plans explicit steps of the model as it is, without making any.
+// Estimates a tick of the model. Makes no step.
 TickEstimate estimate_tick(const Model& model, const IntegratorOptions& options);
 
 // Chooses an integrator at each rebuild, from the model and IntegratorOptions::tick alone. Costs are estimated in
 // nanoseconds without a clock, so the choice is the same on every machine.
-//  - Explicit, unless TR-BDF2 is estimated at less than a quarter of its cost: at equal cost explicit is by far the
-//    more accurate. With clusters of local inertia the limit is two thirds.
-//  - TR-BDF2: of the implicit schemes on the front of error against time (tests/accuracy/PLOTS.md).
-//  - Implicit Euler above a condition number of kSecondOrderCondition. There the forces at the start of a step, which
-//    the trapezoidal rule uses, are mostly rounding.
-// TR-BDF2 uses the float factor from kLeastForFactorCg vertices on, where it takes 0.3 to 0.9 of the direct solver's
-// time. Smaller sheets, which only slivers make that stiff, use the direct solver. So does implicit Euler, because
-// floats lose such matrices.
+//  - Explicit steps, unless TR-BDF2 is estimated at less than a quarter of their cost. At equal cost explicit steps are
+//    by far the more accurate. If the sheet has clusters of local inertia the limit is two thirds.
+//  - Otherwise TR-BDF2: no other implicit scheme has a smaller error for its time (tests/accuracy/PLOTS.md).
+//  - Implicit Euler in place of TR-BDF2 above a condition number of kSecondOrderCondition. The forces at the start of a
+//    step, which the trapezoidal rule uses, are mostly rounding there.
+// TR-BDF2 uses kFactorCg from kLeastForFactorCg vertices on, where it takes 0.3 to 0.9 of the direct solver's time.
+// Smaller sheets use the direct solver; only slivers make them stiff enough for TR-BDF2. Implicit Euler uses the direct
+// solver as well, because floats are too inaccurate for its matrices.
 class AutomaticIntegrator final : public Integrator {
  public:
   explicit AutomaticIntegrator(const IntegratorOptions& options);
@@ -56,7 +56,8 @@ class AutomaticIntegrator final : public Integrator {
   }
 
  private:
-  // Returns true if the chosen integrator is a new one, which has not been rebuilt for the model yet.
+  // Sets implicit_ to the choice for the model. `follows` is that of ExplicitIntegrator::plan(). Returns true if the
+  // choice changed: the integrator must then be rebuilt.
   bool choose(const Model& model, bool follows);
   Integrator& chosen() { return implicit_ ? *implicit_ : explicit_; }
 

@@ -21,7 +21,7 @@
 namespace kerf::fem {
 namespace {
 
-constexpr int kMaxRetries = 3;  // for a step that ended not finite, each with twice the substeps
+constexpr int kMaxRetries = 3;  // of a step that failed, each with twice the substeps
 
 void set_pins(const Loads& loads, double time_left, State& state) {
   for (const Pin& pin : loads.pins) {
@@ -39,7 +39,8 @@ bool has_loads_on_vertices(const Loads& loads) {
   return loads.has_external_forces() || has_wind_drag(loads.wind) || has_follower_loads(loads);
 }
 
-// Returns true if there are forces that act with bending and are not in the bending matrix.
+// Returns true if there are forces of bending that the bending matrix does not give: clamps, curved rest shapes and
+// damping that varies.
 bool has_bending_on_vertices(const Model& model, std::span<const double> bending_beta) {
   return model.materials().has_bending() &&
          (!model.bending().clamp_forces().forces.empty() ||
@@ -91,7 +92,7 @@ void ExplicitIntegrator::set_sweeps(const Model& model, bool follows) {
   };
   const bool is_mixed = options_.precision == Precision::kMixed;
   if (is_mixed) set(mixed_sweep_);
-  // A mixed-precision sheet that is in double now will be so in the next step as well.
+  // A mixed-precision sheet that was stepped in double will probably be so in the next step as well.
   is_double_current_ = !is_mixed || (follows && is_double_current_ && was_in_double_);
   if (is_double_current_) {
     set(double_sweep_);
@@ -101,8 +102,9 @@ void ExplicitIntegrator::set_sweeps(const Model& model, bool follows) {
 }
 
 double ExplicitIntegrator::quiet_speed(const Model& model, const Loads& loads, double dt, const State& state) {
-  constexpr double kAboveNoise = 8.0;  // -
-  constexpr double kNoise = 0x1p-20;  // -, of strains, gathered over many substeps: measured, many materials and meshes
+  constexpr double kAboveNoise = 8.0;      // -
+  constexpr double kNoise = 0x1p-20;       // -, noise of strains that gathers over many substeps, measured for many
+                                           // materials and meshes
   constexpr double kCoarseness = 0x1p-28;  // -, unit of positions over the extent of the sheet
   Eigen::Array3d low = Eigen::Array3d::Constant(std::numeric_limits<double>::infinity());
   Eigen::Array3d high = -low;
@@ -141,8 +143,8 @@ double ExplicitIntegrator::mean_acceleration(const Model& model, const Loads& lo
 
 StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, double dt, ContactConstraint* contact,
                                    State& state) {
-  // Largest ratio of the substeps that the final strains need to those taken. A flake torn apart by a ball needed 350
-  // times as many.
+  // Largest ratio of the substeps that the final strains need to those taken. A step above it is repeated. For a flake
+  // torn apart by a ball the ratio was 350.
   constexpr int kMostOutrun = 2;
   KERF_CHECK(state.x.cols() == scratch_.force.cols() && model.num_vertices() == scratch_.force.cols(),
              "rebuild() was called for this model");
@@ -174,7 +176,7 @@ StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, doubl
     if (is_mixed) {
       mixed_sweep_.step_by_displacements(quiet);
       is_mixed = advance(model, loads, plan, contact, mixed_sweep_, state) || !is_finite(state);
-      // A sheet that leaves the range of displacements is not at rest, and is stepped as usual.
+      // A sheet that leaves the range of displacements is not at rest. Its step is made again with plain positions.
       if (quiet > 0.0 && (is_mixed ? !is_finite(state) : !mixed_sweep_.stayed_inside(plan.duration))) {
         quiet = 0.0;
         mixed_sweep_.step_by_displacements(quiet);
@@ -201,7 +203,7 @@ StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, doubl
       stats.max_strain = strain.largest;
       stats.strained_share = strain.beyond_limit;
       const bool is_kept = plan.touched || keeps_energy(model, loads, stats, state);
-      // A sheet that stretches faster than the cfl number allows has outrun its substeps.
+      // A sheet that stretches more within the step than the margin of the cfl number allows has outrun its substeps.
       const bool is_stable = plan.h() <= critical_step(stretch_at(model, state.x).stiffening) &&
                              substeps_stretched(plan.duration, stats.max_strain) <= kMostOutrun * plan.substeps;
       if ((is_kept && is_stable) || retry == kMaxRetries) break;
@@ -227,7 +229,7 @@ StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, doubl
 }
 
 bool ExplicitIntegrator::keeps_energy(const Model& model, const Loads& loads, StepStats& stats, State& state) const {
-  // The stable step is that of the sheet at rest, and resolves small strains.
+  // -, strain up to which the stable step of the sheet at rest resolves the motion, so that energy need not be checked.
   constexpr double kSmallStrain = 0.1;  // -
   // The energy of Verlet oscillates, because its step does not fully resolve the fastest modes.
   constexpr double kAllowedGain = 1e-5;  // -
@@ -239,8 +241,8 @@ bool ExplicitIntegrator::keeps_energy(const Model& model, const Loads& loads, St
 }
 
 bool ExplicitIntegrator::calm_clusters(const Model& model, State& state) {
-  // Swinging sheets after 5 to 100 random cuts reach 0.001.
-  constexpr double kMostAdded = 0.005;  // -, of the kinetic energy by the masses
+  // Largest share that is no noise. Swinging sheets after 5 to 100 random cuts reach 0.001.
+  constexpr double kMostAdded = 0.005;  // -, added energy over the kinetic energy of the masses
   if (inertia_.empty()) return false;
   double kinetic = 0.0;
   for (Eigen::Index v = 0; v < state.v.cols(); ++v) {
@@ -274,7 +276,7 @@ bool ExplicitIntegrator::advance(const Model& model, const Loads& loads, Plan& p
   const bool has_loads = has_loads_on_vertices(loads);
   const bool has_bending = has_bending_on_vertices(model, bending_beta_);
   if (contact != nullptr) contact->begin(state.x);
-  // Float rounding accumulates over substeps to a drift that double does not have.
+  // In floats, rounding accumulates over substeps to a drift of the whole sheet. FreeFlight corrects it.
   std::optional<FreeFlight> flight;
   if (std::is_same_v<T, float> && FreeFlight::holds(model, loads)) flight.emplace(model, inertia_, state);
   set_pins(loads, duration, state);

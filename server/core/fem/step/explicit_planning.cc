@@ -18,7 +18,7 @@
 namespace kerf::fem {
 namespace {
 
-constexpr double kLongestKick = 1.4;  // rad, of bending
+constexpr double kLongestKick = 1.4;  // rad, largest n h omega_b, see bending_interval()
 
 // Returns the speed of stretching waves, m/s.
 double wave_speed(const MaterialLaw& law) {
@@ -54,9 +54,9 @@ double longest(const std::vector<double>& beta) {
 }  // namespace
 
 ExplicitIntegrator::Reference ExplicitIntegrator::reference(const Model& model) {
-  // Absolute row sums at an inner vertex of a grid of squares with parallel diagonals.
-  constexpr double kMembraneRow = 8.0;  // of L
-  constexpr double kBendingRow = 64.0;  // of Q, over D / length^2
+  // -, absolute row sums at an inner vertex of a grid of squares with parallel diagonals.
+  constexpr double kMembraneRow = 8.0;  // of L, see LocalInertia
+  constexpr double kBendingRow = 64.0;  // of Q, in units of D / length^2
   const double edge = model.masses().typical_edge_length();
   Reference fastest;
   if (!(edge > 0.0)) return fastest;
@@ -90,14 +90,16 @@ void ExplicitIntegrator::plan(const Model& model, bool follows) {
 }
 
 std::optional<InertiaTerms> ExplicitIntegrator::inertia_terms(const Model& model) {
-  // -, ratio of the frequencies of the shortest step to those of the sheet as built. Longer steps err more, above all
-  // once cuts cross: see tests/bench/notes/random-cuts.md.
+  // -, highest frequency that a step resolves, over that of the sheet as built; clusters take over beyond it. With a
+  // smaller ratio steps are longer and err more, above all once cuts cross: see tests/bench/notes/random-cuts.md.
   constexpr double kNominal = 2.3;
-  // -, for curved rest shapes. Their cuts make larger clusters: the facets' edges are sharp bends of tiny triangles.
+  // -, the same ratio for curved rest shapes. Their cuts would make larger clusters, because tiny triangles lie at the
+  // sharp bends between facets.
   constexpr double kCurved = 3.5;
-  // -, least damping ratio of the fastest mode as built. Slivers that crumple gain energy without damping.
+  // -, least damping ratio of the fastest mode of the sheet as built. Without damping, slivers that crumple gain
+  // energy.
   constexpr double kLeastDamping = 0.05;
-  constexpr double kTwice = 0.5;  // alpha without damping, twice the smallest stable one
+  constexpr double kTwice = 0.5;  // -, alpha of LocalInertia without damping, twice the smallest stable one
   const Reference built = reference(model);
   if (!options_.has_local_inertia || !(built.omega > 0.0)) return std::nullopt;
   const double nominal = model.bending().rest(model.element_blocks()).rest.empty() ? kNominal : kCurved;
@@ -117,13 +119,14 @@ std::optional<InertiaTerms> ExplicitIntegrator::inertia_terms(const Model& model
 }
 
 std::optional<InertiaTerms> ExplicitIntegrator::inertia_terms_of_bending(const Model& model, const Reference& built) {
-  // Ratio of consecutive steps for which terms are made, so that most cuts leave the terms as they are.
+  // -, ratio of a step length for which terms are made to the next one. As terms are made for few fixed step lengths,
+  // most cuts leave them as they are.
   constexpr double kApart = 1.2;
-  // -, ratio of the frequencies of bending outside the stiff parts to those of the sheet as built.
+  // -, highest frequency of bending outside the stiff parts over that of the sheet as built.
   constexpr double kHeadroom = 2.3;
   if (!model.materials().has_bending() || !(omega_ > 0.0) || bending_interval(plain_step_, 0.0) > 1)
     return std::nullopt;
-  double pace = 1.0;  // ratio of the fastest modes in that step to those of the sheet as built
+  double pace = 1.0;  // -, frequency that the step resolves over that of the sheet as built
   while (pace * built.omega > omega_) pace /= kApart;
   while (pace * kApart * built.omega <= omega_) pace *= kApart;
   InertiaTerms terms;
@@ -138,7 +141,8 @@ std::optional<InertiaTerms> ExplicitIntegrator::inertia_terms_of_bending(const M
 
 void ExplicitIntegrator::add_terms_of_kicks(double h, double built_omega, InertiaTerms& terms) {
   constexpr double kBelow = 0.999;  // -
-  // Substeps between kicks of bending. More of them enlarge the clusters, and a tick hardly becomes cheaper.
+  // Most substeps between kicks of bending with clusters. More would enlarge the clusters and hardly make a tick
+  // cheaper.
   constexpr int kMostWithClusters = 3;
   const double bound = bending_omega_;
   bending_omega_ = built_omega;
@@ -179,9 +183,9 @@ double ExplicitIntegrator::critical_step(double stiffening) const {
 }
 
 double ExplicitIntegrator::cfl() const {
-  // Measured on an undamped sheet, shaken until it held 360 J of waves, then left alone. It blew up with 0.95 and 0.92.
-  // It gained 2 % of its energy a second with 0.85, 0.5 % with 0.78 and 0.2 % with 0.7. With 0.95 and a damping ratio
-  // of 0.002 it came to rest.
+  // Measured on an undamped sheet, shaken until it held 360 J of waves, then left alone. With a cfl of 0.95 and 0.92 it
+  // blew up. It gained 2 % of its energy a second with 0.85, 0.5 % with 0.78 and 0.2 % with 0.7. With 0.95 and a
+  // damping ratio of 0.002 it came to rest.
   constexpr double kUndampedCfl = 0.7;     // -
   constexpr double kDampingRatio = 0.002;  // -
   return xi_ < kDampingRatio ? std::min(options_.cfl, kUndampedCfl) : options_.cfl;
@@ -217,7 +221,8 @@ TickCost ExplicitIntegrator::expected_cost(const Model& model, double dt, const 
 }
 
 int ExplicitIntegrator::bending_interval(double h, double strain) const {
-  constexpr double kLongestSwing = 2.2;  // rad: with kicks of 1.4, modes driven by tension are stable up to here
+  constexpr double kLongestSwing = 2.2;  // rad, largest swing between kicks of a mode driven by tension; with
+                                         // kLongestKick such modes are stable up to here
   constexpr double kPi = std::numbers::pi;
   for (int interval = kMaxBendingInterval; interval > 1; --interval) {
     const double bending_angle = interval * h * bending_omega_;
@@ -231,8 +236,9 @@ int ExplicitIntegrator::bending_interval(double h, double strain) const {
 }
 
 int ExplicitIntegrator::substeps_stretched(double duration, double strain) const {
-  constexpr double kLittle = 0.25;         // -; the cfl number has enough margin up to here
-  constexpr double kStiffening = 1.0 / 8;  // -, of omega per strain: 0.5 and 1 take 1.06 and 1.09 times, 2 takes 1.19
+  constexpr double kLittle = 0.25;         // -, strain up to which the cfl number has enough margin
+  constexpr double kStiffening = 1.0 / 8;  // -, growth of omega per strain; measured factors of omega are 1.06 at a
+                                           // strain of 0.5, 1.09 at 1 and 1.19 at 2
   if (strain <= kLittle) return 0;
   const double wanted = substeps_below(cfl() * critical_step_ / (1.0 + kStiffening * strain), duration);
   return static_cast<int>(std::min<double>(wanted, options_.max_substeps));

@@ -17,8 +17,8 @@
 namespace kerf::fem {
 namespace {
 
-// Returns the allowed gain of EnergyGuard::enforce. The tolerance of solves may leave 1e-7 in a step; even a thousand
-// such steps stay within 1e-4. The trapezoidal rule, which does not damp, oscillates further.
+// Returns `allowed_gain` of EnergyGuard::enforce. The tolerance of solves may leave a gain of 1e-7 in a step; even a
+// thousand such steps stay within 1e-4. The energy of the trapezoidal rule, which does not damp, swings further.
 double allowed_gain(IntegratorKind kind) {
   return kind == IntegratorKind::kTrapezoidal ? 1e-2 : 1e-7;
 }
@@ -121,7 +121,7 @@ StepStats ImplicitIntegrator::step(const Model& model, const Loads& loads, doubl
       stats.interrupted = true;
       return stats;
     }
-    const bool is_taken = i == last || attempt.is_majorized;  // regardless of its gain
+    const bool is_taken = i == last || attempt.is_majorized;  // taken even if it ends with too much energy
     if (done && contact == nullptr) done = keep_energy(model, loads, attempt.kind, state, stats) || is_taken;
     if (done) break;
     stats.flags &= ~(kEnergyLimited | kNotConverged);  // clears the flags of the discarded attempt
@@ -169,7 +169,7 @@ bool ImplicitIntegrator::try_step(const Model& model, const Loads& loads, const 
   return true;
 }
 
-// Returns false if another attempt may do better.
+// Limits the energy of `state`. Returns false if it was exceeded so far that another attempt may do better.
 bool ImplicitIntegrator::keep_energy(const Model& model, const Loads& loads, IntegratorKind kind, State& state,
                                      StepStats& stats) const {
   const EnergyGuard::Verdict verdict =
@@ -193,7 +193,7 @@ bool ImplicitIntegrator::advance(const Model& model, const Loads& loads, const S
   }
 }
 
-// Sets the ballistic end of a stage that leaves `start` for t (s). t2 (s^2) is the factor of gravity in the
+// Sets scratch_.stage.ballistic for a stage that lasts t (s) from `start`. t2 (s^2) is the factor of gravity in the
 // displacement.
 void ImplicitIntegrator::set_ballistic(const State& start, double t, double t2, const Eigen::Vector3d& gravity) {
   scratch_.stage.ballistic = (start.x + t * start.v).colwise() + t2 * gravity;

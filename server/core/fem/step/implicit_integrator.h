@@ -19,11 +19,13 @@ TickCost implicit_cost(const Model& model, const IntegratorOptions& options, con
 // Implicit Euler, TR-BDF2 (Bank et al. 1985, gamma = 2 - sqrt 2: both stages share one d = gamma h / 2) and the
 // trapezoidal rule, with one substep a step. BDF2 has kBdf2Substeps. A step fails if it finds no finite solution or
 // ends with too much energy (see EnergyGuard). A failed step is discarded and repeated:
-//   - A step of second order, which also fails if its fast iteration does, becomes an implicit Euler step, which damps.
+//   - A step of second order becomes an implicit Euler step, which damps. It is not repaired before: it fails as soon
+//     as the fast iteration of StageSolver does.
 //   - An implicit Euler step is made in twice the substeps.
 //   - If no number of substeps succeeds, one linear step on a bound of the energy replaces them
 //     (StageSolver::solve_majorized). It cannot gain energy, but damps far more.
-//   - If that does not apply, with contact among others, the last attempt is accepted, stopped by the guard.
+//   - If no such bound exists, as with contact (StageSolver::can_majorize), the last attempt is accepted after
+//     EnergyGuard has stopped the sheet.
 // Wind drag is evaluated at the start of each substep, everything else at its end.
 class ImplicitIntegrator final : public Integrator {
  public:
@@ -47,14 +49,14 @@ class ImplicitIntegrator final : public Integrator {
     State before;                  // start of the previous substep; BDF2 only
     linear::VertexField force;     // 3 x V, N
     linear::VertexField constant;  // 3 x V, N: external forces and wind
-    linear::VertexField damped;    // 3 x V, m
+    linear::VertexField damped;    // 3 x V, m, scratch of BendingOperator::add_forces
     Stage stage;
   };
 
   struct Attempt {
     IntegratorKind kind;
     int substeps;
-    bool is_majorized = false;  // the whole step in one solve
+    bool is_majorized = false;  // the whole step in one solve of StageSolver::solve_majorized
   };
   struct Substep {
     IntegratorKind kind;
@@ -69,11 +71,11 @@ class ImplicitIntegrator final : public Integrator {
     return options_.max_halvings + (options_.kind == IntegratorKind::kImplicitEuler ? 1 : 2);
   }
   // Returns the attempt that follows `failures` failed ones of the same step. After num_attempts() failures it is the
-  // majorised one, see kMajorized. If that fails too, the last attempt before it is made once more.
+  // majorised one, see kMajorized. After more failures it is the last attempt before that one again.
   [[nodiscard]] Attempt attempt_after(int failures) const;
   bool try_step(const Model& model, const Loads& loads, const Attempt& attempt, double dt, ContactConstraint* contact,
                 State& state, StepStats& stats);
-  // Number of substeps of a step before it is divided.
+  // Number of substeps in the first attempt at a step.
   [[nodiscard]] int num_substeps() const { return options_.kind == IntegratorKind::kBdf2 ? kBdf2Substeps : 1; }
   bool keep_energy(const Model& model, const Loads& loads, IntegratorKind kind, State& state, StepStats& stats) const;
   bool advance(const Model& model, const Loads& loads, const Substep& substep, State& state, StepStats& stats);

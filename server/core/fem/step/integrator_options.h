@@ -25,29 +25,31 @@ struct IntegratorOptions {
   IntegratorKind kind = IntegratorKind::kAutomatic;
   double tick = 1.0 / 60.0;  // s, the dt that step() will be called with; only for kAutomatic's estimate
 
-  // Explicit. Substep <= cfl * stable step, and at most 0.7 of it without damping.
-  double cfl = 0.95;                   // -, (0, 1)
-  double highest_mode_damping = 0.05;  // -, [0, 0.5]: damping ratio of the fastest mode, added as Kelvin-Voigt damping.
-                                       // It is at least 0.05 of the sheet as built if cuts have made clusters. It also
-                                       // limits the material's own stiffness_damping from above. Without damping the
-                                       // scheme may gain energy in a crumpled sheet
-  int max_substeps = 20000;            // per step
-  bool has_local_inertia = true;       // for parts that cuts leave much stiffer than the sheet as built: see
-                                       // LocalInertia
-  Precision precision = Precision::kMixed;  // kMixed: steps that floats cannot hold are made in double (kWidened). So
-                                            // are those of a sheet nearly at rest that displacements cannot represent,
-                                            // as with Green's strain
+  // Explicit steps. A substep is at most cfl times the stable step, and without damping at most 0.7 times it.
+  double cfl = 0.95;  // -, (0, 1)
+  // -, [0, 0.5]: least damping ratio of the fastest mode, by Kelvin-Voigt damping. Material::stiffness_damping may
+  // raise the ratio further, up to ExplicitIntegrator::kMaxModeDamping. If cuts have made clusters it counts as at
+  // least 0.05, for the fastest mode of the sheet as built. Without damping the scheme may gain energy in a crumpled
+  // sheet.
+  double highest_mode_damping = 0.05;
+  int max_substeps = 20000;       // per step
+  bool has_local_inertia = true;  // true: clusters for parts that cuts leave much stiffer than the sheet as built,
+                                  // see LocalInertia
+  // With kMixed, steps that floats cannot hold are made in double (kWidened). Steps of a sheet nearly at rest are made
+  // in double if displacements cannot represent them, as with Green's strain.
+  Precision precision = Precision::kMixed;
 
-  // Implicit.
-  int newton_iterations = 5;       // per substep, >= 1
-  double newton_tolerance = 1e-4;  // -, stop when |r| <= tolerance * scale, with r the residual M dx - h^2 f of the
-                                   // step (kg m). The scale is |r| for ballistic motion, at least 1e-3 of that for
-                                   // standing still, and so large that rounding is below the tolerance
+  // Implicit steps.
+  int newton_iterations = 5;  // per substep, >= 1
+  // -, Newton's method stops when |r| <= newton_tolerance * scale. r is the residual M dx - h^2 f of the step (kg m).
+  // The scale is |r| for ballistic motion, but at least 1e-3 of |r| for no motion at all. It is also so large that
+  // rounding of r is below the tolerance.
+  double newton_tolerance = 1e-4;
   linear::LinearSolverKind linear_solver = linear::LinearSolverKind::kBlockJacobiCg;  // kAutomatic makes its own choice
   linear::CovarianceRootOptions covariance_root;                                      // for kEsCgm and kAsCgm
   double linear_tolerance = 1e-4;                                                     // -, see linear_solver.h
   int max_linear_iterations = 1000;  // per solve by conjugate gradients, >= 1
-  int max_halvings = 6;              // for a step that fails
+  int max_halvings = 6;              // most halvings of a step that fails
 };
 
 }  // namespace kerf::fem

@@ -14,10 +14,12 @@
 namespace kerf::fem {
 namespace {
 
-// The rest of the tick is left to contact, cuts and ticks of a sheet at rest.
+// -, Softening::budget over the duration of a tick. The remainder is left to contact, cuts and ticks of a sheet at
+// rest.
 constexpr double kShareOfTick = 0.8;
 
-// Largest distance to the exact sheet after 0.3 s over the sheet's side, for wool, paper and foil that hardly stretch.
+// Largest distance to the sheet with factor 1 after 0.3 s, over the side of the sheet. Measured with wool, paper and
+// foil, which hardly stretch.
 struct MeasuredError {
   int factor;
   double error;  // -
@@ -52,7 +54,7 @@ double expected_error(int factor, std::span<const Material> materials, double si
   double stretch = 0.0;
   for (const Material& m : materials) {
     const double stiffness = std::min(m.youngs_modulus_1, m.youngs_modulus_2);
-    // Twice the stretch of a strip at rest under its own weight.
+    // Twice the stretch of a strip that hangs at rest under its own weight.
     stretch = std::max(stretch, m.density * gravity * size * size / stiffness);
   }
   return measured->error * size + (factor - 1) * stretch;

@@ -18,7 +18,7 @@ struct Softening {
   int factor = 1;               // -, 1, 2, 4, 8 or 16: divisor of the membrane's moduli
   bool is_explicit = true;      // the uncut softened sheet is stepped explicitly
   double cost = 0.0;            // s, estimated computing time of a tick with `factor`
-  double budget = 0.0;          // s, part of the tick's duration that `cost` may use
+  double budget = 0.0;          // s, computing time that a tick may use: a part of its duration
   double expected_error = 0.0;  // m, >= 0, see expected_error(); 0 with factor 1
 
   [[nodiscard]] bool fits() const { return cost <= budget; }
@@ -36,10 +36,10 @@ Softening choose_softening(const mesh::TriangleMesh& mesh, std::span<const Mater
 Material soften(Material material, int factor);
 std::vector<Material> soften(std::vector<Material> materials, int factor);
 
-// Returns the largest distance (m, >= 0) expected after 0.3 s from explicit steps of the original materials. The first
-// part was measured on flat sheets of 1 m held by a straight edge, and grows with `size` (m, the larger side). The
-// second is the additional stretch by gravity (m/s^2) of a strip of that length, suddenly released, along the softer
-// axis of the softest material.
+// Returns the largest distance (m, >= 0) expected after 0.3 s from explicit steps of the original materials. It is the
+// sum of two parts. The first was measured on flat sheets of 1 m held by a straight edge, and is in proportion to
+// `size` (m, the larger side). The second is the additional stretch of a strip of length `size` that is suddenly
+// released under gravity (m/s^2). It is cut along the softer axis of the material that stretches most.
 double expected_error(int factor, std::span<const Material> materials, double size, double gravity);
 
 // Describes the choice, its cost and its error in one clause for people.

@@ -94,7 +94,7 @@ void StageContact::detect(const linear::VertexField& x, Update update) {
       entry.vertex = i;
       entry.surface = gaps[k];
       entry.stiffness = stiffness(i);
-      // The first penetration results from a step without the surface and is no measure for friction.
+      // The first penetration comes from a step that ignored the surface, so its depth says nothing about friction.
       const double limit =
           is_known || update == Update::kAll ? gaps[k].friction * entry.stiffness * std::max(0.0, -gaps[k].gap) : 0.0;
       update_friction(tangential(gaps[k], x.col(i) - start_->col(i)), limit, entry);
@@ -105,7 +105,8 @@ void StageContact::detect(const linear::VertexField& x, Update update) {
 }
 
 void StageContact::update_friction(const Eigen::Vector3d& slid, double limit, Entry& entry) {
-  constexpr double kFollow = 0.5;  // of a change of the limit; following all of it oscillates on a curved surface
+  constexpr double kFollow = 0.5;  // -, part of a change of the limit that is followed; following all of it oscillates
+                                   // on a curved surface
   const double limit_before = entry.limit;
   Eigen::Vector3d predicted(0.0, 0.0, 0.0);
   if (limit_before > 0.0) {

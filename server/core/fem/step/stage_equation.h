@@ -18,13 +18,13 @@ class ContactConstraint;
 // Implicit Euler, the trapezoidal rule and BDF2 are stages with their own base and d.
 struct Stage {
   State base;
-  // kg m/s, momentum of base.v without the contribution of internal forces, which is only their rounding.
+  // kg m/s, total momentum of base.v. Internal forces are left out of it, because only their rounding has a resultant.
   Eigen::Vector3d momentum = Eigen::Vector3d::Zero();
   double d = 0.0;                 // s, > 0
   linear::VertexField ballistic;  // m, end of the stage under gravity alone, where the search begins
   double time_left = 0.0;         // s, from the end of the stage to the end of the step, for moving pins and grabs
-  // True if the last solve() was of the previous stage of the same step. The stress it predicted then serves the first
-  // iteration. The stress at its end may contain false stretch, after only a few linear steps.
+  // True if the last StageSolver::solve() was of the previous stage of the same step. The first iteration then uses the
+  // stress that it predicted. The stress at its end may contain false stretch if it stopped after a few linear steps.
   bool continues = false;
   bool may_repair = true;  // false: the stage fails if the fast iteration fails
   const ContactConstraint* contact = nullptr;
@@ -38,11 +38,12 @@ struct StageProblem {
   const linear::VertexField& constant_force;  // N
   const Stage& stage;
   std::span<const double> beta;       // stiffness damping, see damping_of; none in a repair
-  bool is_majorized = false;          // uses the majorised membrane, bounded at the given x
+  bool is_majorized = false;          // replaces the membrane by the quadratics that bound its energy at the given x,
+                                      // see MajorizedTriangle
   bool has_follower_tangent = false;  // the matrix includes the tangent of follower loads
 };
 
-// Evaluates the residual of the stage's equation, d^2 f - M dx with its other terms; see Stage.
+// Evaluates the residual of a stage: minus the left side of the equation at Stage.
 class StageResidual {
  public:
   void resize(int num_vertices);
@@ -56,8 +57,8 @@ class StageResidual {
 };
 
 // Returns the incremental potential, kg m^2, whose negative gradient is the residual if beta is 0. `contact` is the
-// potential of contacts at `x`, J. Follower loads have no potential: their work from `origin` to `x` replaces it, so
-// only values of the same origin can be compared.
+// potential of contacts at `x`, J. Follower loads have no potential. Minus their work from `origin` to `x` takes its
+// place, so only values with the same origin can be compared.
 double incremental_potential(const StageProblem& problem, double contact, const linear::VertexField& x,
                              const linear::VertexField& origin);
 

@@ -17,9 +17,9 @@ namespace {
 
 constexpr int kRepairIterations = 30;
 constexpr int kMaxBacktracks = 30;
-constexpr int kContactIterations = 8;  // at least, if vertices touch
-constexpr double kSettled = 1e-2;      // relative residual below which forces decide which vertices let go
-constexpr double kNearly = 0.1;        // relative residual above which an iteration with contact has failed
+constexpr int kContactIterations = 8;  // least number of Newton iterations allowed if vertices touch
+constexpr double kSettled = 1e-2;      // -, relative residual below which contacts that would pull let go
+constexpr double kNearly = 0.1;        // -, relative residual above which an iteration with contact has failed
 
 using Update = StageContact::Update;
 
@@ -150,7 +150,7 @@ bool StageSolver::solve_majorized(const Model& model, const Loads& loads, const 
   contact_.begin(nullptr, model, stage.d, stage.base.x);
   phase_ = Phase::kReady;
   state.x = stage.base.x;
-  // A free sheet starts at the position given by its momentum. Moving it there afterwards could gain energy if the
+  // A free sheet starts at the position given by its momentum. Moving it there after the solve could gain energy if the
   // solve stopped early. The bound and bending do not change with the translation.
   if (is_free(exact)) restore_momentum(exact, state.x);
   const double reference = equation_.evaluate(problem, state.x, residual_);
@@ -167,7 +167,7 @@ bool StageSolver::solve_majorized(const Model& model, const Loads& loads, const 
   return true;
 }
 
-// Returns true if it converged, or ended below the potential it began at.
+// Makes the fast iteration. Returns true if it converged, or if its best point is accepted.
 bool StageSolver::iterate(StageProblem& problem, linear::VertexField& x, StepStats& stats) {
   double scale = 0.0;
   double relative = 0.0;
@@ -226,8 +226,8 @@ void StageSolver::solve_next(StageProblem& problem, const linear::VertexField& x
   } while (!solve_linear(solver, problem, stats, step_));
 }
 
-// The unknown is the departure from ballistic motion that ends at the surfaces it meets. Tolerances are thus relative
-// to the effect of forces, not to the momentum of a moving sheet, and free fall is exact.
+// The unknown of the linear system is the departure from ballistic motion that ends at the surfaces it meets.
+// Tolerances are thus relative to the effect of forces, not to the momentum of a moving sheet. Free fall is exact.
 double StageSolver::solve_first(StageProblem& problem, const linear::VertexField& x, StepStats& stats) {
   const double d = problem.stage.d;
   double whole = 0.0;
@@ -237,7 +237,8 @@ double StageSolver::solve_first(StageProblem& problem, const linear::VertexField
     rhs_ = residual_;
     step_ = problem.stage.ballistic - x;
     for (Eigen::Index i = 0; i < step_.cols(); ++i) {
-      if (problem.model.mass()[static_cast<std::size_t>(i)] == 0.0) step_.col(i).setZero();  // nothing moves it
+      // Vertices without material do not move.
+      if (problem.model.mass()[static_cast<std::size_t>(i)] == 0.0) step_.col(i).setZero();
     }
     contact_.predict(x, residual_, step_);
     constrain(problem, x);

@@ -21,11 +21,12 @@ namespace kerf::fem {
 //
 // Fast iteration: full steps. The tangent, but not the residual, uses the stress predicted by the previous linear step
 // (mixed integration points, Magisano, Leonetti, Garcea 2017). The true stress of a stiff sheet after a linear step is
-// mostly the false stretch of its rotation. The best point is accepted if it converged, or if it lowers the incremental
-// potential and, with contact, came near. Otherwise it is discarded.
+// mostly false stretch: a rotation made linearly stretches the sheet. The iterate with the least residual is accepted
+// if it has converged. It is also accepted if it lowers the incremental potential; with contact its residual must be
+// small as well. In all other cases the iteration has failed.
 //
-// Repair: projected Newton steps with backtracking on the potential, without stiffness damping. They always descend, so
-// a step can never blow up.
+// Repair, if the fast iteration has failed: projected Newton steps with backtracking on the incremental potential,
+// without stiffness damping. They always descend, so a step can never blow up.
 class StageSolver {
  public:
   explicit StageSolver(const IntegratorOptions& options);
@@ -33,15 +34,15 @@ class StageSolver {
   void rebuild(const Model& model);
   // Updates after exactly one Model::follow since the previous call.
   void follow(const Model& model);
-  // Analyses the pattern if follow() changed it.
+  // Lets the linear solver analyse the pattern of the matrix if follow() changed it.
   void prepare();
   // Discards the data of earlier stages in the linear solver, so that they have no influence on later ones.
   void reset() { solver_->reset(); }
   // Sets the stop condition, see Integrator::set_stop_condition. A stopped solve has found no solution.
   void set_stop_condition(const StopCondition* stop);
-  // Solves a stage. constant_force: 3 x V, N. state.x holds the start and becomes the solution, state.v its velocity.
-  // Returns false, with undefined state, if no finite solution was found. Adds to the counters, flags and residual of
-  // stats.
+  // Solves a stage. constant_force: 3 x V, N. state.x holds the start of the search and becomes the solution; state.v
+  // becomes its velocity. Returns false, with undefined state, if no finite solution was found. Adds to the counters
+  // and flags of stats, and raises its residuals.
   bool solve(const Model& model, const Loads& loads, const linear::VertexField& constant_force, const Stage& stage,
              State& state, StepStats& stats);
 
@@ -50,13 +51,13 @@ class StageSolver {
   [[nodiscard]] static bool can_majorize(const Model& model, const Loads& loads);
   // Solves the implicit Euler stage from stage.base in one linear solve, ignoring state.x. The membrane's energy is
   // bounded from above there (see MajorizedTriangle), and stiffness damping is left out. The step gains no energy,
-  // however far it goes. Otherwise as solve().
+  // however far it goes. Arguments and result are those of solve().
   bool solve_majorized(const Model& model, const Loads& loads, const linear::VertexField& constant_force,
                        const Stage& stage, State& state, StepStats& stats);
 
  private:
   enum class Phase {
-    kPatternChanged,  // prepare() must analyse the pattern of matrix_
+    kPatternChanged,  // the pattern of matrix_ changed: prepare() must be called
     kReady,
     kPredicted,  // ready, and stress_ belongs to the solution of the last stage
   };
@@ -67,7 +68,8 @@ class StageSolver {
   void finish(const StageProblem& problem, State& state) const;
 
   bool iterate(StageProblem& problem, linear::VertexField& x, StepStats& stats);
-  // Returns true if `x`, where the iteration stopped without convergence, is no higher in the potential than its start.
+  // Decides whether `x`, where iterate() stopped without convergence, is taken. Returns true if its incremental
+  // potential without damping is no higher than at start_.
   bool accept(const StageProblem& problem, const linear::VertexField& x, double residual, StepStats& stats) const;
   // Computes the first Newton step in step_. Returns the scale of the residual (see
   // IntegratorOptions::newton_tolerance).
@@ -79,33 +81,35 @@ class StageSolver {
   [[nodiscard]] bool is_free(const StageProblem& problem) const;
   // Sets residual_ with contact forces and returns its norm.
   double evaluate_residual(const StageProblem& problem, const linear::VertexField& x, StageContact::Update update);
-  // Returns the norm with contact forces over `scale`. Contacts that would pull let go once the residual has settled.
+  // Sets residual_ with contact forces and returns its norm over `scale`. Contacts that would pull let go once that
+  // ratio is below kSettled.
   double evaluate_relative(const StageProblem& problem, const linear::VertexField& x, double scale);
   // Returns the incremental potential, including the potential of the contacts found last.
   [[nodiscard]] double merit(const StageProblem& problem, const linear::VertexField& x,
                              const linear::VertexField& origin) const;
 
-  // Assembles matrix_, with stress_ if `predicted`, otherwise with the stress at x.
+  // Assembles matrix_ at x. The stress is stress_ if `predicted`, or that at x if not.
   void assemble(const StageProblem& problem, const linear::VertexField& x, bool predicted);
   // Applies TangentMatrix::constrain to step_ and rhs_.
   void constrain(const StageProblem& problem, const linear::VertexField& x);
   // Computes a later Newton step in step_.
   void solve_next(StageProblem& problem, const linear::VertexField& x, bool predicted, StepStats& stats);
-  // Solves matrix_ x = rhs_ from the guess x. Returns false if it should be assembled and solved again without the
-  // tangent of follower loads. That tangent alone can keep the matrix from being positive definite. The loads stay in
-  // the residual. Their tangent is left out until the stage is solved.
+  // Solves matrix_ x = rhs_ from the guess x. Returns false if matrix_ must be assembled and solved again without the
+  // tangent of follower loads. Only that tangent can keep the matrix from being positive definite. It is then left out
+  // until the stage is solved, while the loads stay in the residual.
   bool solve_linear(linear::LinearSolver& solver, StageProblem& problem, StepStats& stats, linear::VertexField& x);
 
   IntegratorOptions options_;
   StopPoll stop_;
   std::unique_ptr<linear::LinearSolver> solver_;
-  std::unique_ptr<linear::LinearSolver> repair_solver_;  // used if solver_ solves a different system, whose steps may
-                                                         // not descend
+  // Used for repairs if the steps of solver_ may not descend, because it solves a different system. Null if it does
+  // not.
+  std::unique_ptr<linear::LinearSolver> repair_solver_;
   StageContact contact_;
   TangentMatrix matrix_;
   StageResidual equation_;
   Phase phase_ = Phase::kPatternChanged;
-  std::vector<Eigen::Vector3d> stress_;                    // one a lane, N/m, for the tangent
+  std::vector<Eigen::Vector3d> stress_;                    // N/m, one a lane, predicted stress for the tangent
   linear::VertexField residual_, rhs_, step_, increment_;  // 3 x V
   linear::VertexField trial_, start_, best_;
 };

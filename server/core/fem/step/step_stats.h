@@ -37,7 +37,7 @@ inline void count_flags(std::uint32_t flags, FlagCounts& counts) {
 
 inline constexpr double kWorstLinearResidual = 1e6;
 
-// Statistics of a step. Degradation is reported as a value, and the caller decides how to treat it.
+// Statistics of a step. A step that went wrong is reported by flags, and the caller decides how to treat it.
 struct StepStats {
   std::uint32_t flags = kNoFlags;
   int substeps = 0;
@@ -45,13 +45,14 @@ struct StepStats {
   int linear_iterations = 0;  // summed over Newton iterations
   // Largest relative residual |b - A x| / |b| of a linear solve, recomputed from x; at most kWorstLinearResidual.
   double linear_residual = 0.0;
-  double residual = 0.0;    // largest final Newton residual of a substep, relative (see IntegratorOptions); 0: explicit
-  double max_strain = 0.0;  // -, largest |principal strain| at the end of the step
-  double strained_share = 0.0;  // -, share of the area beyond Material::strain_limit at the end: see StrainExtent
+  double residual = 0.0;        // -, largest final Newton residual of any substep, relative to the scale at
+                                // IntegratorOptions::newton_tolerance; 0 for explicit steps
+  double max_strain = 0.0;      // -, largest |principal strain| at the end of the step
+  double strained_share = 0.0;  // -, StrainExtent::beyond_limit at the end of the step
   double simulated = 0.0;       // s, time the state advanced: dt, 0 if frozen, less than dt with kSubstepLimit
-  // Number of evaluations of forces on vertices that are neither of the membrane nor linear in positions. These are
-  // external forces, wind, follower loads, clamps and a curved rest shape. Implicit integrators count wind only. 0
-  // without such forces.
+  // Number of times that forces were evaluated which are neither those of the membrane nor linear in positions. These
+  // are external forces, wind, follower loads, clamps and a curved rest shape. Implicit integrators count wind only. 0
+  // if none of these forces acts.
   int load_phases = 0;
   int cluster_pushes = 0;    // number of times that bodies pushed a cluster of local inertia
   int bending_interval = 0;  // explicit: substeps from one kick of bending to the next
@@ -65,7 +66,7 @@ struct LocalInertiaStats {
   int clusters = 0;  // >= 1
   int vertices = 0;  // of all clusters
   int largest = 0;   // vertices of one cluster
-  // Least number of substeps of a step with clusters and without them, regardless of the limit.
+  // Least number of substeps of a step with clusters (planned) and without them (plain), regardless of max_substeps.
   double planned_substeps = 0.0;
   double plain_substeps = 0.0;
 };

@@ -4,12 +4,13 @@ import { pressVerb } from '../press_verb';
 import { PointDrawing } from './drawing';
 import type { DrawnCut, PreviewLine } from './drawing';
 
-// The largest distance of the preview from the curve, in parts of the longer side of the box around its points.
+// Largest distance of the preview from the curve, as a share of the longer side of the box around the curve's points.
 const kTolerance = 2e-4;
 const kMaxDepth = 9;
 
 /**
- * A Bezier curve by its control points: three taps make it quadratic, a fourth cubic. Rational where weights differ.
+ * A Bezier curve given by its control points: quadratic after three taps, cubic after a fourth. It is rational if
+ * weights differ.
  */
 export class BezierDrawing extends PointDrawing {
   readonly weights: number[] = [];
@@ -56,7 +57,7 @@ export class BezierDrawing extends PointDrawing {
 
   cut(): DrawnCut {
     const [start, ...rest] = this.points;
-    // Weights have a meaning only by their ratios.
+    // Only the ratios of weights matter, so equal weights are left out.
     const weights = this.weights.every((weight) => weight === this.weights[0]) ? [] : this.weights;
     const segment =
       rest.length === 2

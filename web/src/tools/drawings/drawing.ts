@@ -2,23 +2,23 @@ import type { MessageInitShape } from '@bufbuild/protobuf';
 import type { CutSchema } from '../../gen/kerf/v1/scene_pb';
 import type { Point2 } from '../../geometry/locator';
 
-/** Fields of a kerf.v1.Cut that a drawing decides. */
+/** Fields of a kerf.v1.Cut that a drawing sets. */
 export type DrawnCut = Pick<MessageInitShape<typeof CutSchema>, 'curve' | 'fit'>;
 
-/** A line for the preview, and whether it is what is cut or only leads to it. */
+/** A line of the preview: a part of the curve to cut, or only a guide, such as a line to a control point. */
 export interface PreviewLine {
   points: readonly Point2[];
   isGuide?: boolean;
 }
 
 /**
- * Something that is drawn, adjusted and then cut along, in the coordinates of the plane that it lies on: pixels of the
- * picture (y down) or metres of material (y up).
+ * A curve that the user draws, adjusts and then cuts along. Its coordinates are those of the plane on which it lies:
+ * pixels of the picture (y down) or metres of material (y up).
  */
 export interface Drawing {
   /** Points that can be dragged. */
   readonly handles: readonly Point2[];
-  /** Weights of the handles, where they can be changed. */
+  /** Weights of the handles; undefined if the drawing has none. */
   readonly weights?: number[];
   readonly isStarted: boolean;
   readonly isReady: boolean;
@@ -27,19 +27,19 @@ export interface Drawing {
   /** Short text on a handle. */
   handleText(index: number): string;
   lines(): PreviewLine[];
-  /** Only when ready. */
+  /** Returns the cut along the drawing; only if isReady. */
   cut(): DrawnCut;
 
   tap(point: Point2): void;
-  /** A press; true takes the gesture, which drag() and release() follow. */
+  /** Handles a press; true takes the gesture, so that drag() and release() follow. */
   press(point: Point2): boolean;
   drag(point: Point2): void;
-  /** @param tremor  how far a hand strays without meaning it, in the plane's unit */
+  /** @param tremor  distance within which movements are unintentional, in the plane's unit */
   release(tremor: number): void;
   moveHandle(index: number, to: Point2): void;
-  /** Takes the last point back; false if there is none to take. */
+  /** Removes the last point; false if there is none. */
   removeLast(): boolean;
-  /** Moves every point; false, and nothing is moved, if one of them cannot be. */
+  /** Moves every point by `move`; if one cannot be moved, returns false and moves none. */
   map(move: (point: Point2) => Point2 | undefined): boolean;
 }
 

@@ -3,14 +3,14 @@ import type { Point2 } from '../../geometry/locator';
 import { PointDrawing } from './drawing';
 import type { DrawnCut, PreviewLine } from './drawing';
 
-// Its chords are within 1/6000 of its larger diameter of the ellipse.
+// Chords of the preview, which differ from the ellipse by at most 1/6000 of its larger diameter.
 const kPreviewPieces = 128;
-// The second axis of a new ellipse against the first.
+// Ratio of the second to the first axis of a new ellipse.
 const kFirstRatio = 0.6;
 
 /**
- * A circle or an ellipse: a drag from the centre to the rim makes it. Points: centre, end of the first axis and, of an
- * ellipse, of the second one, which stays at a right angle to it.
+ * A circle or an ellipse, made by a drag from the centre to the rim. Its points are the centre, the end of the first
+ * axis and, for an ellipse, the end of the second axis. The axes stay at a right angle.
  */
 export class EllipseDrawing extends PointDrawing {
   private isDrawing = false;
@@ -40,7 +40,7 @@ export class EllipseDrawing extends PointDrawing {
   }
 
   override press(point: Point2): boolean {
-    // A finished shape is adjusted by its handles: a press beside it moves the view.
+    // A finished shape is adjusted by its handles only, so that a press beside them moves the view.
     if (this.points.length > 0) return false;
     this.isDrawing = true;
     this.points = this.isCircle ? [point, point] : [point, point, point];
@@ -74,7 +74,7 @@ export class EllipseDrawing extends PointDrawing {
     }
   }
 
-  // Elsewhere the axes may no longer be at a right angle.
+  // Makes the axes perpendicular again, which `move` may have changed.
   override map(move: (point: Point2) => Point2 | undefined): boolean {
     if (!super.map(move)) return false;
     const [center, , second] = this.points;
@@ -105,7 +105,7 @@ export class EllipseDrawing extends PointDrawing {
     return { curve: { kind: { case: 'ellipse', value: { center, semiAxisXM, semiAxisYM, rotationRad } } } };
   }
 
-  // The point this far from the centre at a right angle to the first axis.
+  // Returns the point at this distance from the centre, perpendicular to the first axis.
   private beside(length: number): Point2 {
     const [center, rim] = this.points;
     const scale = length / (distance(center, rim) || 1);

@@ -3,12 +3,12 @@ import type { Point2 } from '../../geometry/locator';
 import { PointDrawing } from './drawing';
 import type { DrawnCut, PreviewLine } from './drawing';
 
-// kerf.v1.Polyline.
+// Limit of kerf.v1.Polyline.
 const kMaxPoints = 4096;
-// A stroke that ends within this many tremors of its start, and went farther than thrice that, is meant to be closed.
+// A stroke is closed if it ends within this many tremors of its start and went more than three times as far away.
 const kClosingTremors = 8;
 
-/** One stroke, less its tremor. */
+/** One stroke of the hand, smoothed by its tremor. */
 export class FreehandDrawing extends PointDrawing {
   private isDrawing = false;
 
@@ -33,7 +33,7 @@ export class FreehandDrawing extends PointDrawing {
 
   override drag(point: Point2): void {
     this.points.push(point);
-    // A very long scribble becomes coarser; room is left for the point that closes it.
+    // Halves the points of a very long stroke, which also leaves room for the point that closes it.
     if (this.points.length >= kMaxPoints) this.points = this.points.filter((_, i) => i % 2 === 0);
   }
 
@@ -43,7 +43,7 @@ export class FreehandDrawing extends PointDrawing {
     const reach = kClosingTremors * tremor;
     const isLoop = distance(first, this.points[this.points.length - 1]) < reach;
     if (isLoop && this.points.some((point) => distance(first, point) > 3 * reach)) {
-      // The end may have gone past the start: crossing there, it would cut out a sliver.
+      // Removes points near the start: if the end crossed the start, the cut would separate a sliver.
       while (distance(first, this.points[this.points.length - 1]) < reach) this.points.pop();
       this.points.push(first);
     }

@@ -16,7 +16,7 @@ const kDrawings: Record<CutMode, () => Drawing> = {
   svg: () => new PictureDrawing(),
 };
 
-/** One of which nothing is drawn yet. */
+/** Returns an empty drawing of this kind. */
 export function newDrawing(mode: CutMode): Drawing {
   return kDrawings[mode]();
 }

@@ -3,7 +3,7 @@ import { pressVerb } from '../press_verb';
 import { PointDrawing } from './drawing';
 import type { DrawnCut, PreviewLine } from './drawing';
 
-// kerf.v1.Polyline.
+// Limit of kerf.v1.Polyline.
 const kMaxPoints = 4096;
 
 /** Straight lines from tap to tap. */

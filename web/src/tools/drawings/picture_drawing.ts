@@ -6,7 +6,7 @@ export interface Picture {
   name: string;
   /** SVG */
   text: string;
-  /** Undefined where the browser makes nothing of it. */
+  /** Undefined if the browser cannot read the SVG. */
   outline: SvgOutline | undefined;
 }
 
@@ -15,21 +15,24 @@ export interface Box {
   max: Point2;
 }
 
-// Share of the sheet's box left free at each side, as the server does.
+// Share of the sheet's box left free at each side, as by the server.
 const kMargin = 0.05;
-// Pieces of a side of the box, which follow the sheet.
+// Number of straight pieces of each side of the box, so that it follows the sheet.
 const kSidePieces = 16;
-// Least side of the box, relative to the sheet's larger side.
+// Least side of the box, as a share of the sheet's larger side.
 const kLeastSide = 0.01;
 
-/** An SVG file in a box on the material, which is moved and scaled before the cut; none until there is one. */
+/**
+ * An SVG file in a box on the material, which the user moves and scales before the cut. It is empty until a file is
+ * given.
+ */
 export class PictureDrawing implements Drawing {
   private box: Box = { min: { x: 0, y: 0 }, max: { x: 0, y: 0 } };
   private readonly aspect: number = 1;
   private readonly leastSide: number = 0;
   private held: Point2 | undefined;
 
-  /** @param sheet  the sheet's bounding box, metres; only without a picture none */
+  /** @param sheet  the sheet's bounding box, metres; required with a picture */
   constructor(
     private readonly picture?: Picture,
     sheet?: Box,
@@ -116,7 +119,7 @@ export class PictureDrawing implements Drawing {
       const from = middle(this.box);
       return this.shift(to.x - from.x, to.y - from.y);
     }
-    // The opposite corner stays; the shape of the box too.
+    // The opposite corner and the proportions of the box stay.
     const opposite = this.handles[(index + 2) % 4];
     const isRight = index === 1 || index === 2;
     const isUpper = index === 2 || index === 3;
@@ -132,7 +135,7 @@ export class PictureDrawing implements Drawing {
     return false;
   }
 
-  // It lies on the material and nowhere else.
+  // Always fails, because an SVG drawing can only lie on the material.
   map(): boolean {
     return false;
   }

@@ -15,16 +15,19 @@ interface Change {
   /** Numbers, or a preset. */
   material: Material;
   part: number | undefined;
-  /** Shows why the server refused it. */
+  /** Shows why the server refused the change. */
   refused(text: string): void;
 }
 
 const kWhole = '';
-// The value of kerf.v1.SetMaterial.part for all that is in no part.
+// Value of kerf.v1.SetMaterial.part for the sheet outside all parts.
 const kOwn = '-1';
 const kOwnNumbers = '';
 
-/** The material of the sheet or of one of its parts: a preset, or numbers, which are in force as they are dragged. */
+/**
+ * Controls the material of the sheet or of one of its parts: a preset, or numbers, which take effect while they are
+ * dragged.
+ */
 export class MaterialControl {
   private readonly preset = element<HTMLSelectElement>('material-preset');
   private readonly part = element<HTMLSelectElement>('material-part');
@@ -34,7 +37,7 @@ export class MaterialControl {
   private presets: readonly Material[] = [];
   private material: Material | undefined;
   private sheetName = '';
-  // The server's material, as it was shown last; undefined: this page has asked for another since.
+  // The server's material as last shown; undefined if this page has requested another since.
   private told: string | undefined;
 
   constructor(
@@ -61,7 +64,7 @@ export class MaterialControl {
     if (this.newest.isBusy) return;
     this.showParts(sheet);
     this.material = this.materialOf(sheet);
-    // A refusal stays until the material that it left is another one.
+    // A refusal stays visible until the server's material changes.
     const told = JSON.stringify(this.material);
     if (this.told !== undefined && told !== this.told) this.clearErrors();
     this.told = told;
@@ -96,7 +99,7 @@ export class MaterialControl {
     const { material, presets } = this;
     const chosen = presets.find(({ preset }) => preset === this.preset.value);
     if (!material || !chosen) return this.showNumbers();
-    // The direction of the fibres stays.
+    // A preset does not change the direction of the fibres.
     this.put({ ...chosen, directionRad: material.directionRad }, (text) => {
       setText(this.error, text);
       this.error.hidden = false;
@@ -121,7 +124,7 @@ export class MaterialControl {
     }
   }
 
-  // The next settings ask again where this fails; numbers can be set without presets.
+  // If this fails, the next settings try again; numbers can be set without presets.
   private async fetchPresets(): Promise<void> {
     const info = await serverInfo().catch(() => undefined);
     if (!info || this.presets.length > 0) return;

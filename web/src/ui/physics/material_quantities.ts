@@ -3,17 +3,20 @@ import { bendingStiffness, plateStiffness } from '../material_text';
 import { linearScale, logScale } from './slider_scale';
 import type { SliderScale } from './slider_scale';
 
-/** One number of a material that a slider sets. Ranges are those that people want; the field beside it takes the server's. */
+/**
+ * One number of a material that a slider sets. The slider has a useful range; the field beside it takes all that the
+ * server accepts.
+ */
 export interface MaterialQuantity {
   readonly id: string;
   readonly name: string;
   readonly tip: string;
-  /** With prefixes where isSi. */
+  /** Takes prefixes if isSi. */
   readonly unit: string;
   readonly isSi: boolean;
   readonly scale: SliderScale;
   read(material: Material): number;
-  /** The same material with this number. */
+  /** Returns the material with this number. */
   write(material: Material, value: number): Material;
 }
 
@@ -23,14 +26,14 @@ function times(value: number | undefined, factor: number): number | undefined {
   return value === undefined ? undefined : factor * value;
 }
 
-// All of the membrane by one factor: how the directions differ stays.
+// Scales all moduli of the membrane by one factor, so that the ratios between directions stay.
 function withStiffness(material: Material, youngsModulusPa: number): Material {
   const factor = youngsModulusPa / (material.youngsModulusPa ?? youngsModulusPa);
   const youngsModulus2Pa = times(material.youngsModulus2Pa, factor);
   return { ...material, youngsModulusPa, youngsModulus2Pa, shearModulusPa: times(material.shearModulusPa, factor) };
 }
 
-// All of the bending by one factor; what does not bend by a measured law bends as a plate of its numbers does.
+// Scales all bending stiffnesses by one factor. A material without measured ones bends as a plate times bendingScale.
 function withBending(material: Material, stiffnessNm: number): Material {
   const before = bendingStiffness(material);
   if (!(before > 0) || stiffnessNm === 0) {
@@ -184,7 +187,7 @@ const kFieldNames: Record<string, string> = {
   stiffness_damping_s: 'Stretch damping',
 };
 
-/** The server's words about a material with the names that its numbers have here. */
+/** Replaces field names in the server's message about a material by the names shown here. */
 export function materialRefusal(text: string): string {
   return text.replaceAll(/(?:set_material\.)?material\.(\w+)/g, (_, name: string) => kFieldNames[name] ?? name);
 }

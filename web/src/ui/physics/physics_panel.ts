@@ -7,7 +7,7 @@ import { PinChoice } from './pin_choice';
 import { SofteningNote } from './softening_note';
 import { WindControl } from './wind_control';
 
-/** Gravity, wind and pins, which act on the sheet, and its material. */
+/** The controls of gravity, wind, pins and material. */
 export class PhysicsPanel {
   private readonly parts: readonly { show(sheet: Sheet): void }[];
 

@@ -6,7 +6,7 @@ import { countText } from '../../tools/cut_text';
 import { element, setText } from '../dom';
 import type { Sheet } from '../../gen/kerf/v1/sheets_pb';
 
-/** Replaces all pins: holds a whole edge, the corners or nothing, where it is at that moment. */
+/** Replaces all pins: holds a whole edge, the corners or nothing, at the present place. */
 export class PinChoice {
   constructor(
     private readonly live: OpenSheet,

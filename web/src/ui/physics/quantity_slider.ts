@@ -2,7 +2,7 @@ import { make, setText } from '../dom';
 import { parseQuantity, plainText, siText } from '../quantity_text';
 import type { MaterialQuantity } from './material_quantities';
 
-/** A slider with its number beside it, which is edited as "150 kPa". */
+/** A slider with a text field for its number, such as "150 kPa". */
 export class QuantitySlider {
   readonly row: HTMLElement;
   private readonly slider: HTMLInputElement;
@@ -10,7 +10,7 @@ export class QuantitySlider {
   private readonly error: HTMLElement;
   private shown = '';
 
-  /** @param changed  by the slider or in the field */
+  /** @param changed  called with a value set by the slider or in the field */
   constructor(
     readonly quantity: MaterialQuantity,
     private readonly changed: (value: number) => void,
@@ -36,7 +36,7 @@ export class QuantitySlider {
   }
 
   show(value: number): void {
-    // Text that is being typed stays.
+    // Does not replace text that is being typed.
     if (document.activeElement === this.field && this.field.value !== this.shown) return;
     this.shown = this.textOf(value);
     this.field.value = this.shown;
@@ -62,7 +62,7 @@ export class QuantitySlider {
   }
 
   private set(value: number): void {
-    // The typed text is taken, and may be replaced.
+    // The typed text has been read, so show() may replace it.
     this.shown = this.field.value;
     this.show(value);
     this.changed(value);
@@ -75,7 +75,7 @@ export class QuantitySlider {
     this.refuse(`Give ${name} as a number, such as ${this.textOf(scale.valueAt(scale.end / 2))}`);
   }
 
-  // Escape takes back what was typed, before it closes the panel.
+  // Escape first undoes typing; only the next Escape closes the panel.
   private key(event: KeyboardEvent): void {
     if (event.key !== 'Escape' || this.field.value === this.shown) return;
     event.preventDefault();

@@ -1,30 +1,30 @@
-/** Places of a slider, whole numbers from 0, and the values that they stand for. */
+/** Maps the places of a slider, whole numbers from 0, to values. */
 export interface SliderScale {
   /** The last place. */
   readonly end: number;
   valueAt(place: number): number;
-  /** The nearest place; a value beyond the ends is at that end. */
+  /** Returns the nearest place; that of the nearer end for a value beyond the scale. */
   placeOf(value: number): number;
 }
 
-// An arrow key moves by 6 %.
+// An arrow key thus changes the value by 6 %.
 const kPlacesPerDecade = 40;
 
 function clamped(place: number, end: number): number {
   return Math.min(end, Math.max(0, Math.round(place)));
 }
 
-/** @param step  one place */
+/** @param step  difference of the values of neighbouring places */
 export function linearScale(min: number, max: number, step: number): SliderScale {
   const end = Math.round((max - min) / step);
-  // Rounded to what can be read: 0.3, not 0.30000000000000004.
+  // Rounds to a readable number: 0.3, not 0.30000000000000004.
   const valueAt = (place: number) => Number((min + place * step).toPrecision(12));
   return { end, valueAt, placeOf: (value) => clamped((value - min) / step, end) };
 }
 
 /**
- * Each place a factor above the one before.
- * @param hasZero  the first place is 0 in place of `min`
+ * Makes a scale on which the values of neighbouring places have a constant ratio.
+ * @param hasZero  adds a first place with the value 0, before `min`
  */
 export function logScale(min: number, max: number, hasZero = false): SliderScale {
   const first = hasZero ? 1 : 0;

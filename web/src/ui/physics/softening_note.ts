@@ -6,7 +6,7 @@ function millimetresText(metres: number): string {
   return `${(1e3 * metres).toLocaleString('en', { maximumSignificantDigits: 2 })} mm`;
 }
 
-/** Says how much softer than its material a sheet is, and the error to expect; empty where it is as its material. */
+/** Says how much softer than its material a sheet is, and the error to expect; empty if it is not softened. */
 export function softeningText(softening: Softening | undefined): string {
   if (!softening || softening.factor <= 1) return '';
   const { factor, fits, expectedErrorM } = softening;
@@ -18,7 +18,7 @@ export function softeningText(softening: Softening | undefined): string {
   return sentences.join(' ');
 }
 
-/** Tells below the material that the sheet is softer than it. */
+/** Shows below the material that the sheet is softened. */
 export class SofteningNote {
   private readonly line = element('material-softening');
 

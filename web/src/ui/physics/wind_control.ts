@@ -9,7 +9,10 @@ import type { Reporter } from '../../notifier';
 import type { OpenSheet } from '../../sheet/open_sheet';
 import { element, setText } from '../dom';
 
-/** The direction, degrees from x to y (0..360), the rise above the horizon, degrees, and the speed, m/s. */
+/**
+ * A wind as shown by the sliders. azimuthDeg: direction from x to y, degrees, 0..360; risingDeg: angle above the
+ * horizon, degrees.
+ */
 export interface WindSetting {
   azimuthDeg: number;
   risingDeg: number;
@@ -17,7 +20,7 @@ export interface WindSetting {
 }
 
 const kDegree = Math.PI / 180;
-// A slower wind has no direction.
+// A slower wind counts as still air.
 const kStillMps = 1e-9;
 
 export function windVelocity({ azimuthDeg, risingDeg, speedMps }: WindSetting): { x: number; y: number; z: number } {
@@ -29,7 +32,7 @@ export function windVelocity({ azimuthDeg, risingDeg, speedMps }: WindSetting): 
   };
 }
 
-/** The inverse of windVelocity(); still air keeps the direction of `before`. */
+/** Inverts windVelocity(); still air keeps the direction of `before`. */
 export function windSetting({ x, y, z }: Pick<Vec3, 'x' | 'y' | 'z'>, before: WindSetting): WindSetting {
   const speedMps = Math.hypot(x, y, z);
   if (speedMps < kStillMps) return { ...before, speedMps: 0 };
@@ -40,14 +43,14 @@ export function windSetting({ x, y, z }: Pick<Vec3, 'x' | 'y' | 'z'>, before: Wi
   };
 }
 
-/** Air and its wind; without air the sheet has no drag. */
+/** Controls air and wind; without air the sheet has no drag. */
 export class WindControl {
   private readonly isOn = element<HTMLInputElement>('wind-on');
   private readonly speed = element<HTMLInputElement>('wind-speed');
   private readonly azimuth = element<HTMLInputElement>('wind-azimuth');
   private readonly rising = element<HTMLInputElement>('wind-rising');
   private readonly newest: Newest<MessageInitShape<typeof WindSchema> | undefined>;
-  // The scene's own density and drag, which stay.
+  // Density and drag of the scene, which the control keeps.
   private air: Pick<Wind, 'airDensityKgpm3' | 'dragCoefficient'> | undefined;
 
   constructor(live: OpenSheet, reporter: Reporter) {
@@ -58,7 +61,7 @@ export class WindControl {
     );
     for (const input of [this.isOn, this.speed, this.azimuth, this.rising]) {
       input.addEventListener('input', () => {
-        // A wind needs air.
+        // Turns air on, because a wind needs it.
         if (input !== this.isOn) this.isOn.checked = true;
         this.showValues();
         this.newest.put(live.sheetName, this.wind());

@@ -4,14 +4,14 @@ import { formField } from './new_sheet';
 import type { NewSheet } from './new_sheet';
 import { isId, nearestId } from './sheet_ids';
 
-/** Faults of the form by the names of their fields; '' is the form as a whole. */
+/** Faults of the form by field name; '' stands for the form as a whole. */
 export type FormErrors = ReadonlyMap<string, string>;
 
-// server/core/scene/sheet_config.cc: vertices a side, metres.
+// Limits of server/core/scene/sheet_config.cc: vertices per side, and length in metres.
 const kMostOfASide = 1000;
 const kLongestM = 10_000;
 
-/** The fault of a name in words; undefined where the server may take it, or chooses one. */
+/** Describes the fault of a name; undefined if the name is valid, or empty, so that the server chooses one. */
 export function nameError(id: string): string | undefined {
   if (id === '' || isId(id)) return undefined;
   const nearest = nearestId(id);
@@ -41,9 +41,9 @@ function verticesError(count: number, most: number): string | undefined {
 }
 
 /**
- * Everything that the server would refuse and that the page can see before it asks.
- * @param hasDrawing   an outline was chosen
- * @param maxVertices  of a sheet on this server; Infinity where it is not known
+ * Returns all faults for which the server would refuse the form and that the page can find itself.
+ * @param hasDrawing   true if an outline was chosen
+ * @param maxVertices  the server's limit for a sheet; Infinity if it is not known
  */
 export function formErrors(form: NewSheet, hasDrawing: boolean, maxVertices: number): FormErrors {
   const { shape, columns, rows } = form;
@@ -73,7 +73,7 @@ const kLabels: Record<string, string> = {
   pins: 'Held at',
 };
 
-/** The field that a refusal of the server belongs to, and the refusal in the user's words. */
+/** Returns the form's field that a refusal of the server concerns, and the refusal in words of the form. */
 export function refusal(error: Error, form: NewSheet): [field: string, text: string] {
   if (!(error instanceof ApiError)) return ['', errorText(error)];
   if (error.code === 'ALREADY_EXISTS') return ['id', `A sheet named ${form.id} already exists`];

@@ -14,11 +14,11 @@ export interface MeshFile {
   content: Blob;
 }
 
-/** A drawing that says how large it is: see scaledOutline(). */
+/** A drawing with its size: see scaledOutline(). */
 export interface Outline {
-  /** The border. */
+  /** SVG text of the border. */
   text: string;
-  /** All holes in one drawing of the same page; undefined without any. */
+  /** SVG text of all holes, on the same page; undefined without holes. */
   holes?: string;
   /** metres */
   heightM: number;
@@ -38,7 +38,7 @@ export interface NewSheet {
   hang: Hang;
   material: string;
   fidelity: Fidelity;
-  /** EDGE_UNSPECIFIED: nothing is held. */
+  /** Pinned edge; EDGE_UNSPECIFIED: nothing is held. */
   pins: Region_Edge;
   hasFloor: boolean;
   hasBall: boolean;
@@ -49,15 +49,15 @@ type Mesh = MessageInitShape<typeof SceneSchema>['mesh'];
 
 const kBallFriction = 0.4;
 const kFloorFriction = 0.5;
-// Share of the sheet's smaller side.
+// Radius of the ball, as a share of the sheet's smaller side.
 const kBallRadius = 0.25;
-// Shares of its larger side: how high a flat one starts, and how far it is from the ball below; and how far an upright one
-// hangs above the floor and from the ball behind it.
+// Shares of the sheet's larger side: height of a flat sheet, height of the lower edge of an upright one above the
+// floor, and gap between sheet and ball.
 const kFlatHeight = 0.8;
 const kUprightHeight = 0.3;
 const kBallGap = 0.08;
 
-// A mesh file is no part of the request: see uploadPath().
+// Undefined for a mesh file, which is not part of the request: see uploadPath().
 function meshOf({ shape, columns, rows, widthM, heightM, outline }: NewSheet): Mesh {
   if (shape === 'file') return { case: undefined };
   if (shape === 'grid') return { case: 'grid', value: { columns, rows, widthM, heightM } };
@@ -69,14 +69,15 @@ function svgCurve(text: string): MessageInitShape<typeof CurveSchema> {
   return { kind: { case: 'svg', value: { text } } };
 }
 
-// A drawing has its upper left corner at the origin, a grid its lower left one.
+// Size of the sheet, and y of its lower edge: a drawing has its upper left corner at the origin, a grid its lower left
+// one.
 function extent(form: NewSheet): { width: number; height: number; bottom: number } {
   if (form.shape === 'grid') return { width: form.widthM, height: form.heightM, bottom: 0 };
   const height = form.outline?.heightM ?? 0;
   return { width: form.outlineWidthM, height, bottom: -height };
 }
 
-// Above the floor at z = 0, its middle above the origin. A mesh file says itself where it is.
+// Places the sheet above the floor at z = 0, its middle above the origin. A mesh file has its own place.
 function placementOf(form: NewSheet): MessageInitShape<typeof PlacementSchema> | undefined {
   if (form.shape === 'file') return undefined;
   const { width, height, bottom } = extent(form);
@@ -110,7 +111,7 @@ function collidersOf(form: NewSheet): MessageInitShape<typeof ColliderSchema>[] 
   ];
 }
 
-/** The request that makes the sheet; what is out of range the server refuses, naming the field. */
+/** Returns the request that creates the sheet. The server refuses values out of range, naming the field. */
 export function createRequest(form: NewSheet): MessageInitShape<typeof CreateSheetRequestSchema> {
   const pins =
     form.pins === Region_Edge.EDGE_UNSPECIFIED ? [] : [{ region: { case: 'edge' as const, value: form.pins } }];
@@ -128,13 +129,16 @@ export function createRequest(form: NewSheet): MessageInitShape<typeof CreateShe
   };
 }
 
-/** Address to which a mesh file is sent, with the other values: it may be larger than a request. */
+/**
+ * Returns the path to which a mesh file is sent, with the other values in the query. The file may be larger than a
+ * request.
+ */
 export function uploadPath(file: MeshFile, request: MessageInitShape<typeof CreateSheetRequestSchema>): string {
   const body = requestBody(CreateSheetRequestSchema, request);
   return `/sheets?format=${file.kind}&request=${encodeURIComponent(body)}`;
 }
 
-/** Which field of the form a field of the request is asked for in; undefined: none of them. */
+/** Returns the form's field for a field of the request; undefined if there is none. */
 export function formField(path: string): string | undefined {
   const fields: [RegExp, string][] = [
     [/^sheet_id|^scene\.sheet_id/, 'id'],

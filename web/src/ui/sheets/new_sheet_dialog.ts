@@ -20,7 +20,7 @@ function fieldOf<T extends HTMLElement = HTMLInputElement>(name: string): T {
   return element<T>(`new-${name}`);
 }
 
-/** Asks for a new sheet and makes it: a grid, a mesh file or the outline of a drawing. */
+/** The form for a new sheet, which it then creates: a grid, a mesh file or the outline of a drawing. */
 export class NewSheetDialog {
   private readonly dialog = element<HTMLDialogElement>('new-sheet');
   private readonly form = this.dialog.querySelector('form')!;
@@ -30,7 +30,7 @@ export class NewSheetDialog {
   private drawing: { name: string; parts: OutlineParts } | undefined;
   private sending: AbortController | undefined;
 
-  /** @param created  sheets/{sheet}, once it is there */
+  /** @param created  called with sheets/{sheet} once it exists */
   constructor(private readonly created: (name: string) => void) {
     this.form.addEventListener('submit', (event) => {
       event.preventDefault();
@@ -64,7 +64,7 @@ export class NewSheetDialog {
     await this.fetchInfo();
   }
 
-  // Materials and limits of this server.
+  // Fetches materials and limits of this server.
   private async fetchInfo(): Promise<void> {
     try {
       this.info = await serverInfo();
@@ -79,7 +79,7 @@ export class NewSheetDialog {
     this.update();
   }
 
-  // A file that cannot be taken is reported at its field, and the keyboard goes there unless typing has begun.
+  // Takes a file. A fault is shown at its field, which gets the focus unless the user has begun to type elsewhere.
   private async take(file: File): Promise<void> {
     const { activeElement } = document;
     await this.readFile(file);
@@ -90,7 +90,7 @@ export class NewSheetDialog {
     const ending = file.name.toLowerCase().split('.').at(-1);
     const name = ending === 'svg' ? 'outline' : 'file';
     this.choose(name === 'outline' ? 'outline' : 'file');
-    // A name that was refused is not the file's fault.
+    // Clears a refused name, so that the file can suggest one.
     if (fieldOf('id').getAttribute('aria-invalid') === 'true') fieldOf('id').value = '';
     this.clearErrors();
     if (ending === 'svg') {
@@ -107,7 +107,7 @@ export class NewSheetDialog {
     this.update();
   }
 
-  // Undefined where its lines make no sheet; the field then says why.
+  // Undefined if the drawing's lines form no sheet; the field then shows the reason.
   private partsOf(name: string, text: string): typeof this.drawing {
     const refuse = (why: string) => void this.showError('outline', `${name} ${why}`);
     const fault = svgFault(text);
@@ -148,7 +148,7 @@ export class NewSheetDialog {
     };
   }
 
-  // Undefined where there is no drawing, or none with a size; the field then says why.
+  // Undefined without a drawing, or if it has no size; the field then shows the reason.
   private outline(widthM: number): Outline | undefined {
     if (!this.drawing || !(widthM > 0)) return undefined;
     try {
@@ -167,7 +167,7 @@ export class NewSheetDialog {
     setText(fieldOf('file-name'), this.mesh ? `${this.mesh.name}, ${sizeText(this.mesh.content.size)}` : 'none chosen');
     setText(fieldOf('outline-name'), this.drawingText());
     this.showMaterial(form.material);
-    // A mesh file says itself where it is, and with it where a ball would be.
+    // A mesh file has its own place, so there is no choice of its position or of a ball.
     fieldOf('hang').hidden = form.shape === 'file';
     fieldOf('ball').disabled = form.shape === 'file';
   }
@@ -195,7 +195,7 @@ export class NewSheetDialog {
       this.dialog.close();
       this.created(sheet.name);
     } catch (error) {
-      // Whoever closed the form knows.
+      // The user has cancelled by closing the form, so nothing is reported.
       if (sending.signal.aborted) return;
       this.showError(...refusal(error as Error, form));
       this.focusError();
@@ -211,7 +211,7 @@ export class NewSheetDialog {
     return call(SheetService.method.createSheet, request, { signal, onProgress });
   }
 
-  // The name is for one sheet; numbers and choices stay for the next.
+  // Clears the name and files, which are for one sheet; numbers and choices stay for the next.
   private forgetFiles(): void {
     for (const name of ['id', 'file', 'outline']) fieldOf(name).value = '';
     this.mesh = undefined;
@@ -223,14 +223,14 @@ export class NewSheetDialog {
     for (const [name, text] of formErrors(form, this.drawing !== undefined, mostVertices)) this.showError(name, text);
   }
 
-  // Runs while the name is typed.
+  // Checks the name while it is typed.
   private checkName(): void {
     const wrong = nameError(fieldOf('id').value.trim());
     if (wrong) this.showError('id', wrong);
   }
 
-  // Checks what the server would refuse after all of it was sent. Requests are ASCII except for names, so a letter is about
-  // a byte.
+  // Checks sizes that the server would refuse only after all was sent. Requests are ASCII except for names, so a
+  // character is about a byte.
   private fits({ shape, file }: NewSheet, numBytes: number): boolean {
     const limits = this.info?.limits;
     const [name, size, limit] =
@@ -250,7 +250,7 @@ export class NewSheetDialog {
     fieldOf('material-facts').replaceChildren(...rows);
   }
 
-  // All of it is there: now the server makes the sheet, for an unknown time.
+  // Shows the share sent. Once all is sent, the server makes the sheet, which takes an unknown time.
   private showProgress(part: number): void {
     if (part < 1) this.progress.value = part;
     else this.progress.removeAttribute('value');
@@ -262,7 +262,7 @@ export class NewSheetDialog {
     fieldOf<HTMLButtonElement>('create').disabled = isBusy;
   }
 
-  // Under the field, or under all of them.
+  // Shows an error under its field, or under the form if `name` is empty.
   private showError(name: string, text: string): void {
     const line = element(name === '' ? 'new-error' : `new-${name}-error`);
     setText(line, text);
@@ -270,7 +270,7 @@ export class NewSheetDialog {
     if (name !== '') fieldOf(name).setAttribute('aria-invalid', 'true');
   }
 
-  // Not while text is being typed, perhaps elsewhere.
+  // Moves the focus to the first field with an error. Not to be called while the user types.
   private focusError(): void {
     this.form.querySelector<HTMLElement>('[aria-invalid=true]')?.focus();
   }

@@ -4,17 +4,18 @@ import { borderOf } from '../../geometry/nesting';
 import { subpaths } from '../../geometry/path_lines';
 import { shapeLines } from '../../geometry/svg_outline';
 
-/** A drawing's border and its holes as drawings by themselves, on the same page. */
+/** The border of a drawing and its holes, as two drawings on the same page. */
 export interface OutlineParts {
   border: string;
-  /** All of them; undefined without any. */
+  /** SVG text of all holes; undefined without holes. */
   holes: string | undefined;
   numHoles: number;
 }
 
 /**
- * A drawing of one line, or of none that the browser sees, is left as it is: the server says what is wrong with it.
- * @throws Error in words for people: lines that are no holes in the largest one
+ * Separates a drawing into border and holes. A drawing in which the browser finds at most one line stays as it is; the
+ * server reports its faults.
+ * @throws Error with a text for people, if lines are no holes in the largest one
  */
 export function outlineParts(text: string): OutlineParts {
   return withBareDrawing(text, separated) ?? { border: text, holes: undefined, numHoles: 0 };
@@ -23,7 +24,7 @@ export function outlineParts(text: string): OutlineParts {
 function separated(drawing: BareDrawing): OutlineParts | undefined {
   separateSubpaths(drawing.root);
   const lines = shapeLines(drawing).map(([line]) => line ?? []);
-  // A move and a close alone, as editors leave them, are no line.
+  // Leaves out subpaths of only a move and a close, which editors sometimes leave.
   const drawn = [...lines.keys()].filter((i) => lines[i].some(({ x, y }) => x !== lines[i][0].x || y !== lines[i][0].y));
   if (drawn.length < 2) return undefined;
   if (!drawing.isWhole) throw new Error('is too large to search for holes: remove everything that is not an outline');
@@ -35,7 +36,7 @@ function separated(drawing: BareDrawing): OutlineParts | undefined {
   };
 }
 
-// So that each shape is one line.
+// Splits paths, so that each shape is one line.
 function separateSubpaths(root: Element): void {
   for (const shape of shapesIn(root)) {
     const parts = shape.localName === 'path' ? subpaths(shape.getAttribute('d') ?? '') : [];

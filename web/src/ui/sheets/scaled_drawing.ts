@@ -4,11 +4,11 @@ import type { OutlineParts } from './outline_parts';
 const kMillimetresPerMetre = 1000;
 
 /**
- * The drawing with its page made `widthM` wide, as high as it then is.
- * @throws Error in words for people: nothing says how wide its page is
+ * Scales the drawing so that its page is `widthM` wide, and returns its height.
+ * @throws Error with a text for people, if the drawing does not state the width of its page
  */
 export function scaledOutline({ border, holes }: OutlineParts, widthM: number): Outline {
-  // Both have the same page.
+  // Border and holes have the same page, so heightM is the same.
   const { text, heightM } = scaledDrawing(border, widthM);
   return { text, heightM, holes: holes && scaledDrawing(holes, widthM).text };
 }
@@ -28,7 +28,7 @@ function scaledDrawing(text: string, widthM: number): { text: string; heightM: n
   return { text: new XMLSerializer().serializeToString(parsed), heightM };
 }
 
-// Shapes are in pixels: a page in other units without a viewBox does not say how they fit on it.
+// Returns the viewBox of a page whose size is in pixels, as shapes are. For other units the scale would be unknown.
 function pageBox(root: Element): string {
   const size = ['width', 'height'].map((name) => /^\s*([\d.]+)(px)?\s*$/.exec(root.getAttribute(name) ?? '')?.[1]);
   return `0 0 ${size[0]} ${size[1]}`;

@@ -18,7 +18,7 @@ import { SheetList } from './sheet_list';
 import { SheetPicker } from './sheet_picker';
 
 const kRetryMs = 1000;
-// While the panel is open.
+// Period of updates while the panel is open.
 const kListPeriodMs = 1500;
 
 /** The parts of the viewer that show a chosen sheet. */
@@ -29,11 +29,14 @@ export interface ChoosingParts {
   readonly connection: Pick<ConnectionChip, 'show'>;
   readonly panels: Pick<SidePanels, 'open' | 'toggle'>;
   readonly notices: Reporter;
-  /** Gives the keyboard to the canvas. */
+  /** Gives the keyboard focus to the canvas. */
   focusStage(): void;
 }
 
-/** Chooses the sheet that is watched: by the address, the picker or the panel of all sheets, where they are made and deleted. */
+/**
+ * Chooses the watched sheet by the page's address, the picker or the panel of all sheets. The panel also makes and
+ * deletes sheets.
+ */
 export class SheetChoice implements Panel {
   readonly dialog = new NewSheetDialog((name) => {
     this.open(name);
@@ -42,7 +45,7 @@ export class SheetChoice implements Panel {
   private readonly picker: SheetPicker;
   private readonly list: SheetList;
   private sheets: readonly Sheet[] = [];
-  // Keeps the list while the server cannot be reached; the connection says so.
+  // Keeps the list while the server cannot be reached, which the connection chip shows.
   private readonly answers = new NewestAnswer(listSheets, (sheets) => this.show(sheets));
   private readonly polling = new Polling(() => this.answers.fetch(), kListPeriodMs);
 
@@ -67,19 +70,19 @@ export class SheetChoice implements Panel {
     this.polling.stop();
   }
 
-  /** Opens the sheet of the address, else `demo`, else the first; waits until the server can be reached. */
+  /** Opens the sheet named in the address, else `demo`, else the first. Waits until the server can be reached. */
   async start(): Promise<void> {
     const sheets = await this.reachable();
     const names = sheets.map((sheet) => sheet.name);
     const asked = new URLSearchParams(location.search).get('sheet');
-    // Opens a sheet that was asked for even if it is not there: the server then says what is wrong.
+    // Opens a sheet named in the address even if it does not exist, so that the server reports the error.
     const name = asked ? `sheets/${asked}` : names.includes('sheets/demo') ? 'sheets/demo' : names[0];
     if (name) this.parts.opener.offer(name);
     this.show(sheets);
     if (!name) this.showNone();
   }
 
-  /** Watches this sheet, and the address then names it. */
+  /** Watches this sheet and writes its name into the address. */
   open(name: string): void {
     const url = new URL(location.href);
     url.searchParams.set('sheet', sheetId(name));

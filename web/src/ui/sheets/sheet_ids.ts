@@ -1,4 +1,4 @@
-// kerf.v1.CreateSheetRequest.sheet_id.
+// Longest kerf.v1.CreateSheetRequest.sheet_id.
 const kLongest = 63;
 
 /** True if a sheet may have this id. */
@@ -6,18 +6,18 @@ export function isId(text: string): boolean {
   return text.length <= kLongest && /^[a-z][a-z0-9-]*$/.test(text);
 }
 
-/** The id that comes closest to the typed text: "My Flag!" -> "my-flag"; empty where no letter is in it. */
+/** Returns the id closest to the typed text: "My Flag!" -> "my-flag"; empty if the text has no letter. */
 export function nearestId(text: string): string {
   const id = text.toLowerCase().replace(/[^a-z0-9]+/g, '-').replace(/^[^a-z]+|-+$/g, '');
   return id.slice(0, kLongest).replace(/-+$/, '');
 }
 
-/** Part of a file's name that may be a sheet's id: "My Cloth.obj" -> "my-cloth"; empty where nothing may. */
+/** Makes a sheet's id from the name of a file: "My Cloth.obj" -> "my-cloth"; empty if the name has no letter. */
 export function idFrom(fileName: string): string {
   return nearestId(fileName.replace(/\.[^.]*$/, ''));
 }
 
-/** `id`, or where one of `taken` is that already the first of id-2, id-3 ... that none is. */
+/** Returns `id`, or if it is taken, the first of id-2, id-3, ... that is not. */
 export function freeId(id: string, taken: readonly string[]): string {
   for (let i = 1; ; ++i) {
     const end = i === 1 ? '' : `-${i}`;

@@ -6,7 +6,7 @@ import { icon, make, setText } from '../dom';
 import { KeptRows } from '../kept_rows';
 import type { KeptRow } from '../kept_rows';
 
-/** "2,500 vertices, 1 piece, 0.98 × real time": the factor only of a sheet that runs. */
+/** Returns "2,500 vertices, 1 piece, 0.98 × real time"; the factor only for a running sheet. */
 export function sheetFacts(sheet: Sheet): string {
   const facts = [countText(sheet.numVertices, 'vertex', 'vertices'), countText(sheet.pieces, 'piece')];
   if (sheet.runState === Sheet_RunState.RUNNING) facts.push(`${sheet.realTimeFactor.toFixed(2)} × real time`);
@@ -21,7 +21,7 @@ interface Row extends KeptRow {
   facts: HTMLElement;
 }
 
-/** One row a sheet. */
+/** The list of sheets, with one row each. */
 export class SheetList {
   private readonly rows: KeptRows<string, Row>;
 
@@ -33,7 +33,7 @@ export class SheetList {
     this.rows = new KeptRows(list, (name) => this.create(name));
   }
 
-  /** @param current  sheets/{sheet} that is watched here */
+  /** @param current  sheets/{sheet} that this page watches */
   show(sheets: readonly Sheet[], current: string): void {
     const rows = this.rows.show(sheets.map((sheet) => sheet.name));
     sheets.forEach((sheet, i) => {

@@ -1,11 +1,11 @@
 import { sheetId } from '../../sheets';
 import { element } from '../dom';
 
-/** The choice among the server's sheets; the list is requested again each time it is about to open. */
+/** Lets the user choose one of the server's sheets. The list is requested again each time before it opens. */
 export class SheetPicker {
   private readonly select = element<HTMLSelectElement>('sheet-picker');
 
-  /** @param asked  the list is about to open */
+  /** @param asked  called when the list is about to open */
   constructor(chosen: (name: string) => void, asked: () => void) {
     this.select.addEventListener('change', () => chosen(this.select.value));
     this.select.addEventListener('focus', asked);
