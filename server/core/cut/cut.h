@@ -60,8 +60,9 @@ struct CutPlan {
   std::vector<mesh::VertexId> fixed_vertices;      // sorted
   std::vector<ViewLayer> layers;                   // for a cut on a picture
   std::int32_t triangles_behind = 0;  // for a cut on a picture: triangles left out, as they reach behind the camera
-  double view_deviation_m = 0.0;      // m; bound on the distance between sight lines and strokes, kept apart where it
-                                      // uses up the tolerance; 0 unless the picture shows the sheet nearly edge-on
+  double view_deviation_m = 0.0;  // m; bound on the distance between sight lines and strokes, if this would take too
+                                  // much of the tolerance, as in a picture nearly edge-on; curve_deviation_m then
+                                  // leaves it out. Else 0
 };
 
 struct CutOutcome {

@@ -31,9 +31,10 @@ bool PathInsertion::retrace(PathPosition& position, const LatticePoint& at) {
   return true;
 }
 
-// Runs the leg from `from` to the last of `targets`, or its part inside the sheet, along existing lips. Returns true if
-// it did. A leg that starts in the void is traced backwards from its end. The point where it enters the sheet then
-// becomes the next target, and the result is false.
+// Runs the leg from `from` to the last of `targets`, or its part inside the sheet, along existing lips. If there are
+// such lips, it moves `from` to the end that they reach, removes the target if it is there, and returns true. A leg
+// that starts in the void is only traced, backwards from its end. The border point that the trace finds is appended to
+// `targets`, so that it is reached first, and the result is false.
 bool PathInsertion::follow_lips(PathPosition& from, std::vector<PathPosition>& targets) {
   const PathPosition target = targets.back();
   if (from.point == kNone) {

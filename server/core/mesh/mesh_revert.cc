@@ -9,9 +9,10 @@
 namespace kerf::mesh {
 namespace {
 
-// Finds the source of a moved vertex's fields at its old position `p`, in the mesh that still has the edit. Relaxation
-// moves no point past a locked edge, so the slot that holds `p` is on the vertex's side of every lip. If rounding put
-// `p` in another piece or the void, the vertex keeps its fields.
+// Finds the source of the fields of a vertex that relaxation moved and that the undo moves back to `p`. The source is
+// the triangle around `p` in `mesh`, which still has the edit. Relaxation moves no point past a locked edge, so this
+// triangle is on the vertex's side of every lip. If rounding put `p` in another piece or the void, the vertex keeps its
+// fields.
 VertexSource source_at(const TriangleMesh& mesh, VertexId vertex, const LatticePoint& p) {
   struct View {
     const TriangleMesh& mesh;

@@ -156,7 +156,7 @@ inline constexpr std::int32_t kMaxMeasureEvery = 10'000'000;
 
 // Steps the sheet in time.
 struct DynamicAnalysis {
-  std::int64_t ticks = 0;          // 0..kMaxAnalyzedTicks; in a scene 0 means SheetConfig::ticks
+  std::int64_t ticks = 0;          // ticks to step, 0..kMaxAnalyzedTicks; 0: none, or in a scene SheetConfig::ticks
   std::int32_t measure_every = 1;  // ticks from one measurement to the next, 1..kMaxMeasureEvery; the start and the end
                                    // are always measured
 };

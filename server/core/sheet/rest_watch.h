@@ -54,7 +54,7 @@ class MotionWindow {
 class RestWatch {
  public:
   static constexpr double kCalmAfter = 5.0;      // s, time without disturbance after which a sheet may be calm
-  static constexpr double kCalmHeight = 4.0e-5;  // -, over the size of the sheet
+  static constexpr double kCalmHeight = 4.0e-5;  // -, lift over the size; a calm sheet has less kinetic energy
   static constexpr double kDampingRate = 0.8;    // -, largest decay rate of velocities over sqrt(g / size)
   static constexpr double kShortWindow = 2.0;    // s, length of the short MotionWindow
   static constexpr double kLongWindow = 8.0;     // s, length of the long MotionWindow

@@ -32,8 +32,10 @@ class CommandAnswers {
   CommandAnswers(const CommandAnswers&) = delete;
   CommandAnswers& operator=(const CommandAnswers&) = delete;
 
-  // Answers each command, or passes it to `listener` (may be null), before the next one. `commands`: the commands of
-  // the pending ones, in the same order. `results`: see command_results().
+  // Passes the scene's own commands with their results to `listener` (may be null). Then calls the callback of each
+  // pending command with its result, in order. A pending command without a callback is passed to `listener` instead,
+  // unless it failed and was not scheduled. `commands`: the command of each pending one, in the same order. `results`:
+  // see command_results().
   void answer_all(const std::string& sheet_id, const scene::SheetConfig& config, const sheet::TickReport& report,
                   const std::vector<scene::Command>& commands, const std::vector<Result<CommandResult>>& results,
                   const CommandListener* listener);

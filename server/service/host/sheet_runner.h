@@ -175,7 +175,8 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   // The following are used by any thread.
   CommandQueue queue_;  // Its functions for scheduled commands run on the strand only.
   TickProgress progress_;
-  // Number of posted pauses, which interrupt a long tick. None is taken away while a tick is in progress.
+  // Number of pauses that are posted and have not run yet. If there are any, a long tick is interrupted. Pauses run on
+  // the strand, so the number does not fall during a tick.
   std::atomic<int> pauses_waiting_{0};
   std::atomic<bool> closing_{false};  // Interrupts any tick.
   SharedSlot<SheetStatus> last_status_;

@@ -192,7 +192,7 @@ void SheetRunner::take_turn() {
     if (pauses_waiting_ > 0 && progress_.was_long()) break;
     if (step_call_->stop.stop_requested()) return finish_step(status());
     if (!run_once(true)) break;
-    --step_call_->remaining;  // Negative if the tick has ended the call.
+    --step_call_->remaining;  // -1 if the tick has ended the call, by a Reset or the end of a recording.
     if (!sheet_.frozen()) continue;
     finish_step(failed_precondition("SHEET_FROZEN", "no finite step, or no memory for one, was found at tick " +
                                                         std::to_string(sheet_.tick()) +

@@ -70,7 +70,7 @@ struct Workers::Pool {
   std::size_t num_idle = 0;                  // Idle threads.
   std::size_t num_replaced = 0;              // Replaced threads in `threads`.
   bool supervisor_sleeps = false;  // True if the supervisor sleeps until it is notified; false if it wakes by itself.
-  bool closed = false;             // Never while anything is outstanding.
+  bool closed = false;             // True once join() saw nothing outstanding: posts are refused and threads end.
   Threads threads;
   Threads retired;  // Have left run(), or are about to; to be joined.
   std::thread supervisor;

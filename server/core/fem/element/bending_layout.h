@@ -137,8 +137,8 @@ class BendingLayout {
     }
   }
 
-  // Sets the rows of the four vertices from v on to their entries in others_. Those of row v + r end at ends[r + 1]
-  // there.
+  // Stores the entries of others_ in the rows of up to four vertices from v on as one group of rest_. Those of row
+  // v + r are from ends[r] to before ends[r + 1] in others_.
   void set_rest(mesh::VertexId v, std::span<const std::size_t> ends) {
     std::size_t longest = 0;
     for (std::size_t r = 0; r + 1 < ends.size(); ++r) longest = std::max(longest, ends[r + 1] - ends[r]);

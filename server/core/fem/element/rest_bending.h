@@ -23,11 +23,12 @@ inline constexpr double kLeastArea = 0.05;  // -, of the rest area of a triangle
 // include its spin. The exception is a triangle that has collapsed to less than kLeastArea of its area, whose spin is
 // taken as at that area.
 struct RestBending {
-  bool is_bent = false;                               // false: all other members are 0
-  std::array<Eigen::Vector3d, 6> load{};              // N, in the frame F, for the patch's vertices
-  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  // J, in F: sum_rs G_rs ((w0_r.w0_s) 1 - w0_s w0_r^T)
-  double energy = 0.0;                                // J
-  double doubled_area = 0.0;                          // m^2, twice the area of the triangle at rest
+  bool is_bent = false;                   // false: all other members are 0
+  std::array<Eigen::Vector3d, 6> load{};  // N, in the frame F, for the patch's vertices
+  // J (joules), in the frame F, with the rows w0_r of w0: sum_rs G_rs ((w0_r.w0_s) 1 - w0_s w0_r^T).
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
+  double energy = 0.0;        // J
+  double doubled_area = 0.0;  // m^2, twice the area of the triangle at rest
   // N/m, upper triangle by rows as in BendingPatch: norms of the 3x3 blocks of the stiffness at rest minus Q.
   std::array<double, 21> excess{};
 

@@ -42,8 +42,8 @@ struct StartLanes {
 // d3 = d2 - d1:
 //   s_k = |d_k|^2 - L_k^2,   W = s.H s / 4,   t = H s,
 //   forces on the corners: t1 d1 + t2 d2, t3 d3 - t1 d1, -t2 d2 - t3 d3.
-// H = A/2 N^T C N, where N maps s / 2 to e. Its columns are -(ga gb^T + gb ga^T) / 2 as Voigt strains, with ga and gb
-// the shape gradients of the edge's ends.
+// H = A/2 N^T C N, with the area A at rest and the law C. N maps s / 2 to Green's strain (F^T F - I) / 2 as xx, yy and
+// 2 xy. Its column k is -(ga gb^T + gb ga^T) / 2 in this form, with the shape gradients ga and gb of the edge's ends.
 template <typename T>
 struct EdgeLanes {
   std::array<linear::Lanes16<T>, 3> length_squared{};  // unit^2, L_k^2

@@ -205,7 +205,7 @@ std::span<const VertexId> MassPass::update(const MassProblem& problem, std::span
     set->clear();
     set->resize(mass.size());
   }
-  // Domains that lose a vertex because the sheet no longer has it.
+  // Numbers of the domains (see MassPass) that have vertices which the sheet no longer has.
   std::vector<std::int32_t> dropped;
   for (std::size_t v = mass.size(); v < domain_of_.size(); ++v) dropped.push_back(domain_of_[v]);
   domain_of_.resize(mass.size(), kNone);

@@ -99,8 +99,8 @@ class Fold {
   }
 
  private:
-  // Positions extrapolate the adjacent shape. Velocities are interpolated within it, because extrapolated ones would
-  // grow.
+  // Sets position and velocity of vertices whose removed material is back, each from a triangle near it. Positions
+  // extrapolate the triangle. Velocities are a mean of its corners, because extrapolated ones would grow.
   void revive(std::vector<mesh::VertexSource> sources) {
     write(sources, interpolate(sources, state_.x), state_.x);
     for (mesh::VertexSource& source : sources) {

@@ -73,7 +73,8 @@ class StageContact {
   };
 
   [[nodiscard]] double stiffness(int vertex) const;
-  // Updates an entry that has slid by `slid`, m, with friction cut off at `limit`, N.
+  // Sets slid, sticks, friction and the tangential force of an entry that has slid by `slid`, m. `limit`: mu N, N. A
+  // limit > 0 that the entry has already moves only half of the way there.
   static void update_friction(const Eigen::Vector3d& slid, double limit, Entry& entry);
 
   const ContactConstraint* contact_ = nullptr;
