@@ -158,7 +158,7 @@ class Docs(unittest.TestCase):
             self.assertGreater(len(attributes), 2, name)
             self.assertEqual([each for each in attributes if f"kerf.{name}.{each}" not in anchors], [])
         text = re.sub(r"<[^>]*>", "", (self.site / "reference/python/cuts.html").read_text(encoding="utf-8"))
-        self.assertIn("largest distance curve to lips", text)
+        self.assertIn("largest distance of the curve to the lips", text)
         self.assertNotIn("Convert a number or string to an integer", text)
 
     def test_every_installed_header_of_cpp_is_in_the_reference(self):

@@ -187,7 +187,7 @@ TEST_F(LoadRunTest, SheetsOfAStillPlanFallAsleep) {
   wanted.sheets = 3;
   wanted.still = true;
   wanted.viewers = 0;
-  wanted.warm_up_s = 2.0;
+  wanted.warm_up_s = 4.0;
   wanted.duration_s = 0.2;
   const Result<Report> report = run(wanted);
   ASSERT_TRUE(report.ok()) << report.error().message;
