@@ -32,7 +32,7 @@ void cut(benchmark::State& state, const std::string& name, int side) {
   expect_hash(state, name, hash);
 }
 
-const bool kRegistered = [] {
+const bool kCutRegistered = [] {
   for (const int side : kGridSides) {
     const std::string name = "cut/" + std::to_string(side * side);
     benchmark::RegisterBenchmark(name.c_str(), [name, side](benchmark::State& state) { cut(state, name, side); })

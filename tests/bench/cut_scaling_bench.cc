@@ -121,7 +121,7 @@ void add(const std::string& family, const Case& scene) {
       ->Unit(benchmark::kMicrosecond);
 }
 
-const bool kRegistered = [] {
+const bool kCutScalingRegistered = [] {
   constexpr auto kExplicit = scene::IntegratorKind::kExplicitLeapfrog;
   constexpr auto kImplicit = scene::IntegratorKind::kImplicitEuler;
   for (const int side : {50, 159, 592}) add("cut_scaling", {kExplicit, side, 100});

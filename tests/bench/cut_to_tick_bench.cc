@@ -120,7 +120,7 @@ void cut_at_once(benchmark::State& state, const std::string& name, const Setting
   expect_hash(state, name, sheet.state_hash());
 }
 
-const bool kRegistered = [] {
+const bool kCutToTickRegistered = [] {
   for (const Setting& setting : kSettings) {
     const std::string each = std::string("cut_to_tick/") + setting.name + "/2500";
     benchmark::RegisterBenchmark(each.c_str(), [=](benchmark::State& state) { cut_each_tick(state, each, setting); })

@@ -56,7 +56,7 @@ void encode(benchmark::State& state, const std::string& name, int side, Kind kin
   expect_hash(state, name, hash.value());
 }
 
-const bool kRegistered = [] {
+const bool kFrameRegistered = [] {
   for (const auto& [label, kind] :
        {std::pair("keyframe", Kind::kKeyframe), std::pair("delta", Kind::kDelta), std::pair("cut", Kind::kCut)}) {
     for (const int side : kGridSides) {

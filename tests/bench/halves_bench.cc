@@ -151,7 +151,7 @@ void halves(benchmark::State& state, const std::string& name, int side) {
   expect_hash(state, name, both.value());
 }
 
-const bool kRegistered = [] {
+const bool kHalvesRegistered = [] {
   for (const int side : {50, 81, 160, 320}) {
     const std::string name = "halves/" + std::to_string(side * side);
     benchmark::RegisterBenchmark(name.c_str(), [name, side](benchmark::State& state) { halves(state, name, side); })

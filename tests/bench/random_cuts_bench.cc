@@ -202,7 +202,7 @@ void add(const char* material, const Variant& variant, int num_cuts) {
       ->Unit(benchmark::kMillisecond);
 }
 
-const bool kRegistered = [] {
+const bool kRandomCutsRegistered = [] {
   for (const char* material : kMaterials) {
     for (const int num_cuts : kCounts) {
       if (num_cuts <= most_cuts(material)) add(material, kHung, num_cuts);

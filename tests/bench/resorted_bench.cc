@@ -31,7 +31,7 @@ namespace kerf::bench {
 namespace {
 
 constexpr int kSubsteps = 120;  // of a round, about
-constexpr int kRounds = 7;
+constexpr int kResortedRounds = 7;
 // Short steps before, which finish work deferred by cuts: LeapfrogSweep rebuilds 16 slices of bending in each.
 constexpr int kStepsBefore = 130;
 
@@ -46,7 +46,7 @@ constexpr Row kRows[] = {{"rebuilt", Order::kSame},
                          {"rows", Order::kRows},
                          {"curve", Order::kCurve}};
 
-struct Setting {
+struct ResortedSetting {
   std::string name;
   int side;  // vertices
   std::vector<cut::Curve> cuts;
@@ -111,7 +111,7 @@ struct Hung {
 };
 
 // As a product makes it: a grid that was cut, and everything following each cut.
-Hung cut_sheet(const Setting& setting) {
+Hung cut_sheet(const ResortedSetting& setting) {
   Hung sheet(mesh::make_grid({.num_x = setting.side, .num_y = setting.side}).value(), setting.precision);
   int made = 0;
   for (const cut::Curve& curve : setting.cuts) {
@@ -175,7 +175,7 @@ std::uint64_t hash_of(const std::vector<Hung>& sheets) {
   return hash.value();
 }
 
-void resort(benchmark::State& state, const Setting& setting) {
+void resort(benchmark::State& state, const ResortedSetting& setting) {
   std::vector<Hung> sheets;
   sheets.push_back(cut_sheet(setting));
   std::vector<Numbering> numberings{number(sheets[0].mesh, setting.side, Order::kSame)};
@@ -219,14 +219,14 @@ void resort(benchmark::State& state, const Setting& setting) {
   expect_hash(state, setting.name, hash_of(sheets));
 }
 
-const bool kRegistered = [] {
+const bool kResortedRegistered = [] {
   const auto add = [](const std::string& cuts, std::vector<cut::Curve> curves, int side) {
     for (const auto& [label, precision] :
          {std::pair("double", fem::Precision::kDouble), {"mixed", fem::Precision::kMixed}}) {
       const std::string name = "resorted/" + cuts + "/" + label + "/" + std::to_string(side * side);
-      const Setting setting{name, side, curves, precision};
+      const ResortedSetting setting{name, side, curves, precision};
       benchmark::RegisterBenchmark(name.c_str(), [setting](benchmark::State& state) { resort(state, setting); })
-          ->Iterations(kRounds)
+          ->Iterations(kResortedRounds)
           ->UseManualTime()
           ->Unit(benchmark::kMillisecond);
     }

@@ -17,9 +17,9 @@
 namespace kerf::bench {
 namespace {
 
-constexpr int kRounds = 5;
+constexpr int kScalingRounds = 5;
 
-struct Case {
+struct ScalingCase {
   int sheets;
   int side;   // vertices
   int ticks;  // a round
@@ -40,7 +40,7 @@ struct Spent {
 // Paused sheets in a host of so many workers.
 class PausedSheets {
  public:
-  PausedSheets(const Case& scene, std::int32_t workers)
+  PausedSheets(const ScalingCase& scene, std::int32_t workers)
       : scene_(scene), host_(options(scene, workers), clock_, entropy_) {
     for (int i = 0; i < scene_.sheets; ++i) host_.create_sheet(id(i), cloth(scene_.side, i), true, must_do);
     host_.wait_idle();
@@ -72,7 +72,7 @@ class PausedSheets {
   static void must_do(const Result<host::SheetStatus>& done) {
     KERF_CHECK(done.ok(), "the host refuses a benchmark's sheet");
   }
-  static host::HostOptions options(const Case& scene, std::int32_t workers) {
+  static host::HostOptions options(const ScalingCase& scene, std::int32_t workers) {
     host::HostOptions options;
     options.workers = workers;
     options.long_work = host::Nanoseconds(0);  // so many, whatever a turn takes
@@ -80,18 +80,18 @@ class PausedSheets {
     return options;
   }
 
-  Case scene_;
+  ScalingCase scene_;
   host::RealClock clock_;
   host::SystemEntropy entropy_;
   host::Host host_;
 };
 
 // Returns the hashes without any host.
-std::vector<std::uint64_t> hashes_alone(const Case& scene) {
+std::vector<std::uint64_t> hashes_alone(const ScalingCase& scene) {
   std::vector<std::uint64_t> all;
   for (int i = 0; i < scene.sheets; ++i) {
     sheet::Sheet sheet = sheet::Sheet::create(cloth(scene.side, i)).value();
-    for (int tick = 0; tick < kRounds * scene.ticks; ++tick) sheet.step({});
+    for (int tick = 0; tick < kScalingRounds * scene.ticks; ++tick) sheet.step({});
     all.push_back(sheet.state_hash());
   }
   return all;
@@ -104,7 +104,7 @@ std::uint64_t combined(const std::vector<std::uint64_t>& hashes) {
   return all;
 }
 
-void scaling(benchmark::State& state, const std::string& name, const Case& scene) {
+void scaling(benchmark::State& state, const std::string& name, const ScalingCase& scene) {
   PausedSheets one(scene, 1);
   PausedSheets two(scene, 2);
   Spent with_one;
@@ -115,7 +115,7 @@ void scaling(benchmark::State& state, const std::string& name, const Case& scene
     two.step(with_two);
     state.SetIterationTime(with_two.wall_s - before);
   }
-  const double ticks = static_cast<double>(kRounds) * scene.ticks * scene.sheets;
+  const double ticks = static_cast<double>(kScalingRounds) * scene.ticks * scene.sheets;
   state.counters["wall_1_us"] = 1e6 * with_one.wall_s / ticks;
   state.counters["wall_2_us"] = 1e6 * with_two.wall_s / ticks;
   state.counters["speedup"] = with_one.wall_s / with_two.wall_s;
@@ -127,13 +127,14 @@ void scaling(benchmark::State& state, const std::string& name, const Case& scene
   expect_hash(state, name, combined(alone));
 }
 
-const bool kRegistered = [] {
-  for (const Case& scene : {Case{1, 100, 4}, Case{2, 15, 400}, Case{2, 50, 40}, Case{2, 100, 8}, Case{2, 200, 2},
-                            Case{8, 50, 10}, Case{64, 15, 40}}) {
+const bool kSheetsScalingRegistered = [] {
+  for (const ScalingCase& scene :
+       {ScalingCase{1, 100, 4}, ScalingCase{2, 15, 400}, ScalingCase{2, 50, 40}, ScalingCase{2, 100, 8},
+        ScalingCase{2, 200, 2}, ScalingCase{8, 50, 10}, ScalingCase{64, 15, 40}}) {
     const std::string name =
         "sheets_scaling/" + std::to_string(scene.sheets) + "/" + std::to_string(scene.side * scene.side);
     benchmark::RegisterBenchmark(name.c_str(), [name, scene](benchmark::State& state) { scaling(state, name, scene); })
-        ->Iterations(kRounds)
+        ->Iterations(kScalingRounds)
         ->UseManualTime()
         ->Unit(benchmark::kMillisecond);
   }

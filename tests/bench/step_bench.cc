@@ -44,7 +44,7 @@ int ticks_at(int side) {
   return side <= 100 ? 10 : 3;
 }
 
-const bool kRegistered = [] {
+const bool kStepRegistered = [] {
   for (const Scene& scene : kScenes) {
     for (const auto& [label, kind] : kIntegrators) {
       for (const int side : kGridSides) {
