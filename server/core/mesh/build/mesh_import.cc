@@ -340,7 +340,7 @@ class SheetImport {
 // never overlaps.
 Result<TriangleMesh> import_surface(const IndexedMesh& input) {
   IndexedMesh with_rest = input;
-  with_rest.rest = Eigen::Matrix2Xd::Zero(2, input.surface.cols());  // placeholder, for checks that do not depend on it
+  with_rest.rest = Eigen::Matrix2Xd::Zero(2, input.surface.cols());  // the checks below do not depend on it
   KERF_TRY(SheetImport(with_rest).check());
   const auto import_flattened = [&](Flattening method) -> Result<TriangleMesh> {
     KERF_TRY_ASSIGN(with_rest.rest, flatten(input.surface, input.triangles, method));
