@@ -96,7 +96,7 @@ v1::AnalyzeSheetRequest ticks_of(const std::string& name, std::int64_t ticks) {
   v1::AnalyzeSheetRequest request;
   request.set_name(name);
   request.mutable_analysis()->mutable_dynamic()->set_ticks(ticks);
-  for (int q = v1::Probe::DISPLACEMENT; q <= v1::Probe::EXTENT; ++q) {
+  for (int q = v1::Probe::DISPLACEMENT; q <= v1::Probe::INTERSECTIONS; ++q) {
     const auto quantity = static_cast<v1::Probe::Quantity>(q);
     v1::Probe& probe = add_probe(request, "p" + std::to_string(q), quantity);
     const bool is_global = q >= v1::Probe::ENERGY && q != v1::Probe::OPENING;

@@ -1,8 +1,11 @@
-// The cost of bodies: ticks of 1/60 s with them and without, by turns in one run.
-//   contact_bench [SCENE...]   parts of names
+// The cost of bodies: ticks of 1/60 s with them and without, by turns in one run. Then that of counting the triangles
+// that pass through each other, which must not depend on their order.
+//   contact_bench [SCENE...]   parts of names; `counted` selects the second table
 // A scene and its twin without bodies are the same sheet in the same place; medians are of CPU time. The least gap is
 // that of any vertex to any body at the end of any tick: below 0 something was missed.
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <functional>
@@ -12,6 +15,7 @@
 #include <vector>
 
 #include "server/core/contact/collider.h"
+#include "server/core/contact/intersections.h"
 #include "server/core/contact/prepared_collider.h"
 #include "server/core/fem/element/material.h"
 #include "server/core/fem/element/state.h"
@@ -143,17 +147,71 @@ void race(const Scene& scene) {
   std::fflush(stdout);
 }
 
+// A sheet of 50 x 50 vertices, edge first onto a floor, which passes through itself as it falls.
+sheet::Sheet falling_on_edge() {
+  constexpr double kLean = 0.05;  // rad
+  SheetConfig config = cloth(0.0);
+  config.placement.origin = {-0.5, 0.0, 0.01};
+  config.placement.y_axis = {0.0, std::sin(kLean), std::cos(kLean)};
+  config.material = fem::isotropic(2.0e6, 0.3, 5.0e-4, 400.0);
+  config.colliders = {{contact::Plane{}, 0.3}};
+  config.initial_velocity = scene::InitialVelocity{{0.0, 0.0, 0.0}, {0.0, 0.0, 0.3}, {}};
+  return sheet::Sheet::create(std::move(config)).value();
+}
+
+// Prints what a count takes, the best of many. Returns false if another order of triangles has another count.
+bool count(const char* name, const sheet::Sheet& sheet) {
+  constexpr int kRounds = 50;
+  std::vector<std::array<mesh::VertexId, 3>> triangles;
+  for (mesh::TriangleId t = 0; t < sheet.mesh().num_triangle_slots(); ++t) {
+    if (sheet.mesh().is_solid(t)) triangles.push_back(sheet.mesh().vertices(t));
+  }
+  contact::IntersectionSearch search;
+  double ms = std::numeric_limits<double>::infinity();
+  std::int64_t pairs = 0;
+  for (int i = 0; i < kRounds; ++i) {
+    const double before = thread_cpu_s();
+    pairs = search.count(triangles, sheet.state().x);
+    ms = std::min(ms, 1e3 * (thread_cpu_s() - before));
+  }
+  std::printf("| %s | %zu | %ld | %.3f |\n", name, triangles.size(), static_cast<long>(pairs), ms);
+  std::fflush(stdout);
+  std::reverse(triangles.begin(), triangles.end());
+  return search.count(triangles, sheet.state().x) == pairs;
+}
+
+// Returns false if a count was wrong.
+bool count_all() {
+  std::printf("\n| counted | triangles | pairs | ms |\n|---|---|---|---|\n");
+  Run swinging(hung());
+  bool is_right = count("flat", swinging.sheet);
+  for (int i = 0; i < 30; ++i) swinging.tick();
+  is_right = count("hung, after 0.5 s", swinging.sheet) && is_right;
+  SheetConfig inclined = cloth(0.0);
+  inclined.placement.x_axis = {0.8, 0.36, 0.48};
+  inclined.placement.y_axis = {-0.6, 0.48, 0.64};
+  is_right = count("flat, inclined", sheet::Sheet::create(std::move(inclined)).value()) && is_right;
+  sheet::Sheet crumpled = falling_on_edge();
+  for (const char* name : {"crumpled, after 0.5 s", "after 1 s", "after 1.5 s"}) {
+    for (int i = 0; i < 30; ++i) crumpled.step({});
+    is_right = count(name, crumpled) && is_right;
+  }
+  if (!is_right) std::printf("the count depends on the order of triangles\n");
+  return is_right;
+}
+
 }  // namespace
 }  // namespace kerf::bench
 
 int main(int argc, char** argv) {
+  const auto is_wanted = [&](std::string_view name) {
+    return argc < 2 || std::any_of(argv + 1, argv + argc,
+                                   [name](const char* part) { return name.find(part) != std::string_view::npos; });
+  };
   std::printf("| scene | ms a tick | without bodies | ratio | substeps, without | least gap, m | flags |\n");
   std::printf("|---|---|---|---|---|---|---|\n");
   for (const kerf::bench::Scene& scene : kerf::bench::scenes()) {
-    bool is_wanted = argc < 2;
-    for (int i = 1; i < argc; ++i)
-      is_wanted = is_wanted || std::string_view(scene.name).find(argv[i]) != std::string_view::npos;
-    if (is_wanted) kerf::bench::race(scene);
+    if (is_wanted(scene.name)) kerf::bench::race(scene);
   }
-  return 0;
+  return is_wanted("counted") && !kerf::bench::count_all() ? 1 : 0;
 }

@@ -22,7 +22,6 @@ namespace {
 using scene::Probe;
 using scene::Quantity;
 using scene::Reduce;
-using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 5, 1>;  // the components of a quantity, at most 5
 
 // Distance by which the point of a probe is moved towards Probe::side, so that the lookup finds that side of a cut.
 constexpr double kNudge = 1.0e-7;  // -, over the larger side of the bounding box in material coordinates
@@ -38,6 +37,8 @@ std::vector<std::string> components_of(Quantity quantity) {
       return {"kinetic", "membrane", "bending", "gravity", "total"};
     case Quantity::kOpening:
       return {"normal", "sliding", "lateral"};
+    case Quantity::kIntersections:
+      return {"pairs"};
     default:
       return {"x", "y", "z"};
   }
@@ -95,11 +96,11 @@ bool is_zero(const std::vector<double>& weights) {
 // Accumulates the sum, weighted mean, minimum or maximum of vectors of equal length.
 class Reduction {
  public:
-  Reduction(Reduce how, Eigen::Index size) : how_(how), sum_(Vector::Zero(size)) {
+  Reduction(Reduce how, Eigen::Index size) : how_(how), sum_(Components::Zero(size)) {
     if (how == Reduce::kMin) sum_.setConstant(std::numeric_limits<double>::infinity());
     if (how == Reduce::kMax) sum_.setConstant(-std::numeric_limits<double>::infinity());
   }
-  void add(const Vector& value, double weight) {
+  void add(const Components& value, double weight) {
     if (how_ == Reduce::kMin) {
       sum_ = sum_.cwiseMin(value);
     } else if (how_ == Reduce::kMax) {
@@ -110,14 +111,14 @@ class Reduction {
     weight_ += weight;
     ++count_;
   }
-  [[nodiscard]] Vector result() const {
-    if (count_ == 0) return Vector::Constant(sum_.size(), std::numeric_limits<double>::quiet_NaN());
-    return how_ == Reduce::kMean ? Vector(sum_ / weight_) : sum_;
+  [[nodiscard]] Components result() const {
+    if (count_ == 0) return Components::Constant(sum_.size(), std::numeric_limits<double>::quiet_NaN());
+    return how_ == Reduce::kMean ? Components(sum_ / weight_) : sum_;
   }
 
  private:
   Reduce how_;
-  Vector sum_;
+  Components sum_;
   double weight_ = 0.0;
   int count_ = 0;
 };
@@ -143,13 +144,13 @@ class InPlane {
  public:
   explicit InPlane(fem::MembraneField field) : field_(field) {}
 
-  Vector in(const sheet::Sheet& sheet, mesh::TriangleId slot) {
+  Components in(const sheet::Sheet& sheet, mesh::TriangleId slot) {
     if (of_slots_.empty()) {
       of_slots_ = fem::triangle_field(sheet.model(), sheet.state().x, field_, fem::FieldAxes::kRest);
     }
     return tensor(of_slots_[static_cast<std::size_t>(slot)]);
   }
-  Vector at(const sheet::Sheet& sheet, mesh::VertexId vertex, scene::Recovery recovery) {
+  Components at(const sheet::Sheet& sheet, mesh::VertexId vertex, scene::Recovery recovery) {
     std::vector<Eigen::Vector3d>& recovered = recovery == scene::Recovery::kPatch ? by_patches_ : of_vertices_;
     if (recovered.empty()) {
       in(sheet, 0);
@@ -158,8 +159,8 @@ class InPlane {
     return tensor(recovered[static_cast<std::size_t>(vertex)]);
   }
   // Interpolates the values of patch recovery at the corners of a triangle.
-  Vector by_patches(const sheet::Sheet& sheet, const scene::MaterialPoint& point) {
-    Vector sum = Vector::Zero(3);
+  Components by_patches(const sheet::Sheet& sheet, const scene::MaterialPoint& point) {
+    Components sum = Components::Zero(3);
     for (std::size_t k = 0; k < 3; ++k) {
       if (point.vertices[k] == mesh::kNone) continue;
       sum += point.weights[static_cast<Eigen::Index>(k)] * at(sheet, point.vertices[k], scene::Recovery::kPatch);
@@ -169,7 +170,7 @@ class InPlane {
 
  private:
   // The third component of a strain in Voigt form is the shear angle, twice the tensor's component.
-  [[nodiscard]] Vector tensor(const Eigen::Vector3d& voigt) const {
+  [[nodiscard]] Components tensor(const Eigen::Vector3d& voigt) const {
     const double share = field_ == fem::MembraneField::kBiotStrain ? 0.5 : 1.0;
     return Eigen::Vector3d(voigt[0], voigt[1], share * voigt[2]);
   }
@@ -177,28 +178,6 @@ class InPlane {
   fem::MembraneField field_;
   std::vector<Eigen::Vector3d> of_slots_, of_vertices_, by_patches_;  // each empty until it is needed
 };
-
-Vector of_whole_sheet(const sheet::Sheet& sheet, Quantity quantity) {
-  const fem::Model& model = sheet.model();
-  const fem::State& state = sheet.state();
-  if (quantity == Quantity::kEnergy) {
-    const sheet::Energies e = sheet.energies();
-    Vector energies(5);
-    energies << e.kinetic, e.membrane, e.bending, e.gravity, e.total();
-    return energies;
-  }
-  if (quantity == Quantity::kMomentum) return model.momentum(state).linear;
-  if (quantity == Quantity::kCentreOfMass) return model.centre_of_mass(state.x);
-  if (quantity == Quantity::kAngularMomentum) {
-    const fem::Momentum momentum = model.momentum(state);
-    return Eigen::Vector3d(momentum.angular - model.centre_of_mass(state.x).cross(momentum.linear));
-  }
-  Eigen::AlignedBox3d box;
-  for (Eigen::Index v = 0; v < state.x.cols(); ++v) {
-    if (sheet.mesh().has_material(static_cast<mesh::VertexId>(v))) box.extend(Eigen::Vector3d(state.x.col(v)));
-  }
-  return Eigen::Vector3d(box.sizes());
-}
 
 bool is_global(const Probe& probe) {
   return probe.points.empty() && !probe.region;
@@ -220,7 +199,7 @@ struct Probes::Context {
     if (probe.quantity == Quantity::kStrain) return strain;
     return probe.measure == scene::StressMeasure::kCauchy ? cauchy_stress : biot_stress;
   }
-  [[nodiscard]] Vector value(const Probe& probe, const Place& place) {
+  [[nodiscard]] Components value(const Probe& probe, const Place& place) {
     const fem::State& state = sheet.state();
     if (probe.quantity == Quantity::kOpening) return opening(*place.lips, state.x);
     if (probe.quantity == Quantity::kPosition) return place.point.of(state.x);
@@ -230,7 +209,7 @@ struct Probes::Context {
     if (probe.recovery == scene::Recovery::kPatch) return field.by_patches(sheet, place.point);
     return place.vertex != mesh::kNone ? field.at(sheet, place.vertex, probe.recovery) : field.in(sheet, place.slot);
   }
-  [[nodiscard]] Vector value(const Probe& probe, const Member& member) {
+  [[nodiscard]] Components value(const Probe& probe, const Member& member) {
     const fem::State& state = sheet.state();
     switch (probe.quantity) {
       case Quantity::kPosition:
@@ -364,11 +343,11 @@ void Probes::measure(const sheet::Sheet& sheet, const linear::VertexField& v_bef
                      std::vector<double>& row) {
   if (sheet.topology_version() != topology_version_) locate(sheet);
   Context context{sheet, v_before, dt};
-  const auto append = [&row](const Vector& value) { row.insert(row.end(), value.begin(), value.end()); };
+  const auto append = [&row](const Components& value) { row.insert(row.end(), value.begin(), value.end()); };
   for (std::size_t i = 0; i < requests_.size(); ++i) {
     const Probe& probe = requests_[i];
     if (is_global(probe)) {
-      append(of_whole_sheet(sheet, probe.quantity));
+      append(whole_sheet_.measure(sheet, probe.quantity));
       continue;
     }
     const auto size = static_cast<Eigen::Index>(components_of(probe.quantity).size());
@@ -376,7 +355,7 @@ void Probes::measure(const sheet::Sheet& sheet, const linear::VertexField& v_bef
     for (const Place& place : located_[i].places) {
       if (probe.reduce == Reduce::kEach) {
         append(place.exists ? context.value(probe, place)
-                            : Vector(Vector::Constant(size, std::numeric_limits<double>::quiet_NaN())));
+                            : Components(Components::Constant(size, std::numeric_limits<double>::quiet_NaN())));
       } else if (place.exists) {
         reduction.add(context.value(probe, place), 1.0);
       }

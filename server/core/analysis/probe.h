@@ -8,6 +8,7 @@
 
 #include "server/base/result.h"
 #include "server/core/analysis/lips.h"
+#include "server/core/analysis/whole_sheet.h"
 #include "server/core/linear/vertex_field.h"
 #include "server/core/scene/material_point.h"
 #include "server/core/scene/sheet_config.h"
@@ -62,6 +63,7 @@ class Probes {
   std::vector<scene::Probe> requests_;
   std::vector<std::string> columns_;
   std::vector<Located> located_;
+  WholeSheet whole_sheet_;
   std::int32_t topology_version_ = 0;
 };
 

@@ -31,7 +31,8 @@ struct Box {
 // fills space, and halves of that order are the branches. O(n log n) if each box overlaps few others.
 class BoxTree {
  public:
-  // Replaces all boxes; those with a NaN are left out. Allocates memory only for more boxes than ever before.
+  // Replaces all boxes; those with a NaN are left out. Other coordinates are as orient3d() takes them. Allocates memory
+  // only for more boxes than ever before.
   void build(std::span<const Box> boxes);
 
   // Calls found(i, j) once for each pair of boxes that overlap, by their indices, in any order.

@@ -38,6 +38,7 @@ bool is_global(Quantity quantity) {
     case Quantity::kAngularMomentum:
     case Quantity::kCentreOfMass:
     case Quantity::kExtent:
+    case Quantity::kIntersections:
       return true;
     default:
       return false;

@@ -190,6 +190,7 @@ enum class Quantity {
   kCentreOfMass,     // m, x y z
   kOpening,          // m, distance of a cut's lips: normal, sliding, lateral
   kExtent,           // m, size of the bounding box in the world, x y z
+  kIntersections,    // number of pairs of triangles that pass through each other
 };
 
 enum class Reduce { kEach, kMean, kSum, kMin, kMax };

@@ -18,7 +18,7 @@ namespace {
 using scene::Quantity;
 using scene::Reduce;
 
-constexpr std::array<std::pair<v1::Probe::Quantity, Quantity>, 12> kQuantities{{
+constexpr std::array<std::pair<v1::Probe::Quantity, Quantity>, 13> kQuantities{{
     {v1::Probe::DISPLACEMENT, Quantity::kDisplacement},
     {v1::Probe::POSITION, Quantity::kPosition},
     {v1::Probe::VELOCITY, Quantity::kVelocity},
@@ -31,6 +31,7 @@ constexpr std::array<std::pair<v1::Probe::Quantity, Quantity>, 12> kQuantities{{
     {v1::Probe::CENTRE_OF_MASS, Quantity::kCentreOfMass},
     {v1::Probe::OPENING, Quantity::kOpening},
     {v1::Probe::EXTENT, Quantity::kExtent},
+    {v1::Probe::INTERSECTIONS, Quantity::kIntersections},
 }};
 
 constexpr std::array<std::pair<v1::Probe::Reduce, Reduce>, 5> kReductions{{
