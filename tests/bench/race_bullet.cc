@@ -3,59 +3,20 @@
 #include <string>
 #include <vector>
 
-#include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
 #include <BulletSoftBody/btDeformableBodySolver.h>
 #include <BulletSoftBody/btDeformableMultiBodyDynamicsWorld.h>
-#include <BulletSoftBody/btSoftBodyHelpers.h>
-#include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>
 #include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
 
+#include "tests/bench/bullet_sheet.h"
 #include "tests/bench/race_bullet.h"
 
 namespace kerf::bench {
 namespace {
 
-btVector3 to_bullet(const Eigen::Vector3d& v) {
-  return {static_cast<btScalar>(v.x()), static_cast<btScalar>(v.y()), static_cast<btScalar>(v.z())};
-}
-
-// The sheet of a scene: its triangles, lumped masses and pins; a link along each edge, at rest as it is.
 btSoftBody* make_sheet(btSoftBodyWorldInfo& world, const Scene& scene) {
-  std::vector<btScalar> vertices;
-  for (int v = 0; v < scene.mesh.num_vertices(); ++v) {
-    for (int axis = 0; axis < 3; ++axis) vertices.push_back(static_cast<btScalar>(scene.state.x(axis, v)));
-  }
-  std::vector<int> corners;
-  for (int t = 0; t < scene.mesh.num_triangle_slots(); ++t) {
-    if (!scene.mesh.is_solid(t)) continue;
-    const auto& of = scene.mesh.vertices(t);
-    corners.insert(corners.end(), of.begin(), of.end());
-  }
-  btSoftBody* sheet = btSoftBodyHelpers::CreateFromTriMesh(world, vertices.data(), corners.data(),
-                                                           static_cast<int>(corners.size() / 3));
-  for (int v = 0; v < scene.mesh.num_vertices(); ++v) {
-    sheet->setMass(v, static_cast<btScalar>(scene.model.mass()[static_cast<std::size_t>(v)]));
-  }
+  btSoftBody* sheet = make_bullet_sheet(world, scene.mesh, scene.state.x, scene.model.mass());
   for (const fem::Pin& pin : scene.loads.pins) sheet->setMass(pin.vertex, 0);
-  sheet->m_cfg.collisions = 0;
-  sheet->setActivationState(DISABLE_DEACTIVATION);
   return sheet;
-}
-
-// Holds the objects that every Bullet world needs.
-struct Surroundings {
-  btSoftBodyRigidBodyCollisionConfiguration configuration;
-  btCollisionDispatcher dispatcher{&configuration};
-  btDbvtBroadphase broadphase;
-};
-
-Eigen::Matrix3Xd positions_of(const btSoftBody& sheet) {
-  Eigen::Matrix3Xd x(3, sheet.m_nodes.size());
-  for (int v = 0; v < sheet.m_nodes.size(); ++v) {
-    const btVector3& at = sheet.m_nodes[v].m_x;
-    x.col(v) = Eigen::Vector3d(at.x(), at.y(), at.z());
-  }
-  return x;
 }
 
 // btSoftBody in a btSoftRigidDynamicsWorld: links projected one after the other, `iterations` times a substep.
@@ -73,7 +34,7 @@ class BulletSoftBody : public Contender {
   void tick() override {
     for (int i = 0; i < substeps_; ++i) world_.stepSimulation(static_cast<btScalar>(kTick / substeps_), 0);
   }
-  [[nodiscard]] Eigen::Matrix3Xd positions() const override { return positions_of(*sheet_); }
+  [[nodiscard]] Eigen::Matrix3Xd positions() const override { return bullet_positions(*sheet_); }
   ~BulletSoftBody() override {
     world_.removeSoftBody(sheet_);
     delete sheet_;
@@ -81,7 +42,7 @@ class BulletSoftBody : public Contender {
 
  private:
   int substeps_;
-  Surroundings around_;
+  BulletSurroundings around_;
   btSequentialImpulseConstraintSolver contacts_;
   btSoftRigidDynamicsWorld world_{&around_.dispatcher, &around_.broadphase, &contacts_, &around_.configuration};
   btSoftBody* sheet_ = nullptr;
@@ -122,7 +83,7 @@ class BulletDeformable : public Contender {
       for (int v = 0; v < sheet_->m_nodes.size(); ++v) sheet_->m_nodes[v].m_v *= drag_;
     }
   }
-  [[nodiscard]] Eigen::Matrix3Xd positions() const override { return positions_of(*sheet_); }
+  [[nodiscard]] Eigen::Matrix3Xd positions() const override { return bullet_positions(*sheet_); }
   ~BulletDeformable() override {
     world_.removeSoftBody(sheet_);
     delete sheet_;
@@ -131,7 +92,7 @@ class BulletDeformable : public Contender {
  private:
   int substeps_;
   btScalar drag_;
-  Surroundings around_;
+  BulletSurroundings around_;
   NewtonSolver solver_;
   btDeformableMultiBodyConstraintSolver contacts_;
   btDeformableMassSpringForce springs_{static_cast<btScalar>(kSpring), 0};
