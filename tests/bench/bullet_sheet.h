@@ -16,8 +16,8 @@ namespace kerf::bench {
 
 btVector3 to_bullet(const Eigen::Vector3d& v);
 
-// Returns a soft body with the triangles of a mesh at `positions` (3 x V, m), with `masses` (kg, length V), and with a
-// link along each edge, at rest as it is. It collides with nothing. The caller deletes it.
+// Returns a soft body with the triangles of a mesh at `positions` (3 x V, m) and with `masses` (kg, length V). Each
+// edge is a link, at rest as it is. The body collides with nothing. The caller deletes it.
 btSoftBody* make_bullet_sheet(btSoftBodyWorldInfo& world, const mesh::TriangleMesh& mesh,
                               const linear::VertexField& positions, std::span<const double> masses);
 

@@ -104,13 +104,20 @@ double least_step(const sheet::Sheet& sheet) {
   return least;
 }
 
+// As `kerf sheet create --obj` reads it: texture coordinates are material coordinates.
 void write_obj(const sheet::Sheet& sheet, const std::string& path) {
   std::ofstream file(path);
   file << std::setprecision(9);
-  const auto& x = sheet.state().x;
-  for (Eigen::Index v = 0; v < x.cols(); ++v) file << "v " << x(0, v) << ' ' << x(1, v) << ' ' << x(2, v) << '\n';
+  for (mesh::VertexId v = 0; v < sheet.mesh().num_vertices(); ++v) {
+    const Eigen::Vector3d at = sheet.state().x.col(v);
+    const Eigen::Vector2d material = sheet.mesh().rest_position(v);
+    file << "v " << at.x() << ' ' << at.y() << ' ' << at.z() << '\n';
+    file << "vt " << material.x() << ' ' << material.y() << '\n';
+  }
   for (const auto& corners : test::solid_triangles(sheet.mesh())) {
-    file << "f " << corners[0] + 1 << ' ' << corners[1] + 1 << ' ' << corners[2] + 1 << '\n';
+    file << 'f';
+    for (const mesh::VertexId v : corners) file << ' ' << v + 1 << '/' << v + 1;
+    file << '\n';
   }
 }
 

@@ -14,7 +14,8 @@ namespace {
 
 constexpr int kClusters = 64;
 
-// Clusters of vertices collide with each other as convex bodies.
+// Links along edges, and between vertices two edges apart for bending. Clusters of vertices collide with each other as
+// convex bodies.
 class CollidingSoftBody : public Contender {
  public:
   CollidingSoftBody(const sheet::Sheet& sheet, int substeps, int iterations, bool collides_with_itself)
@@ -26,6 +27,7 @@ class CollidingSoftBody : public Contender {
     world_.addRigidBody(&floor_);
     body_ = make_bullet_sheet(world_.getWorldInfo(), sheet.mesh(), sheet.state().x, sheet.model().mass());
     body_->m_materials[0]->m_kLST = 1;
+    body_->generateBendingConstraints(2);
     body_->m_cfg.piterations = iterations;
     body_->m_cfg.kDF = static_cast<btScalar>(sheet.config().colliders.front().friction);
     body_->getCollisionShape()->setMargin(static_cast<btScalar>(0.5 * sheet.config().material.thickness));

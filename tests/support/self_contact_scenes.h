@@ -17,7 +17,7 @@ scene::SheetConfig falls_on_edge(std::int32_t side = kSelfContactSide);
 // b: horizontal, held at one corner, without a floor.
 scene::SheetConfig hung_by_corner(std::int32_t side = kSelfContactSide);
 // c: folded twice along mesh lines: four layers, three thicknesses apart, the lowest as far above the floor. Edges at
-// the folds start with strains of up to 8 % at a side of 50.
+// the folds start with strains of up to 3 %.
 scene::SheetConfig folded_twice(std::int32_t side = kSelfContactSide);
 // d: as a, in five strips from top to bottom whose lips coincide.
 scene::SheetConfig falls_in_strips(std::int32_t side = kSelfContactSide);
