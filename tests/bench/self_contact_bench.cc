@@ -1,5 +1,5 @@
 // Scenes in which sheets touch themselves: how much passes through itself, and what a tick of 1/60 s costs.
-//   self_contact_bench [LETTERS [SECONDS [INTEGRATOR]]] [--obj FOLDER]
+//   self_contact_bench [LETTERS [SECONDS [INTEGRATOR]]] [--without] [--obj FOLDER]
 // LETTERS: scenes of tests/support/self_contact_scenes.h, such as abd; all without. SECONDS: of motion; 0, or none,
 // for each scene's own. INTEGRATOR: explicit (the default), automatic, euler, trapezoidal, bdf2 or tr-bdf2. --obj: the
 // last shape of each scene is written to FOLDER as a.obj and so on.
@@ -21,14 +21,15 @@
 #include <utility>
 #include <vector>
 
+#include "server/core/contact/intersections.h"
 #include "server/core/fem/element/state.h"
 #include "server/core/mesh/triangle_mesh.h"
 #include "server/core/sheet/sheet.h"
 #include "tests/bench/cpu_time.h"
 #include "tests/bench/scenes.h"
 #include "tests/bench/self_contact_bullet.h"
-#include "tests/support/intersecting_pairs.h"
 #include "tests/support/self_contact_scenes.h"
+#include "tests/support/solid_triangles.h"
 
 namespace kerf::bench {
 namespace {
@@ -62,6 +63,7 @@ struct Options {
   double seconds = 0.0;  // 0: each scene's own
   scene::IntegratorKind integrator = scene::IntegratorKind::kExplicitLeapfrog;
   std::optional<std::string> folder;
+  bool has_contact = true;
 };
 
 int ticks_of(double seconds) {
@@ -91,7 +93,7 @@ struct Record {
 };
 
 std::int64_t count_pairs(const sheet::Sheet& sheet) {
-  return test::count_intersecting_pairs(test::solid_triangles(sheet.mesh()), sheet.state().x);
+  return contact::IntersectionSearch().count(test::solid_triangles(sheet.mesh()), sheet.state().x);
 }
 
 // m
@@ -121,21 +123,37 @@ void write_obj(const sheet::Sheet& sheet, const std::string& path) {
   }
 }
 
-sheet::Sheet make(const SelfContactScene& scene, scene::IntegratorKind integrator) {
+sheet::Sheet make(const SelfContactScene& scene, const Options& options) {
   scene::SheetConfig config = scene.make();
-  config.integrator.kind = integrator;
+  config.integrator.kind = options.integrator;
+  config.self_contact.is_on = options.has_contact;
   return create(std::move(config));
 }
 
+void add(const fem::SelfContactStats& of, fem::SelfContactStats& to) {
+  to.phases += of.phases;
+  to.searches += of.searches;
+  to.late += of.late;
+  to.pairs += of.pairs;
+  to.contacts += of.contacts;
+  to.repairs += of.repairs;
+  to.zones += of.zones;
+  to.unsettled += of.unsettled;
+}
+
 void measure(const SelfContactScene& scene, const Options& options) {
-  sheet::Sheet sheet = make(scene, options.integrator);
+  sheet::Sheet sheet = make(scene, options);
   const int ticks = ticks_of(options.seconds > 0.0 ? options.seconds : scene.seconds);
   Record record;
   double energy = sheet.energies().total();
   double gain = -std::numeric_limits<double>::infinity();
   std::uint32_t flags = 0;
+  fem::SelfContactStats self;
   for (int i = 0; i < ticks; ++i) {
-    record.time([&] { flags |= sheet.step({}).stats.flags; });
+    fem::StepStats stats;
+    record.time([&] { stats = sheet.step({}).stats; });
+    flags |= stats.flags;
+    add(stats.self_contact, self);
     const double before = std::exchange(energy, sheet.energies().total());
     gain = std::max(gain, energy - before);
     record.pairs.push_back(count_pairs(sheet));
@@ -152,6 +170,12 @@ void measure(const SelfContactScene& scene, const Options& options) {
               scene.name, sheet.mesh().num_vertices(), ticks, record.pairs.back(), record.pairs[record.most()],
               record.most() + 1, beside.c_str(), step.c_str(), record.mean_ms(), record.worst_ms(), gain, flags,
               sheet.state_hash());
+  const auto of_ticks = [ticks](std::int64_t sum) { return static_cast<double>(sum) / ticks; };
+  std::printf(
+      "a tick: %.1f phases, %.1f searches (%ld late in all), %.0f pairs, %.0f contacts, %.1f repairs, %.1f zones; "
+      "%ld unsettled\n",
+      of_ticks(self.phases), of_ticks(self.searches), self.late, of_ticks(self.pairs), of_ticks(self.contacts),
+      of_ticks(self.repairs), of_ticks(self.zones), self.unsettled);
   std::fflush(stdout);
   if (options.folder) write_obj(sheet, *options.folder + "/" + scene.letter + ".obj");
 }
@@ -169,7 +193,7 @@ void race(const SelfContactScene& scene, const Options& options) {
   std::printf("\nScene %c beside Bullet:%s\n", scene.letter,
               entries.empty() ? " built without it (Debian: libbullet-dev)" : "");
   std::printf("| program | ticks | pairs at the end | most, in tick | ms a tick, worst |\n|---|---|---|---|---|\n");
-  sheet::Sheet sheet = make(scene, options.integrator);
+  sheet::Sheet sheet = make(scene, options);
   const auto triangles = test::solid_triangles(sheet.mesh());
   std::vector<std::unique_ptr<Contender>> contenders;
   for (const SelfContactEntry& entry : entries) contenders.push_back(entry.enter(sheet));
@@ -179,7 +203,7 @@ void race(const SelfContactScene& scene, const Options& options) {
     records.back().pairs.push_back(count_pairs(sheet));
     for (std::size_t k = 0; k < entries.size(); ++k) {
       records[k].time([&] { contenders[k]->tick(); });
-      records[k].pairs.push_back(test::count_intersecting_pairs(triangles, contenders[k]->positions()));
+      records[k].pairs.push_back(contact::IntersectionSearch().count(triangles, contenders[k]->positions()));
     }
   }
   print("Kerf", ticks, records.back());
@@ -187,9 +211,9 @@ void race(const SelfContactScene& scene, const Options& options) {
 }
 
 int fail() {
-  std::fprintf(
-      stderr,
-      "usage: self_contact_bench [LETTERS [SECONDS [INTEGRATOR]]] [--obj FOLDER]; see the head of its source\n");
+  std::fprintf(stderr,
+               "usage: self_contact_bench [LETTERS [SECONDS [INTEGRATOR]]] [--without] [--obj FOLDER]; see the head of "
+               "its source\n");
   return 2;
 }
 
@@ -198,7 +222,9 @@ std::optional<Options> parse(int argc, char** argv) {
   for (const SelfContactScene& scene : scenes::self_contact_scenes()) options.letters += scene.letter;
   std::vector<std::string> places;
   for (int i = 1; i < argc; ++i) {
-    if (std::string_view(argv[i]) != "--obj") {
+    if (std::string_view(argv[i]) == "--without") {
+      options.has_contact = false;
+    } else if (std::string_view(argv[i]) != "--obj") {
       places.emplace_back(argv[i]);
     } else if (++i < argc) {
       options.folder = argv[i];

@@ -8,10 +8,11 @@
 
 #include <gtest/gtest.h>
 
+#include "server/core/contact/intersections.h"
 #include "server/core/fem/element/state.h"
 #include "server/core/mesh/triangle_mesh.h"
 #include "server/core/sheet/sheet.h"
-#include "tests/support/intersecting_pairs.h"
+#include "tests/support/solid_triangles.h"
 
 namespace kerf::sheet {
 namespace {
@@ -25,7 +26,7 @@ Sheet make(scene::SheetConfig config) {
 }
 
 std::int64_t pairs(const Sheet& sheet) {
-  return test::count_intersecting_pairs(test::solid_triangles(sheet.mesh()), sheet.state().x);
+  return contact::IntersectionSearch().count(test::solid_triangles(sheet.mesh()), sheet.state().x);
 }
 
 // -, largest |l / l0 - 1| of an edge
@@ -39,30 +40,6 @@ double largest_stretch(const Sheet& sheet) {
     }
   }
   return largest;
-}
-
-std::int64_t count(std::initializer_list<Eigen::Vector3d> corners) {
-  linear::VertexField x(static_cast<Eigen::Index>(corners.size()));
-  std::vector<std::array<mesh::VertexId, 3>> triangles;
-  int v = 0;
-  for (const Eigen::Vector3d& corner : corners) {
-    x.col(v++) = corner;
-    if (v % 3 == 0) triangles.push_back({v - 3, v - 2, v - 1});
-  }
-  return test::count_intersecting_pairs(triangles, x);
-}
-
-TEST(IntersectingPairs, AnEdgeThatPassesThroughCounts) {
-  EXPECT_EQ(count({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.2, 0.2, -1}, {0.3, 0.2, 1}, {5, 5, 1}}), 1);
-  EXPECT_EQ(count({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.2, 0.2, 0.1}, {0.3, 0.2, 1}, {5, 5, 1}}), 0);
-  EXPECT_EQ(count({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {2, 2, -1}, {2, 2, 1}, {5, 5, 1}}), 0);
-}
-
-TEST(IntersectingPairs, TrianglesThatTouchDoNotCount) {
-  const Eigen::Vector3d a(0.1, 0.7, 0.3), b(0.9, 0.2, 0.4), c(0.3, 0.1, 0.9), d(0.5, 0.8, 0.7);
-  EXPECT_EQ(count({a, b, c, b, a, d}), 0);                        // a whole edge
-  EXPECT_EQ(count({a, b, c, a, b, c}), 0);                        // everything
-  EXPECT_EQ(count({a, b, c, (a + b + c) / 3.0, d, 2.0 * d}), 0);  // a corner in the face, to rounding
 }
 
 TEST(SelfContactScenes, StartWithoutIntersectionsAtAnySize) {

@@ -15,6 +15,44 @@ void ContactBridge::set_vertices(std::int32_t num_vertices, const std::vector<me
   solver_.reserve(num_vertices);
 }
 
+void ContactBridge::set_self_contact(bool is_on, double friction) {
+  touches_itself_ = is_on;
+  self_contact_.set_friction(friction);
+}
+
+void ContactBridge::set_mesh(const mesh::TriangleMesh& mesh) {
+  if (touches_itself_) self_contact_.set(mesh);
+}
+
+std::span<const mesh::VertexId> ContactBridge::begin_self_contact(double h, int substeps,
+                                                                  const Eigen::Vector3d& gravity,
+                                                                  std::span<const double> inverse_mass,
+                                                                  fem::State& state) {
+  self_contact_.set_thickness(2.0 * half_thickness_);
+  self_contact_.set_bodies(&solver_);  // set here, since the bridge is copied
+  self_contact_.begin({h, substeps, gravity, inverse_mass}, state.x, state.v);
+  return self_contact_.moved();
+}
+
+std::span<const mesh::VertexId> ContactBridge::make_self_contact(fem::State& state) {
+  self_contact_.make_phase(state.x, state.v);
+  return self_contact_.moved();
+}
+
+fem::SelfContactStats ContactBridge::take_self_stats(const linear::VertexField& x) {
+  const contact::SelfContactCounters& now = self_contact_.counters();
+  const contact::SelfContactCounters& before = before_;
+  return {.phases = now.phases - before.phases,
+          .searches = now.searches - before.searches,
+          .late = now.late - before.late,
+          .pairs = now.pairs - before.pairs,
+          .contacts = now.contacts - before.contacts,
+          .repairs = now.repairs - before.repairs,
+          .zones = now.zones - before.zones,
+          .unsettled = now.unsettled - before.unsettled,
+          .intersections = now.pairs > before.pairs ? self_contact_.count_intersections(x) : 0};
+}
+
 void ContactBridge::begin(const linear::VertexField& x) {
   x_before_ = x;
   solver_.begin(half_thickness_, is_excluded_, x);

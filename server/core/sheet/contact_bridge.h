@@ -9,9 +9,12 @@
 #include <Eigen/Core>
 
 #include "server/core/contact/contact_solver.h"
+#include "server/core/contact/self_contact.h"
 #include "server/core/fem/element/contact_constraint.h"
+#include "server/core/fem/step/step_stats.h"
 #include "server/core/linear/vertex_field.h"
 #include "server/core/mesh/ids.h"
+#include "server/core/mesh/triangle_mesh.h"
 
 namespace kerf::sheet {
 
@@ -41,12 +44,28 @@ class ContactBridge : public fem::ContactConstraint {
   std::size_t find_gaps(int vertex, const Eigen::Vector3d& x, double reach,
                         std::array<fem::SurfaceGap, kMaxGaps>& gaps) const override;
 
-  [[nodiscard]] bool empty() const { return solver_.empty(); }
+  // Sets up contact of the sheet with itself after each change of the topology, if it is on. Allocates memory.
+  void set_mesh(const mesh::TriangleMesh& mesh);
+  void set_self_contact(bool is_on, double friction);
+  [[nodiscard]] bool touches_itself() const override { return touches_itself_; }
+  std::span<const mesh::VertexId> begin_self_contact(double h, int substeps, const Eigen::Vector3d& gravity,
+                                                     std::span<const double> inverse_mass, fem::State& state) override;
+  [[nodiscard]] int next_self_contact() const override { return self_contact_.next_phase(); }
+  std::span<const mesh::VertexId> make_self_contact(fem::State& state) override;
+  // Begins to count contact of the sheet with itself; take_self_stats() returns what happened since, in a step that
+  // ended at positions x, m.
+  void begin_self_stats() { before_ = self_contact_.counters(); }
+  fem::SelfContactStats take_self_stats(const linear::VertexField& x);
+
+  [[nodiscard]] bool empty() const { return solver_.empty() && !touches_itself_; }
   [[nodiscard]] std::int64_t phases() const { return solver_.counters().phases; }
   [[nodiscard]] std::int64_t blocks() const { return solver_.counters().blocks; }
 
  private:
   contact::ContactSolver solver_;
+  contact::SelfContact self_contact_;
+  bool touches_itself_ = false;
+  contact::SelfContactCounters before_;  // see begin_self_stats()
   double half_thickness_ = 0.0;
   bool is_calm_ = false;
   std::vector<mesh::VertexId> excluded_;

@@ -1,11 +1,13 @@
 #include "server/core/sheet/initial_state.h"
 
+#include <numeric>
 #include <string>
 #include <utility>
 
 #include "server/core/fem/model/model.h"
 #include "server/core/scene/integrator_settings.h"
 #include "server/core/scene/region.h"
+#include "server/core/sheet/lip_parting.h"
 
 namespace kerf::sheet {
 
@@ -27,6 +29,7 @@ Eigen::Matrix3Xd initial_velocities(const scene::SheetConfig& config, const scen
 
 Result<InitialState> make_initial_state(scene::SheetConfig config) {
   KERF_TRY(validate(config));
+  if (config.self_contact.is_on) config.integrator.kind = scene::IntegratorKind::kExplicitLeapfrog;
   KERF_TRY_ASSIGN(scene::BuiltMesh built, scene::build_mesh(config.mesh, config.placement, config.max_vertices));
   if (built.mesh.num_vertices() > config.max_vertices) {
     return resource_exhausted("TOO_MANY_VERTICES", "the sheet has " + std::to_string(built.mesh.num_vertices()) +
@@ -41,6 +44,11 @@ Result<InitialState> make_initial_state(scene::SheetConfig config) {
   KERF_TRY_ASSIGN(scene::AppliedForces applied, scene::AppliedForces::create(shared, built));
   Eigen::Matrix3Xd velocities = initial_velocities(*shared, built, assigned.by_region);
   MaterialSetup materials(std::move(assigned), *shared, built.mesh);
+  if (shared->self_contact.is_on) {
+    std::vector<mesh::TriangleId> triangles(static_cast<std::size_t>(built.mesh.num_triangle_slots()));
+    std::iota(triangles.begin(), triangles.end(), 0);
+    part_lips(built.mesh, triangles, pinned, 2.0 * materials.half_thickness(), built.positions);
+  }
   return InitialState{std::move(shared), std::move(built), std::move(materials), std::move(velocities),
                       std::move(pinned), std::move(held),  std::move(applied)};
 }

@@ -168,6 +168,7 @@ void MovingSheet::pin(std::vector<mesh::VertexId> vertices) {
 }
 
 void MovingSheet::rebuild() {
+  stepper_.contact().set_mesh(mesh_);
   stepper_.rebuild(model_, materials_.softening(), state_.x.cols());
 }
 

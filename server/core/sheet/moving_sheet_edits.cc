@@ -6,6 +6,7 @@
 #include "server/base/sort_unique.h"
 #include "server/core/fem/model/transfer.h"
 #include "server/core/scene/region.h"
+#include "server/core/sheet/lip_parting.h"
 #include "server/core/sheet/moving_sheet.h"
 
 namespace kerf::sheet {
@@ -24,6 +25,10 @@ bool MovingSheet::follow(std::span<const mesh::MeshEdit* const> edits, const std
   // Old pins keep their targets, whatever the transfer did. New pins are held where they are.
   for (const fem::Pin& p : pins_.holds()) {
     if (mesh_.has_material(p.vertex)) state_.x.col(p.vertex) = p.target;
+  }
+  if (stepper_.contact().touches_itself()) {
+    sort_unique(inherited);
+    part_lips(mesh_, rewritten, inherited, 2.0 * materials_.half_thickness(), state_.x);
   }
   return finish_edit(std::move(inherited), edits, observer);
 }
@@ -55,6 +60,7 @@ bool MovingSheet::finish_edit(std::vector<mesh::VertexId> now_pinned, std::span<
                               PhaseObserver* observer) {
   const bool pins_changed = now_pinned != pins_.vertices();
   pin(std::move(now_pinned));
+  stepper_.contact().set_mesh(mesh_);
   conditions_.follow(mesh_, edits, initial_->built);
   grabs_.follow(mesh_);
   enter_phase(observer, "integrator");

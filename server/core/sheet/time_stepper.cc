@@ -15,6 +15,7 @@ TimeStepper::TimeStepper(const scene::SheetConfig& config, IntegratorFactory mak
       integrator_(std::move(make_integrator), scene::integrator_options(config.integrator, 1.0 / config.tick_rate_hz)),
       rest_(size) {
   contact_.set_colliders(config.colliders);
+  contact_.set_self_contact(config.self_contact.is_on, config.self_contact.friction);
 }
 
 void TimeStepper::rebuild(const fem::Model& model, const std::optional<fem::Softening>& softening,
@@ -53,6 +54,7 @@ StepOutcome TimeStepper::step(fem::Model& model, const fem::Loads& loads, const 
   const bool touches = last_counts_ && last_counts_->contact_blocks > 0.0;
   contact_.set_calm(touches && rest_.is_calm());
   const std::int64_t blocks_before = contact_.blocks();
+  contact_.begin_self_stats();
   outcome.gave_up = !integrate(model, loads, stop.give_up, state, stats);
   integrator_->set_stop_condition(nullptr);
   if (outcome.gave_up) {
@@ -70,6 +72,8 @@ StepOutcome TimeStepper::step(fem::Model& model, const fem::Loads& loads, const 
     if (++failed_steps_ >= Sheet::kMaxFailedSteps) is_frozen_ = true;
   } else {
     failed_steps_ = 0;
+    stats.self_contact = contact_.take_self_stats(state.x);
+    if (stats.self_contact.intersections > 0) stats.flags |= fem::kIntersects;
     count_tick(model, stats, contact_.blocks() - blocks_before);
   }
   return outcome;

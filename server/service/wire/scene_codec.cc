@@ -57,6 +57,11 @@ constexpr std::array<std::pair<v1::Fidelity, scene::Fidelity>, 2> kFidelities{{
     {v1::REAL_TIME, scene::Fidelity::kRealTime},
 }};
 
+constexpr std::array<std::pair<v1::SelfContact::Mode, bool>, 2> kSelfContactModes{{
+    {v1::SelfContact::OFF, false},
+    {v1::SelfContact::ON, true},
+}};
+
 Status decode_materials(const v1::Scene& scene, scene::SheetConfig& config) {
   KERF_TRY_ASSIGN(config.material, decode_material(scene.material(), "material"));
   for (int i = 0; i < scene.materials_size(); ++i) {
@@ -67,6 +72,12 @@ Status decode_materials(const v1::Scene& scene, scene::SheetConfig& config) {
   }
   KERF_TRY(decode_membrane_law(scene.membrane_law(), config.membrane_law));
   return decode_choice(kFidelities, scene.fidelity(), "fidelity", config.fidelity);
+}
+
+Status decode_self_contact(const v1::SelfContact& message, scene::SelfContact& self_contact) {
+  KERF_TRY(decode_choice(kSelfContactModes, message.mode(), "self_contact.mode", self_contact.is_on));
+  if (message.has_friction()) self_contact.friction = message.friction();
+  return Nothing{};
 }
 
 // Decodes lists: colliders, scheduled commands.
@@ -103,6 +114,7 @@ Result<scene::SheetConfig> decode_scene(v1::Scene scene, const FileReader& read_
   if (scene.max_vertices() != 0) config.max_vertices = scene.max_vertices();
   config.ticks = scene.ticks();
   config.repeat_after = scene.repeat_after_ticks();
+  KERF_TRY(decode_self_contact(scene.self_contact(), config.self_contact));
   if (scene.has_rest_damping()) config.rest_damping = scene.rest_damping();
   config.description = scene.description();
   KERF_TRY(scene::validate(config));
@@ -162,6 +174,11 @@ v1::Scene encode_settings(const SettingsInForce& settings) {
   scene.set_ticks(settings.config.ticks);
   scene.set_repeat_after_ticks(settings.config.repeat_after);
   if (!settings.config.rest_damping) scene.set_rest_damping(false);
+  if (settings.config.self_contact != scene::SelfContact()) {
+    v1::SelfContact& message = *scene.mutable_self_contact();
+    message.set_mode(encode_choice(kSelfContactModes, settings.config.self_contact.is_on));
+    message.set_friction(settings.config.self_contact.friction);
+  }
   scene.set_description(settings.config.description);
   return scene;
 }

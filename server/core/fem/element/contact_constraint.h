@@ -8,6 +8,7 @@
 
 #include "server/core/fem/element/state.h"
 #include "server/core/linear/vertex_field.h"
+#include "server/core/mesh/ids.h"
 #include "server/core/mesh/vertex_lanes.h"
 
 namespace kerf::fem {
@@ -50,6 +51,21 @@ class ContactConstraint {
   // the surface, and returns how many there are. A pinned vertex has none.
   virtual std::size_t find_gaps(int vertex, const Eigen::Vector3d& x, double reach,
                                 std::array<SurfaceGap, kMaxGaps>& gaps) const = 0;
+
+  // Contact of the sheet with itself, in phases between substeps. Returns true if the sheet has it.
+  [[nodiscard]] virtual bool touches_itself() const { return false; }
+  // Begins a step of `substeps` substeps of `h` (s) from `state`, before the first drift. `inverse_mass`: 1/kg, by
+  // vertex, 0 for held ones. Changes velocities of the vertices that it returns.
+  virtual std::span<const mesh::VertexId> begin_self_contact(double /*h*/, int /*substeps*/,
+                                                             const Eigen::Vector3d& /*gravity*/,
+                                                             std::span<const double> /*inverse_mass*/,
+                                                             State& /*state*/) {
+    return {};
+  }
+  // Number of the substep after which the next phase is due; the last one is due after the last substep.
+  [[nodiscard]] virtual int next_self_contact() const { return 0; }
+  // Makes that phase. Changes `state` at the vertices that it returns.
+  virtual std::span<const mesh::VertexId> make_self_contact(State& /*state*/) { return {}; }
 };
 
 }  // namespace kerf::fem

@@ -208,6 +208,16 @@ bool LeapfrogSweep<T>::read(const State& state) {
 }
 
 template <typename T>
+bool LeapfrogSweep<T>::set_vertices(std::span<const VertexId> vertices, const State& state) {
+  for (const VertexId v : vertices) {
+    contact_.moved = std::max(contact_.moved, (state.x.col(v) - position(v)).norm());
+    if (!set_position(v, state.x.col(v))) return false;
+    set_velocity(v, state.v.col(v));
+  }
+  return true;
+}
+
+template <typename T>
 void LeapfrogSweep<T>::write(State& state) const {
   for (VertexId v = 0; v < layout_->num_vertices(); ++v) {
     if (takes_part_[static_cast<std::size_t>(v)] == 0) continue;

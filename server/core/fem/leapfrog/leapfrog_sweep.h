@@ -106,6 +106,8 @@ class LeapfrogSweep {
   // Loads the vertices that have mass or are held. Returns false if positions are out of range.
   bool read(const State& state);
   void write(State& state) const;
+  // Loads some vertices. Returns false if positions are out of range.
+  bool set_vertices(std::span<const mesh::VertexId> vertices, const State& state);
   // Position (m) and velocity (m/s) of a vertex.
   [[nodiscard]] Eigen::Vector3d position(mesh::VertexId v) const;
   [[nodiscard]] Eigen::Vector3d velocity(mesh::VertexId v) const;

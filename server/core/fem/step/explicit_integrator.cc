@@ -284,6 +284,7 @@ bool ExplicitIntegrator::advance(const Model& model, const Loads& loads, Plan& p
   const bool is_green = model.materials().membrane_law() == MembraneLaw::kGreen;
   int interval = set_substeps(model, least, plan.tension, plan);
   terms.h = plan.h();
+  const bool touches_itself = contact != nullptr && contact->touches_itself();
   if (!sweep.begin(model, loads, terms, duration, state)) return false;
   if (!is_green) {
     const int expected = plan.substeps;
@@ -294,6 +295,11 @@ bool ExplicitIntegrator::advance(const Model& model, const Loads& loads, Plan& p
     if (plan.substeps != expected && !sweep.begin(model, loads, terms, duration, state)) return false;
   }
   const double h = plan.h();
+  bool touched_itself = false;
+  if (touches_itself) {
+    touched_itself = begin_self_contact(model, loads, plan, *contact, state);
+    if (touched_itself && !sweep.read(state)) return false;
+  }
   for (int i = 0; i <= plan.substeps; ++i) {
     if (stop_.is_met()) return false;
     const bool last = i == plan.substeps;
@@ -319,9 +325,15 @@ bool ExplicitIntegrator::advance(const Model& model, const Loads& loads, Plan& p
     } else if (!(last ? sweep.enforce_found(*contact) : sweep.enforce(*contact, h))) {
       return false;
     }
+    const int done = last ? plan.substeps : i + 1;
+    if (!touches_itself || done < contact->next_self_contact() || i + 1 == plan.substeps) continue;
+    sweep.write(state);
+    const std::span<const mesh::VertexId> moved = contact->make_self_contact(state);
+    touched_itself = touched_itself || !moved.empty();
+    if (!sweep.set_vertices(moved, state)) return false;
   }
   if (!sweep.stayed_inside(duration)) return false;
-  plan.touched = sweep.touched();
+  plan.touched = sweep.touched() || touched_itself;
   plan.cluster_pushes = sweep.num_cluster_pushes();
   plan.bending_interval = interval;
   sweep.write(state);
@@ -329,6 +341,14 @@ bool ExplicitIntegrator::advance(const Model& model, const Loads& loads, Plan& p
   set_pins(loads, 0.0, state);
   drift_massless(model, duration, state);
   return true;
+}
+
+bool ExplicitIntegrator::begin_self_contact(const Model& model, const Loads& loads, const Plan& plan,
+                                            ContactConstraint& contact, State& state) {
+  const std::span<const double> inverse_mass = model.inverse_mass();
+  scratch_.mobility.assign(inverse_mass.begin(), inverse_mass.end());
+  for (const Pin& pin : loads.pins) scratch_.mobility[static_cast<std::size_t>(pin.vertex)] = 0.0;
+  return !contact.begin_self_contact(plan.h(), plan.substeps, loads.gravity, scratch_.mobility, state).empty();
 }
 
 void ExplicitIntegrator::set_forces(const Model& model, const Loads& loads, const LeapfrogKick& kick,

@@ -82,9 +82,10 @@ class ExplicitIntegrator final : public Integrator {
   static constexpr int kMaxBendingInterval = 8;
 
   struct Scratch {
-    linear::VertexField force;  // 3 x V, N
-    State start;                // for go_back()
-    linear::VertexField given;  // 3 x V, m/s, before calm_clusters()
+    linear::VertexField force;     // 3 x V, N
+    State start;                   // for go_back()
+    linear::VertexField given;     // 3 x V, m/s, before calm_clusters()
+    std::vector<double> mobility;  // 1/kg, by vertex; 0 if it is held in any direction
   };
   struct Plan {
     double duration = 0.0;  // s
@@ -169,6 +170,9 @@ class ExplicitIntegrator final : public Integrator {
   // Sets scratch_.force to LeapfrogKick::forces. Those of bending are scaled by kick.bending / kick.duration, so that a
   // kick of kick.duration has the impulse of kick.bending.
   void set_forces(const Model& model, const Loads& loads, const LeapfrogKick& kick, const State& state);
+  // Begins contact of the sheet with itself. Returns true if it changed velocities.
+  bool begin_self_contact(const Model& model, const Loads& loads, const Plan& plan, ContactConstraint& contact,
+                          State& state);
   template <typename T>
   static bool kick_grabs(const Loads& loads, const LeapfrogKick& kick, double h, double time_left,
                          LeapfrogSweep<T>& sweep);

@@ -21,13 +21,14 @@ enum StepFlags : std::uint32_t {
       1U << 8,  // no attempt was finite and kept the energy: one linear step that cannot gain any replaced them
   kInsideBody =
       1U << 9,  // the step began with vertices inside a body, deeper than the sheet is thick: moved out slowly
+  kIntersects = 1U << 10,  // the step ended with triangles that pass through each other, though self-contact is on
 };
 
 // Names of the flags in metrics and results, in the order of their bits.
-inline constexpr std::array<std::string_view, 10> kStepFlagNames{
-    "not_converged",  "substepped", "substep_limit", "frozen",    "repaired",
-    "energy_limited", "widened",    "damped",        "majorized", "inside_body"};
-static_assert(kInsideBody == 1U << (kStepFlagNames.size() - 1));
+inline constexpr std::array<std::string_view, 11> kStepFlagNames{
+    "not_converged", "substepped", "substep_limit", "frozen",      "repaired",  "energy_limited",
+    "widened",       "damped",     "majorized",     "inside_body", "intersects"};
+static_assert(kIntersects == 1U << (kStepFlagNames.size() - 1));
 
 // Number of steps that reported each flag, by bit.
 using FlagCounts = std::array<std::int64_t, kStepFlagNames.size()>;
@@ -36,6 +37,20 @@ inline void count_flags(std::uint32_t flags, FlagCounts& counts) {
 }
 
 inline constexpr double kWorstLinearResidual = 1e6;
+
+// Contact of a sheet with itself in a step; see contact::SelfContact.
+struct SelfContactStats {
+  std::int64_t phases = 0;     // between substeps in which pairs of features were looked at
+  std::int64_t searches = 0;   // lists of pairs that may touch
+  std::int64_t late = 0;       // lists that were too old before the next phase, and were made again for the past
+  std::int64_t pairs = 0;      // listed, summed over searches
+  std::int64_t contacts = 0;   // pairs that responded, summed over phases
+  std::int64_t repairs = 0;    // pairs that would have passed through each other, put right one by one
+  std::int64_t zones = 0;      // such pairs that were moved as one with their neighbours
+  std::int64_t unsettled = 0;  // such pairs that were left
+  // Pairs of triangles that pass through each other at the end; 0 without looking where no pairs were listed.
+  std::int64_t intersections = 0;
+};
 
 // Statistics of a step. A step that went wrong is reported by flags, and the caller decides how to treat it.
 struct StepStats {
@@ -57,6 +72,7 @@ struct StepStats {
   int cluster_pushes = 0;    // number of times that bodies pushed a cluster of local inertia
   int bending_interval = 0;  // explicit: substeps from one kick of bending to the next
   bool is_double = false;    // explicit: made in double precision
+  SelfContactStats self_contact;
   bool interrupted =
       false;  // stopped early, see Integrator::set_stop_condition: the state is unchanged, all else is invalid
 };

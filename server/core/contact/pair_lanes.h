@@ -1,0 +1,70 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "server/core/contact/feature_pair.h"
+
+// Searches of self-contact in vector code that is chosen for the processor at run time. Results have the same bits on
+// every processor. Coordinates are floats relative to the middle of the sheet.
+namespace kerf::contact {
+
+// Entries behind the last one that vector code may read.
+inline constexpr std::size_t kLanePadding = 16;
+
+// Axis-parallel boxes side by side, m.
+struct BoxLanes {
+  std::array<std::vector<float>, 3> low, high;
+
+  void resize(std::size_t count);
+};
+
+// Vertices in straight motion, by vertex id.
+struct MotionLanes {
+  std::array<std::vector<float>, 3> x;  // m
+  std::array<std::vector<float>, 3> v;  // m/s
+  std::vector<float> slack;             // m, distance that a vertex may stray from its line
+
+  void resize(std::size_t count);
+};
+
+// Pairs side by side. See FeaturePair.
+struct PairLanes {
+  std::vector<std::int32_t> a, b;
+  std::array<std::vector<std::int32_t>, 4> vertices;
+
+  void clear();
+  void add(std::int32_t feature_a, std::int32_t feature_b, const std::array<mesh::VertexId, 4>& of);
+  // Must be called after the last add().
+  void pad();
+  [[nodiscard]] std::size_t size() const { return a.size(); }
+};
+
+// Appends to `found` the index pairs {i, j} of boxes that overlap, i in [begin, end) of `boxes` and j in
+// [other_begin, other_end) of `others`, ascending. `after`: only j > i.
+struct BoxRange {
+  std::int32_t begin = 0, end = 0;
+};
+void find_overlaps(const BoxLanes& boxes, BoxRange range, const BoxLanes& others, BoxRange other_range, bool after,
+                   std::vector<std::array<std::int32_t, 2>>& found);
+
+// Fills `kept` with the indices of pairs, ascending, that share no vertex and may come near within `duration` (s):
+// nearer than `reach` (m) plus the slack of both sides.
+void find_near(FeaturePair::Kind kind, const PairLanes& pairs, const MotionLanes& motion, float duration, float reach,
+               std::vector<std::int32_t>& kept);
+
+// Sets `distances` (m) to those of the pairs with the given indices; negative for edges whose nearest points are ends.
+// `x`: m, by vertex id. Errors are those of floats.
+void find_distances(FeaturePair::Kind kind, const std::array<std::vector<std::int32_t>, 4>& vertices,
+                    std::span<const std::int32_t> indices, const std::array<std::vector<float>, 3>& x,
+                    std::span<float> distances);
+
+// Fills `due` with the indices of pairs, ascending, whose vertices have moved in sum more than `limit`, by pair.
+// `path`: by vertex id. Both in m. `vertices` and the storage of `limit` have kLanePadding more entries than `limit`.
+void find_due(const std::array<std::vector<std::int32_t>, 4>& vertices, std::span<const float> path,
+              std::span<const float> limit, std::vector<std::int32_t>& due);
+
+}  // namespace kerf::contact

@@ -1,0 +1,287 @@
+#include "server/core/contact/self_contact.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/base/check.h"
+
+namespace kerf::contact {
+
+using mesh::VertexId;
+
+namespace {
+
+constexpr double kLongestInterval = 1.3e-3;  // s, between two phases; vertices at rest fall in between
+constexpr int kHardSweeps = 100;
+constexpr double kEdgeThickness = 0.8;    // -, thickness between edges over that of faces
+constexpr double kSlackOfAltitude = 0.3;  // -, slack of a vertex over the least altitude there
+constexpr double kLeastSlack = 0.1;       // -, of the slack in the mesh as built
+constexpr double kPushSpeed = 0.05;       // m/s, largest speed at which contact pushes apart
+constexpr double kPushShare = 0.2;        // -, part of a lack of distance that an interval makes up for
+
+}  // namespace
+
+void SelfContact::set(const mesh::TriangleMesh& mesh) {
+  tree_.set(mesh);
+  triangles_.clear();
+  for (const SheetFeatures::Triangle& triangle : tree_.features().triangles) triangles_.push_back(triangle.vertices);
+  base_slack_ = std::min(1.5e-3, 0.075 * mesh.base_edge_length());
+  // Small triangles move together with their neighbours, so a smaller slack is enough there.
+  base_slacks_.assign(static_cast<std::size_t>(mesh.num_vertices()), 0.0F);
+  for (const VertexId v : tree_.features().vertices) {
+    const double altitude = tree_.features().altitude_at[static_cast<std::size_t>(v)];
+    base_slacks_[static_cast<std::size_t>(v)] =
+        static_cast<float>(std::clamp(kSlackOfAltitude * altitude, kLeastSlack * base_slack_, base_slack_));
+  }
+  const auto count = static_cast<std::size_t>(mesh.num_vertices());
+  path_.assign(count, 0.0F);
+  slack_.assign(count, 0.0F);
+  straight_.assign(count, 0.0F);
+  is_moved_.assign(count, 0);
+  is_shifted_.assign(count, 0);
+  is_strayed_.assign(count, 0);
+  is_supported_.assign(count, 0);
+  zone_.resize(count);
+  for (std::size_t v = 0; v < count; ++v) zone_[v] = static_cast<std::int32_t>(v);
+  inverse_mass_.resize(count);
+}
+
+std::int64_t SelfContact::count_intersections(const linear::VertexField& x) {
+  return intersections_.count(triangles_, x);
+}
+
+float SelfContact::path_of(const FeaturePair& pair) const {
+  float sum = 0.0F;
+  for (const VertexId v : pair.vertices) sum += path_[static_cast<std::size_t>(v)];
+  return sum;
+}
+
+void SelfContact::mark(VertexId v) {
+  std::uint8_t& is_marked = is_moved_[static_cast<std::size_t>(v)];
+  if (is_marked != 0) return;
+  is_marked = 1;
+  moved_.push_back(v);
+}
+
+void SelfContact::begin(const SelfContactStep& step, const linear::VertexField& x, linear::VertexField& v) {
+  step_ = step;
+  KERF_CHECK(step.inverse_mass.size() == inverse_mass_.size(), "set() was called for this topology");
+  std::copy(step.inverse_mass.begin(), step.inverse_mass.end(), inverse_mass_.begin());
+  for (const VertexId moved : moved_) is_moved_[static_cast<std::size_t>(moved)] = 0;
+  moved_.clear();
+  substep_ = 0;
+  interval_ = 1;
+  slack_ = base_slacks_;
+  x_then_ = x;
+  v_then_ = v - step.h * step.gravity.replicate(1, v.cols());
+  ++counters_.phases;
+  ++phase_;
+  search(x, v, 0);
+  respond(x, v, 0);
+  v_then_ = v;
+}
+
+void SelfContact::make_phase(linear::VertexField& x, linear::VertexField& v) {
+  for (const VertexId moved : moved_) is_moved_[static_cast<std::size_t>(moved)] = 0;
+  moved_.clear();
+  ++counters_.phases;
+  const int substep = next_phase_;
+  interval_ = substep - substep_;
+  find_strayed(x, v, 0.0, 1.0);
+  if (!strayed_.empty()) {
+    // The list is too old. Pairs are found for the motion that has happened, which was straight since the last phase.
+    ++counters_.late;
+    const double since = step_.h * interval_;
+    way_ = (x - x_then_) / since;
+    if (may_follow()) {
+      follow_strayed(x_then_, way_, step_.h * (substep_ - list_begin_));
+    } else {
+      tree_.find_pairs({x_then_, way_, since}, thickness_, straight_, thickness_, found_);
+      set_list();
+      list_end_ = substep;
+    }
+  }
+  follow_paths(x);
+  check(x, v);
+  ++phase_;
+  if (substep < step_.substeps) {
+    renew_list(x, v, substep);
+    respond(x, v, substep);
+  }
+  substep_ = substep;
+  x_then_ = x;
+  v_then_ = v;
+}
+
+void SelfContact::respond(const linear::VertexField& x, linear::VertexField& v, int substep) {
+  find_contacts(x, v, substep);
+  for (std::size_t sweep = 0; sweep < 2; ++sweep) {
+    for (std::size_t k = 0; k < contacts_.size(); ++k) {
+      const std::size_t c = sweep == 0 ? k : contacts_.size() - 1 - k;
+      if (contacts_[c].is_in_cones) respond_softly(c, v);
+    }
+    for (Support& each : supports_) support(each, v);
+  }
+  for (int sweep = 0; sweep < kHardSweeps; ++sweep) {
+    bool has_changed = false;
+    for (std::size_t c = 0; c < contacts_.size(); ++c) has_changed = respond_hard(c, v) || has_changed;
+    if (!has_changed) break;
+  }
+}
+
+void SelfContact::find_contacts(const linear::VertexField& x, const linear::VertexField& v, int substep) {
+  contacts_.clear();
+  supports_.clear();
+  const double h = step_.h;
+  const double since = std::max(1, substep - substep_) * h;
+  double interval = std::max(1.0, kLongestInterval / h);  // substeps
+  const double ahead = h * interval;
+  const double reach = thickness_ + base_slack_;
+  constexpr double kRounding = 1e-5;  // m, of distances in floats
+  find_due_pairs();
+  find_due_distances(x);
+  for (std::size_t k = 0; k < due_.size(); ++k) {
+    const auto p = static_cast<std::size_t>(due_[k]);
+    const FeaturePair& pair = list_.pairs[p];
+    // Distances change by no more than vertices move.
+    const float path = path_of(pair);
+    const double about = std::abs(static_cast<double>(due_distances_[k])) - kRounding;
+    const bool is_left_to_others = due_distances_[k] < 0.0F && about > 0.0;
+    if (about > reach || is_left_to_others) {
+      list_.safe[p] = path + static_cast<float>(0.5 * about);
+      list_.limit[p] = std::min(list_.safe[p], path + static_cast<float>(std::max(0.0, about - reach)));
+      continue;
+    }
+    list_.separation[p] = separation(pair.kind, positions_of(pair, x));
+    list_.seen[p] = phase_;
+    const Separation& s = list_.separation[p];
+    list_.safe[p] = path + static_cast<float>(0.5 * s.distance);
+    list_.limit[p] = path;
+    if (s.distance > reach || s.distance == 0.0) continue;
+    if (!stands_for_separation(tree_.features(), pair, s)) continue;
+    Contact contact;
+    contact.pair = p;
+    contact.separation = s;
+    Eigen::Vector3d u = Eigen::Vector3d::Zero(), before = u;
+    double inverse = 0.0;
+    for (std::size_t i = 0; i < 4; ++i) {
+      u += s.weights[i] * v.col(pair.vertices[i]);
+      before += s.weights[i] * v_then_.col(pair.vertices[i]);
+      inverse += s.weights[i] * s.weights[i] * inverse_mass(pair.vertices[i]);
+    }
+    if (!(inverse > 0.0)) continue;
+    const double thickness =
+        pair.kind == FeaturePair::Kind::kEdgeEdge ? kEdgeThickness * pair.thickness : pair.thickness;
+    const double closing = -s.normal.dot(u);
+    const Eigen::Vector3d acceleration = (u - before) / since;
+    if (s.distance - thickness > 1.5 * std::max(closing, 0.0) * ahead + 0.1 * thickness) continue;
+    contact.mass = 1.0 / inverse;
+    contact.bias = acceleration;
+    const double room = std::max(s.distance - thickness, 0.4 * thickness);
+    if (closing * interval * h > room) interval = room / (closing * h);
+    const double gathering = -s.normal.dot(acceleration);
+    const double gap = 0.2 * std::max(s.distance, 0.1 * thickness);
+    if (gathering * interval * interval * h * h > gap) interval = std::sqrt(gap / gathering) / h;
+    contact.target = thickness;  // until the interval is known
+    contacts_.push_back(contact);
+  }
+  const int chosen = std::clamp(static_cast<int>(interval), 1, std::max(1, step_.substeps - substep));
+  next_phase_ = substep + chosen;
+  const double tau = chosen * h;
+  std::size_t kept = 0;
+  for (Contact& contact : contacts_) {
+    const FeaturePair& pair = list_.pairs[contact.pair];
+    const Separation& s = contact.separation;
+    Eigen::Vector3d u = Eigen::Vector3d::Zero();
+    for (std::size_t i = 0; i < 4; ++i) u += s.weights[i] * v.col(pair.vertices[i]);
+    const double thickness = contact.target, gap = s.distance;
+    if (gap - thickness > 1.5 * std::max(-s.normal.dot(u), 0.0) * tau + 0.05 * thickness) continue;
+    contact.bias *= 0.5 * tau;
+    contact.target =
+        gap >= thickness ? (thickness - gap) / tau : std::min(kPushShare * (thickness - gap) / tau, kPushSpeed);
+    contact.limit = -std::max(0.5 * gap, gap - 0.5 * thickness) / tau;
+    contact.is_in_cones = is_in_cones(tree_.features(), pair, s, x);
+    contacts_[kept++] = contact;
+  }
+  contacts_.resize(kept);
+  counters_.contacts += static_cast<std::int64_t>(kept);
+  find_supports(x, tau);
+}
+
+void SelfContact::find_supports(const linear::VertexField& x, double duration) {
+  if (bodies_ == nullptr || bodies_->empty()) return;
+  std::vector<std::uint8_t>& is_seen = is_supported_;
+  for (const Contact& contact : contacts_) {
+    if (!contact.is_in_cones) continue;
+    for (const VertexId v : list_.pairs[contact.pair].vertices) {
+      if (is_seen[static_cast<std::size_t>(v)] != 0 || inverse_mass(v) == 0.0) continue;
+      is_seen[static_cast<std::size_t>(v)] = 1;
+      for (const PreparedCollider& body : bodies_->colliders()) {
+        const Proximity near = body.query(x.col(v));
+        const double gap = near.distance - bodies_->thickness(static_cast<std::size_t>(v));
+        if (gap > thickness_) continue;
+        supports_.push_back({v, near.normal, body.friction(), -std::max(gap, 0.0) / duration,
+                             0.5 * duration * step_.gravity, 0.0, Eigen::Vector3d::Zero()});
+      }
+    }
+  }
+  for (const Contact& contact : contacts_) {
+    for (const VertexId v : list_.pairs[contact.pair].vertices) is_seen[static_cast<std::size_t>(v)] = 0;
+  }
+}
+
+void SelfContact::apply(const FeaturePair& pair, const Separation& separation, const Eigen::Vector3d& impulse,
+                        linear::VertexField& v) {
+  for (std::size_t i = 0; i < 4; ++i) {
+    const VertexId vertex = pair.vertices[i];
+    const double share = separation.weights[i] * inverse_mass(vertex);
+    if (share == 0.0) continue;
+    v.col(vertex) += share * impulse;
+    mark(vertex);
+  }
+}
+
+void SelfContact::respond_softly(std::size_t index, linear::VertexField& v) {
+  Contact& contact = contacts_[index];
+  const FeaturePair& pair = list_.pairs[contact.pair];
+  const Separation& s = contact.separation;
+  Eigen::Vector3d u = contact.bias;
+  for (std::size_t i = 0; i < 4; ++i) u += s.weights[i] * v.col(pair.vertices[i]);
+  const double normal = s.normal.dot(u);
+  const double impulse = std::max(0.0, contact.impulse + contact.mass * (contact.target - normal));
+  if (impulse == 0.0 && contact.impulse == 0.0) return;
+  Eigen::Vector3d friction = contact.friction - contact.mass * (u - normal * s.normal);
+  const double most = friction_ * impulse, size = friction.norm();
+  if (size > most) friction *= most / size;
+  apply(pair, s, (impulse - contact.impulse) * s.normal + friction - contact.friction, v);
+  contact.impulse = impulse;
+  contact.friction = friction;
+}
+
+void SelfContact::support(Support& on, linear::VertexField& v) {
+  const Eigen::Vector3d u = v.col(on.vertex) + on.bias;
+  const double normal = on.normal.dot(u);
+  const double impulse = std::max(0.0, on.impulse + on.target - normal);
+  if (impulse == 0.0 && on.impulse == 0.0) return;
+  Eigen::Vector3d slip = on.slip - (u - normal * on.normal);
+  const double most = on.friction * impulse, size = slip.norm();
+  if (size > most) slip *= most / size;
+  v.col(on.vertex) += (impulse - on.impulse) * on.normal + slip - on.slip;
+  mark(on.vertex);
+  on.impulse = impulse;
+  on.slip = slip;
+}
+
+bool SelfContact::respond_hard(std::size_t index, linear::VertexField& v) {
+  Contact& contact = contacts_[index];
+  const FeaturePair& pair = list_.pairs[contact.pair];
+  const Separation& s = contact.separation;
+  Eigen::Vector3d u = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < 4; ++i) u += s.weights[i] * v.col(pair.vertices[i]);
+  const double lack = contact.limit - s.normal.dot(u);
+  if (!(lack > -1e-3 * contact.limit)) return false;
+  apply(pair, s, contact.mass * lack * s.normal, v);
+  return true;
+}
+
+}  // namespace kerf::contact

@@ -1,0 +1,202 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "server/core/contact/contact_solver.h"
+#include "server/core/contact/feature_pair.h"
+#include "server/core/contact/feature_tree.h"
+#include "server/core/contact/intersections.h"
+#include "server/core/linear/vertex_field.h"
+#include "server/core/mesh/ids.h"
+#include "server/core/mesh/triangle_mesh.h"
+
+namespace kerf::contact {
+
+// Counts since the object was constructed.
+struct SelfContactCounters {
+  std::int64_t phases = 0;
+  std::int64_t searches = 0;   // lists of pairs made
+  std::int64_t late = 0;       // lists that had become too old before the phase that looked
+  std::int64_t pairs = 0;      // listed, summed over searches
+  std::int64_t contacts = 0;   // pairs that responded, summed over phases
+  std::int64_t repairs = 0;    // pairs that failed a check and were put right one by one
+  std::int64_t zones = 0;      // pairs that failed again and moved as one with their neighbours
+  std::int64_t unsettled = 0;  // pairs that still failed when the rounds were used up
+};
+
+// Settings that all phases of a step have in common.
+struct SelfContactStep {
+  double h = 0.0;                          // s, length of a substep
+  int substeps = 0;                        // > 0
+  Eigen::Vector3d gravity{0.0, 0.0, 0.0};  // m/s^2
+  std::span<const double> inverse_mass;    // 1/kg, by vertex; 0 is never moved
+};
+
+// Keeps folds and pieces of one sheet from passing through each other, in phases between the substeps of a step.
+//
+// Response: pairs of features that approach get inelastic impulses with Coulomb friction. After the coming interval
+// they are then a thickness apart. Impulses are accumulated and clipped as totals (Bridson, Fedkiw, Anderson 2002).
+//
+// Check: each phase looks at what every near pair did since the phase before. A plane that separates both sides at both
+// ends, or additive continuous collision detection, shows that the pair did not pass. Other pairs are put right along
+// their normal, by mass. Those that still fail move as one for that interval. The check keeps folds apart, whatever the
+// response does.
+//
+// Nothing is kept from one step to the next.
+class SelfContact {
+ public:
+  // Must be called after each change of the topology. Allocates memory.
+  void set(const mesh::TriangleMesh& mesh);
+  // m, >= 0: distance that the middle surfaces keep.
+  void set_thickness(double thickness) { thickness_ = thickness; }
+  void set_friction(double friction) { friction_ = friction; }  // -, >= 0
+  // Bodies that vertices in contact rest on; null: none. It must have begun the same step.
+  void set_bodies(const ContactSolver* bodies) { bodies_ = bodies; }
+
+  // Begins a step at positions `x` (3 x V, m) and velocities `v` (m/s), before its first drift. Changes velocities.
+  void begin(const SelfContactStep& step, const linear::VertexField& x, linear::VertexField& v);
+  // Number of the substep after which the next phase is due; the last phase of a step is due after its last substep.
+  [[nodiscard]] int next_phase() const { return next_phase_; }
+  // Makes the phase that is due. Changes positions and velocities of the vertices in moved().
+  void make_phase(linear::VertexField& x, linear::VertexField& v);
+  // Vertices that the last phase changed.
+  [[nodiscard]] std::span<const mesh::VertexId> moved() const { return moved_; }
+
+  // Returns the number of pairs of triangles that pass through each other at positions x, m.
+  [[nodiscard]] std::int64_t count_intersections(const linear::VertexField& x);
+  [[nodiscard]] const SelfContactCounters& counters() const { return counters_; }
+
+ private:
+  // A pair that takes part in the response of a phase.
+  struct Contact {
+    std::size_t pair = 0;
+    Separation separation;
+    double mass = 0.0;    // kg, effective
+    double target = 0.0;  // m/s, least speed along the normal of the soft response
+    double limit = 0.0;   // m/s, the same of the hard one
+    bool is_in_cones = false;
+    Eigen::Vector3d bias{0.0, 0.0, 0.0};      // m/s, from the start to the middle of the interval
+    double impulse = 0.0;                     // N s, along the normal
+    Eigen::Vector3d friction{0.0, 0.0, 0.0};  // N s
+  };
+  // Pairs that may touch, those of vertices and triangles first, and what is known of them.
+  struct PairList {
+    std::vector<FeaturePair> pairs;
+    std::array<std::vector<std::int32_t>, 4> vertices;  // of pairs, and kLanePadding more
+    std::vector<float> limit;            // m: path_of() up to which it need not be looked at; kLanePadding more
+    std::vector<float> safe;             // m: path_of() up to which it cannot have passed
+    std::vector<std::int64_t> seen;      // the phase in which it was looked at last
+    std::vector<Separation> separation;  // then
+    std::size_t num_vertex_pairs = 0;
+
+    [[nodiscard]] std::size_t size() const { return pairs.size(); }
+    void clear();
+    // Adds a pair that nothing is known of.
+    void add(const FeaturePair& pair);
+    // Adds pair p of another list.
+    void add(const PairList& from, std::size_t p);
+    // Must be called after the last add().
+    void pad();
+  };
+  // A vertex of such a pair on a body.
+  struct Support {
+    mesh::VertexId vertex = mesh::kNone;
+    Eigen::Vector3d normal{0.0, 0.0, 1.0};
+    double friction = 0.0;  // -, coefficient
+    double target = 0.0;    // m/s
+    Eigen::Vector3d bias{0.0, 0.0, 0.0};
+    double impulse = 0.0;  // m/s, per mass
+    Eigen::Vector3d slip{0.0, 0.0, 0.0};
+  };
+
+  [[nodiscard]] double inverse_mass(mesh::VertexId v) const { return inverse_mass_[static_cast<std::size_t>(v)]; }
+  [[nodiscard]] float path_of(const FeaturePair& pair) const;
+  void mark(mesh::VertexId v);
+  // Adds the motion since the last phase to path_.
+  void follow_paths(const linear::VertexField& x);
+  // Replaces the list by the pairs that were found.
+  void set_list();
+  // Makes the list again if it is used up, or the part of it that has to do with vertices that strayed.
+  void renew_list(const linear::VertexField& x, const linear::VertexField& v, int substep);
+  // Returns true if few enough vertices strayed for the list to be renewed in part.
+  [[nodiscard]] bool may_follow() const;
+  // Gives them new lines: `since` (s) after the list was made they are at x and move with v.
+  void follow_strayed(const linear::VertexField& x, const linear::VertexField& v, double since);
+  // Widens the slack of vertices that strayed from the last list.
+  void adapt_slack(const linear::VertexField& x);
+  // Looks for pairs from positions x on.
+  void search(const linear::VertexField& x, const linear::VertexField& v, int substep);
+  // Finds the vertices that are, or will be after `ahead` (s), farther from their lines than `share` of their slack.
+  void find_strayed(const linear::VertexField& x, const linear::VertexField& v, double ahead, double share);
+  // Finds the pairs that can have come near since they were last looked at.
+  void find_due_pairs();
+  // Sets due_distances_ at positions x.
+  void find_due_distances(const linear::VertexField& x);
+  // Returns the separation of a pair after the last phase.
+  [[nodiscard]] Separation separation_then(std::size_t pair) const;
+  // Checks all pairs and repairs those that fail.
+  void check(linear::VertexField& x, linear::VertexField& v);
+  // Fills failed_ with the pairs that passed; in later rounds only vertices that were moved since then are looked at.
+  [[nodiscard]] bool find_failed(const linear::VertexField& x, bool is_first);
+  void move(mesh::VertexId v, const Eigen::Vector3d& to, linear::VertexField& x);
+  void repair(std::size_t pair, linear::VertexField& x, linear::VertexField& v);
+  void move_zones(linear::VertexField& x, linear::VertexField& v);
+  std::int32_t root(mesh::VertexId v);
+  // Responds at positions x, for an interval that ends with the next phase, which it chooses.
+  void respond(const linear::VertexField& x, linear::VertexField& v, int substep);
+  void find_contacts(const linear::VertexField& x, const linear::VertexField& v, int substep);
+  void find_supports(const linear::VertexField& x, double duration);
+  void respond_softly(std::size_t contact, linear::VertexField& v);
+  void support(Support& support, linear::VertexField& v);
+  bool respond_hard(std::size_t contact, linear::VertexField& v);
+  void apply(const FeaturePair& pair, const Separation& separation, const Eigen::Vector3d& impulse,
+             linear::VertexField& v);
+
+  FeatureTree tree_;
+  double thickness_ = 0.0;
+  double friction_ = 0.3;
+  double base_slack_ = 0.0;         // m
+  std::vector<float> base_slacks_;  // m, by vertex, at first
+  const ContactSolver* bodies_ = nullptr;
+  SelfContactStep step_;
+  std::vector<double> inverse_mass_;
+  int substep_ = 0;  // of the last phase
+  int next_phase_ = 0;
+  int list_end_ = 0;  // substep up to which the list is good
+  int list_begin_ = 0;
+  int interval_ = 0;        // substeps between the last two phases
+  std::int64_t phase_ = 0;  // number of the phase
+  PairList list_, renewed_;
+  std::vector<std::int32_t> due_;
+  std::vector<float> path_;                    // m, by vertex: way since the list was made, in the frame of the sheet
+  std::vector<float> due_distances_;           // m, by place in due_
+  std::array<std::vector<float>, 3> x_float_;  // m, by vertex, from the middle of the sheet
+  std::vector<FeaturePair> found_;
+  std::vector<mesh::VertexId> strayed_;
+  std::vector<std::uint8_t> is_strayed_;  // by vertex
+  std::vector<float> slack_;              // m, by vertex: distance that it may stray from its line
+  std::vector<Contact> contacts_;
+  std::vector<Support> supports_;
+  std::vector<std::size_t> failed_;
+  std::vector<mesh::VertexId> shifted_;  // in the last round of repairs
+  std::vector<std::uint8_t> is_shifted_;
+  linear::VertexField x_then_, v_then_;  // after the last phase
+  linear::VertexField x_list_, v_list_;  // when the list was made
+  linear::VertexField way_;              // m/s, scratch
+  std::vector<float> straight_;          // m, no slack
+  std::vector<mesh::VertexId> moved_;
+  std::vector<std::uint8_t> is_moved_;
+  std::vector<std::int32_t> zone_;  // by vertex: parent in a forest; itself if it is in no zone
+  std::vector<mesh::VertexId> zoned_;
+  std::vector<std::uint8_t> is_supported_;
+  std::vector<std::array<mesh::VertexId, 3>> triangles_;
+  IntersectionSearch intersections_;
+  SelfContactCounters counters_;
+};
+
+}  // namespace kerf::contact

@@ -1,0 +1,163 @@
+// Members of SelfContact that check the motion since the last phase, and put right what passed through.
+#include <algorithm>
+#include <cmath>
+
+#include "server/core/contact/self_contact.h"
+
+namespace kerf::contact {
+
+using mesh::VertexId;
+
+namespace {
+
+constexpr int kRepairRounds = 6;
+constexpr int kZoneRounds = 100;
+constexpr double kUnchecked = 2e-8;  // m, pairs that were nearer have no direction; they are checked once they part
+
+// Returns the distance (m) that a pair must keep which was `distance` apart. Gaps never shrink to nothing.
+double gap_to_keep(double distance, const FeaturePair& pair) {
+  return std::max(0.1 * distance, std::min(pair.least, 0.999 * distance));
+}
+
+}  // namespace
+
+void SelfContact::check(linear::VertexField& x, linear::VertexField& v) {
+  for (int round = 0; find_failed(x, round == 0); ++round) {
+    if (round >= kRepairRounds + kZoneRounds) {
+      counters_.unsettled += static_cast<std::int64_t>(failed_.size());
+      break;
+    }
+    if (round < kRepairRounds) {
+      counters_.repairs += static_cast<std::int64_t>(failed_.size());
+      for (const std::size_t p : failed_) repair(p, x, v);
+    } else {
+      counters_.zones += static_cast<std::int64_t>(failed_.size());
+      move_zones(x, v);
+    }
+  }
+  for (const VertexId i : zoned_) zone_[static_cast<std::size_t>(i)] = i;
+  zoned_.clear();
+}
+
+void SelfContact::move(VertexId v, const Eigen::Vector3d& to, linear::VertexField& x) {
+  const auto i = static_cast<std::size_t>(v);
+  path_[i] += static_cast<float>((to - x.col(v)).norm());
+  x.col(v) = to;
+  mark(v);
+  if (is_shifted_[i] == 0) shifted_.push_back(v);
+  is_shifted_[i] = 1;
+}
+
+bool SelfContact::find_failed(const linear::VertexField& x, bool is_first) {
+  failed_.clear();
+  find_due_pairs();
+  const auto is_shifted = [this](const FeaturePair& pair) {
+    return std::any_of(pair.vertices.begin(), pair.vertices.end(),
+                       [this](VertexId v) { return is_shifted_[static_cast<std::size_t>(v)] != 0; });
+  };
+  for (const std::int32_t index : due_) {
+    const auto p = static_cast<std::size_t>(index);
+    const FeaturePair& pair = list_.pairs[p];
+    if ((!is_first && !is_shifted(pair)) || path_of(pair) < list_.safe[p]) continue;
+    const Separation then = separation_then(p);
+    if (then.distance < kUnchecked) continue;
+    const PairPositions to = positions_of(pair, x);
+    const double gap = gap_to_keep(then.distance, pair);
+    if (is_separated(pair.num_a(), then.normal, to, gap)) continue;
+    if (stays_apart(pair.kind, positions_of(pair, x_then_), to, gap)) continue;
+    failed_.push_back(p);
+  }
+  for (const VertexId v : shifted_) is_shifted_[static_cast<std::size_t>(v)] = 0;
+  shifted_.clear();
+  return !failed_.empty();
+}
+
+// Moves both sides to their sides of a plane perpendicular to the normal of then. The place of the plane follows from
+// the momentum, which does not change.
+void SelfContact::repair(std::size_t p, linear::VertexField& x, linear::VertexField& v) {
+  const FeaturePair& pair = list_.pairs[p];
+  const std::size_t num_a = pair.num_a();
+  const Separation then = separation_then(p);
+  const double gap =
+      1.001 * std::max({gap_to_keep(then.distance, pair), std::min(0.5 * then.distance, 0.1 * thickness_),
+                        std::min(1.5 * then.distance, pair.least)});
+  std::array<double, 4> height{}, mass{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    height[i] =
+        then.normal.dot(x.col(pair.vertices[i]) - x_then_.col(pair.vertices[3])) + (i < num_a ? -0.5 : 0.5) * gap;
+    const double inverse = inverse_mass(pair.vertices[i]);
+    mass[i] = inverse > 0.0 ? 1.0 / inverse : std::numeric_limits<double>::infinity();
+  }
+  // Finds the place at which as much momentum goes to a as to b; the balance falls as the plane rises.
+  double low = *std::min_element(height.begin(), height.end()), high = *std::max_element(height.begin(), height.end());
+  const auto balance = [&](double place) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const double way = i < num_a ? std::max(place - height[i], 0.0) : std::min(place - height[i], 0.0);
+      if (way != 0.0) sum += mass[i] * way;
+    }
+    return sum;
+  };
+  for (int k = 0; k < 60 && low < high; ++k) {
+    const double middle = 0.5 * (low + high);
+    (balance(middle) > 0.0 ? high : low) = middle;
+  }
+  const double place = 0.5 * (low + high);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const VertexId vertex = pair.vertices[i];
+    const double way = i < num_a ? std::max(place - height[i], 0.0) : std::min(place - height[i], 0.0);
+    if (way == 0.0 || inverse_mass(vertex) == 0.0) continue;
+    move(vertex, x.col(vertex) + way * then.normal, x);
+  }
+  Eigen::Vector3d u = Eigen::Vector3d::Zero();
+  double inverse = 0.0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    u += then.weights[i] * v.col(pair.vertices[i]);
+    inverse += then.weights[i] * then.weights[i] * inverse_mass(pair.vertices[i]);
+  }
+  const double closing = -then.normal.dot(u);
+  if (closing > 0.0 && inverse > 0.0) apply(pair, then, closing / inverse * then.normal, v);
+}
+
+std::int32_t SelfContact::root(VertexId v) {
+  while (zone_[static_cast<std::size_t>(v)] != v) v = zone_[static_cast<std::size_t>(v)];
+  return v;
+}
+
+// Unites the vertices of failed pairs with their zones, and moves each zone by its mean displacement.
+void SelfContact::move_zones(linear::VertexField& x, linear::VertexField& v) {
+  for (const std::size_t p : failed_) {
+    for (const VertexId i : list_.pairs[p].vertices) {
+      if (std::find(zoned_.begin(), zoned_.end(), i) == zoned_.end()) zoned_.push_back(i);
+      const std::int32_t a = root(list_.pairs[p].vertices[0]), b = root(i);
+      zone_[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+    }
+  }
+  struct Mean {
+    double mass = 0.0;
+    Eigen::Vector3d way = Eigen::Vector3d::Zero(), velocity = Eigen::Vector3d::Zero();
+  };
+  std::vector<std::pair<std::int32_t, Mean>> means;
+  const auto mean_of = [&means](std::int32_t zone) -> Mean& {
+    const auto found =
+        std::find_if(means.begin(), means.end(), [zone](const auto& entry) { return entry.first == zone; });
+    if (found != means.end()) return found->second;
+    return means.emplace_back(zone, Mean{}).second;
+  };
+  constexpr double kHeld = 1e9;  // kg, of a vertex that is held
+  for (const VertexId i : zoned_) {
+    Mean& mean = mean_of(root(i));
+    const double mass = inverse_mass(i) > 0.0 ? 1.0 / inverse_mass(i) : kHeld;
+    mean.mass += mass;
+    mean.way += mass * (x.col(i) - x_then_.col(i));
+    mean.velocity += mass * v.col(i);
+  }
+  for (const VertexId i : zoned_) {
+    if (inverse_mass(i) == 0.0) continue;
+    const Mean& mean = mean_of(root(i));
+    v.col(i) = mean.velocity / mean.mass;
+    move(i, x_then_.col(i) + mean.way / mean.mass, x);
+  }
+}
+
+}  // namespace kerf::contact

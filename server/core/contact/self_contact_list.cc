@@ -1,0 +1,207 @@
+// Members of SelfContact that keep the list of pairs that may touch.
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "server/core/contact/self_contact.h"
+
+namespace kerf::contact {
+
+using mesh::VertexId;
+
+namespace {
+
+constexpr int kSearchAhead = 64;  // substeps for which a list is made at most
+
+}  // namespace
+
+void SelfContact::follow_paths(const linear::VertexField& x) {
+  const std::vector<VertexId>& vertices = tree_.features().vertices;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const VertexId v : vertices) mean += x.col(v) - x_then_.col(v);
+  mean /= static_cast<double>(vertices.size());
+  for (const VertexId v : vertices) {
+    path_[static_cast<std::size_t>(v)] += static_cast<float>((x.col(v) - x_then_.col(v) - mean).norm());
+  }
+}
+
+void SelfContact::find_strayed(const linear::VertexField& x, const linear::VertexField& v, double ahead, double share) {
+  const double since = step_.h * (next_phase_ - list_begin_);
+  const std::vector<VertexId>& vertices = tree_.features().vertices;
+  const auto stray = [&](VertexId i) -> Eigen::Vector3d {
+    return x.col(i) - x_list_.col(i) - since * v_list_.col(i) + ahead * (v.col(i) - v_list_.col(i));
+  };
+  // Motion that all vertices share does not count.
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const VertexId i : vertices) mean += stray(i);
+  mean /= static_cast<double>(std::max<std::size_t>(vertices.size(), 1));
+  strayed_.clear();
+  for (const VertexId i : vertices) {
+    const double allowed = share * static_cast<double>(slack_[static_cast<std::size_t>(i)]);
+    if ((stray(i) - mean).squaredNorm() > allowed * allowed) strayed_.push_back(i);
+  }
+}
+
+void SelfContact::renew_list(const linear::VertexField& x, const linear::VertexField& v, int substep) {
+  if (substep < list_end_) {
+    find_strayed(x, v, step_.h * interval_, 0.8);
+    if (strayed_.empty()) return;
+    if (may_follow()) {
+      follow_strayed(x, v, step_.h * (substep - list_begin_));
+      return;
+    }
+  }
+  search(x, v, substep);
+}
+
+bool SelfContact::may_follow() const {
+  constexpr std::size_t kLeast = 6;  // vertices over those that stray for which a list is renewed in part
+  return tree_.is_fitted() && kLeast * strayed_.size() < tree_.features().vertices.size();
+}
+
+void SelfContact::follow_strayed(const linear::VertexField& x, const linear::VertexField& v, double since) {
+  for (const VertexId i : strayed_) {
+    is_strayed_[static_cast<std::size_t>(i)] = 1;
+    x_list_.col(i) = x.col(i) - since * v.col(i);
+    v_list_.col(i) = v.col(i);
+  }
+  ++counters_.searches;
+  tree_.follow(strayed_, {x, v, 0.0}, since, thickness_, slack_, thickness_, found_);
+  counters_.pairs += static_cast<std::int64_t>(found_.size());
+  const auto is_old = [this](const FeaturePair& pair) {
+    return std::any_of(pair.vertices.begin(), pair.vertices.end(),
+                       [this](VertexId i) { return is_strayed_[static_cast<std::size_t>(i)] != 0; });
+  };
+  std::size_t next = 0;  // of found_
+  const auto keep = [&](std::size_t begin, std::size_t end) {
+    for (std::size_t p = begin; p < end; ++p) {
+      if (!is_old(list_.pairs[p])) renewed_.add(list_, p);
+    }
+  };
+  const auto append = [&](FeaturePair::Kind kind) {
+    for (; next < found_.size() && found_[next].kind == kind; ++next) renewed_.add(found_[next]);
+  };
+  renewed_.clear();
+  keep(0, list_.num_vertex_pairs);
+  append(FeaturePair::Kind::kVertexTriangle);
+  renewed_.num_vertex_pairs = renewed_.size();
+  keep(list_.num_vertex_pairs, list_.size());
+  append(FeaturePair::Kind::kEdgeEdge);
+  renewed_.pad();
+  std::swap(renewed_, list_);
+  for (const VertexId i : strayed_) is_strayed_[static_cast<std::size_t>(i)] = 0;
+}
+
+void SelfContact::adapt_slack(const linear::VertexField& x) {
+  constexpr float kMost = 4.0F;  // -, largest slack over that at first
+  const double since = step_.h * (next_phase_ - list_begin_);
+  for (const VertexId v : tree_.features().vertices) {
+    float& slack = slack_[static_cast<std::size_t>(v)];
+    const float base = base_slacks_[static_cast<std::size_t>(v)];
+    const auto strayed = static_cast<float>((x.col(v) - x_list_.col(v) - since * v_list_.col(v)).norm());
+    if (strayed > 0.4F * slack) {
+      slack = std::min(2.0F * slack, kMost * base);
+    } else if (strayed < 0.1F * slack) {
+      slack = std::max(0.5F * slack, base);
+    }
+  }
+}
+
+void SelfContact::PairList::clear() {
+  pairs.clear();
+  for (std::vector<std::int32_t>& of : vertices) of.clear();
+  limit.clear();
+  safe.clear();
+  seen.clear();
+  separation.clear();
+}
+
+void SelfContact::PairList::add(const FeaturePair& pair) {
+  pairs.push_back(pair);
+  for (std::size_t i = 0; i < 4; ++i) vertices[i].push_back(pair.vertices[i]);
+  limit.push_back(0.0F);
+  safe.push_back(0.0F);
+  seen.push_back(-1);
+  separation.emplace_back();
+}
+
+void SelfContact::PairList::add(const PairList& from, std::size_t p) {
+  pairs.push_back(from.pairs[p]);
+  for (std::size_t i = 0; i < 4; ++i) vertices[i].push_back(from.vertices[i][p]);
+  limit.push_back(from.limit[p]);
+  safe.push_back(from.safe[p]);
+  seen.push_back(from.seen[p]);
+  separation.push_back(from.separation[p]);
+}
+
+void SelfContact::PairList::pad() {
+  for (std::vector<std::int32_t>& of : vertices) of.resize(size() + kLanePadding, 0);
+  limit.resize(size() + kLanePadding, 0.0F);
+}
+
+void SelfContact::set_list() {
+  ++counters_.searches;
+  counters_.pairs += static_cast<std::int64_t>(found_.size());
+  list_.clear();
+  for (const FeaturePair& pair : found_) list_.add(pair);
+  const auto edges = std::find_if(found_.begin(), found_.end(),
+                                  [](const FeaturePair& pair) { return pair.kind == FeaturePair::Kind::kEdgeEdge; });
+  list_.num_vertex_pairs = static_cast<std::size_t>(edges - found_.begin());
+  list_.pad();
+  std::fill(path_.begin(), path_.end(), 0.0F);
+}
+
+void SelfContact::search(const linear::VertexField& x, const linear::VertexField& v, int substep) {
+  const std::vector<VertexId>& vertices = tree_.features().vertices;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const VertexId i : vertices) mean += v.col(i);
+  mean /= static_cast<double>(std::max<std::size_t>(vertices.size(), 1));
+  double fastest = 0.0;  // m^2/s^2
+  for (const VertexId i : vertices) fastest = std::max(fastest, (v.col(i) - mean).squaredNorm());
+  int ahead = fastest > 1.0 ? kSearchAhead / 4 : fastest > 0.09 ? kSearchAhead / 2 : kSearchAhead;
+  if (substep > 0) {
+    // A list that vertices strayed from before its end had looked too far ahead.
+    if (substep < list_end_) ahead = std::min(ahead, std::max(2, 2 * (substep - list_begin_)));
+    adapt_slack(x);
+  }
+  x_list_ = x;
+  v_list_ = v;
+  list_begin_ = substep;
+  list_end_ = std::min(substep + ahead, step_.substeps);
+  tree_.find_pairs({x, v, step_.h * (list_end_ - substep)}, thickness_, slack_, thickness_, found_);
+  set_list();
+}
+
+void SelfContact::find_due_pairs() {
+  find_due(list_.vertices, path_, std::span(list_.limit).first(list_.size()), due_);
+}
+
+void SelfContact::find_due_distances(const linear::VertexField& x) {
+  const std::vector<VertexId>& vertices = tree_.features().vertices;
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const VertexId v : vertices) middle += x.col(v);
+  middle /= static_cast<double>(std::max<std::size_t>(vertices.size(), 1));
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto axis = static_cast<Eigen::Index>(k);
+    x_float_[k].resize(static_cast<std::size_t>(x.cols()));
+    for (const VertexId v : vertices) {
+      x_float_[k][static_cast<std::size_t>(v)] = static_cast<float>(x(axis, v) - middle[axis]);
+    }
+  }
+  due_distances_.resize(due_.size());
+  const auto first_edge = static_cast<std::size_t>(
+      std::lower_bound(due_.begin(), due_.end(), static_cast<std::int32_t>(list_.num_vertex_pairs)) - due_.begin());
+  const std::span<const std::int32_t> due(due_);
+  const std::span<float> distances(due_distances_);
+  find_distances(FeaturePair::Kind::kVertexTriangle, list_.vertices, due.first(first_edge), x_float_,
+                 distances.first(first_edge));
+  find_distances(FeaturePair::Kind::kEdgeEdge, list_.vertices, due.subspan(first_edge), x_float_,
+                 distances.subspan(first_edge));
+}
+
+Separation SelfContact::separation_then(std::size_t pair) const {
+  return list_.seen[pair] == phase_ ? list_.separation[pair]
+                                    : separation(list_.pairs[pair].kind, positions_of(list_.pairs[pair], x_then_));
+}
+
+}  // namespace kerf::contact
