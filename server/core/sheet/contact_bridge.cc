@@ -50,7 +50,7 @@ fem::SelfContactStats ContactBridge::take_self_stats(const linear::VertexField& 
           .repairs = now.repairs - before.repairs,
           .zones = now.zones - before.zones,
           .unsettled = now.unsettled - before.unsettled,
-          .intersections = now.pairs > before.pairs ? self_contact_.count_intersections(x) : 0};
+          .intersections = touches_itself_ ? self_contact_.count_intersections(x) : 0};
 }
 
 void ContactBridge::begin(const linear::VertexField& x) {

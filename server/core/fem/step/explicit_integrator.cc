@@ -284,7 +284,8 @@ bool ExplicitIntegrator::advance(const Model& model, const Loads& loads, Plan& p
   const bool is_green = model.materials().membrane_law() == MembraneLaw::kGreen;
   int interval = set_substeps(model, least, plan.tension, plan);
   terms.h = plan.h();
-  const bool touches_itself = contact != nullptr && contact->touches_itself();
+  // Impulses on single vertices would tear clusters, whose inertia is not that of their masses.
+  const bool touches_itself = contact != nullptr && contact->touches_itself() && inertia_.empty();
   if (!sweep.begin(model, loads, terms, duration, state)) return false;
   if (!is_green) {
     const int expected = plan.substeps;

@@ -48,7 +48,7 @@ struct SelfContactStats {
   std::int64_t repairs = 0;    // pairs that would have passed through each other, put right one by one
   std::int64_t zones = 0;      // such pairs that were moved as one with their neighbours
   std::int64_t unsettled = 0;  // such pairs that were left
-  // Pairs of triangles that pass through each other at the end; 0 without looking where no pairs were listed.
+  // Pairs of triangles that pass through each other at the end; 0 without self-contact.
   std::int64_t intersections = 0;
 };
 
