@@ -133,7 +133,8 @@ void SelfContact::find_contacts(const linear::VertexField& x, const linear::Vert
   contacts_.clear();
   supports_.clear();
   const double h = step_.h;
-  const double since = std::max(1, substep - substep_) * h;
+  // A step begins with half a kick, before its first drift; kicks of whole substeps come before all other drifts.
+  const double since = substep == 0 ? h : (substep - substep_ - (substep_ == 0 ? 0.5 : 0.0)) * h;
   double interval = std::max(1.0, kLongestInterval / h);  // substeps
   const double ahead = h * interval;
   const double reach = thickness_ + base_slack_;
@@ -196,7 +197,7 @@ void SelfContact::find_contacts(const linear::VertexField& x, const linear::Vert
     for (std::size_t i = 0; i < 4; ++i) u += s.weights[i] * v.col(pair.vertices[i]);
     const double thickness = contact.target, gap = s.distance;
     if (gap - thickness > 1.5 * std::max(-s.normal.dot(u), 0.0) * tau + 0.05 * thickness) continue;
-    contact.bias *= 0.5 * tau;
+    contact.bias *= 0.5 * (substep == 0 ? tau : tau + h);
     contact.target =
         gap >= thickness ? (thickness - gap) / tau : std::min(kPushShare * (thickness - gap) / tau, kPushSpeed);
     contact.limit = -std::max(0.5 * gap, gap - 0.5 * thickness) / tau;
