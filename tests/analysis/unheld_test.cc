@@ -103,6 +103,8 @@ TEST(StaticAnalyses, SayWhatTheyLeaveOut) {
   config.wind.velocity = {3.0, 0.0, 0.0};
   config.colliders = {{contact::Plane{{0.0, 0.0, -1.0}, {0.0, 0.0, 1.0}}, 0.0}};
   EXPECT_EQ(settled(config).left_out, (std::vector<std::string>{"wind", "colliders"}));
+  config.self_contact.is_on = true;
+  EXPECT_EQ(settled(config).left_out, (std::vector<std::string>{"wind", "colliders", "self_contact"}));
 }
 
 }  // namespace

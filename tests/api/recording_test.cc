@@ -6,7 +6,9 @@
 #include "server/core/sheet/recording.h"
 #include "server/service/api/upload.h"
 #include "server/service/wire/recording_codec.h"
+#include "server/service/wire/scene_codec.h"
 #include "tests/api/fixture.h"
+#include "tests/support/self_contact_scenes.h"
 
 namespace kerf::api {
 namespace {
@@ -57,6 +59,38 @@ class ApiFilesTest : public ApiTest {
     return start;
   }
 };
+
+TEST_F(ApiFilesTest, ASheetThatTouchesItselfIsShownRecordedAndPlayedSo) {
+  make_api({}, nullptr);
+  scene::SheetConfig config = scenes::falls_on_edge(12);
+  config.self_contact = {true, 0.5};
+  v1::CreateSheetRequest request;
+  request.set_sheet_id("a");
+  *request.mutable_scene() = wire::encode_scene(config);
+  request.mutable_scene()->mutable_integrator()->set_kind(v1::Integrator::TR_BDF2);
+  const Result<v1::Sheet> refused = call(&Api::create_sheet, request);
+  ASSERT_FALSE(refused.ok());
+  EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(refused.error().reason, "SELF_CONTACT_IMPLICIT");
+  EXPECT_NE(refused.error().field.find("integrator.kind"), std::string::npos) << refused.error().field;
+  request.mutable_scene()->mutable_integrator()->set_kind(v1::Integrator::AUTOMATIC);
+  ASSERT_TRUE(call(&Api::create_sheet, request).ok());
+  run_for(30 * kTick);
+  const v1::Sheet live = get_sheet("sheets/a");
+  EXPECT_GE(live.tick(), 30);
+  EXPECT_EQ(live.scene().self_contact().mode(), v1::SelfContact::ON);
+  EXPECT_EQ(live.scene().self_contact().friction(), 0.5);
+  EXPECT_NE(live.integrator().find("explicit, as self-contact requires"), std::string::npos) << live.integrator();
+  const Result<std::shared_ptr<const std::string>> file = recording("sheets/a");
+  ASSERT_TRUE(file.ok()) << file.error().message;
+  const Result<wire::RecordingFile> decoded = wire::decode_recording(**file);
+  ASSERT_TRUE(decoded.ok()) << decoded.error().message;
+  EXPECT_EQ(decoded->recording.config.self_contact, config.self_contact);
+  const Result<sheet::ReplayReport> report = sheet::replay(decoded->recording);
+  ASSERT_TRUE(report.ok());
+  EXPECT_FALSE(report->divergence);
+  EXPECT_GE(report->ticks, 30);
+}
 
 TEST_F(ApiFilesTest, ARecordingTakenMidRunIsPlayedToTheSameBits) {
   make_api({}, nullptr);

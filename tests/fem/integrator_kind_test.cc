@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "server/core/cut/cut.h"
+#include "server/core/fem/step/automatic_integrator.h"
 #include "tests/fem/integrator_cases.h"
 #include "tests/support/matrix_near.h"
 #include "tests/support/trials.h"
@@ -288,6 +289,22 @@ TEST(AutomaticIntegrator, TakesExplicitUnlessSheetsAreStiffAndSaysWhy) {
   EXPECT_NE(integrator->explanation().find("condition number above 1e9"), std::string_view::npos);
   State state = rest_state(mesh);
   EXPECT_EQ(integrator->step(beyond, Loads{}, kTick, nullptr, state).substeps, 1);
+}
+
+TEST(AutomaticIntegrator, IsExplicitAtAnyCostForContactWithItself) {
+  const mesh::TriangleMesh mesh = square_grid(20);
+  IntegratorOptions options;
+  options.touches_itself = true;
+  options.max_substeps = 10;
+  const std::unique_ptr<Integrator> integrator = make_integrator(options);
+  for (const double E : {1.0e5, 5.0e11, 1.0e13}) {
+    const Model model(mesh, isotropic(E, 0.3, 5.0e-4, 1000.0));
+    integrator->rebuild(model);
+    EXPECT_EQ(integrator->kind(), IntegratorKind::kExplicit);
+    EXPECT_EQ(integrator->explanation().find("automatic: explicit, as self-contact requires; "), 0U)
+        << integrator->explanation();
+    EXPECT_TRUE(estimate_tick(model, options).is_explicit);
+  }
 }
 
 TEST(AutomaticIntegrator, GoesFromExplicitToImplicitByACutAndBack) {

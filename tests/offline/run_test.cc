@@ -10,6 +10,7 @@
 #include "server/service/offline/replay.h"
 #include "server/service/wire/recording_codec.h"
 #include "tests/support/memory_disk.h"
+#include "tests/support/self_contact_scenes.h"
 
 namespace kerf::offline {
 namespace {
@@ -88,6 +89,23 @@ TEST_F(OfflineReplay, OfARecordingIsIdentical) {
   EXPECT_EQ(report->state_hash, run_.result.state_hash());
   EXPECT_EQ(report->recorded_by, report->replayed_by);
   EXPECT_EQ(entries, 6U);
+}
+
+TEST_F(OfflineReplay, OfASheetThatTouchesItselfIsIdentical) {
+  scene::SheetConfig config = scenes::folded_twice(12);
+  config.ticks = 30;
+  const std::string hash_without = run_scene(config, {})->result.state_hash();
+  config.self_contact = {true, 0.5};
+  const Result<SceneRun> run = run_scene(config, {.record = true});
+  ASSERT_TRUE(run.ok()) << run.error().message;
+  EXPECT_NE(run->result.state_hash(), hash_without) << "its layers fall on one another";
+  write(run->recording);
+  EXPECT_EQ(wire::decode_recording(run->recording)->recording.config.self_contact, config.self_contact);
+  const Result<ReplayReport> report = replay(disk_, "cloth.rec");
+  ASSERT_TRUE(report.ok()) << report.error().message;
+  EXPECT_FALSE(report->divergence.has_value());
+  EXPECT_EQ(report->ticks, 30);
+  EXPECT_EQ(report->state_hash, run->result.state_hash());
 }
 
 TEST_F(OfflineReplay, LeavesOutATornEntry) {

@@ -221,6 +221,46 @@ TEST(SheetConfig, LoadsAndColliders) {
             "colliders[1].sphere.radius_m");
 }
 
+TEST(SheetConfig, FrictionOfSelfContact) {
+  for (const bool is_on : {false, true}) {
+    const auto with = [=](double friction) {
+      return field_of([=](scene::SheetConfig& c) { c.self_contact = {is_on, friction}; });
+    };
+    EXPECT_EQ(with(0.0), "accepted");
+    EXPECT_EQ(with(scene::kMaxSelfFriction), "accepted");
+    EXPECT_EQ(with(-1e-9), "self_contact.friction");
+    EXPECT_EQ(with(10.001), "self_contact.friction");
+    EXPECT_EQ(with(kNan), "self_contact.friction");
+  }
+}
+
+TEST(SheetConfig, SelfContactNeedsExplicitSteps) {
+  scene::SheetConfig config = scenes::hanging(4);
+  config.self_contact.is_on = true;
+  for (const scene::IntegratorKind kind : {scene::IntegratorKind::kImplicitEuler, scene::IntegratorKind::kTrapezoidal,
+                                           scene::IntegratorKind::kBdf2, scene::IntegratorKind::kTrBdf2}) {
+    config.integrator.kind = kind;
+    const Result<Sheet> refused = Sheet::create(config);
+    ASSERT_FALSE(refused.ok());
+    EXPECT_EQ(refused.error().reason, "SELF_CONTACT_IMPLICIT");
+    EXPECT_EQ(refused.error().field, "integrator.kind");
+    for (const char* const said : {"EXPLICIT_LEAPFROG", "AUTOMATIC", "self_contact.mode to OFF"}) {
+      EXPECT_NE(refused.error().message.find(said), std::string::npos) << refused.error().message;
+    }
+    scene::SheetConfig without = config;
+    without.self_contact.is_on = false;
+    EXPECT_TRUE(Sheet::create(without).ok());
+  }
+  for (const scene::IntegratorKind kind :
+       {scene::IntegratorKind::kAutomatic, scene::IntegratorKind::kExplicitLeapfrog}) {
+    config.integrator.kind = kind;
+    EXPECT_TRUE(Sheet::create(config).ok());
+  }
+  config.planar = true;
+  EXPECT_EQ(Sheet::create(config).error().reason, "SELF_CONTACT_PLANAR");
+  EXPECT_EQ(Sheet::create(config).error().field, "self_contact.mode");
+}
+
 TEST(SheetConfig, TimeAndIntegrator) {
   EXPECT_EQ(field_of([](scene::SheetConfig& c) { c.tick_rate_hz = 0.5; }), "tick_rate_hz");
   EXPECT_EQ(field_of([](scene::SheetConfig& c) { c.tick_rate_hz = 1000.0; }), "accepted");

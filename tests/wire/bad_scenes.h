@@ -61,6 +61,24 @@ inline std::vector<BadScene> bad_shapes() {
   };
 }
 
+inline std::vector<BadScene> bad_self_contact() {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  return {
+      {"self_contact.mode",
+       [](v1::Scene& s) { s.mutable_self_contact()->set_mode(static_cast<v1::SelfContact::Mode>(3)); }},
+      {"self_contact.mode",
+       [](v1::Scene& s) {
+         s.mutable_self_contact()->set_mode(v1::SelfContact::ON);
+         s.mutable_integrator()->set_kind(v1::Integrator::AUTOMATIC);
+         s.set_planar(true);
+       }},
+      {"integrator.kind", [](v1::Scene& s) { s.mutable_self_contact()->set_mode(v1::SelfContact::ON); }},
+      {"self_contact.friction", [](v1::Scene& s) { s.mutable_self_contact()->set_friction(-1e-9); }},
+      {"self_contact.friction", [](v1::Scene& s) { s.mutable_self_contact()->set_friction(10.001); }},
+      {"self_contact.friction", [=](v1::Scene& s) { s.mutable_self_contact()->set_friction(nan); }},
+  };
+}
+
 inline std::vector<BadScene> bad_numbers() {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double infinity = std::numeric_limits<double>::infinity();
@@ -287,6 +305,7 @@ inline std::vector<BadScene> bad_commands() {
 
 inline std::vector<BadScene> bad_scenes() {
   std::vector<BadScene> all = bad_shapes();
+  for (BadScene& each : bad_self_contact()) all.push_back(std::move(each));
   for (BadScene& each : bad_outlines()) all.push_back(std::move(each));
   for (BadScene& each : bad_conditions()) all.push_back(std::move(each));
   for (BadScene& each : bad_analyses()) all.push_back(std::move(each));

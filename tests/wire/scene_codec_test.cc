@@ -94,6 +94,36 @@ TEST(SceneCodec, BendingThatIsNotGivenStaysDerived) {
   expect_equal(encode_scene(config), scene);
 }
 
+TEST(SceneCodec, SelfContactComesBackUnchanged) {
+  v1::Scene scene = full_scene();
+  scene.mutable_integrator()->set_kind(v1::Integrator::AUTOMATIC);
+  scene.set_planar(false);
+  for (const double friction : {0.0, 0.3, 10.0}) {
+    scene.mutable_self_contact()->set_mode(v1::SelfContact::ON);
+    scene.mutable_self_contact()->set_friction(friction);
+    const scene::SheetConfig config = decoded(scene);
+    EXPECT_TRUE(config.self_contact.is_on);
+    EXPECT_EQ(config.self_contact.friction, friction);
+    expect_equal(encode_scene(config), scene);
+  }
+}
+
+TEST(SceneCodec, SelfContactIsOffUnlessAskedForAndThenNotEncoded) {
+  v1::Scene scene = full_scene();
+  scene.clear_self_contact();
+  expect_equal(encode_scene(decoded(scene)), scene);
+  EXPECT_EQ(decoded(scene).self_contact, scene::SelfContact{});
+  scene.mutable_self_contact();
+  EXPECT_EQ(decoded(scene).self_contact, scene::SelfContact{});
+  ASSERT_TRUE(from_json(R"({"grid": {"columns": 3, "rows": 3, "width_m": 1, "height_m": 1},
+                            "self_contact": {"mode": "ON", "friction": 0.5}})",
+                        scene)
+                  .ok());
+  EXPECT_TRUE(decoded(scene).self_contact.is_on);
+  EXPECT_EQ(decoded(scene).self_contact.friction, 0.5);
+  EXPECT_EQ(decoded(scene).integrator.kind, scene::IntegratorKind::kAutomatic);
+}
+
 TEST(SceneCodec, EveryLinearSolverRoundTrips) {
   const v1::Scene scene = full_scene();
   for (const linear::LinearSolverName& name : linear::kLinearSolverNames) {

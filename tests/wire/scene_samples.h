@@ -196,6 +196,8 @@ inline v1::Scene full_scene() {
   set(collider->mutable_capsule()->mutable_a(), 0.0, 0.0, 0.0);
   set(collider->mutable_capsule()->mutable_b(), 0.0, 0.0, 1.0);
   collider->mutable_capsule()->set_radius_m(0.05);
+  scene.mutable_self_contact()->set_mode(v1::SelfContact::OFF);
+  scene.mutable_self_contact()->set_friction(0.7);
   scene.set_tick_rate_hz(120.0);
   v1::Integrator* integrator = scene.mutable_integrator();
   integrator->set_kind(v1::Integrator::IMPLICIT_EULER);

@@ -42,7 +42,7 @@ struct StaticStats {
   bool is_stable = true;                   // true if the stiffness at `load` is positive definite, up to rounding
   std::string reason = {};                 // for people: why it did not converge, if known
   std::vector<std::string> left_out = {};  // names of parts of the scene that had no effect: "wind", "colliders",
-                                           // "grabs"
+                                           // "self_contact", "grabs"
 };
 
 struct DynamicStats {

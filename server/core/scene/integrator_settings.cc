@@ -19,10 +19,12 @@ Status validate(const IntegratorSettings& settings) {
   return check_number(settings.highest_mode_damping, 0.0, 0.5, "integrator.highest_mode_damping");
 }
 
+bool is_implicit(IntegratorKind kind) {
+  return kind != IntegratorKind::kAutomatic && kind != IntegratorKind::kExplicitLeapfrog;
+}
+
 std::int32_t vertex_limit(const IntegratorSettings& settings) {
-  const bool is_implicit =
-      settings.kind != IntegratorKind::kAutomatic && settings.kind != IntegratorKind::kExplicitLeapfrog;
-  const bool is_dense = is_implicit && linear::name_of(settings.solver).solves_different_system;
+  const bool is_dense = is_implicit(settings.kind) && linear::name_of(settings.solver).solves_different_system;
   return is_dense ? linear::kMaxCovarianceVertices : mesh::kMaxVertices;
 }
 
@@ -70,6 +72,12 @@ fem::IntegratorOptions integrator_options(const IntegratorSettings& settings, do
   options.covariance_root = settings.covariance_root;
   // A dense solve takes up to seconds, so a step is not divided, which would need up to 2^max_halvings solves.
   if (linear::name_of(settings.solver).solves_different_system) options.max_halvings = 0;
+  return options;
+}
+
+fem::IntegratorOptions integrator_options(const SheetConfig& config) {
+  fem::IntegratorOptions options = integrator_options(config.integrator, 1.0 / config.tick_rate_hz);
+  options.touches_itself = config.self_contact.is_on;
   return options;
 }
 

@@ -16,7 +16,11 @@ Status validate(const IntegratorSettings& settings);
 std::int32_t vertex_limit(const IntegratorSettings& settings);
 Status check_vertex_limit(const IntegratorSettings& settings, std::int32_t num_vertices);
 
-// Converts the settings to the options of `fem`. tick: s, > 0.
+// Returns true for integrators that are always implicit.
+[[nodiscard]] bool is_implicit(IntegratorKind kind);
+
+// Convert the settings, or those of a scene with its tick and its self-contact, to the options of `fem`. tick: s, > 0.
 fem::IntegratorOptions integrator_options(const IntegratorSettings& settings, double tick);
+fem::IntegratorOptions integrator_options(const SheetConfig& config);
 
 }  // namespace kerf::scene

@@ -96,6 +96,24 @@ Status validate_placement(const Placement& placement) {
                           "placement.y_axis");
 }
 
+Status validate_self_contact(const SheetConfig& config) {
+  KERF_TRY(check_number(config.self_contact.friction, 0.0, kMaxSelfFriction, "self_contact.friction"));
+  if (!config.self_contact.is_on) return Nothing{};
+  if (is_implicit(config.integrator.kind)) {
+    return invalid_argument("SELF_CONTACT_IMPLICIT",
+                            "integrator.kind is an implicit one, and only explicit steps have self_contact: set "
+                            "integrator.kind to AUTOMATIC or EXPLICIT_LEAPFROG, or self_contact.mode to OFF",
+                            "integrator.kind");
+  }
+  if (config.planar) {
+    return invalid_argument("SELF_CONTACT_PLANAR",
+                            "self_contact.mode is ON, but a planar sheet has no folds that could touch: set "
+                            "self_contact.mode to OFF, or planar to false",
+                            "self_contact.mode");
+  }
+  return Nothing{};
+}
+
 Status validate_schedule(const std::vector<ScheduledCommand>& commands) {
   KERF_TRY(check_count(commands.size(), kMaxScheduledCommands, "commands", "commands"));
   for (std::size_t i = 0; i < commands.size(); ++i) {
@@ -179,6 +197,7 @@ Status validate(const SheetConfig& config) {
   KERF_TRY(validate(config.probes));
   KERF_TRY(check_number(config.tick_rate_hz, 1.0, 1000.0, "tick_rate_hz"));
   KERF_TRY(validate(config.integrator));
+  KERF_TRY(validate_self_contact(config));
   KERF_TRY(check_integer(config.max_vertices, 3, kMaxVertices, "max_vertices"));
   KERF_TRY(validate_schedule(config.commands));
   KERF_TRY(check_integer(config.ticks, 0, kMaxTicks, "ticks"));

@@ -222,12 +222,12 @@ struct Probe {
   StressMeasure measure = StressMeasure::kBiot;  // for kStress
 };
 
-// Contact of the folds and pieces of a sheet with each other; explicit steps only.
+// Contact of folds and pieces of a sheet with each other, in explicit steps.
 struct SelfContact {
-  bool is_on = false;
+  bool is_on = false;     // true: the integrator must be explicit or automatic, and the sheet not planar
   double friction = 0.3;  // -, Coulomb's coefficient, 0..kMaxSelfFriction
 
-  friend bool operator==(const SelfContact&, const SelfContact&) = default;
+  bool operator==(const SelfContact&) const = default;
 };
 
 struct SheetConfig {

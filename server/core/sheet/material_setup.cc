@@ -19,8 +19,7 @@ MaterialSetup::MaterialSetup(scene::SheetMaterials materials, const scene::Sheet
                              const mesh::TriangleMesh& uncut)
     : materials_(std::make_shared<const scene::SheetMaterials>(std::move(materials))) {
   if (config.fidelity == scene::Fidelity::kExact || !is_stepped_in_time(config)) return;
-  softening_ = fem::choose_softening(uncut, by_region(), config.membrane_law,
-                                     scene::integrator_options(config.integrator, 1.0 / config.tick_rate_hz),
+  softening_ = fem::choose_softening(uncut, by_region(), config.membrane_law, scene::integrator_options(config),
                                      config.gravity.norm());
 }
 

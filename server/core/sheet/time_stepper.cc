@@ -12,7 +12,7 @@ namespace kerf::sheet {
 
 TimeStepper::TimeStepper(const scene::SheetConfig& config, IntegratorFactory make_integrator, double size)
     : dt_(1.0 / config.tick_rate_hz),
-      integrator_(std::move(make_integrator), scene::integrator_options(config.integrator, 1.0 / config.tick_rate_hz)),
+      integrator_(std::move(make_integrator), scene::integrator_options(config)),
       rest_(size) {
   contact_.set_colliders(config.colliders);
   contact_.set_self_contact(config.self_contact.is_on, config.self_contact.friction);

@@ -42,6 +42,12 @@ class Sheets(Case):
         quick = self.server.create_scene({**scene, "fidelity": "REAL_TIME"}, "py-quick", paused=True)
         self.assertEqual(quick.get().softening.factor, 1)
         quick.delete()
+        folds = self.server.create_scene({**scene, "self_contact": {"mode": "ON", "friction": 0.5}}, "py-folds", paused=True)
+        self.assertEqual(folds.get().scene.self_contact.friction, 0.5)
+        self.assertIn("self-contact", folds.get().integrator)
+        folds.delete()
+        with self.assertRaisesRegex(kerf.InvalidArgument, "EXPLICIT_LEAPFROG"):
+            self.server.create_scene({**scene, "self_contact": {"mode": "ON"}, "integrator": {"kind": "BDF2"}})
         with self.assertRaisesRegex(ValueError, "colour"):
             self.server.create_scene({"colour": "red"})
 

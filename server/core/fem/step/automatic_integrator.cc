@@ -45,8 +45,9 @@ TickEstimate estimate_planned(const Model& model, const ExplicitIntegrator& plan
   estimate.explicit_ns = planned.expected_cost(model, options.tick, {}).total();
   estimate.implicit_ns = implicit_cost(model, with_tr_bdf2(model, options), {}).total();
   const double preference = planned.inertia().empty() ? kPreferenceForExplicit : kPreferenceWithClusters;
-  estimate.is_explicit =
+  const bool is_worth_it =
       estimate.substeps <= options.max_substeps && estimate.explicit_ns <= preference * estimate.implicit_ns;
+  estimate.is_explicit = options.touches_itself || is_worth_it;
   return estimate;
 }
 
@@ -89,7 +90,7 @@ bool AutomaticIntegrator::choose(const Model& model, bool follows) {
   const TickEstimate estimate = estimate_planned(model, explicit_, options_);
   const double condition = 1.0 + options_.tick * options_.tick * model.stiffness_bound().value();
   const IntegratorKind before = kind();
-  std::string_view scheme = "explicit";
+  std::string_view scheme = options_.touches_itself ? "explicit, as self-contact requires" : "explicit";
   std::string_view solver;
   bool is_other = before != IntegratorKind::kExplicit;
   if (estimate.is_explicit) {

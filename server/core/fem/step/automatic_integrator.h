@@ -29,6 +29,7 @@ TickEstimate estimate_tick(const Model& model, const IntegratorOptions& options)
 // nanoseconds without a clock, so the choice is the same on every machine.
 //  - Explicit steps, unless TR-BDF2 is estimated at less than a quarter of their cost. At equal cost explicit steps are
 //    by far the more accurate. If the sheet has clusters of local inertia the limit is two thirds.
+//  - Explicit steps at any cost if the sheet has contact with itself, because implicit steps have none.
 //  - Otherwise TR-BDF2: no other implicit scheme has a smaller error for its time (tests/accuracy/PLOTS.md).
 //  - Implicit Euler in place of TR-BDF2 above a condition number of kSecondOrderCondition. The forces at the start of a
 //    step, which the trapezoidal rule uses, are mostly rounding there.
