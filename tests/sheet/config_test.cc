@@ -44,36 +44,6 @@ TEST(SheetConfig, GridLimits) {
   EXPECT_EQ(field_of([](scene::SheetConfig& c) { grid(c, 5, 5, kNan); }), "grid.width_m");
 }
 
-TEST(SheetConfig, SelfContact) {
-  const auto with = [](double friction, scene::IntegratorKind kind = scene::IntegratorKind::kAutomatic,
-                       bool planar = false) {
-    return field_of([&](scene::SheetConfig& c) {
-      c.self_contact = {true, friction};
-      c.integrator.kind = kind;
-      c.planar = planar;
-    });
-  };
-  EXPECT_EQ(with(0.0), "accepted");
-  EXPECT_EQ(with(10.0), "accepted");
-  EXPECT_EQ(with(10.001), "self_contact.friction");
-  EXPECT_EQ(with(-0.001), "self_contact.friction");
-  EXPECT_EQ(with(kNan), "self_contact.friction");
-  EXPECT_EQ(with(0.3, scene::IntegratorKind::kExplicitLeapfrog), "accepted");
-  for (const scene::IntegratorKind kind : {scene::IntegratorKind::kImplicitEuler, scene::IntegratorKind::kTrBdf2,
-                                           scene::IntegratorKind::kBdf2, scene::IntegratorKind::kTrapezoidal}) {
-    EXPECT_EQ(with(0.3, kind), "self_contact.mode");
-  }
-  EXPECT_EQ(with(0.3, scene::IntegratorKind::kAutomatic, true), "self_contact.mode");
-}
-
-TEST(SheetConfig, SelfContactTakesExplicitSteps) {
-  scene::SheetConfig config = scenes::hanging(4);
-  config.self_contact.is_on = true;
-  const Result<Sheet> created = Sheet::create(config);
-  ASSERT_TRUE(created.ok());
-  EXPECT_EQ(created->config().integrator.kind, scene::IntegratorKind::kExplicitLeapfrog);
-}
-
 TEST(SheetConfig, InlineArrays) {
   scene::ArraySource square;
   square.material_positions.resize(2, 4);

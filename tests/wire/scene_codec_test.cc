@@ -47,20 +47,6 @@ TEST(SceneCodec, EveryMeshSourceComesBackUnchanged) {
   expect_equal(from_file, scene);
 }
 
-TEST(SceneCodec, SelfContactComesBackUnchangedAndIsOffByDefault) {
-  v1::Scene scene = full_scene();
-  EXPECT_FALSE(decoded(scene).self_contact.is_on);
-  EXPECT_EQ(decoded(scene).self_contact.friction, 0.3);
-  scene.mutable_integrator()->set_kind(v1::Integrator::EXPLICIT_LEAPFROG);
-  scene.clear_planar();
-  scene.mutable_self_contact()->set_mode(v1::SelfContact::ON);
-  scene.mutable_self_contact()->set_friction(0.0);
-  EXPECT_TRUE(decoded(scene).self_contact.is_on);
-  expect_equal(encode_scene(decoded(scene)), scene);
-  scene.mutable_self_contact()->set_mode(static_cast<v1::SelfContact::Mode>(9));
-  EXPECT_EQ(decode_scene(scene, {}).error().field, "self_contact.mode");
-}
-
 TEST(SceneCodec, EveryAnalysisComesBackUnchanged) {
   v1::Scene scene = full_scene();
   scene.mutable_analysis()->mutable_dynamic()->set_measure_every(7);

@@ -71,7 +71,6 @@ std::vector<std::string> left_out_of(const sheet::Sheet& sheet) {
   if (!sheet.config().colliders.empty()) names.emplace_back("colliders");
   if (sheet.config().self_contact.is_on) names.emplace_back("self_contact");
   if (!sheet.grabs().empty()) names.emplace_back("grabs");
-  if (sheet.config().self_contact.is_on) names.emplace_back("self_contact");
   return names;
 }
 

@@ -137,23 +137,6 @@ Status validate_schedule(const std::vector<ScheduledCommand>& commands) {
   return Nothing{};
 }
 
-Status validate_self_contact(const SheetConfig& config) {
-  KERF_TRY(check_number(config.self_contact.friction, 0.0, kMaxSelfFriction, "self_contact.friction"));
-  if (!config.self_contact.is_on) return Nothing{};
-  const IntegratorKind kind = config.integrator.kind;
-  if (kind != IntegratorKind::kAutomatic && kind != IntegratorKind::kExplicitLeapfrog) {
-    return invalid_argument(
-        "OPTIONS_CONFLICT",
-        "self_contact needs explicit steps; leave it out or set integrator.kind to EXPLICIT_LEAPFROG",
-        "self_contact.mode");
-  }
-  if (config.planar) {
-    return invalid_argument("OPTIONS_CONFLICT", "a planar sheet cannot touch itself; leave out self_contact or planar",
-                            "self_contact.mode");
-  }
-  return Nothing{};
-}
-
 }  // namespace
 
 bool schedules_cuts(const SheetConfig& config) {
@@ -186,7 +169,6 @@ Status validate(const SheetConfig& config) {
   for (std::size_t i = 0; i < config.colliders.size(); ++i) {
     KERF_TRY(contact::validate(config.colliders[i], indexed("colliders", i)));
   }
-  KERF_TRY(validate_self_contact(config));
   KERF_TRY(validate(config.constraints));
   KERF_TRY(validate(config.loads));
   KERF_TRY(validate(config.gravity_history, "gravity_history"));

@@ -29,7 +29,6 @@ Eigen::Matrix3Xd initial_velocities(const scene::SheetConfig& config, const scen
 
 Result<InitialState> make_initial_state(scene::SheetConfig config) {
   KERF_TRY(validate(config));
-  if (config.self_contact.is_on) config.integrator.kind = scene::IntegratorKind::kExplicitLeapfrog;
   KERF_TRY_ASSIGN(scene::BuiltMesh built, scene::build_mesh(config.mesh, config.placement, config.max_vertices));
   if (built.mesh.num_vertices() > config.max_vertices) {
     return resource_exhausted("TOO_MANY_VERTICES", "the sheet has " + std::to_string(built.mesh.num_vertices()) +

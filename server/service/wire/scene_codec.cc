@@ -87,12 +87,6 @@ Status decode_materials(const v1::Scene& scene, scene::SheetConfig& config) {
   return decode_choice(kFidelities, scene.fidelity(), "fidelity", config.fidelity);
 }
 
-Status decode_self_contact(const v1::SelfContact& message, scene::SelfContact& self_contact) {
-  KERF_TRY(decode_choice(kSelfContactModes, message.mode(), "self_contact.mode", self_contact.is_on));
-  if (message.has_friction()) self_contact.friction = message.friction();
-  return Nothing{};
-}
-
 // Decodes lists: colliders, scheduled commands.
 Status decode_lists(const v1::Scene& scene, const FileReader& read_file, scene::SheetConfig& config) {
   for (int i = 0; i < scene.colliders_size(); ++i) {
@@ -128,7 +122,6 @@ Result<scene::SheetConfig> decode_scene(v1::Scene scene, const FileReader& read_
   if (scene.max_vertices() != 0) config.max_vertices = scene.max_vertices();
   config.ticks = scene.ticks();
   config.repeat_after = scene.repeat_after_ticks();
-  KERF_TRY(decode_self_contact(scene.self_contact(), config.self_contact));
   if (scene.has_rest_damping()) config.rest_damping = scene.rest_damping();
   config.description = scene.description();
   KERF_TRY(scene::validate(config));
@@ -191,11 +184,6 @@ v1::Scene encode_settings(const SettingsInForce& settings) {
   scene.set_ticks(settings.config.ticks);
   scene.set_repeat_after_ticks(settings.config.repeat_after);
   if (!settings.config.rest_damping) scene.set_rest_damping(false);
-  if (settings.config.self_contact != scene::SelfContact()) {
-    v1::SelfContact& message = *scene.mutable_self_contact();
-    message.set_mode(encode_choice(kSelfContactModes, settings.config.self_contact.is_on));
-    message.set_friction(settings.config.self_contact.friction);
-  }
   scene.set_description(settings.config.description);
   return scene;
 }
