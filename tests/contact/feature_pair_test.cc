@@ -112,7 +112,7 @@ TEST(Separation, OfSidesThatTouchHasSomeUnitNormal) {
   EXPECT_EQ(crossed.normal.norm(), 1.0);
 }
 
-TEST(IsSeparated, ComparesTheHeightsOfBothSides) {
+TEST(GapAlong, IsBetweenTheHeightsOfBothSides) {
   SeededRandom random(5);
   int num_separated = 0;
   for (int k = 0; k < 2000; ++k) {
@@ -129,8 +129,7 @@ TEST(IsSeparated, ComparesTheHeightsOfBothSides) {
         }
       }
       num_separated += least > most ? 1 : 0;
-      ASSERT_EQ(is_separated(num_a, normal, x, least - most - 1e-9), true);
-      ASSERT_EQ(is_separated(num_a, normal, x, least - most + 1e-9), false);
+      ASSERT_NEAR(gap_along(num_a, normal, x), least - most, 1e-12);
     }
   }
   EXPECT_GT(num_separated, 300);

@@ -336,7 +336,7 @@ TEST(FeatureTree, FollowsVerticesThatLeaveTheirLines) {
         sheet.x.col(v) = now.x.col(v) - since * now.v.col(v);
       }
       sheet.slack = now.slack;
-      tree.follow(strayed, {now.x, now.v, 0.0}, since, kReach, now.slack, kSheetThickness, pairs);
+      tree.follow(strayed, sheet.x, sheet.v, since, kReach, now.slack, kSheetThickness, pairs);
       std::set<Key> found;
       for (const FeaturePair& pair : pairs) {
         Key key = key_of(pair);

@@ -139,7 +139,7 @@ bool is_in_cones(const SheetFeatures& features, const FeaturePair& pair, const S
   return !has_nearer(nearest_corner(triangle, w), separation.normal) && !has_nearer(pair.a, -separation.normal);
 }
 
-bool is_separated(std::size_t num_a, const Eigen::Vector3d& normal, const PairPositions& x, double gap) {
+double gap_along(std::size_t num_a, const Eigen::Vector3d& normal, const PairPositions& x) {
   double least_a = std::numeric_limits<double>::infinity();
   double most_b = -least_a;
   for (std::size_t i = 0; i < 4; ++i) {
@@ -150,7 +150,7 @@ bool is_separated(std::size_t num_a, const Eigen::Vector3d& normal, const PairPo
       most_b = std::max(most_b, height);
     }
   }
-  return least_a - most_b > gap;
+  return least_a - most_b;
 }
 
 bool stays_apart(FeaturePair::Kind kind, const PairPositions& from, const PairPositions& to, double gap) {

@@ -50,8 +50,8 @@ bool stands_for_separation(const SheetFeatures& features, const FeaturePair& pai
 bool is_in_cones(const SheetFeatures& features, const FeaturePair& pair, const Separation& separation,
                  const linear::VertexField& x);
 
-// Returns true if the plane perpendicular to `normal` (-, unit) separates both sides by more than `gap`, m.
-bool is_separated(std::size_t num_a, const Eigen::Vector3d& normal, const PairPositions& x, double gap);
+// Returns the gap between two planes perpendicular to `normal` (-, unit), one at each side. m, < 0 if they overlap.
+double gap_along(std::size_t num_a, const Eigen::Vector3d& normal, const PairPositions& x);
 
 // Returns true if both sides stay farther apart than `gap` (m) while all vertices move straight from `from` to `to`.
 // They must be so at the start. False may also mean that this could not be decided. See Li, Kaufman, Jiang 2021,

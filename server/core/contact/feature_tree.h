@@ -42,10 +42,11 @@ class FeatureTree {
 
   // Returns true if find_pairs() has looked at the parts of the sheet, so that follow() may be called.
   [[nodiscard]] bool is_fitted() const { return is_fitted_; }
-  // Gives some vertices other lines, after find_pairs(): at `since` (s) of its motion they are at x (m) and have
-  // velocity v (m/s). Fills `pairs`, ordered by kind, with all pairs that include such a vertex and may come near.
-  void follow(std::span<const mesh::VertexId> strayed, const StraightMotion& now, double since, double reach,
-              std::span<const float> slack, double thickness, std::vector<FeaturePair>& pairs);
+  // Gives some vertices other lines, after find_pairs(): x + t v (m, m/s) from t = `since` (s) of its motion on. Fills
+  // `pairs`, ordered by kind, with all pairs that include such a vertex and may come near.
+  void follow(std::span<const mesh::VertexId> strayed, const linear::VertexField& x, const linear::VertexField& v,
+              double since, double reach, std::span<const float> slack, double thickness,
+              std::vector<FeaturePair>& pairs);
 
  private:
   static constexpr std::int32_t kLeaf = 8;  // most triangles of a leaf

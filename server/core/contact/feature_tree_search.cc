@@ -212,24 +212,25 @@ void FeatureTree::for_each_leaf(const NodeBox& box, const Visit& visit) {
   }
 }
 
-void FeatureTree::follow(std::span<const VertexId> strayed, const StraightMotion& now, double since, double reach,
-                         std::span<const float> slack, double thickness, std::vector<FeaturePair>& pairs) {
+void FeatureTree::follow(std::span<const VertexId> strayed, const linear::VertexField& x, const linear::VertexField& v,
+                         double since, double reach, std::span<const float> slack, double thickness,
+                         std::vector<FeaturePair>& pairs) {
   pairs.clear();
   vertex_candidates_.clear();
   edge_candidates_.clear();
   const float half_reach = static_cast<float>(0.5 * reach) + kRounding;
-  for (const VertexId v : strayed) {
-    const float of_vertex = slack[static_cast<std::size_t>(v)];
-    motion_.slack[static_cast<std::size_t>(v)] = of_vertex;
-    set_line(v, now.x.col(v), now.v.col(v), since, half_reach + of_vertex);
+  for (const VertexId i : strayed) {
+    const float of_vertex = slack[static_cast<std::size_t>(i)];
+    motion_.slack[static_cast<std::size_t>(i)] = of_vertex;
+    set_line(i, x.col(i) + since * v.col(i), v.col(i), since, half_reach + of_vertex);
   }
   refit_around(strayed);
-  for (const VertexId v : strayed) {
-    const auto place = static_cast<std::size_t>(place_[static_cast<std::size_t>(v)]);
+  for (const VertexId of : strayed) {
+    const auto place = static_cast<std::size_t>(place_[static_cast<std::size_t>(of)]);
     for_each_leaf(box_of(vertex_boxes_, place), [&](const Node& leaf) {
       overlaps_.clear();
       find_overlaps(vertex_boxes_, range_of(place), triangle_boxes_, {leaf.begin, leaf.end}, false, overlaps_);
-      for (const auto& [k, t] : overlaps_) add_vertex_candidate(v, t);
+      for (const auto& [k, t] : overlaps_) add_vertex_candidate(of, t);
     });
   }
   for (const std::int32_t t : strayed_triangles_) {
@@ -238,8 +239,8 @@ void FeatureTree::follow(std::span<const VertexId> strayed, const StraightMotion
       overlaps_.clear();
       find_overlaps(triangle_boxes_, range_of(place), vertex_boxes_, vertices_of(leaf), false, overlaps_);
       for (const auto& [k, i] : overlaps_) {
-        const VertexId v = features_.vertices[static_cast<std::size_t>(i)];
-        if (is_strayed_[static_cast<std::size_t>(v)] == 0) add_vertex_candidate(v, t);
+        const VertexId of = features_.vertices[static_cast<std::size_t>(i)];
+        if (is_strayed_[static_cast<std::size_t>(of)] == 0) add_vertex_candidate(of, t);
       }
     });
   }
@@ -256,7 +257,7 @@ void FeatureTree::follow(std::span<const VertexId> strayed, const StraightMotion
       }
     });
   }
-  for (const VertexId v : strayed) is_strayed_[static_cast<std::size_t>(v)] = 0;
+  for (const VertexId of : strayed) is_strayed_[static_cast<std::size_t>(of)] = 0;
   for (const std::int32_t t : strayed_triangles_) is_strayed_triangle_[static_cast<std::size_t>(t)] = 0;
   for (const std::int32_t e : strayed_edges_) is_strayed_edge_[static_cast<std::size_t>(e)] = 0;
   vertex_candidates_.pad();

@@ -1,9 +1,8 @@
 #include "server/core/contact/self_contact.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-
-#include "server/base/check.h"
 
 namespace kerf::contact {
 
@@ -12,12 +11,14 @@ using mesh::VertexId;
 namespace {
 
 constexpr double kLongestInterval = 1.3e-3;  // s, between two phases; vertices at rest fall in between
+constexpr std::size_t kSoftSweeps = 3;
 constexpr int kHardSweeps = 100;
 constexpr double kEdgeThickness = 0.8;    // -, thickness between edges over that of faces
 constexpr double kSlackOfAltitude = 0.3;  // -, slack of a vertex over the least altitude there
 constexpr double kLeastSlack = 0.1;       // -, of the slack in the mesh as built
 constexpr double kPushSpeed = 0.05;       // m/s, largest speed at which contact pushes apart
 constexpr double kPushShare = 0.2;        // -, part of a lack of distance that an interval makes up for
+constexpr std::array<double, 1> kWhole{1.0};
 
 }  // namespace
 
@@ -36,14 +37,15 @@ void SelfContact::set(const mesh::TriangleMesh& mesh) {
   const auto count = static_cast<std::size_t>(mesh.num_vertices());
   path_.assign(count, 0.0F);
   slack_.assign(count, 0.0F);
-  straight_.assign(count, 0.0F);
   is_moved_.assign(count, 0);
   is_shifted_.assign(count, 0);
   is_strayed_.assign(count, 0);
   is_supported_.assign(count, 0);
   zone_.resize(count);
   for (std::size_t v = 0; v < count; ++v) zone_[v] = static_cast<std::int32_t>(v);
-  inverse_mass_.resize(count);
+  is_zoned_.assign(count, 0);
+  zones_.resize(count);
+  response_.resize(count);
 }
 
 std::int64_t SelfContact::count_intersections(const linear::VertexField& x) {
@@ -65,8 +67,7 @@ void SelfContact::mark(VertexId v) {
 
 void SelfContact::begin(const SelfContactStep& step, const linear::VertexField& x, linear::VertexField& v) {
   step_ = step;
-  KERF_CHECK(step.inverse_mass.size() == inverse_mass_.size(), "set() was called for this topology");
-  std::copy(step.inverse_mass.begin(), step.inverse_mass.end(), inverse_mass_.begin());
+  response_.begin(step.inverse_mass, step.shared);
   for (const VertexId moved : moved_) is_moved_[static_cast<std::size_t>(moved)] = 0;
   moved_.clear();
   substep_ = 0;
@@ -89,17 +90,8 @@ void SelfContact::make_phase(linear::VertexField& x, linear::VertexField& v) {
   interval_ = substep - substep_;
   find_strayed(x, v, 0.0, 1.0);
   if (!strayed_.empty()) {
-    // The list is too old. Pairs are found for the motion that has happened, which was straight since the last phase.
     ++counters_.late;
-    const double since = step_.h * interval_;
-    way_ = (x - x_then_) / since;
-    if (may_follow()) {
-      follow_strayed(x_then_, way_, step_.h * (substep_ - list_begin_));
-    } else {
-      tree_.find_pairs({x_then_, way_, since}, thickness_, straight_, thickness_, found_);
-      set_list();
-      list_end_ = substep;
-    }
+    find_again(x);
   }
   follow_paths(x);
   check(x, v);
@@ -115,9 +107,9 @@ void SelfContact::make_phase(linear::VertexField& x, linear::VertexField& v) {
 
 void SelfContact::respond(const linear::VertexField& x, linear::VertexField& v, int substep) {
   find_contacts(x, v, substep);
-  for (std::size_t sweep = 0; sweep < 2; ++sweep) {
+  for (std::size_t sweep = 0; sweep < kSoftSweeps; ++sweep) {
     for (std::size_t k = 0; k < contacts_.size(); ++k) {
-      const std::size_t c = sweep == 0 ? k : contacts_.size() - 1 - k;
+      const std::size_t c = sweep % 2 == 0 ? k : contacts_.size() - 1 - k;
       if (contacts_[c].is_in_cones) respond_softly(c, v);
     }
     for (Support& each : supports_) support(each, v);
@@ -164,18 +156,17 @@ void SelfContact::find_contacts(const linear::VertexField& x, const linear::Vert
     contact.pair = p;
     contact.separation = s;
     Eigen::Vector3d u = Eigen::Vector3d::Zero(), before = u;
-    double inverse = 0.0;
     for (std::size_t i = 0; i < 4; ++i) {
       u += s.weights[i] * v.col(pair.vertices[i]);
       before += s.weights[i] * v_then_.col(pair.vertices[i]);
-      inverse += s.weights[i] * s.weights[i] * inverse_mass(pair.vertices[i]);
     }
-    if (!(inverse > 0.0)) continue;
     const double thickness =
         pair.kind == FeaturePair::Kind::kEdgeEdge ? kEdgeThickness * pair.thickness : pair.thickness;
     const double closing = -s.normal.dot(u);
     const Eigen::Vector3d acceleration = (u - before) / since;
     if (s.distance - thickness > 1.5 * std::max(closing, 0.0) * ahead + 0.1 * thickness) continue;
+    const double inverse = response_.mobility(pair.vertices, s.weights, s.normal);
+    if (!(inverse > 0.0)) continue;
     contact.mass = 1.0 / inverse;
     contact.bias = acceleration;
     const double room = std::max(s.distance - thickness, 0.4 * thickness);
@@ -188,7 +179,7 @@ void SelfContact::find_contacts(const linear::VertexField& x, const linear::Vert
   }
   const int chosen = std::clamp(static_cast<int>(interval), 1, std::max(1, step_.substeps - substep));
   next_phase_ = substep + chosen;
-  const double tau = chosen * h;
+  const double tau = chosen * h, kicked = 0.5 * (substep == 0 ? tau : tau + h);
   std::size_t kept = 0;
   for (Contact& contact : contacts_) {
     const FeaturePair& pair = list_.pairs[contact.pair];
@@ -197,7 +188,7 @@ void SelfContact::find_contacts(const linear::VertexField& x, const linear::Vert
     for (std::size_t i = 0; i < 4; ++i) u += s.weights[i] * v.col(pair.vertices[i]);
     const double thickness = contact.target, gap = s.distance;
     if (gap - thickness > 1.5 * std::max(-s.normal.dot(u), 0.0) * tau + 0.05 * thickness) continue;
-    contact.bias *= 0.5 * (substep == 0 ? tau : tau + h);
+    contact.bias *= kicked;
     contact.target =
         gap >= thickness ? (thickness - gap) / tau : std::min(kPushShare * (thickness - gap) / tau, kPushSpeed);
     contact.limit = -std::max(0.5 * gap, gap - 0.5 * thickness) / tau;
@@ -206,23 +197,30 @@ void SelfContact::find_contacts(const linear::VertexField& x, const linear::Vert
   }
   contacts_.resize(kept);
   counters_.contacts += static_cast<std::int64_t>(kept);
-  find_supports(x, tau);
+  find_supports(x, tau, kicked);
 }
 
-void SelfContact::find_supports(const linear::VertexField& x, double duration) {
+void SelfContact::find_supports(const linear::VertexField& x, double duration, double kicked) {
   if (bodies_ == nullptr || bodies_->empty()) return;
   std::vector<std::uint8_t>& is_seen = is_supported_;
   for (const Contact& contact : contacts_) {
     if (!contact.is_in_cones) continue;
     for (const VertexId v : list_.pairs[contact.pair].vertices) {
-      if (is_seen[static_cast<std::size_t>(v)] != 0 || inverse_mass(v) == 0.0) continue;
+      if (is_seen[static_cast<std::size_t>(v)] != 0 || response_.inverse_mass(v) == 0.0) continue;
       is_seen[static_cast<std::size_t>(v)] = 1;
       for (const PreparedCollider& body : bodies_->colliders()) {
         const Proximity near = body.query(x.col(v));
         const double gap = near.distance - bodies_->thickness(static_cast<std::size_t>(v));
         if (gap > thickness_) continue;
-        supports_.push_back({v, near.normal, body.friction(), -std::max(gap, 0.0) / duration,
-                             0.5 * duration * step_.gravity, 0.0, Eigen::Vector3d::Zero()});
+        const double inverse = response_.mobility(std::array{v}, kWhole, near.normal);
+        if (!(inverse > 0.0)) continue;
+        Support& added = supports_.emplace_back();
+        added.vertex = v;
+        added.normal = near.normal;
+        added.friction = body.friction();
+        added.mass = 1.0 / inverse;
+        added.target = -std::max(gap, 0.0) / duration;
+        added.bias = kicked * step_.gravity;
       }
     }
   }
@@ -233,13 +231,10 @@ void SelfContact::find_supports(const linear::VertexField& x, double duration) {
 
 void SelfContact::apply(const FeaturePair& pair, const Separation& separation, const Eigen::Vector3d& impulse,
                         linear::VertexField& v) {
-  for (std::size_t i = 0; i < 4; ++i) {
-    const VertexId vertex = pair.vertices[i];
-    const double share = separation.weights[i] * inverse_mass(vertex);
-    if (share == 0.0) continue;
-    v.col(vertex) += share * impulse;
+  response_.push(pair.vertices, separation.weights, impulse, [&](VertexId vertex, const Eigen::Vector3d& change) {
+    v.col(vertex) += change;
     mark(vertex);
-  }
+  });
 }
 
 void SelfContact::respond_softly(std::size_t index, linear::VertexField& v) {
@@ -262,15 +257,19 @@ void SelfContact::respond_softly(std::size_t index, linear::VertexField& v) {
 void SelfContact::support(Support& on, linear::VertexField& v) {
   const Eigen::Vector3d u = v.col(on.vertex) + on.bias;
   const double normal = on.normal.dot(u);
-  const double impulse = std::max(0.0, on.impulse + on.target - normal);
+  const double impulse = std::max(0.0, on.impulse + on.mass * (on.target - normal));
   if (impulse == 0.0 && on.impulse == 0.0) return;
-  Eigen::Vector3d slip = on.slip - (u - normal * on.normal);
-  const double most = on.friction * impulse, size = slip.norm();
-  if (size > most) slip *= most / size;
-  v.col(on.vertex) += (impulse - on.impulse) * on.normal + slip - on.slip;
-  mark(on.vertex);
+  Eigen::Vector3d friction = on.friction_impulse - on.mass * (u - normal * on.normal);
+  const double most = on.friction * impulse, size = friction.norm();
+  if (size > most) friction *= most / size;
+  response_.push(std::array{on.vertex}, kWhole,
+                 (impulse - on.impulse) * on.normal + friction - on.friction_impulse,
+                 [&](VertexId vertex, const Eigen::Vector3d& change) {
+                   v.col(vertex) += change;
+                   mark(vertex);
+                 });
   on.impulse = impulse;
-  on.slip = slip;
+  on.friction_impulse = friction;
 }
 
 bool SelfContact::respond_hard(std::size_t index, linear::VertexField& v) {

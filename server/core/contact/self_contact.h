@@ -10,7 +10,9 @@
 #include "server/core/contact/contact_solver.h"
 #include "server/core/contact/feature_pair.h"
 #include "server/core/contact/feature_tree.h"
+#include "server/core/contact/impulse_response.h"
 #include "server/core/contact/intersections.h"
+#include "server/core/contact/shared_inertia.h"
 #include "server/core/linear/vertex_field.h"
 #include "server/core/mesh/ids.h"
 #include "server/core/mesh/triangle_mesh.h"
@@ -35,6 +37,7 @@ struct SelfContactStep {
   int substeps = 0;                        // > 0
   Eigen::Vector3d gravity{0.0, 0.0, 0.0};  // m/s^2
   std::span<const double> inverse_mass;    // 1/kg, by vertex; 0 is never moved
+  const SharedInertia* shared = nullptr;   // null: no vertices share inertia
 };
 
 // Keeps folds and pieces of one sheet from passing through each other, in phases between the substeps of a step.
@@ -108,13 +111,13 @@ class SelfContact {
     mesh::VertexId vertex = mesh::kNone;
     Eigen::Vector3d normal{0.0, 0.0, 1.0};
     double friction = 0.0;  // -, coefficient
+    double mass = 0.0;      // kg, effective along the normal
     double target = 0.0;    // m/s
-    Eigen::Vector3d bias{0.0, 0.0, 0.0};
-    double impulse = 0.0;  // m/s, per mass
-    Eigen::Vector3d slip{0.0, 0.0, 0.0};
+    Eigen::Vector3d bias{0.0, 0.0, 0.0};           // m/s, from the start to the middle of the interval
+    double impulse = 0.0;                          // N s, along the normal
+    Eigen::Vector3d friction_impulse{0.0, 0.0, 0.0};  // N s
   };
 
-  [[nodiscard]] double inverse_mass(mesh::VertexId v) const { return inverse_mass_[static_cast<std::size_t>(v)]; }
   [[nodiscard]] float path_of(const FeaturePair& pair) const;
   void mark(mesh::VertexId v);
   // Adds the motion since the last phase to path_.
@@ -125,12 +128,15 @@ class SelfContact {
   void renew_list(const linear::VertexField& x, const linear::VertexField& v, int substep);
   // Returns true if few enough vertices strayed for the list to be renewed in part.
   [[nodiscard]] bool may_follow() const;
-  // Gives them new lines: `since` (s) after the list was made they are at x and move with v.
+  // Gives them new lines, relative to the motion that all vertices share: `since` (s) after the list was made they are
+  // at x and move with v.
   void follow_strayed(const linear::VertexField& x, const linear::VertexField& v, double since);
   // Widens the slack of vertices that strayed from the last list.
   void adapt_slack(const linear::VertexField& x);
   // Looks for pairs from positions x on.
   void search(const linear::VertexField& x, const linear::VertexField& v, int substep);
+  // Finds the pairs of strayed vertices for the motion that has happened, which was straight since the last phase.
+  void find_again(const linear::VertexField& x);
   // Finds the vertices that are, or will be after `ahead` (s), farther from their lines than `share` of their slack.
   void find_strayed(const linear::VertexField& x, const linear::VertexField& v, double ahead, double share);
   // Finds the pairs that can have come near since they were last looked at.
@@ -145,12 +151,18 @@ class SelfContact {
   [[nodiscard]] bool find_failed(const linear::VertexField& x, bool is_first);
   void move(mesh::VertexId v, const Eigen::Vector3d& to, linear::VertexField& x);
   void repair(std::size_t pair, linear::VertexField& x, linear::VertexField& v);
+  // Moves the vertices of a pair by their own masses, or all that share inertia with them.
+  void move_apart(const FeaturePair& pair, const Separation& then, double gap, linear::VertexField& x);
+  void move_apart_shared(const FeaturePair& pair, const Separation& then, double gap, linear::VertexField& x);
+  // Adds a vertex, and those that share inertia with it, to the zone of another.
+  void add_to_zone(mesh::VertexId v, mesh::VertexId of);
   void move_zones(linear::VertexField& x, linear::VertexField& v);
   std::int32_t root(mesh::VertexId v);
   // Responds at positions x, for an interval that ends with the next phase, which it chooses.
   void respond(const linear::VertexField& x, linear::VertexField& v, int substep);
   void find_contacts(const linear::VertexField& x, const linear::VertexField& v, int substep);
-  void find_supports(const linear::VertexField& x, double duration);
+  // `kicked`: s, part of the interval by whose kicks vertices are faster in its middle.
+  void find_supports(const linear::VertexField& x, double duration, double kicked);
   void respond_softly(std::size_t contact, linear::VertexField& v);
   void support(Support& support, linear::VertexField& v);
   bool respond_hard(std::size_t contact, linear::VertexField& v);
@@ -164,7 +176,7 @@ class SelfContact {
   std::vector<float> base_slacks_;  // m, by vertex, at first
   const ContactSolver* bodies_ = nullptr;
   SelfContactStep step_;
-  std::vector<double> inverse_mass_;
+  ImpulseResponse response_;
   int substep_ = 0;  // of the last phase
   int next_phase_ = 0;
   int list_end_ = 0;  // substep up to which the list is good
@@ -188,11 +200,17 @@ class SelfContact {
   linear::VertexField x_then_, v_then_;  // after the last phase
   linear::VertexField x_list_, v_list_;  // when the list was made
   linear::VertexField way_;              // m/s, scratch
-  std::vector<float> straight_;          // m, no slack
   std::vector<mesh::VertexId> moved_;
   std::vector<std::uint8_t> is_moved_;
   std::vector<std::int32_t> zone_;  // by vertex: parent in a forest; itself if it is in no zone
+  // The sum of what the vertices of a zone do, weighted by mass.
+  struct Zone {
+    double mass = 0.0;  // kg
+    Eigen::Vector3d way{0.0, 0.0, 0.0}, velocity{0.0, 0.0, 0.0};
+  };
   std::vector<mesh::VertexId> zoned_;
+  std::vector<std::uint8_t> is_zoned_;
+  std::vector<Zone> zones_;  // by vertex: that of the root; else not used
   std::vector<std::uint8_t> is_supported_;
   std::vector<std::array<mesh::VertexId, 3>> triangles_;
   IntersectionSearch intersections_;

@@ -1,6 +1,8 @@
 // Members of SelfContact that check the motion since the last phase, and put right what passed through.
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 
 #include "server/core/contact/self_contact.h"
 
@@ -34,8 +36,14 @@ void SelfContact::check(linear::VertexField& x, linear::VertexField& v) {
       counters_.zones += static_cast<std::int64_t>(failed_.size());
       move_zones(x, v);
     }
+    // What was moved may have met others than the list has.
+    find_strayed(x, v, 0.0, 1.0);
+    if (!strayed_.empty()) find_again(x);
   }
-  for (const VertexId i : zoned_) zone_[static_cast<std::size_t>(i)] = i;
+  for (const VertexId i : zoned_) {
+    zone_[static_cast<std::size_t>(i)] = i;
+    is_zoned_[static_cast<std::size_t>(i)] = 0;
+  }
   zoned_.clear();
 }
 
@@ -63,7 +71,7 @@ bool SelfContact::find_failed(const linear::VertexField& x, bool is_first) {
     if (then.distance < kUnchecked) continue;
     const PairPositions to = positions_of(pair, x);
     const double gap = gap_to_keep(then.distance, pair);
-    if (is_separated(pair.num_a(), then.normal, to, gap)) continue;
+    if (gap_along(pair.num_a(), then.normal, to) > gap) continue;
     if (stays_apart(pair.kind, positions_of(pair, x_then_), to, gap)) continue;
     failed_.push_back(p);
   }
@@ -72,20 +80,31 @@ bool SelfContact::find_failed(const linear::VertexField& x, bool is_first) {
   return !failed_.empty();
 }
 
-// Moves both sides to their sides of a plane perpendicular to the normal of then. The place of the plane follows from
-// the momentum, which does not change.
 void SelfContact::repair(std::size_t p, linear::VertexField& x, linear::VertexField& v) {
   const FeaturePair& pair = list_.pairs[p];
-  const std::size_t num_a = pair.num_a();
   const Separation then = separation_then(p);
   const double gap =
       1.001 * std::max({gap_to_keep(then.distance, pair), std::min(0.5 * then.distance, 0.1 * thickness_),
                         std::min(1.5 * then.distance, pair.least)});
+  const bool is_shared = std::any_of(pair.vertices.begin(), pair.vertices.end(),
+                                     [this](VertexId i) { return response_.is_shared(i); });
+  is_shared ? move_apart_shared(pair, then, gap, x) : move_apart(pair, then, gap, x);
+  Eigen::Vector3d u = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < 4; ++i) u += then.weights[i] * v.col(pair.vertices[i]);
+  const double closing = -then.normal.dot(u);
+  const double mobility = response_.mobility(pair.vertices, then.weights, then.normal);
+  if (closing > 0.0 && mobility > 0.0) apply(pair, then, closing / mobility * then.normal, v);
+}
+
+// Moves both sides to their sides of a plane perpendicular to the normal of then. The place of the plane follows from
+// the momentum, which does not change.
+void SelfContact::move_apart(const FeaturePair& pair, const Separation& then, double gap, linear::VertexField& x) {
+  const std::size_t num_a = pair.num_a();
   std::array<double, 4> height{}, mass{};
   for (std::size_t i = 0; i < 4; ++i) {
     height[i] =
         then.normal.dot(x.col(pair.vertices[i]) - x_then_.col(pair.vertices[3])) + (i < num_a ? -0.5 : 0.5) * gap;
-    const double inverse = inverse_mass(pair.vertices[i]);
+    const double inverse = response_.inverse_mass(pair.vertices[i]);
     mass[i] = inverse > 0.0 ? 1.0 / inverse : std::numeric_limits<double>::infinity();
   }
   // Finds the place at which as much momentum goes to a as to b; the balance falls as the plane rises.
@@ -106,17 +125,21 @@ void SelfContact::repair(std::size_t p, linear::VertexField& x, linear::VertexFi
   for (std::size_t i = 0; i < 4; ++i) {
     const VertexId vertex = pair.vertices[i];
     const double way = i < num_a ? std::max(place - height[i], 0.0) : std::min(place - height[i], 0.0);
-    if (way == 0.0 || inverse_mass(vertex) == 0.0) continue;
+    if (way == 0.0 || response_.inverse_mass(vertex) == 0.0) continue;
     move(vertex, x.col(vertex) + way * then.normal, x);
   }
-  Eigen::Vector3d u = Eigen::Vector3d::Zero();
-  double inverse = 0.0;
-  for (std::size_t i = 0; i < 4; ++i) {
-    u += then.weights[i] * v.col(pair.vertices[i]);
-    inverse += then.weights[i] * then.weights[i] * inverse_mass(pair.vertices[i]);
-  }
-  const double closing = -then.normal.dot(u);
-  if (closing > 0.0 && inverse > 0.0) apply(pair, then, closing / inverse * then.normal, v);
+}
+
+// Moves all that impulses on the nearest points of then would move, by so much that the gap between both sides grows to
+// `gap`.
+void SelfContact::move_apart_shared(const FeaturePair& pair, const Separation& then, double gap,
+                                    linear::VertexField& x) {
+  const double mobility = response_.mobility(pair.vertices, then.weights, then.normal);
+  if (!(mobility > 0.0)) return;
+  const double lack = gap - gap_along(pair.num_a(), then.normal, positions_of(pair, x));
+  if (!(lack > 0.0)) return;
+  response_.push(pair.vertices, then.weights, lack / mobility * then.normal,
+                 [&](VertexId vertex, const Eigen::Vector3d& way) { move(vertex, x.col(vertex) + way, x); });
 }
 
 std::int32_t SelfContact::root(VertexId v) {
@@ -124,39 +147,41 @@ std::int32_t SelfContact::root(VertexId v) {
   return v;
 }
 
+void SelfContact::add_to_zone(VertexId v, VertexId of) {
+  const auto add = [&](VertexId i) {
+    std::uint8_t& is_zoned = is_zoned_[static_cast<std::size_t>(i)];
+    const bool is_new = is_zoned == 0;
+    if (is_new) zoned_.push_back(i);
+    is_zoned = 1;
+    const std::int32_t a = root(of), b = root(i);
+    zone_[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+    return is_new;
+  };
+  if (!add(v) || !response_.is_shared(v)) return;
+  for (const VertexId i : response_.group_of(v)) add(i);
+}
+
 // Unites the vertices of failed pairs with their zones, and moves each zone by its mean displacement.
 void SelfContact::move_zones(linear::VertexField& x, linear::VertexField& v) {
-  for (const std::size_t p : failed_) {
-    for (const VertexId i : list_.pairs[p].vertices) {
-      if (std::find(zoned_.begin(), zoned_.end(), i) == zoned_.end()) zoned_.push_back(i);
-      const std::int32_t a = root(list_.pairs[p].vertices[0]), b = root(i);
-      zone_[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
-    }
-  }
-  struct Mean {
-    double mass = 0.0;
-    Eigen::Vector3d way = Eigen::Vector3d::Zero(), velocity = Eigen::Vector3d::Zero();
-  };
-  std::vector<std::pair<std::int32_t, Mean>> means;
-  const auto mean_of = [&means](std::int32_t zone) -> Mean& {
-    const auto found =
-        std::find_if(means.begin(), means.end(), [zone](const auto& entry) { return entry.first == zone; });
-    if (found != means.end()) return found->second;
-    return means.emplace_back(zone, Mean{}).second;
-  };
   constexpr double kHeld = 1e9;  // kg, of a vertex that is held
+  for (const std::size_t p : failed_) {
+    const std::array<VertexId, 4>& vertices = list_.pairs[p].vertices;
+    for (const VertexId i : vertices) add_to_zone(i, vertices[0]);
+  }
+  const auto zone_of = [this](VertexId i) -> Zone& { return zones_[static_cast<std::size_t>(root(i))]; };
+  for (const VertexId i : zoned_) zone_of(i) = Zone();
   for (const VertexId i : zoned_) {
-    Mean& mean = mean_of(root(i));
-    const double mass = inverse_mass(i) > 0.0 ? 1.0 / inverse_mass(i) : kHeld;
-    mean.mass += mass;
-    mean.way += mass * (x.col(i) - x_then_.col(i));
-    mean.velocity += mass * v.col(i);
+    Zone& zone = zone_of(i);
+    const double inverse = response_.inverse_mass(i), mass = inverse > 0.0 ? 1.0 / inverse : kHeld;
+    zone.mass += mass;
+    zone.way += mass * (x.col(i) - x_then_.col(i));
+    zone.velocity += mass * v.col(i);
   }
   for (const VertexId i : zoned_) {
-    if (inverse_mass(i) == 0.0) continue;
-    const Mean& mean = mean_of(root(i));
-    v.col(i) = mean.velocity / mean.mass;
-    move(i, x_then_.col(i) + mean.way / mean.mass, x);
+    if (response_.inverse_mass(i) == 0.0) continue;
+    const Zone& zone = zone_of(i);
+    v.col(i) = zone.velocity / zone.mass;
+    move(i, x_then_.col(i) + zone.way / zone.mass, x);
   }
 }
 

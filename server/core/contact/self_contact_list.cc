@@ -60,13 +60,22 @@ bool SelfContact::may_follow() const {
 }
 
 void SelfContact::follow_strayed(const linear::VertexField& x, const linear::VertexField& v, double since) {
+  // Other vertices have strayed by what all have in common, which does not count.
+  const std::vector<VertexId>& vertices = tree_.features().vertices;
+  Eigen::Vector3d shift = Eigen::Vector3d::Zero(), drift = Eigen::Vector3d::Zero();
+  for (const VertexId i : vertices) {
+    shift += x.col(i) - x_list_.col(i) - since * v_list_.col(i);
+    drift += v.col(i) - v_list_.col(i);
+  }
+  shift /= static_cast<double>(vertices.size());
+  drift /= static_cast<double>(vertices.size());
   for (const VertexId i : strayed_) {
     is_strayed_[static_cast<std::size_t>(i)] = 1;
-    x_list_.col(i) = x.col(i) - since * v.col(i);
-    v_list_.col(i) = v.col(i);
+    v_list_.col(i) = v.col(i) - drift;
+    x_list_.col(i) = x.col(i) - shift - since * v_list_.col(i);
   }
   ++counters_.searches;
-  tree_.follow(strayed_, {x, v, 0.0}, since, thickness_, slack_, thickness_, found_);
+  tree_.follow(strayed_, x_list_, v_list_, since, thickness_, slack_, thickness_, found_);
   counters_.pairs += static_cast<std::int64_t>(found_.size());
   const auto is_old = [this](const FeaturePair& pair) {
     return std::any_of(pair.vertices.begin(), pair.vertices.end(),
@@ -90,6 +99,18 @@ void SelfContact::follow_strayed(const linear::VertexField& x, const linear::Ver
   renewed_.pad();
   std::swap(renewed_, list_);
   for (const VertexId i : strayed_) is_strayed_[static_cast<std::size_t>(i)] = 0;
+}
+
+void SelfContact::find_again(const linear::VertexField& x) {
+  const double since = step_.h * interval_;
+  way_ = (x - x_then_) / since;
+  if (may_follow()) return follow_strayed(x_then_, way_, step_.h * (substep_ - list_begin_));
+  x_list_ = x_then_;
+  v_list_ = way_;
+  list_begin_ = substep_;
+  list_end_ = next_phase_;
+  tree_.find_pairs({x_then_, way_, since}, thickness_, slack_, thickness_, found_);
+  set_list();
 }
 
 void SelfContact::adapt_slack(const linear::VertexField& x) {

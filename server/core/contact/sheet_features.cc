@@ -41,7 +41,7 @@ void SheetFeatures::set(const mesh::TriangleMesh& mesh, std::span<const Triangle
       if (other == kNone) borders.push_back(ends);
       if (other == kNone || place[static_cast<std::size_t>(other)] > static_cast<std::int32_t>(i)) {
         triangle.owns_edge[corner] = true;
-        edges.push_back({ends, {triangle.vertices[corner], triangle.across[corner]}});
+        edges.push_back({ends});
       }
     }
     for (const VertexId v : triangle.vertices) {

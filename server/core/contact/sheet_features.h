@@ -25,7 +25,6 @@ struct SheetFeatures {
   };
   struct Edge {
     std::array<mesh::VertexId, 2> vertices{};
-    std::array<mesh::VertexId, 2> wings{};  // third vertices of the triangles at the edge; kNone at a border
   };
 
   std::vector<Triangle> triangles;

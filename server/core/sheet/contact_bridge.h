@@ -11,10 +11,12 @@
 #include "server/core/contact/contact_solver.h"
 #include "server/core/contact/self_contact.h"
 #include "server/core/fem/element/contact_constraint.h"
+#include "server/core/fem/model/local_inertia.h"
 #include "server/core/fem/step/step_stats.h"
 #include "server/core/linear/vertex_field.h"
 #include "server/core/mesh/ids.h"
 #include "server/core/mesh/triangle_mesh.h"
+#include "server/core/sheet/cluster_inertia.h"
 
 namespace kerf::sheet {
 
@@ -49,7 +51,8 @@ class ContactBridge : public fem::ContactConstraint {
   void set_self_contact(bool is_on, double friction);
   [[nodiscard]] bool touches_itself() const override { return touches_itself_; }
   std::span<const mesh::VertexId> begin_self_contact(double h, int substeps, const Eigen::Vector3d& gravity,
-                                                     std::span<const double> inverse_mass, fem::State& state) override;
+                                                     std::span<const double> inverse_mass,
+                                                     const fem::LocalInertia& inertia, fem::State& state) override;
   [[nodiscard]] int next_self_contact() const override { return self_contact_.next_phase(); }
   std::span<const mesh::VertexId> make_self_contact(fem::State& state) override;
   // Begins to count contact of the sheet with itself; take_self_stats() returns what happened since, in a step that
@@ -64,6 +67,7 @@ class ContactBridge : public fem::ContactConstraint {
  private:
   contact::ContactSolver solver_;
   contact::SelfContact self_contact_;
+  ClusterInertia clusters_;
   bool touches_itself_ = false;
   contact::SelfContactCounters before_;  // see begin_self_stats()
   double half_thickness_ = 0.0;

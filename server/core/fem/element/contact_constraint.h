@@ -13,6 +13,8 @@
 
 namespace kerf::fem {
 
+class LocalInertia;
+
 // A surface near a vertex.
 struct SurfaceGap {
   int surface = 0;                        // number of the surface, the same until the scene changes
@@ -55,10 +57,12 @@ class ContactConstraint {
   // Contact of the sheet with itself, in phases between substeps. Returns true if the sheet has it.
   [[nodiscard]] virtual bool touches_itself() const { return false; }
   // Begins a step of `substeps` substeps of `h` (s) from `state`, before the first drift. `inverse_mass`: 1/kg, by
-  // vertex, 0 for held ones. Changes velocities of the vertices that it returns.
+  // vertex, 0 for held ones; clusters of `inertia` move by theirs, and must not change before the next step. Changes
+  // velocities of the vertices that it returns.
   virtual std::span<const mesh::VertexId> begin_self_contact(double /*h*/, int /*substeps*/,
                                                              const Eigen::Vector3d& /*gravity*/,
                                                              std::span<const double> /*inverse_mass*/,
+                                                             const LocalInertia& /*inertia*/,
                                                              State& /*state*/) {
     return {};
   }

@@ -284,8 +284,7 @@ bool ExplicitIntegrator::advance(const Model& model, const Loads& loads, Plan& p
   const bool is_green = model.materials().membrane_law() == MembraneLaw::kGreen;
   int interval = set_substeps(model, least, plan.tension, plan);
   terms.h = plan.h();
-  // Impulses on single vertices would tear clusters, whose inertia is not that of their masses.
-  const bool touches_itself = contact != nullptr && contact->touches_itself() && inertia_.empty();
+  const bool touches_itself = contact != nullptr && contact->touches_itself();
   if (!sweep.begin(model, loads, terms, duration, state)) return false;
   if (!is_green) {
     const int expected = plan.substeps;
@@ -349,7 +348,7 @@ bool ExplicitIntegrator::begin_self_contact(const Model& model, const Loads& loa
   const std::span<const double> inverse_mass = model.inverse_mass();
   scratch_.mobility.assign(inverse_mass.begin(), inverse_mass.end());
   for (const Pin& pin : loads.pins) scratch_.mobility[static_cast<std::size_t>(pin.vertex)] = 0.0;
-  return !contact.begin_self_contact(plan.h(), plan.substeps, loads.gravity, scratch_.mobility, state).empty();
+  return !contact.begin_self_contact(plan.h(), plan.substeps, loads.gravity, scratch_.mobility, inertia_, state).empty();
 }
 
 void ExplicitIntegrator::set_forces(const Model& model, const Loads& loads, const LeapfrogKick& kick,
