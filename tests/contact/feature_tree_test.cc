@@ -50,7 +50,7 @@ std::size_t expect_all_pairs(const Moving& sheet, const std::string& what) {
     EXPECT_TRUE(found.insert(key).second) << what << ": a pair twice";
     is_ordered = is_ordered && (k == 0 || pairs[k - 1].kind <= pair.kind);
     const double at_rest = all.distance_at_rest(pair);
-    EXPECT_NEAR(pair.thickness, std::min(kSheetThickness, 0.5 * at_rest), 1e-9) << what;
+    EXPECT_NEAR(pair.thickness, std::max(std::min(kSheetThickness, 0.5 * at_rest), 2.0 * pair.least), 1e-9) << what;
     double least = 0.02 * kSheetThickness;
     for (const VertexId v : pair.vertices) {
       least = std::min(least, 0.02 * features.altitude_at[static_cast<std::size_t>(v)]);

@@ -108,7 +108,7 @@ TEST(Intersections, DoNotCountTrianglesInOnePlane) {
   // In an inclined plane, and beside it by the last bit of a corner.
   EXPECT_EQ(count_of({Vector3d(0, 0, 0), {4, 0, 12}, {0, 4, 20}, {1, 1, 8}, {9, 1, 32}, {1, 9, 48}}), 0);
   EXPECT_EQ(count_of({Vector3d(0, 0, 0), {4, 0, 12}, {0, 4, 20}, {1, 1, 8 - 0x1.0p-49}, {9, 1, 32}, {1, 9, 48}}), 0)
-      << "below, but for an edge beyond";
+      << "below it, except for an edge outside";
   EXPECT_EQ(
       count_of({Vector3d(0, 0, 0), {4, 0, 12}, {0, 4, 20}, {1, 1, 8 - 0x1.0p-49}, {2, 1, 11 + 0x1.0p-49}, {1, 2, 13}}),
       1)

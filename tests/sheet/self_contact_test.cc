@@ -68,17 +68,17 @@ TEST(SelfContact, NothingPassesWhereALayerIsThrownOnAnother) {
 TEST(SelfContact, NothingPassesInAStack) {
   expect_nothing_passes('s', 25, 1000);
 }
-TEST(SelfContact, AfterFiftyCutsASheetKeepsItsEnergyAndWhatPassesIsFlagged) {
+TEST(SelfContact, AfterFiftyCutsNothingPassesAndNoEnergyIsGained) {
   Sheet sheet = touching(scenes::falls_after_cuts(12));
   double before = 0.0;
   for (int i = 0; i < 12; ++i) {
     const TickReport report = sheet.step({});
     ASSERT_FALSE(report.frozen);
-    EXPECT_EQ(report.stats.self_contact.intersections, num_intersections(sheet));
-    EXPECT_EQ((report.stats.flags & fem::kIntersects) != 0, report.stats.self_contact.intersections > 0);
+    EXPECT_EQ(report.stats.self_contact.intersections, 0);
+    EXPECT_EQ(num_intersections(sheet), 0);
     const double energy = sheet.energies().total();
     if (i > 0) {
-      EXPECT_LE(energy, 1.001 * before);
+      EXPECT_LE(energy, (1.0 + 1e-6) * before);
     }
     before = energy;
   }

@@ -204,7 +204,7 @@ scene::SheetConfig cut_in_the_pile(std::int32_t side) {
   return config;
 }
 
-scene::SheetConfig falls_after_cuts(std::int32_t side, std::uint64_t seed) {
+scene::SheetConfig falls_after_cuts(std::int32_t side, std::uint64_t seed, std::size_t cuts) {
   scene::SheetConfig config;
   config.mesh = scene::GridSource{side, side, 1.0, 1.0, scene::GridPattern::kUniformDiagonals, 0};
   config.material = fem::find_preset("demo").value();
@@ -217,7 +217,7 @@ scene::SheetConfig falls_after_cuts(std::int32_t side, std::uint64_t seed) {
   Result<mesh::TriangleMesh> mesh = mesh::make_grid({.num_x = side, .num_y = side});
   KERF_CHECK(mesh.ok(), "the grid of a scene is valid");
   SeededRandom random(seed);
-  while (config.commands.size() < 50) {
+  while (config.commands.size() < cuts) {
     scene::Cut cut;
     cut.curve = test::random_cubic(random);
     const Result<cut::CutPlan> planned = cut::plan(*mesh, {cut.curve, cut.options, {}});

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
@@ -32,8 +33,9 @@ scene::SheetConfig thrown_on_a_layer(std::int32_t side = kSelfContactSide);
 scene::SheetConfig stack_of_ten(std::int32_t side = 16);
 // p: as a, with four slits of 0.6 m cut into the pile at tick 48.
 scene::SheetConfig cut_in_the_pile(std::int32_t side = kSelfContactSide);
-// r: the demo's cloth, free and horizontal 0.8 m above the floor, after 50 random cuts at tick 1.
-scene::SheetConfig falls_after_cuts(std::int32_t side = kSelfContactSide, std::uint64_t seed = 14159265);
+// r: the demo's cloth, free and horizontal 0.8 m above the floor, after `cuts` random cuts at tick 1.
+scene::SheetConfig falls_after_cuts(std::int32_t side = kSelfContactSide, std::uint64_t seed = 14159265,
+                                    std::size_t cuts = 50);
 
 struct SelfContactScene {
   char letter;

@@ -45,8 +45,8 @@ Separation separation(FeaturePair::Kind kind, const PairPositions& x);
 // ends are nearest are left to pairs of a vertex and a triangle.
 bool stands_for_separation(const SheetFeatures& features, const FeaturePair& pair, const Separation& separation);
 
-// Returns true if the separation lies in the normal cones of both features, so that no neighbouring feature is nearer.
-// For pairs that stand for it.
+// Returns true if no feature next to the nearest one of side b is nearer to side a. If two vertices are nearest, side a
+// is looked at too. For pairs that stand for their separation.
 bool is_in_cones(const SheetFeatures& features, const FeaturePair& pair, const Separation& separation,
                  const linear::VertexField& x);
 

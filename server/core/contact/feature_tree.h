@@ -35,7 +35,8 @@ class FeatureTree {
   [[nodiscard]] const SheetFeatures& features() const { return features_; }
 
   // Fills `pairs` with all pairs that may come nearer than `reach` (m) if each vertex stays within its slack (m, by
-  // vertex id) of `motion`. Their thickness is at most `thickness` (m) and half the distance at rest. Ordered by kind
+  // vertex id) of `motion`. Their thickness is half the distance at rest, at most `thickness` (m) and at least
+  // twice what the check keeps. Ordered by kind
   // and by the tree.
   void find_pairs(const StraightMotion& motion, double reach, std::span<const float> slack, double thickness,
                   std::vector<FeaturePair>& pairs);

@@ -327,9 +327,6 @@ void FeatureTree::search_leaves(const Node& a, const Node& b) {
 void FeatureTree::keep_near(FeaturePair::Kind kind, const PairLanes& candidates, double reach, double thickness,
                             std::vector<FeaturePair>& pairs) {
   constexpr double kLeast = 0.02;  // -, of the thickness, or of the least altitude of triangles at the pair
-  // Lips of small triangles spring back into each other within a substep, so they are not kept apart.
-  constexpr double kSmall = 25.0;   // -, altitude over thickness
-  constexpr double kWereOne = 0.1;  // -, distance at rest over thickness
   find_near(kind, candidates, motion_, static_cast<float>(duration_), static_cast<float>(reach) + kRounding, near_);
   for (const std::int32_t k : near_) {
     const auto p = static_cast<std::size_t>(k);
@@ -340,8 +337,7 @@ void FeatureTree::keep_near(FeaturePair::Kind kind, const PairLanes& candidates,
       altitude = std::min(altitude, features_.altitude_at[static_cast<std::size_t>(pair.vertices[i])]);
     }
     pair.least = kLeast * std::min(thickness, altitude);
-    pair.thickness = half_distance_at_rest(pair, thickness);
-    if (altitude < kSmall * thickness && pair.thickness < 0.5 * kWereOne * thickness) continue;
+    pair.thickness = std::max(half_distance_at_rest(pair, thickness), 2.0 * pair.least);
     // Small features next to each other would otherwise all be listed.
     if (pair.thickness < thickness && !comes_near(pair, reach - thickness + pair.thickness)) continue;
     pairs.push_back(pair);

@@ -59,8 +59,8 @@ double ImpulseResponse::mobility(std::span<const VertexId> vertices, std::span<c
     for (std::size_t j = 0; j < vertices.size(); ++j) {
       const auto v = static_cast<std::size_t>(vertices[j]);
       if (group_[v] != group_[static_cast<std::size_t>(vertices[i])] || inverse_mass_[v] == 0.0) continue;
-      sum += weights[i] * weights[j] *
-             (normal.array().square() * velocities[static_cast<std::size_t>(place_[v])]).sum();
+      sum +=
+          weights[i] * weights[j] * (normal.array().square() * velocities[static_cast<std::size_t>(place_[v])]).sum();
     }
   }
   return sum;

@@ -131,6 +131,7 @@ void SelfContact::find_contacts(const linear::VertexField& x, const linear::Vert
   const double ahead = h * interval;
   const double reach = thickness_ + base_slack_;
   constexpr double kRounding = 1e-5;  // m, of distances in floats
+  constexpr double kOfLips = 0.1;     // -, thickness of pairs over that of the sheet below which they are lips
   find_due_pairs();
   find_due_distances(x);
   for (std::size_t k = 0; k < due_.size(); ++k) {
@@ -168,13 +169,14 @@ void SelfContact::find_contacts(const linear::VertexField& x, const linear::Vert
     const double inverse = response_.mobility(pair.vertices, s.weights, s.normal);
     if (!(inverse > 0.0)) continue;
     contact.mass = 1.0 / inverse;
-    contact.bias = acceleration;
+    // Lips spring back into each other, faster than an interval resolves; to go by that adds energy.
+    if (thickness >= kOfLips * thickness_) contact.bias = acceleration;
+    contact.target = thickness;  // until the interval is known
     const double room = std::max(s.distance - thickness, 0.4 * thickness);
     if (closing * interval * h > room) interval = room / (closing * h);
     const double gathering = -s.normal.dot(acceleration);
     const double gap = 0.2 * std::max(s.distance, 0.1 * thickness);
     if (gathering * interval * interval * h * h > gap) interval = std::sqrt(gap / gathering) / h;
-    contact.target = thickness;  // until the interval is known
     contacts_.push_back(contact);
   }
   const int chosen = std::clamp(static_cast<int>(interval), 1, std::max(1, step_.substeps - substep));
@@ -262,8 +264,7 @@ void SelfContact::support(Support& on, linear::VertexField& v) {
   Eigen::Vector3d friction = on.friction_impulse - on.mass * (u - normal * on.normal);
   const double most = on.friction * impulse, size = friction.norm();
   if (size > most) friction *= most / size;
-  response_.push(std::array{on.vertex}, kWhole,
-                 (impulse - on.impulse) * on.normal + friction - on.friction_impulse,
+  response_.push(std::array{on.vertex}, kWhole, (impulse - on.impulse) * on.normal + friction - on.friction_impulse,
                  [&](VertexId vertex, const Eigen::Vector3d& change) {
                    v.col(vertex) += change;
                    mark(vertex);

@@ -110,11 +110,11 @@ class SelfContact {
   struct Support {
     mesh::VertexId vertex = mesh::kNone;
     Eigen::Vector3d normal{0.0, 0.0, 1.0};
-    double friction = 0.0;  // -, coefficient
-    double mass = 0.0;      // kg, effective along the normal
-    double target = 0.0;    // m/s
-    Eigen::Vector3d bias{0.0, 0.0, 0.0};           // m/s, from the start to the middle of the interval
-    double impulse = 0.0;                          // N s, along the normal
+    double friction = 0.0;                            // -, coefficient
+    double mass = 0.0;                                // kg, effective along the normal
+    double target = 0.0;                              // m/s
+    Eigen::Vector3d bias{0.0, 0.0, 0.0};              // m/s, from the start to the middle of the interval
+    double impulse = 0.0;                             // N s, along the normal
     Eigen::Vector3d friction_impulse{0.0, 0.0, 0.0};  // N s
   };
 

@@ -36,7 +36,7 @@ void SelfContact::check(linear::VertexField& x, linear::VertexField& v) {
       counters_.zones += static_cast<std::int64_t>(failed_.size());
       move_zones(x, v);
     }
-    // What was moved may have met others than the list has.
+    // Vertices that were moved may have met others than the list has.
     find_strayed(x, v, 0.0, 1.0);
     if (!strayed_.empty()) find_again(x);
   }
@@ -86,8 +86,8 @@ void SelfContact::repair(std::size_t p, linear::VertexField& x, linear::VertexFi
   const double gap =
       1.001 * std::max({gap_to_keep(then.distance, pair), std::min(0.5 * then.distance, 0.1 * thickness_),
                         std::min(1.5 * then.distance, pair.least)});
-  const bool is_shared = std::any_of(pair.vertices.begin(), pair.vertices.end(),
-                                     [this](VertexId i) { return response_.is_shared(i); });
+  const bool is_shared =
+      std::any_of(pair.vertices.begin(), pair.vertices.end(), [this](VertexId i) { return response_.is_shared(i); });
   is_shared ? move_apart_shared(pair, then, gap, x) : move_apart(pair, then, gap, x);
   Eigen::Vector3d u = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < 4; ++i) u += then.weights[i] * v.col(pair.vertices[i]);

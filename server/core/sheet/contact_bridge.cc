@@ -27,8 +27,7 @@ void ContactBridge::set_mesh(const mesh::TriangleMesh& mesh) {
 std::span<const mesh::VertexId> ContactBridge::begin_self_contact(double h, int substeps,
                                                                   const Eigen::Vector3d& gravity,
                                                                   std::span<const double> inverse_mass,
-                                                                  const fem::LocalInertia& inertia,
-                                                                  fem::State& state) {
+                                                                  const fem::LocalInertia& inertia, fem::State& state) {
   clusters_.set(inertia);
   self_contact_.set_thickness(2.0 * half_thickness_);
   self_contact_.set_bodies(&solver_);  // set here, since the bridge is copied

@@ -17,10 +17,8 @@ using mesh::VertexId;
 // Returns the way of a vertex into its material, m.
 Eigen::Vector3d way_inward(const mesh::TriangleMesh& mesh, VertexId v, double thickness,
                            const Eigen::Ref<Eigen::Matrix3Xd>& x, std::vector<mesh::TriangleId>& ring) {
-  constexpr double kShare = 0.03;  // -, of the thickness
-  // -, least altitude at the vertex over the thickness. Smaller triangles would spring back within a substep; contact
-  // leaves their lips alone (FeatureTree).
-  constexpr double kLeastAltitude = 25.0;
+  constexpr double kShare = 0.03;           // -, of the thickness
+  constexpr double kShareOfAltitude = 0.1;  // -, most, of the least altitude at the vertex
   Eigen::Vector3d inward = Eigen::Vector3d::Zero();
   double altitude = std::numeric_limits<double>::infinity();
   mesh.triangles_around(v, ring);
@@ -38,8 +36,8 @@ Eigen::Vector3d way_inward(const mesh::TriangleMesh& mesh, VertexId v, double th
     altitude = std::min(altitude, 2.0 * mesh.material_area(t) / longest);
   }
   const double length = inward.norm();
-  if (!(length > 0.0) || altitude < kLeastAltitude * thickness) return Eigen::Vector3d::Zero();
-  return kShare * thickness / length * inward;
+  if (!(length > 0.0)) return Eigen::Vector3d::Zero();
+  return std::min(kShare * thickness, kShareOfAltitude * altitude) / length * inward;
 }
 
 }  // namespace

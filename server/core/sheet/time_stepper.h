@@ -50,7 +50,8 @@ class TimeStepper {
   // Must be called after follow(), before the next step; once is enough for several calls of follow().
   void prepare() { integrator_->prepare(); }
 
-  // Advances `state` by one tick. If the step fails or gives up, `state` does not change. Allocates no memory.
+  // Advances `state` by one tick. If the step fails or gives up, `state` does not change. Allocates no memory
+  // unless the sheet touches itself.
   StepOutcome step(fem::Model& model, const fem::Loads& loads, const StopConditions& stop, fem::State& state);
   // Calls RestWatch::after_tick(): damps a calm sheet and detects rest.
   void watch_rest(const fem::Model& model, const RestWatch::Tick& tick, fem::State& state);

@@ -62,8 +62,7 @@ class ContactConstraint {
   virtual std::span<const mesh::VertexId> begin_self_contact(double /*h*/, int /*substeps*/,
                                                              const Eigen::Vector3d& /*gravity*/,
                                                              std::span<const double> /*inverse_mass*/,
-                                                             const LocalInertia& /*inertia*/,
-                                                             State& /*state*/) {
+                                                             const LocalInertia& /*inertia*/, State& /*state*/) {
     return {};
   }
   // Number of the substep after which the next phase is due; the last one is due after the last substep.

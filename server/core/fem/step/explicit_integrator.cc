@@ -348,7 +348,8 @@ bool ExplicitIntegrator::begin_self_contact(const Model& model, const Loads& loa
   const std::span<const double> inverse_mass = model.inverse_mass();
   scratch_.mobility.assign(inverse_mass.begin(), inverse_mass.end());
   for (const Pin& pin : loads.pins) scratch_.mobility[static_cast<std::size_t>(pin.vertex)] = 0.0;
-  return !contact.begin_self_contact(plan.h(), plan.substeps, loads.gravity, scratch_.mobility, inertia_, state).empty();
+  return !contact.begin_self_contact(plan.h(), plan.substeps, loads.gravity, scratch_.mobility, inertia_, state)
+              .empty();
 }
 
 void ExplicitIntegrator::set_forces(const Model& model, const Loads& loads, const LeapfrogKick& kick,
