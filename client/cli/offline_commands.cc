@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <memory>
 #include <optional>
@@ -32,6 +33,18 @@ struct RunArguments {
   std::string csv;
   offline::Overrides overrides;
 };
+
+std::string summary(const v1::SelfContactCounts& counts) {
+  std::array<char, 256> text{};
+  std::snprintf(text.data(), text.size(),
+                "  self-contact: %lld phases, %lld searches, %lld contacts, %lld repairs, %lld zones, %lld unsettled, "
+                "%lld intersections\n",
+                static_cast<long long>(counts.phases()), static_cast<long long>(counts.searches()),
+                static_cast<long long>(counts.contacts()), static_cast<long long>(counts.repairs()),
+                static_cast<long long>(counts.zones()), static_cast<long long>(counts.unsettled()),
+                static_cast<long long>(counts.intersections()));
+  return text.data();
+}
 
 std::string summary(const v1::RunResult& result) {
   char text[512];
@@ -67,6 +80,7 @@ std::string summary(const v1::RunResult& result) {
                   100.0 * result.largest_strained_share(), 100.0 * result.mean_strained_share());
     all += text;
   }
+  if (result.has_self_contact()) all += summary(result.self_contact());
   all.pop_back();
   if (result.has_static_()) all += "\n  " + describe(result.static_());
   for (const v1::Table& table : result.tables()) all += excerpt(table);

@@ -108,6 +108,10 @@ std::string measurements(const v1::Sheet& sheet) {
   }
   if (sheet.linear_iterations() > 0) text += format("\n  linear residual %.2g", sheet.linear_residual());
   if (!sheet.state_hash().empty()) text += "\n  state hash " + sheet.state_hash();
+  if (sheet.intersections() > 0) {
+    text += format("\n  %lld %s", static_cast<long long>(sheet.intersections()),
+                   sheet.intersections() == 1 ? "intersection" : "intersections");
+  }
   std::string flags;
   for (const auto& [flag, ticks] : by_name(sheet.flagged_ticks())) {
     flags +=

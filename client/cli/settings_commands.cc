@@ -7,6 +7,7 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+#include <CLI/Validators.hpp>
 #include <nlohmann/json.hpp>
 
 #include "client/cli/app.h"
@@ -15,7 +16,7 @@
 #include "client/cpp/client.h"
 #include "server/service/wire/json.h"
 
-// Implements the settings of a live sheet: its material, its speed.
+// Implements the settings of a live sheet: its material, its self-contact, its speed.
 namespace kerf::cli {
 namespace {
 
@@ -55,6 +56,26 @@ int set_material(const Session& session, const MaterialArguments& arguments) {
   return interact(session, &v1::InteractionService::Stub::SetSheetMaterial, request);
 }
 
+struct SelfContactArguments {
+  std::string id;
+  std::string mode;
+  std::optional<double> friction;
+  std::optional<double> thickness_m;
+};
+
+int set_self_contact(const Session& session, const SelfContactArguments& arguments) {
+  if (arguments.mode.empty() && !arguments.friction && !arguments.thickness_m) {
+    return misuse("give on, off, --friction or --thickness");
+  }
+  v1::SetSheetSelfContactRequest request;
+  request.set_name("sheets/" + arguments.id);
+  v1::SetSelfContact& change = *request.mutable_set_self_contact();
+  if (!arguments.mode.empty()) change.set_mode(arguments.mode == "on" ? v1::SelfContact::ON : v1::SelfContact::OFF);
+  if (arguments.friction) change.set_friction(*arguments.friction);
+  if (arguments.thickness_m) change.set_thickness_m(*arguments.thickness_m);
+  return interact(session, &v1::InteractionService::Stub::SetSheetSelfContact, request);
+}
+
 int set_speed(const Session& session, const std::string& id, double speed) {
   v1::SetSheetSpeedRequest request;
   request.set_name("sheets/" + id);
@@ -85,6 +106,17 @@ void add_settings_commands(CLI::App& sheet, Session& session) {
                        "Only this one of the parts that the sheet was created with, from 0; -1: the rest of the sheet");
   material->callback(
       [&session, arguments] { session.action = [&session, arguments] { return set_material(session, *arguments); }; });
+
+  const auto contact = std::make_shared<SelfContactArguments>();
+  CLI::App* folds = sheet.add_subcommand("self-contact",
+                                         "Turn contact of a sheet with itself on or off, or change its settings.\n"
+                                         "Example: kerf sheet self-contact demo on --friction 0.5");
+  add_sheet_id(*folds, contact->id);
+  folds->add_option("MODE", contact->mode, "on or off (default: as it is)")->check(CLI::IsMember({"on", "off"}));
+  folds->add_option("--friction", contact->friction, "Friction of folds and pieces on each other, 0..10");
+  folds->add_option("--thickness", contact->thickness_m, "Distance that they keep, metres, up to 0.1");
+  folds->callback(
+      [&session, contact] { session.action = [&session, contact] { return set_self_contact(session, *contact); }; });
 
   const auto id = std::make_shared<std::string>();
   const auto speed = std::make_shared<double>(1.0);

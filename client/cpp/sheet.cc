@@ -210,6 +210,12 @@ Result<std::int64_t> Sheet::set_material(const v1::Material& material, std::opti
   return interact(&v1::InteractionService::Stub::SetSheetMaterial, std::move(request));
 }
 
+Result<std::int64_t> Sheet::set_self_contact(const v1::SetSelfContact& change) {
+  v1::SetSheetSelfContactRequest request;
+  *request.mutable_set_self_contact() = change;
+  return interact(&v1::InteractionService::Stub::SetSheetSelfContact, std::move(request));
+}
+
 Result<State> Sheet::state() {
   v1::GetSheetStateRequest request;
   request.set_name(name());

@@ -101,6 +101,9 @@ class Sheet {
   // materials, or -1 for the sheet outside all of these; absent: the whole sheet. reset() restores the initial
   // material.
   Result<std::int64_t> set_material(const v1::Material& material, std::optional<std::int32_t> part = {});
+  // Turns contact of the sheet with itself on or off, or changes its settings. Fields that are not set stay as they
+  // are; reset() restores the initial ones.
+  Result<std::int64_t> set_self_contact(const v1::SetSelfContact& change);
 
   // Output:
   Result<State> state();

@@ -158,6 +158,7 @@ inline std::vector<BadCall> bad_touches() {
   const char* grab = "InteractionService/GrabPoint";
   const char* image = "RenderService/RenderImage";
   const char* material = "InteractionService/SetSheetMaterial";
+  const char* folds = "InteractionService/SetSheetSelfContact";
   return {
       {grab, R"({"name":"sheets/nobody","grab":{"grab_id":"g","vertex":0}})", ErrorCode::kNotFound, "name"},
       {grab, R"({"name":"sheets/a"})", invalid, "grab"},
@@ -183,6 +184,11 @@ inline std::vector<BadCall> bad_touches() {
       {material, R"({"name":"sheets/a","set_material":{"material":{"thickness_m":-1}}})", invalid,
        "set_material.material.thickness_m"},
       {material, R"({"name":"sheets/a","set_material":{"material":{},"part":0}})", invalid, "set_material.part"},
+      {folds, R"({"name":"sheets/nobody","set_self_contact":{"mode":"ON"}})", ErrorCode::kNotFound, "name"},
+      {folds, R"({"name":"sheets/a"})", invalid, "set_self_contact"},
+      {folds, R"({"name":"sheets/a","set_self_contact":{"mode":3}})", invalid, "set_self_contact.mode"},
+      {folds, R"({"name":"sheets/a","set_self_contact":{"friction":10.5}})", invalid, "set_self_contact.friction"},
+      {folds, R"({"name":"sheets/a","set_self_contact":{"thickness_m":0}})", invalid, "set_self_contact.thickness_m"},
       {image, R"({"name":"sheets/a","width_px":15})", invalid, "width_px"},
       {image, R"({"name":"sheets/a","height_px":4097})", invalid, "height_px"},
       {image, R"({"name":"sheets/a","jpeg_quality":101})", invalid, "jpeg_quality"},

@@ -81,6 +81,11 @@ TEST_F(ApiFilesTest, ASheetThatTouchesItselfIsShownRecordedAndPlayedSo) {
   EXPECT_EQ(live.scene().self_contact().mode(), v1::SelfContact::ON);
   EXPECT_EQ(live.scene().self_contact().friction(), 0.5);
   EXPECT_NE(live.integrator().find("explicit, as self-contact requires"), std::string::npos) << live.integrator();
+  v1::SetSheetSelfContactRequest turn_off;
+  turn_off.set_name("sheets/a");
+  turn_off.mutable_set_self_contact()->set_mode(v1::SelfContact::OFF);
+  ASSERT_TRUE(call(&Api::set_sheet_self_contact, turn_off).ok());
+  run_for(5 * kTick);
   const Result<std::shared_ptr<const std::string>> file = recording("sheets/a");
   ASSERT_TRUE(file.ok()) << file.error().message;
   const Result<wire::RecordingFile> decoded = wire::decode_recording(**file);

@@ -225,6 +225,23 @@ TEST_F(ServerTest, AMaterialIsSetForAllOfASheetOrAPart) {
   EXPECT_EQ(sheet.set_material(material).failure().field, "set_material.material.preset");
 }
 
+TEST_F(ServerTest, SelfContactIsTurnedOnAndChanged) {
+  Sheet sheet = make("folds");
+  v1::SetSelfContact change;
+  change.set_mode(v1::SelfContact::ON);
+  change.set_thickness_m(0.002);
+  ASSERT_TRUE(sheet.set_self_contact(change).ok());
+  change.Clear();
+  change.set_friction(0.5);
+  ASSERT_TRUE(sheet.set_self_contact(change).ok());
+  const v1::SelfContact shown = sheet.get().value().scene().self_contact();
+  EXPECT_EQ(shown.mode(), v1::SelfContact::ON);
+  EXPECT_EQ(shown.friction(), 0.5);
+  EXPECT_EQ(shown.thickness_m(), 0.002);
+  change.set_friction(11.0);
+  EXPECT_EQ(sheet.set_self_contact(change).failure().field, "set_self_contact.friction");
+}
+
 TEST_F(ServerTest, ARecordingIsPlayedAsAnotherSheet) {
   Sheet sheet = make("first");
   ASSERT_TRUE(sheet.step(10).ok());

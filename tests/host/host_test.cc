@@ -284,5 +284,42 @@ TEST_F(HostTest, GaugesFollowTheRunStates) {
   EXPECT_EQ(metrics.paused_sheets, 2);
 }
 
+// One triangle passes through another, far from its corners, and nothing moves.
+scene::SheetConfig pierced() {
+  scene::ArraySource source;
+  source.material_positions.resize(2, 6);
+  source.material_positions << 0, 1, 0, 2, 3, 2, 0, 0, 1, 0, 0, 1;
+  source.positions.resize(3, 6);
+  source.positions << 0, 1, 0, 0.2, 0.2, 1.2, 0, 0, 1, 0.2, 0.2, 0.2, 0, 0, 0, -0.5, 0.5, -0.5;
+  source.triangles.resize(3, 2);
+  source.triangles << 0, 3, 1, 4, 2, 5;
+  scene::SheetConfig config = scenes::hanging(4);
+  config.mesh = source;
+  config.pins.clear();
+  config.gravity.setZero();
+  return config;
+}
+
+TEST_F(HostTest, SelfContactIsCountedOverAllSheets) {
+  create("a", pierced(), true);
+  create("b", pierced(), true);
+  Answers<SheetStatus> stepped;
+  host_->step("a", 3, stepped.callback());
+  host_->wait_idle();
+  EXPECT_EQ(status("a").intersections, 0) << "it is off";
+  EXPECT_EQ(host_->metrics().self_contact.phases, 0);
+  for (const char* id : {"a", "b"}) {
+    ASSERT_TRUE(submit(id, scene::SetSelfContact{true, 0.5, {}}).ok());
+    EXPECT_EQ(status(id).self_contact, (scene::SelfContact{true, 0.5, {}}));
+    host_->step(id, 2, stepped.callback());
+    host_->wait_idle();
+    EXPECT_EQ(status(id).intersections, 1);
+  }
+  const fem::SelfContactStats counted = host_->metrics().self_contact;
+  EXPECT_EQ(counted.intersections, 4);
+  EXPECT_GE(counted.phases, 4);
+  EXPECT_GE(counted.searches, 4);
+}
+
 }  // namespace
 }  // namespace kerf::host

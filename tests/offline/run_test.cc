@@ -99,6 +99,7 @@ TEST_F(OfflineReplay, OfASheetThatTouchesItselfIsIdentical) {
   const Result<SceneRun> run = run_scene(config, {.record = true});
   ASSERT_TRUE(run.ok()) << run.error().message;
   EXPECT_NE(run->result.state_hash(), hash_without) << "its layers fall on one another";
+  EXPECT_GT(run->result.self_contact().contacts(), 0);
   write(run->recording);
   EXPECT_EQ(wire::decode_recording(run->recording)->recording.config.self_contact, config.self_contact);
   const Result<ReplayReport> report = replay(disk_, "cloth.rec");
@@ -106,6 +107,34 @@ TEST_F(OfflineReplay, OfASheetThatTouchesItselfIsIdentical) {
   EXPECT_FALSE(report->divergence.has_value());
   EXPECT_EQ(report->ticks, 30);
   EXPECT_EQ(report->state_hash, run->result.state_hash());
+}
+
+TEST(OfflineRun, CountsOfSelfContactAreThoseOfAllTicksAndAbsentWithoutIt) {
+  scene::SheetConfig config = scenes::cut_in_the_pile(12);
+  config.ticks = 60;
+  EXPECT_FALSE(run_scene(config, {})->result.has_self_contact());
+  config.self_contact.is_on = true;
+  sheet::Sheet sheet = sheet::Sheet::create(config).value();
+  fem::SelfContactStats sum;
+  for (int i = 0; i < 60; ++i) sum += sheet.step({}).stats.self_contact;
+  const Result<SceneRun> run = run_scene(config, {});
+  ASSERT_TRUE(run.ok()) << run.error().message;
+  const v1::SelfContactCounts& counts = run->result.self_contact();
+  EXPECT_EQ(counts.phases(), sum.phases);
+  EXPECT_EQ(counts.searches(), sum.searches);
+  EXPECT_EQ(counts.contacts(), sum.contacts);
+  EXPECT_EQ(counts.repairs(), sum.repairs);
+  EXPECT_EQ(counts.zones(), sum.zones);
+  EXPECT_EQ(counts.unsettled(), sum.unsettled);
+  EXPECT_EQ(counts.intersections(), sum.intersections);
+  EXPECT_GT(counts.contacts(), counts.phases());
+  // It counts where a command turns it on, too.
+  config.self_contact.is_on = false;
+  config.commands.push_back({50, scene::SetSelfContact{true, {}, {}}});
+  const Result<SceneRun> later = run_scene(config, {});
+  ASSERT_TRUE(later.ok()) << later.error().message;
+  EXPECT_GT(later->result.self_contact().phases(), 0);
+  EXPECT_LT(later->result.self_contact().phases(), counts.phases());
 }
 
 TEST_F(OfflineReplay, LeavesOutATornEntry) {

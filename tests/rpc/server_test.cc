@@ -152,7 +152,7 @@ TEST_F(RpcServerTest, BytesThatAreNoMessageAreRefused) {
             {"CreateCut", "CreateCuts", "ListCuts", "CancelScheduledCuts", "UndoCut", "RedoCut", "ListPieces"}},
            {"InteractionService",
             {"GrabPoint", "DragPoint", "ReleasePoint", "SetSheetPins", "SetSheetGravity", "SetSheetWind",
-             "SetSheetMaterial"}},
+             "SetSheetMaterial", "SetSheetSelfContact"}},
            {"StreamService", {"Watch"}},
            {"RenderService", {"RenderImage"}},
            {"ServerService", {"GetServerInfo"}}}) {

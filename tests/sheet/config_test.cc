@@ -204,6 +204,20 @@ TEST(SheetConfig, FrictionOfSelfContact) {
   }
 }
 
+TEST(SheetConfig, ThicknessOfSelfContact) {
+  for (const bool is_on : {false, true}) {
+    const auto with = [=](double thickness) {
+      return field_of([=](scene::SheetConfig& c) { c.self_contact = {is_on, 0.3, thickness}; });
+    };
+    EXPECT_EQ(with(std::numeric_limits<double>::denorm_min()), "accepted");
+    EXPECT_EQ(with(scene::kMaxSelfThickness), "accepted");
+    EXPECT_EQ(with(0.0), "self_contact.thickness_m");
+    EXPECT_EQ(with(-1e-9), "self_contact.thickness_m");
+    EXPECT_EQ(with(0.1001), "self_contact.thickness_m");
+    EXPECT_EQ(with(kNan), "self_contact.thickness_m");
+  }
+}
+
 TEST(SheetConfig, SelfContactNeedsExplicitSteps) {
   scene::SheetConfig config = scenes::hanging(4);
   config.self_contact.is_on = true;

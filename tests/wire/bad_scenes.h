@@ -76,6 +76,9 @@ inline std::vector<BadScene> bad_self_contact() {
       {"self_contact.friction", [](v1::Scene& s) { s.mutable_self_contact()->set_friction(-1e-9); }},
       {"self_contact.friction", [](v1::Scene& s) { s.mutable_self_contact()->set_friction(10.001); }},
       {"self_contact.friction", [=](v1::Scene& s) { s.mutable_self_contact()->set_friction(nan); }},
+      {"self_contact.thickness_m", [](v1::Scene& s) { s.mutable_self_contact()->set_thickness_m(0.0); }},
+      {"self_contact.thickness_m", [](v1::Scene& s) { s.mutable_self_contact()->set_thickness_m(0.1001); }},
+      {"self_contact.thickness_m", [=](v1::Scene& s) { s.mutable_self_contact()->set_thickness_m(nan); }},
   };
 }
 
@@ -296,6 +299,16 @@ inline std::vector<BadScene> bad_commands() {
        [=](v1::Scene& s) { command(s, 15)->mutable_set_material()->set_part(-2); }},
       {"commands[15].command.set_material.part",
        [=](v1::Scene& s) { command(s, 15)->mutable_set_material()->set_part(64); }},
+      {"commands[17].command.set_self_contact.mode",
+       [=](v1::Scene& s) {
+         command(s, 17)->mutable_set_self_contact()->set_mode(static_cast<v1::SelfContact::Mode>(3));
+       }},
+      {"commands[17].command.set_self_contact.friction",
+       [=](v1::Scene& s) { command(s, 17)->mutable_set_self_contact()->set_friction(-1.0); }},
+      {"commands[18].command.set_self_contact.thickness_m",
+       [=](v1::Scene& s) { command(s, 18)->mutable_set_self_contact()->set_thickness_m(0.0); }},
+      {"commands[18].command.set_self_contact.thickness_m",
+       [=](v1::Scene& s) { command(s, 18)->mutable_set_self_contact()->set_thickness_m(nan); }},
       {"commands",
        [](v1::Scene& s) {
          for (int i = 0; i < 10'000; ++i) add_command(s, 1).mutable_reset();

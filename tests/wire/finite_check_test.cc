@@ -111,6 +111,7 @@ TEST_F(FiniteCheckTest, NamesEachNumberOfEachRequestThatIsNotFinite) {
   EXPECT_GT(num_numbers<v1::SetSheetGravityRequest>(), 0);
   EXPECT_GT(num_numbers<v1::SetSheetWindRequest>(), 0);
   EXPECT_GT(num_numbers<v1::SetSheetMaterialRequest>(), 0);
+  EXPECT_GT(num_numbers<v1::SetSheetSelfContactRequest>(), 0);
   EXPECT_GT(num_numbers<v1::RenderImageRequest>(), 0);
   EXPECT_GT(num_numbers<v1::WatchImagesRequest>(), 0);
   EXPECT_GT(num_numbers<v1::SubscribeRequest>(), 0);

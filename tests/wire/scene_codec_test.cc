@@ -87,9 +87,11 @@ TEST(SceneCodec, SelfContactComesBackUnchanged) {
   for (const double friction : {0.0, 0.3, 10.0}) {
     scene.mutable_self_contact()->set_mode(v1::SelfContact::ON);
     scene.mutable_self_contact()->set_friction(friction);
+    scene.mutable_self_contact()->set_thickness_m(0.1);
     const scene::SheetConfig config = decoded(scene);
     EXPECT_TRUE(config.self_contact.is_on);
     EXPECT_EQ(config.self_contact.friction, friction);
+    EXPECT_EQ(config.self_contact.thickness, 0.1);
     expect_equal(encode_scene(config), scene);
   }
 }

@@ -142,6 +142,12 @@ inline void add_commands(v1::Scene& scene) {
   *set_material->mutable_material() = full_material();
   set_material->set_part(-1);
   *add_command(scene, 16).mutable_set_material()->mutable_material() = full_material();
+  v1::SetSelfContact* set_self_contact = add_command(scene, 17).mutable_set_self_contact();
+  set_self_contact->set_mode(v1::SelfContact::ON);
+  set_self_contact->set_friction(0.0);
+  set_self_contact->set_thickness_m(0.002);
+  add_command(scene, 18).mutable_set_self_contact()->set_mode(v1::SelfContact::OFF);
+  add_command(scene, 19).mutable_set_self_contact();
 }
 
 // Every field given that an encoder writes; the kinds of commands, pins and colliders all there.
@@ -198,6 +204,7 @@ inline v1::Scene full_scene() {
   collider->mutable_capsule()->set_radius_m(0.05);
   scene.mutable_self_contact()->set_mode(v1::SelfContact::OFF);
   scene.mutable_self_contact()->set_friction(0.7);
+  scene.mutable_self_contact()->set_thickness_m(0.004);
   scene.set_tick_rate_hz(120.0);
   v1::Integrator* integrator = scene.mutable_integrator();
   integrator->set_kind(v1::Integrator::IMPLICIT_EULER);

@@ -189,6 +189,8 @@ TEST(MetricsPage, ShowsEveryCountUnderItsName) {
   host.worker_need = 1'250'000;
   host.slipped_s = 0.5;
   host.flagged_ticks[1] = 6;
+  host.self_contact = {
+      .phases = 31, .searches = 32, .contacts = 33, .repairs = 34, .zones = 35, .unsettled = 36, .intersections = 37};
   host.tick_duration.counts[0] = 2;
   host.tick_duration.counts[3] = 5;
   host.tick_duration.counts.back() = 1;
@@ -212,6 +214,14 @@ TEST(MetricsPage, ShowsEveryCountUnderItsName) {
                            "kerf_tick_duration_seconds_bucket{le=\"+Inf\"} 8\n",
                            "kerf_tick_duration_seconds_count 8\n",
                            "kerf_tick_duration_seconds_sum 2.25\n",
+                           "# TYPE kerf_self_contact_phases_total counter\n",
+                           "kerf_self_contact_phases_total 31\n",
+                           "kerf_self_contact_searches_total 32\n",
+                           "kerf_self_contact_contacts_total 33\n",
+                           "kerf_self_contact_repairs_total 34\n",
+                           "kerf_self_contact_zones_total 35\n",
+                           "kerf_self_contact_unsettled_total 36\n",
+                           "kerf_self_contact_intersections_total 37\n",
                            "kerf_linear_iterations_total 70\n",
                            "kerf_linear_residual_bucket{le=\"0.1\"} 0\n",
                            "kerf_linear_residual_bucket{le=\"1\"} 1\n",

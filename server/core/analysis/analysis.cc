@@ -69,7 +69,7 @@ std::vector<std::string> left_out_of(const sheet::Sheet& sheet) {
   std::vector<std::string> names;
   if (sheet.wind().air_density > 0.0 && !sheet.wind().velocity.isZero(0.0)) names.emplace_back("wind");
   if (!sheet.config().colliders.empty()) names.emplace_back("colliders");
-  if (sheet.config().self_contact.is_on) names.emplace_back("self_contact");
+  if (sheet.self_contact().is_on) names.emplace_back("self_contact");
   if (!sheet.grabs().empty()) names.emplace_back("grabs");
   return names;
 }

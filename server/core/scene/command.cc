@@ -103,6 +103,10 @@ Status validate_command(const SetMaterial& set_material) {
   return check_integer(part, SetMaterial::kOwn, static_cast<std::int32_t>(kMaxRegions) - 1, "set_material.part");
 }
 
+Status validate_command(const SetSelfContact& set_self_contact) {
+  return validate(set_self_contact, "set_self_contact");
+}
+
 Status validate_command(const Reset& /*reset*/) {
   return Nothing{};
 }
@@ -122,6 +126,24 @@ Status validate(const Wind& wind, const std::string& field) {
   KERF_TRY(check_length(wind.velocity, kMaxWindSpeed, field + ".velocity_mps"));
   KERF_TRY(check_number(wind.air_density, 0.0, kMaxAirDensity, field + ".air_density_kgpm3"));
   return check_number(wind.drag_coefficient, 0.0, kMaxDragCoefficient, field + ".drag_coefficient");
+}
+
+Status validate(const SetSelfContact& settings, const std::string& path) {
+  if (settings.friction) {
+    KERF_TRY(check_number(*settings.friction, 0.0, kMaxSelfFriction, path + ".friction"));
+  }
+  if (!settings.thickness) return Nothing{};
+  const std::string field = path + ".thickness_m";
+  KERF_TRY(check_number(*settings.thickness, 0.0, kMaxSelfThickness, field));
+  if (*settings.thickness > 0.0) return Nothing{};
+  return invalid_argument("OUT_OF_RANGE", field + " is 0; must be greater, up to 0.1, or absent", field);
+}
+
+SelfContact with(SelfContact settings, const SetSelfContact& change) {
+  if (change.is_on) settings.is_on = *change.is_on;
+  if (change.friction) settings.friction = *change.friction;
+  if (change.thickness) settings.thickness = change.thickness;
+  return settings;
 }
 
 Status validate(const Command& command) {

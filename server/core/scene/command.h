@@ -27,12 +27,24 @@ inline constexpr double kMaxWindSpeed = 1.0e3;       // m/s, largest length of t
 inline constexpr double kMaxAirDensity = 100.0;      // kg/m^3
 inline constexpr double kMaxDragCoefficient = 10.0;  // -
 inline constexpr double kMaxGrabStiffness = 1.0e6;   // N/m
+inline constexpr double kMaxSelfFriction = 10.0;     // -
+inline constexpr double kMaxSelfThickness = 0.1;     // m
 
 // Moving air. For its force on a triangle see core/fem/element/loads.h.
 struct Wind {
   Eigen::Vector3d velocity{0.0, 0.0, 0.0};  // m/s, |.| <= kMaxWindSpeed
   double air_density = 0.0;                 // kg/m^3, 0..kMaxAirDensity; 0: no force
   double drag_coefficient = 1.0;            // -, 0..kMaxDragCoefficient
+};
+
+// Contact of folds and pieces of a sheet with each other, in explicit steps.
+struct SelfContact {
+  bool is_on = false;                    // true: steps must be explicit, and the sheet not planar
+  double friction = 0.3;                 // -, Coulomb's coefficient, 0..kMaxSelfFriction
+  std::optional<double> thickness = {};  // m, distance that middle surfaces keep, > 0, at most kMaxSelfThickness;
+                                         // absent: the greatest thickness of the sheet's materials
+
+  bool operator==(const SelfContact&) const = default;
 };
 
 // A cut along a curve, done as a whole or not at all. min_angle_deg must be in 5..cut::kMaxMinAngle, a narrower range
@@ -109,9 +121,18 @@ struct SetMaterial {
                                      // materials
 };
 
-// Begins the scene again: mesh, positions, pins, loads and materials are those of the start, and there are no grabs.
-// Its clock, histories and scheduled commands begin again. The tick and the topology version keep counting. UndoCut
-// undoes a Reset.
+// Replaces those settings that are present. Lips that lie on each other are parted if self-contact is turned on.
+// Automatic steps are chosen again when it is turned on or off. Errors when it is turned on: kFailedPrecondition
+// SELF_CONTACT_IMPLICIT if steps are implicit at present, SELF_CONTACT_PLANAR if the sheet is planar.
+struct SetSelfContact {
+  std::optional<bool> is_on;
+  std::optional<double> friction;   // -, range as above
+  std::optional<double> thickness;  // m, range as above
+};
+
+// Begins the scene again: mesh, positions, pins, loads, materials and self-contact are those of the start, and there
+// are no grabs. Its clock, histories and scheduled commands begin again. The tick and the topology version keep
+// counting. UndoCut undoes a Reset.
 struct Reset {
   bool repeats = false;  // true if SheetConfig::repeat_after causes it; such a Reset cannot be undone
 };
@@ -120,9 +141,14 @@ struct Reset {
 Error in_batch(Error error, std::size_t index);
 
 Status validate(const Wind& wind, const std::string& field);
+// Checks the ranges of friction and thickness. Fields are `path` + ".friction" and ".thickness_m".
+Status validate(const SetSelfContact& settings, const std::string& path);
+
+// Returns the settings with those of `change` replaced.
+[[nodiscard]] SelfContact with(SelfContact settings, const SetSelfContact& change);
 
 using Command = std::variant<Cut, Grab, Drag, Release, SetPins, SetGravity, SetWind, Reset, CutBatch, UndoCut, RedoCut,
-                             SetMaterial>;
+                             SetMaterial, SetSelfContact>;
 
 // Checks everything about a command that can be checked without a sheet. Errors are kInvalidArgument with the field
 // named as in kerf.v1.Command ("cut.curve.bezier.points[1].x", "cut_batch.cuts[3].curve.circle.radius_m",

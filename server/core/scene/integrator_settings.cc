@@ -75,9 +75,9 @@ fem::IntegratorOptions integrator_options(const IntegratorSettings& settings, do
   return options;
 }
 
-fem::IntegratorOptions integrator_options(const SheetConfig& config) {
+fem::IntegratorOptions integrator_options(const SheetConfig& config, bool touches_itself) {
   fem::IntegratorOptions options = integrator_options(config.integrator, 1.0 / config.tick_rate_hz);
-  options.touches_itself = config.self_contact.is_on;
+  options.touches_itself = touches_itself;
   return options;
 }
 

@@ -19,8 +19,9 @@ Status check_vertex_limit(const IntegratorSettings& settings, std::int32_t num_v
 // Returns true for integrators that are always implicit.
 [[nodiscard]] bool is_implicit(IntegratorKind kind);
 
-// Convert the settings, or those of a scene with its tick and its self-contact, to the options of `fem`. tick: s, > 0.
+// Convert the settings, or those of a scene with its tick, to the options of `fem`. tick: s, > 0. touches_itself: true
+// if self-contact is on.
 fem::IntegratorOptions integrator_options(const IntegratorSettings& settings, double tick);
-fem::IntegratorOptions integrator_options(const SheetConfig& config);
+fem::IntegratorOptions integrator_options(const SheetConfig& config, bool touches_itself);
 
 }  // namespace kerf::scene

@@ -97,8 +97,9 @@ Status validate_placement(const Placement& placement) {
 }
 
 Status validate_self_contact(const SheetConfig& config) {
-  KERF_TRY(check_number(config.self_contact.friction, 0.0, kMaxSelfFriction, "self_contact.friction"));
-  if (!config.self_contact.is_on) return Nothing{};
+  const SelfContact& given = config.self_contact;
+  KERF_TRY(validate(SetSelfContact{given.is_on, given.friction, given.thickness}, "self_contact"));
+  if (!given.is_on) return Nothing{};
   if (is_implicit(config.integrator.kind)) {
     return invalid_argument("SELF_CONTACT_IMPLICIT",
                             "integrator.kind is an implicit one, and only explicit steps have self_contact: set "

@@ -32,7 +32,6 @@ inline constexpr std::size_t kMaxOutlineChords = 1'000'000;  // most chords of a
                                                              // flattening
 inline constexpr std::size_t kMaxSheetIdBytes = 63;
 inline constexpr std::size_t kMaxColliders = 64;
-inline constexpr double kMaxSelfFriction = 10.0;  // -
 inline constexpr std::size_t kMaxScheduledCommands = 10'000;
 
 // Says what to do if a sheet is too stiff for real time: kExact computes it as it is, kRealTime softens the membrane
@@ -222,14 +221,6 @@ struct Probe {
   StressMeasure measure = StressMeasure::kBiot;  // for kStress
 };
 
-// Contact of folds and pieces of a sheet with each other, in explicit steps.
-struct SelfContact {
-  bool is_on = false;     // true: the integrator must be explicit or automatic, and the sheet not planar
-  double friction = 0.3;  // -, Coulomb's coefficient, 0..kMaxSelfFriction
-
-  bool operator==(const SelfContact&) const = default;
-};
-
 struct SheetConfig {
   std::string sheet_id;  // name for users: [a-z][a-z0-9-]{0,62} or empty; no effect on the simulation
   MeshSource mesh;
@@ -244,8 +235,8 @@ struct SheetConfig {
   Eigen::Vector3d gravity{0.0, 0.0, -9.81};  // m/s^2, |.| <= 1e4
   Wind wind;                                 // default: no air
   std::vector<contact::Collider> colliders;  // at most kMaxColliders
-  SelfContact self_contact;
-  double tick_rate_hz = 60.0;  // 1..1000; a tick is 1 / tick_rate_hz seconds
+  SelfContact self_contact;                  // if on, the integrator must be explicit or automatic
+  double tick_rate_hz = 60.0;                // 1..1000; a tick is 1 / tick_rate_hz seconds
   IntegratorSettings integrator;
   std::int32_t max_vertices = kMaxVertices;  // 3..kMaxVertices; a cut that would need more is refused
   std::vector<Constraint> constraints;       // at most kMaxConstraints; they replace pins of the same component

@@ -22,6 +22,7 @@ struct MovingState {
   std::vector<mesh::VertexId> removed{};  // vertices without material; sorted
   MaterialSetup materials;
   ConditionValues conditions;
+  scene::SelfContact self_contact;
   std::int32_t failed_steps = 0;
   bool is_frozen = false;
 };

@@ -15,13 +15,13 @@ void ContactBridge::set_vertices(std::int32_t num_vertices, const std::vector<me
   solver_.reserve(num_vertices);
 }
 
-void ContactBridge::set_self_contact(bool is_on, double friction) {
-  touches_itself_ = is_on;
-  self_contact_.set_friction(friction);
+void ContactBridge::set_self_contact(const scene::SelfContact& settings) {
+  settings_ = settings;
+  self_contact_.set_friction(settings.friction);
 }
 
 void ContactBridge::set_mesh(const mesh::TriangleMesh& mesh) {
-  if (touches_itself_) self_contact_.set(mesh);
+  if (touches_itself()) self_contact_.set(mesh);
 }
 
 std::span<const mesh::VertexId> ContactBridge::begin_self_contact(double h, int substeps,
@@ -29,7 +29,7 @@ std::span<const mesh::VertexId> ContactBridge::begin_self_contact(double h, int 
                                                                   std::span<const double> inverse_mass,
                                                                   const fem::LocalInertia& inertia, fem::State& state) {
   clusters_.set(inertia);
-  self_contact_.set_thickness(2.0 * half_thickness_);
+  self_contact_.set_thickness(self_thickness());
   self_contact_.set_bodies(&solver_);  // set here, since the bridge is copied
   self_contact_.begin({h, substeps, gravity, inverse_mass, inertia.empty() ? nullptr : &clusters_}, state.x, state.v);
   return self_contact_.moved();
@@ -51,7 +51,7 @@ fem::SelfContactStats ContactBridge::take_self_stats(const linear::VertexField& 
           .repairs = now.repairs - before.repairs,
           .zones = now.zones - before.zones,
           .unsettled = now.unsettled - before.unsettled,
-          .intersections = touches_itself_ ? self_contact_.count_intersections(x) : 0};
+          .intersections = touches_itself() ? self_contact_.count_intersections(x) : 0};
 }
 
 void ContactBridge::begin(const linear::VertexField& x) {

@@ -16,6 +16,7 @@
 #include "server/core/linear/vertex_field.h"
 #include "server/core/mesh/ids.h"
 #include "server/core/mesh/triangle_mesh.h"
+#include "server/core/scene/command.h"
 #include "server/core/sheet/cluster_inertia.h"
 
 namespace kerf::sheet {
@@ -48,8 +49,12 @@ class ContactBridge : public fem::ContactConstraint {
 
   // Sets up contact of the sheet with itself after each change of the topology, if it is on. Allocates memory.
   void set_mesh(const mesh::TriangleMesh& mesh);
-  void set_self_contact(bool is_on, double friction);
-  [[nodiscard]] bool touches_itself() const override { return touches_itself_; }
+  // set_mesh() must be called next if self-contact was off before.
+  void set_self_contact(const scene::SelfContact& settings);
+  [[nodiscard]] const scene::SelfContact& self_contact() const { return settings_; }
+  // Distance that middle surfaces keep from each other, m.
+  [[nodiscard]] double self_thickness() const { return settings_.thickness.value_or(2.0 * half_thickness_); }
+  [[nodiscard]] bool touches_itself() const override { return settings_.is_on; }
   std::span<const mesh::VertexId> begin_self_contact(double h, int substeps, const Eigen::Vector3d& gravity,
                                                      std::span<const double> inverse_mass,
                                                      const fem::LocalInertia& inertia, fem::State& state) override;
@@ -60,7 +65,7 @@ class ContactBridge : public fem::ContactConstraint {
   void begin_self_stats() { before_ = self_contact_.counters(); }
   fem::SelfContactStats take_self_stats(const linear::VertexField& x);
 
-  [[nodiscard]] bool empty() const { return solver_.empty() && !touches_itself_; }
+  [[nodiscard]] bool empty() const { return solver_.empty() && !settings_.is_on; }
   [[nodiscard]] std::int64_t phases() const { return solver_.counters().phases; }
   [[nodiscard]] std::int64_t blocks() const { return solver_.counters().blocks; }
 
@@ -68,7 +73,7 @@ class ContactBridge : public fem::ContactConstraint {
   contact::ContactSolver solver_;
   contact::SelfContact self_contact_;
   ClusterInertia clusters_;
-  bool touches_itself_ = false;
+  scene::SelfContact settings_;
   contact::SelfContactCounters before_;  // see begin_self_stats()
   double half_thickness_ = 0.0;
   bool is_calm_ = false;

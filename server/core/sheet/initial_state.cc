@@ -42,11 +42,13 @@ Result<InitialState> make_initial_state(scene::SheetConfig config) {
   KERF_TRY_ASSIGN(scene::HeldVertices held, scene::HeldVertices::create(shared, built));
   KERF_TRY_ASSIGN(scene::AppliedForces applied, scene::AppliedForces::create(shared, built));
   Eigen::Matrix3Xd velocities = initial_velocities(*shared, built, assigned.by_region);
-  MaterialSetup materials(std::move(assigned), *shared, built.mesh);
-  if (shared->self_contact.is_on) {
+  const scene::SelfContact& self_contact = shared->self_contact;
+  MaterialSetup materials(std::move(assigned), *shared, self_contact.is_on, built.mesh);
+  if (self_contact.is_on) {
     std::vector<mesh::TriangleId> triangles(static_cast<std::size_t>(built.mesh.num_triangle_slots()));
     std::iota(triangles.begin(), triangles.end(), 0);
-    part_lips(built.mesh, triangles, pinned, 2.0 * materials.half_thickness(), built.positions);
+    const double thickness = self_contact.thickness.value_or(2.0 * materials.half_thickness());
+    part_lips(built.mesh, triangles, pinned, thickness, built.positions);
   }
   return InitialState{std::move(shared), std::move(built), std::move(materials), std::move(velocities),
                       std::move(pinned), std::move(held),  std::move(applied)};

@@ -15,20 +15,20 @@ bool is_stepped_in_time(const scene::SheetConfig& config) {
 
 }  // namespace
 
-MaterialSetup::MaterialSetup(scene::SheetMaterials materials, const scene::SheetConfig& config,
+MaterialSetup::MaterialSetup(scene::SheetMaterials materials, const scene::SheetConfig& config, bool touches_itself,
                              const mesh::TriangleMesh& uncut)
     : materials_(std::make_shared<const scene::SheetMaterials>(std::move(materials))) {
   if (config.fidelity == scene::Fidelity::kExact || !is_stepped_in_time(config)) return;
-  softening_ = fem::choose_softening(uncut, by_region(), config.membrane_law, scene::integrator_options(config),
-                                     config.gravity.norm());
+  softening_ = fem::choose_softening(uncut, by_region(), config.membrane_law,
+                                     scene::integrator_options(config, touches_itself), config.gravity.norm());
 }
 
 Result<MaterialSetup> MaterialSetup::with(const scene::SetMaterial& change, const scene::SheetConfig& config,
-                                          const mesh::TriangleMesh& uncut) const {
+                                          bool touches_itself, const mesh::TriangleMesh& uncut) const {
   scene::SetMaterial wanted = change;
   if (config.planar) wanted.material = fem::without_bending(wanted.material);
   KERF_TRY_ASSIGN(scene::SheetMaterials changed, scene::with_material(*materials_, wanted));
-  return MaterialSetup(std::move(changed), config, uncut);
+  return MaterialSetup(std::move(changed), config, touches_itself, uncut);
 }
 
 fem::Model MaterialSetup::make_model(const scene::SheetConfig& config, const mesh::TriangleMesh& mesh) const {

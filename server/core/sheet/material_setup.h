@@ -21,12 +21,13 @@ namespace kerf::sheet {
 class MaterialSetup {
  public:
   // Chooses the softening for the uncut mesh. There is none if the fidelity is kExact or the analysis is not
-  // DynamicAnalysis.
-  MaterialSetup(scene::SheetMaterials materials, const scene::SheetConfig& config, const mesh::TriangleMesh& uncut);
+  // DynamicAnalysis. touches_itself: true if self-contact is on.
+  MaterialSetup(scene::SheetMaterials materials, const scene::SheetConfig& config, bool touches_itself,
+                const mesh::TriangleMesh& uncut);
 
   // Returns the setup with the material of one part, or of all parts, replaced. Errors: those of with_material().
   [[nodiscard]] Result<MaterialSetup> with(const scene::SetMaterial& change, const scene::SheetConfig& config,
-                                           const mesh::TriangleMesh& uncut) const;
+                                           bool touches_itself, const mesh::TriangleMesh& uncut) const;
 
   // Makes the model of a mesh with these materials, softened if there is a softening.
   [[nodiscard]] fem::Model make_model(const scene::SheetConfig& config, const mesh::TriangleMesh& mesh) const;

@@ -1,8 +1,12 @@
 #include "server/core/sheet/moving_sheet.h"
 
+#include <numeric>
+#include <string>
 #include <utility>
 
+#include "server/core/scene/integrator_settings.h"
 #include "server/core/scene/region.h"
+#include "server/core/sheet/lip_parting.h"
 
 namespace kerf::sheet {
 
@@ -85,7 +89,7 @@ void MovingSheet::set_wind(const scene::Wind& value) {
 }
 
 Status MovingSheet::set_material(const scene::SetMaterial& change) {
-  KERF_TRY_ASSIGN(MaterialSetup changed, materials_.with(change, config(), initial_->built.mesh));
+  KERF_TRY_ASSIGN(MaterialSetup changed, materials_.with(change, config(), self_contact().is_on, initial_->built.mesh));
   fem::Model made = changed.make_model(config(), mesh_);
   if (conditions_.has_slopes()) made.set_clamps(mesh_, conditions().held_vertices.clamps(conditions().now));
   KERF_TRY(check_condition(config(), made, "set_material.material"));
@@ -99,8 +103,51 @@ Status MovingSheet::set_material(const scene::SetMaterial& change) {
   return Nothing{};
 }
 
+Status MovingSheet::set_self_contact(const scene::SetSelfContact& change) {
+  const bool was_on = self_contact().is_on;
+  const scene::SelfContact changed = with(self_contact(), change);
+  if (changed.is_on && !was_on) {
+    KERF_TRY(check_self_contact());
+  }
+  stepper_.set_self_contact(changed);
+  if (changed.is_on == was_on) return Nothing{};
+  if (changed.is_on) {
+    std::vector<mesh::TriangleId> triangles(static_cast<std::size_t>(mesh_.num_triangle_slots()));
+    std::iota(triangles.begin(), triangles.end(), 0);
+    part_lips(mesh_, triangles, pins_.vertices(), stepper_.contact().self_thickness(), state_.x);
+  }
+  rebuild();
+  return Nothing{};
+}
+
+Status MovingSheet::check_self_contact() const {
+  constexpr const char* kField = "set_self_contact.mode";
+  if (config().planar) {
+    return failed_precondition("SELF_CONTACT_PLANAR",
+                               "a planar sheet has no folds that could touch: create it with planar false to turn "
+                               "self-contact on",
+                               kField);
+  }
+  if (stepper_.integrator().kind() == fem::IntegratorKind::kExplicit) return Nothing{};
+  const std::string remedy = scene::is_implicit(config().integrator.kind)
+                                 ? "create the sheet with integrator.kind AUTOMATIC or EXPLICIT_LEAPFROG"
+                                 : "AUTOMATIC chose them because explicit ones take too long. Set a softer material, "
+                                   "or create the sheet with integrator.kind EXPLICIT_LEAPFROG or self_contact ON";
+  return failed_precondition("SELF_CONTACT_IMPLICIT",
+                             "the sheet's steps are implicit, and only explicit ones have self-contact: " + remedy,
+                             kField);
+}
+
 MovingState MovingSheet::save() const {
-  return {mesh_, state_, pins_, removed_, materials_, conditions(), stepper_.failed_steps(), stepper_.is_frozen()};
+  return {.mesh = mesh_,
+          .state = state_,
+          .pins = pins_,
+          .removed = removed_,
+          .materials = materials_,
+          .conditions = conditions(),
+          .self_contact = self_contact(),
+          .failed_steps = stepper_.failed_steps(),
+          .is_frozen = stepper_.is_frozen()};
 }
 
 MovingState MovingSheet::initial_state() const {
@@ -109,7 +156,8 @@ MovingState MovingSheet::initial_state() const {
       .state = {initial_->built.positions, initial_->velocities},
       .pins = {},
       .materials = initial_->materials,
-      .conditions = {config().wind, config().gravity, initial_->held_vertices, initial_->applied_forces, {}}};
+      .conditions = {config().wind, config().gravity, initial_->held_vertices, initial_->applied_forces, {}},
+      .self_contact = config().self_contact};
   begun.pins.hold(initial_->pinned, begun.state);
   return begun;
 }
@@ -125,6 +173,7 @@ void MovingSheet::restore(const MovingState& to) {
   pins_ = to.pins;
   stepper_.contact().set_half_thickness(materials_.half_thickness());
   stepper_.contact().set_vertices(mesh_.num_vertices(), pins_.vertices(), removed_);
+  stepper_.set_self_contact(to.self_contact);
   rebuild();
   stepper_.restore(to.failed_steps, to.is_frozen);
 }
@@ -158,6 +207,11 @@ void MovingSheet::add_to(StateHash& hash) const {
   hash.add(wind.drag_coefficient);
   if (materials_.materials().entries != initial_->materials.materials().entries) {
     scene::add_to(hash, materials_.materials());
+  }
+  if (self_contact() != config().self_contact) {
+    hash.add(static_cast<std::int32_t>(self_contact().is_on));
+    hash.add(self_contact().friction);
+    hash.add(self_contact().thickness.value_or(0.0));
   }
 }
 

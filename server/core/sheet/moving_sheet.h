@@ -55,6 +55,7 @@ class MovingSheet {
   void set_gravity(const Eigen::Vector3d& value) { conditions_.set_gravity(value); }
   void set_wind(const scene::Wind& value);
   Status set_material(const scene::SetMaterial& change);
+  Status set_self_contact(const scene::SetSelfContact& change);
 
   // Returns the mesh, for an edit. follow() or revert() must be called next.
   [[nodiscard]] mesh::TriangleMesh& mesh_to_edit() { return mesh_; }
@@ -83,19 +84,22 @@ class MovingSheet {
   [[nodiscard]] const fem::Loads& loads() const { return conditions_.loads(); }
   [[nodiscard]] const ConditionValues& conditions() const { return conditions_.values(); }
   [[nodiscard]] const MaterialSetup& materials() const { return materials_; }
+  [[nodiscard]] const scene::SelfContact& self_contact() const { return stepper_.contact().self_contact(); }
   [[nodiscard]] const PinSet& pins() const { return pins_; }
   [[nodiscard]] const GrabSet& grabs() const { return grabs_; }
   [[nodiscard]] const TimeStepper& stepper() const { return stepper_; }
   [[nodiscard]] const std::vector<mesh::VertexId>& removed() const { return removed_; }  // without material
   [[nodiscard]] fem::TickCost expected_cost() const;
-  // Hashes mesh, positions, velocities, held vertices, grabs, gravity, wind, and materials if they are not the initial
-  // ones.
+  // Hashes mesh, positions, velocities, held vertices, grabs, gravity, wind, and materials and self-contact if they are
+  // not the initial ones.
   void add_to(StateHash& hash) const;
 
  private:
   // Pins exactly `vertices` (sorted, unique), each where it is now.
   void pin(std::vector<mesh::VertexId> vertices);
   void rebuild();
+  // Checks that self-contact can be turned on. Errors: see scene::SetSelfContact.
+  [[nodiscard]] Status check_self_contact() const;
   // Updates everything else after an edit, when mesh, model and state have the same topology again. Returns true if the
   // set of pinned vertices changed.
   bool finish_edit(std::vector<mesh::VertexId> now_pinned, std::span<const mesh::MeshEdit* const> edits,

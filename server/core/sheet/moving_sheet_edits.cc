@@ -28,7 +28,7 @@ bool MovingSheet::follow(std::span<const mesh::MeshEdit* const> edits, const std
   }
   if (stepper_.contact().touches_itself()) {
     sort_unique(inherited);
-    part_lips(mesh_, rewritten, inherited, 2.0 * materials_.half_thickness(), state_.x);
+    part_lips(mesh_, rewritten, inherited, stepper_.contact().self_thickness(), state_.x);
   }
   return finish_edit(std::move(inherited), edits, observer);
 }

@@ -20,6 +20,14 @@ class OwnedIntegrator {
   OwnedIntegrator& operator=(OwnedIntegrator&&) noexcept = default;
   ~OwnedIntegrator() = default;
 
+  // Sets whether self-contact is on, see fem::IntegratorOptions. After a change the integrator is a new one, which must
+  // be rebuilt before its first step.
+  void set_touches_itself(bool touches_itself) {
+    if (touches_itself == options_.touches_itself) return;
+    options_.touches_itself = touches_itself;
+    integrator_ = make_(options_);
+  }
+
   fem::Integrator& operator*() const { return *integrator_; }
   fem::Integrator* operator->() const { return integrator_.get(); }
 

@@ -109,6 +109,9 @@ const std::optional<fem::Softening>& Sheet::softening() const {
 const scene::Wind& Sheet::wind() const {
   return impl_->moving.conditions().wind;
 }
+const scene::SelfContact& Sheet::self_contact() const {
+  return impl_->moving.self_contact();
+}
 const std::vector<mesh::VertexId>& Sheet::pinned_vertices() const {
   return impl_->moving.pins().vertices();
 }

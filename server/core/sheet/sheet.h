@@ -152,8 +152,8 @@ class Sheet {
   [[nodiscard]] double dt() const;                      // s
   [[nodiscard]] std::int32_t topology_version() const;  // 1 at first, grows by 1 with each applied cut or batch, undo,
                                                         // redo and reset
-  [[nodiscard]] std::int32_t settings_version() const;  // grows by 1 with each change of pins, gravity, wind or
-                                                        // material
+  [[nodiscard]] std::int32_t settings_version() const;  // grows by 1 with each change of pins, gravity, wind,
+                                                        // material or self-contact
   [[nodiscard]] const mesh::TriangleMesh& mesh() const;
   [[nodiscard]] const fem::Model& model() const;  // of mesh() and materials(), with softening()
   [[nodiscard]] const fem::State& state() const;  // x: 3 x V, m; v: 3 x V, m/s
@@ -167,6 +167,7 @@ class Sheet {
                                                                              // Fidelity::kRealTime
   [[nodiscard]] const scene::Wind& wind() const;                             // as set at present
   [[nodiscard]] const scene::SheetMaterials& materials() const;              // as set at present
+  [[nodiscard]] const scene::SelfContact& self_contact() const;              // as set at present
   [[nodiscard]] const std::vector<mesh::VertexId>& pinned_vertices() const;  // sorted, unique
   [[nodiscard]] const std::vector<GrabState>& grabs() const;                 // in the order in which they were made
   [[nodiscard]] std::int64_t contact_phases() const;                         // substeps in which colliders were checked
@@ -190,8 +191,8 @@ class Sheet {
   // of the last good tick. A frozen sheet can be read and cut; it advances again only after a Reset.
   [[nodiscard]] bool frozen() const;
 
-  // Hashes the bits of mesh, positions, velocities, held vertices, grabs, gravity, wind and tick, and of materials if
-  // they are not those of the config.
+  // Hashes the bits of mesh, positions, velocities, held vertices, grabs, gravity, wind and tick. Materials and
+  // settings of self-contact are included if they are not those of the config.
   [[nodiscard]] std::uint64_t state_hash() const;
 
   // Hashes the same without the tick, so that it has its first value again after a Reset.

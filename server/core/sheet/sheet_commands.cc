@@ -35,6 +35,7 @@ Result<scene::CommandReply> Sheet::Impl::do_command(const scene::Command& comman
                           return setting(Nothing{});
                         },
                         [&](const scene::SetMaterial& asked) { return setting(moving.set_material(asked)); },
+                        [&](const scene::SetSelfContact& asked) { return setting(moving.set_self_contact(asked)); },
                         [&](const scene::Reset& asked) {
                           reset(asked);
                           return plain(Nothing{});

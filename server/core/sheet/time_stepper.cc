@@ -12,10 +12,16 @@ namespace kerf::sheet {
 
 TimeStepper::TimeStepper(const scene::SheetConfig& config, IntegratorFactory make_integrator, double size)
     : dt_(1.0 / config.tick_rate_hz),
-      integrator_(std::move(make_integrator), scene::integrator_options(config)),
+      integrator_(std::move(make_integrator), scene::integrator_options(config, config.self_contact.is_on)),
       rest_(size) {
   contact_.set_colliders(config.colliders);
-  contact_.set_self_contact(config.self_contact.is_on, config.self_contact.friction);
+  contact_.set_self_contact(config.self_contact);
+}
+
+void TimeStepper::set_self_contact(const scene::SelfContact& settings) {
+  contact_.set_self_contact(settings);
+  integrator_.set_touches_itself(settings.is_on);
+  forget_counts();
 }
 
 void TimeStepper::rebuild(const fem::Model& model, const std::optional<fem::Softening>& softening,

@@ -40,6 +40,9 @@ class TimeStepper {
   // `size`: larger side of the sheet as built, m.
   TimeStepper(const scene::SheetConfig& config, IntegratorFactory make_integrator, double size);
 
+  // Replaces the settings of contact of the sheet with itself. If it was turned on or off, rebuild() must be called
+  // next, after ContactBridge::set_mesh().
+  void set_self_contact(const scene::SelfContact& settings);
   // Must be called after the model was replaced. Allocates all memory that a step needs.
   void rebuild(const fem::Model& model, const std::optional<fem::Softening>& softening, Eigen::Index num_vertices);
   // Must be called after each Model::follow(). `rebuilds`: true if the integrator must be rebuilt for another reason.

@@ -66,6 +66,7 @@ std::vector<Method> json_methods(Api& api) {
       json_method("/kerf.v1.InteractionService/SetSheetGravity", api, &Api::set_sheet_gravity),
       json_method("/kerf.v1.InteractionService/SetSheetWind", api, &Api::set_sheet_wind),
       json_method("/kerf.v1.InteractionService/SetSheetMaterial", api, &Api::set_sheet_material),
+      json_method("/kerf.v1.InteractionService/SetSheetSelfContact", api, &Api::set_sheet_self_contact),
       json_method("/kerf.v1.RenderService/RenderImage", api, &Api::render_image),
       json_method("/kerf.v1.ServerService/GetServerInfo", api, &Api::get_server_info),
   };

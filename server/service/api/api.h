@@ -61,6 +61,7 @@ class ServerInfo;
 class SetSheetGravityRequest;
 class SetSheetMaterialRequest;
 class SetSheetPinsRequest;
+class SetSheetSelfContactRequest;
 class SetSheetSpeedRequest;
 class SetSheetWindRequest;
 class Sheet;
@@ -200,6 +201,7 @@ class Api {
   void set_sheet_gravity(const v1::SetSheetGravityRequest& request, Reply<v1::InteractionResponse> reply);
   void set_sheet_wind(const v1::SetSheetWindRequest& request, Reply<v1::InteractionResponse> reply);
   void set_sheet_material(const v1::SetSheetMaterialRequest& request, Reply<v1::InteractionResponse> reply);
+  void set_sheet_self_contact(const v1::SetSheetSelfContactRequest& request, Reply<v1::InteractionResponse> reply);
 
   void render_image(const v1::RenderImageRequest& request, Reply<v1::RenderImageResponse> reply);
   void get_server_info(const v1::GetServerInfoRequest& request, Reply<v1::ServerInfo> reply);

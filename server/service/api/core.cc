@@ -149,7 +149,8 @@ v1::Sheet encode_sheet(const host::SheetStatus& status) {
   sheet.set_slipped_s(status.stats.slipped_s);
   sheet.set_tick_cpu_us(status.stats.tick_cpu_us);
   sheet.mutable_pinned_vertices()->Assign(status.pinned_vertices.begin(), status.pinned_vertices.end());
-  *sheet.mutable_scene() = wire::encode_settings({*status.config, status.materials, status.gravity, status.wind});
+  *sheet.mutable_scene() =
+      wire::encode_settings({*status.config, status.materials, status.gravity, status.wind, status.self_contact});
   sheet.mutable_scene()->set_sheet_id(status.id);
   sheet.set_integrator(status.integrator);
   if (status.softening) *sheet.mutable_softening() = encode_softening(*status.softening);
@@ -157,6 +158,7 @@ v1::Sheet encode_sheet(const host::SheetStatus& status) {
   *sheet.mutable_tick_estimate() = encode_tick_estimate(status);
   sheet.set_linear_iterations(status.linear_iterations);
   sheet.set_linear_residual(status.linear_residual);
+  sheet.set_intersections(status.intersections);
   sheet.set_settings_version(status.stats.settings_version);
   sheet.set_strained_share(status.stats.strained_share);
   sheet.set_viewers(status.viewers);

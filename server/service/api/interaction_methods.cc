@@ -63,4 +63,11 @@ void Api::set_sheet_material(const v1::SetSheetMaterialRequest& request, Reply<v
          std::move(reply));
 }
 
+void Api::set_sheet_self_contact(const v1::SetSheetSelfContactRequest& request, Reply<v1::InteractionResponse> reply) {
+  submit(core_, request.name(),
+         request.has_set_self_contact() ? wire::decode_set_self_contact(request.set_self_contact())
+                                        : missing("set_self_contact"),
+         std::move(reply));
+}
+
 }  // namespace kerf::api

@@ -50,6 +50,7 @@ struct HostMetrics {
   std::int64_t lost_sheets = 0;        // Sheets lost for lack of memory.
   std::int64_t short_ticks = 0;        // Ticks that lacked memory and froze their sheet.
   fem::FlagCounts flagged_ticks{};
+  fem::SelfContactStats self_contact;
   double slipped_s = 0.0;   // s, simulated time that late sheets gave up
   double tick_cpu_s = 0.0;  // s, thread CPU time of all ticks
   // s, CPU time of ticks without commands, by part of a tick. Each tick's time is divided in proportion to the counted

@@ -68,6 +68,7 @@ void RunMetrics::tick_done(const Tick& tick, const sheet::TickReport& report,
     if (report.step_failed) ++m.failed_ticks;
     if (tick.is_short) ++m.short_ticks;
     fem::count_flags(report.stats.flags, m.flagged_ticks);
+    m.self_contact += report.stats.self_contact;
     if (report.advanced && report.stats.newton_iterations > 0) {
       m.linear_iterations += report.stats.linear_iterations;
       m.linear_residual.add(report.stats.linear_residual);

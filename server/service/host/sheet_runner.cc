@@ -327,6 +327,7 @@ SheetStatus SheetRunner::unhashed_status() const {
   status.pinned_vertices = sheet_.pinned_vertices();
   status.gravity = sheet_.gravity();
   status.wind = sheet_.wind();
+  status.self_contact = sheet_.self_contact();
   status.materials = sheet_.materials().entries;
   status.config = sheet_.shared_config();
   status.integrator = sheet_.integrator_description();
@@ -335,6 +336,7 @@ SheetStatus SheetRunner::unhashed_status() const {
   status.tick_estimate = tick_estimate();
   status.linear_iterations = last_step_.linear_iterations;
   status.linear_residual = last_step_.linear_residual;
+  status.intersections = last_step_.self_contact.intersections;
   status.flagged_ticks = flagged_ticks_;
   if (playback_) status.replay = playback_->status();
   return status;

@@ -50,12 +50,14 @@ struct SheetStatus {
   std::vector<mesh::VertexId> pinned_vertices;
   Eigen::Vector3d gravity{0.0, 0.0, 0.0};            // m/s^2, in force
   scene::Wind wind;                                  // in force
+  scene::SelfContact self_contact;                   // in force
   std::vector<fem::Material> materials;              // In force: the sheet's own, then those of config->materials.
   std::shared_ptr<const scene::SheetConfig> config;  // as created
   std::string integrator;                            // Names the integrator in use and the reason for it.
   std::optional<fem::Softening> softening;           // In force with Fidelity::kRealTime.
   std::int32_t linear_iterations = 0;                // In the last tick, see fem::StepStats.
   double linear_residual = 0.0;                      // -, largest of the last tick, see fem::StepStats.
+  std::int64_t intersections = 0;                    // After the last tick, see fem::SelfContactStats.
   fem::FlagCounts flagged_ticks{};                   // Since the sheet was made, resets included.
   std::optional<ReplayStatus> replay;                // Set for a sheet that plays, or played, a recording.
   TickEstimate tick_estimate;

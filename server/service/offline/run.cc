@@ -4,6 +4,7 @@
 #include <array>
 #include <chrono>
 #include <ctime>
+#include <optional>
 #include <string>
 #include <utility>
 #include <variant>
@@ -19,6 +20,7 @@
 #include "server/service/wire/analysis_codec.h"
 #include "server/service/wire/recording_codec.h"
 #include "server/service/wire/reply_codec.h"
+#include "server/service/wire/self_contact_codec.h"
 
 namespace kerf::offline {
 namespace {
@@ -167,12 +169,17 @@ Result<analysis::Outcome> step_scene(sheet::Sheet& sheet, const SceneRunOptions&
   if (options.record) run.recording = wire::encode_recording_header(sheet.config(), wire::build_name());
   StageTimer timer;
   TickTimes times;
+  std::optional<fem::SelfContactStats> self_contact;
   const auto after = [&](const sheet::TickReport& report) {
     for (std::size_t i = 0; i < report.scheduled.size(); ++i) {
       if (report.scheduled[i].reply.ok()) add_cuts(*report.scheduled[i].reply, timer.of_command(i), run.result);
     }
     times.add(report.tick, timer.of_tick(), sheet.expected_cost());
     timer.clear();
+    if (sheet.self_contact().is_on) {
+      if (!self_contact) self_contact.emplace();
+      *self_contact += report.stats.self_contact;
+    }
     run.result.set_linear_iterations(run.result.linear_iterations() + report.stats.linear_iterations);
     run.result.set_linear_residual(std::max(run.result.linear_residual(), report.stats.linear_residual));
     const double share = report.stats.strained_share;
@@ -183,6 +190,7 @@ Result<analysis::Outcome> step_scene(sheet::Sheet& sheet, const SceneRunOptions&
   Result<analysis::Outcome> outcome =
       analysis::run_dynamic(sheet, analysis, sheet.config().probes, options.watch, after, &timer);
   *run.result.mutable_tick_times() = times.summary();
+  if (self_contact) *run.result.mutable_self_contact() = wire::encode_self_contact_counts(*self_contact);
   return outcome;
 }
 

@@ -168,7 +168,8 @@ using RawInteraction =
                v1::InteractionService::WithRawCallbackMethod_SetSheetPins,
                v1::InteractionService::WithRawCallbackMethod_SetSheetGravity,
                v1::InteractionService::WithRawCallbackMethod_SetSheetWind,
-               v1::InteractionService::WithRawCallbackMethod_SetSheetMaterial>::type;
+               v1::InteractionService::WithRawCallbackMethod_SetSheetMaterial,
+               v1::InteractionService::WithRawCallbackMethod_SetSheetSelfContact>::type;
 class Interaction final : public RawInteraction {
  public:
   explicit Interaction(api::Api& api) : api_(api) {}
@@ -179,6 +180,7 @@ class Interaction final : public RawInteraction {
   KERF_UNARY(SetSheetGravity, set_sheet_gravity)
   KERF_UNARY(SetSheetWind, set_sheet_wind)
   KERF_UNARY(SetSheetMaterial, set_sheet_material)
+  KERF_UNARY(SetSheetSelfContact, set_sheet_self_contact)
 
  private:
   api::Api& api_;

@@ -8,6 +8,7 @@
 #include "server/service/wire/geometry_codec.h"
 #include "server/service/wire/material_codec.h"
 #include "server/service/wire/region_codec.h"
+#include "server/service/wire/self_contact_codec.h"
 #include "server/service/wire/view_codec.h"
 
 namespace kerf::wire {
@@ -103,6 +104,10 @@ void encode(const scene::SetWind& set_wind, v1::Command& message) {
 void encode(const scene::SetMaterial& set_material, v1::Command& message) {
   *message.mutable_set_material()->mutable_material() = encode_material(set_material.material);
   if (set_material.part) message.mutable_set_material()->set_part(*set_material.part);
+}
+
+void encode(const scene::SetSelfContact& set_self_contact, v1::Command& message) {
+  *message.mutable_set_self_contact() = encode_self_contact_change(set_self_contact);
 }
 
 void encode(const scene::Reset& reset, v1::Command& message) {
@@ -258,6 +263,11 @@ Result<scene::Command> decode_set_material(const v1::SetMaterial& message) {
   return checked(set_material);
 }
 
+Result<scene::Command> decode_set_self_contact(const v1::SetSelfContact& message) {
+  KERF_TRY_ASSIGN(const scene::SetSelfContact set_self_contact, decode_self_contact_change(message));
+  return checked(set_self_contact);
+}
+
 Result<scene::Command> decode_command(const v1::Command& message, const FileReader& read_file) {
   switch (message.kind_case()) {
     case v1::Command::kCut:
@@ -284,12 +294,14 @@ Result<scene::Command> decode_command(const v1::Command& message, const FileRead
       return scene::Command(scene::RedoCut{});
     case v1::Command::kSetMaterial:
       return decode_set_material(message.set_material());
+    case v1::Command::kSetSelfContact:
+      return decode_set_self_contact(message.set_self_contact());
     case v1::Command::KIND_NOT_SET:
       break;
   }
   return choice_missing("kind",
                         "cut, grab, drag, release, set_pins, set_gravity, set_wind, reset, cut_batch, undo_cut, "
-                        "redo_cut or set_material");
+                        "redo_cut, set_material or set_self_contact");
 }
 
 v1::Command encode_command(const scene::Command& command) {

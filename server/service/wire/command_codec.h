@@ -31,5 +31,6 @@ Result<scene::Command> decode_set_pins(const v1::SetPins& set_pins);
 Result<scene::Command> decode_set_gravity(const v1::SetGravity& set_gravity);
 Result<scene::Command> decode_set_wind(const v1::SetWind& set_wind);
 Result<scene::Command> decode_set_material(const v1::SetMaterial& set_material);
+Result<scene::Command> decode_set_self_contact(const v1::SetSelfContact& set_self_contact);
 
 }  // namespace kerf::wire

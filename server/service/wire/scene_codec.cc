@@ -17,6 +17,7 @@
 #include "server/service/wire/material_codec.h"
 #include "server/service/wire/mesh_source_codec.h"
 #include "server/service/wire/region_codec.h"
+#include "server/service/wire/self_contact_codec.h"
 
 namespace kerf::wire {
 namespace {
@@ -56,24 +57,6 @@ constexpr std::array<std::pair<v1::Fidelity, scene::Fidelity>, 2> kFidelities{{
     {v1::EXACT, scene::Fidelity::kExact},
     {v1::REAL_TIME, scene::Fidelity::kRealTime},
 }};
-
-constexpr std::array<std::pair<v1::SelfContact::Mode, bool>, 2> kModes{{
-    {v1::SelfContact::ON, true},
-    {v1::SelfContact::OFF, false},
-}};
-
-Status decode_self_contact(const v1::SelfContact& message, scene::SelfContact& self_contact) {
-  KERF_TRY(decode_choice(kModes, message.mode(), "self_contact.mode", self_contact.is_on));
-  if (message.has_friction()) self_contact.friction = message.friction();
-  return Nothing{};
-}
-
-v1::SelfContact encode_self_contact(const scene::SelfContact& self_contact) {
-  v1::SelfContact message;
-  message.set_mode(encode_choice(kModes, self_contact.is_on));
-  message.set_friction(self_contact.friction);
-  return message;
-}
 
 Status decode_materials(const v1::Scene& scene, scene::SheetConfig& config) {
   KERF_TRY_ASSIGN(config.material, decode_material(scene.material(), "material"));
@@ -115,7 +98,7 @@ Result<scene::SheetConfig> decode_scene(v1::Scene scene, const FileReader& read_
   if (scene.has_wind()) config.wind = decode_wind(scene.wind());
   if (scene.has_tick_rate_hz()) config.tick_rate_hz = scene.tick_rate_hz();
   KERF_TRY(decode_integrator(scene.integrator(), config.integrator));
-  KERF_TRY(decode_self_contact(scene.self_contact(), config.self_contact));
+  KERF_TRY_ASSIGN(config.self_contact, decode_self_contact(scene.self_contact()));
   KERF_TRY(decode_lists(scene, read_file, config));
   KERF_TRY(decode_conditions(scene, config));
   KERF_TRY(decode_analysis(scene, config));
@@ -171,8 +154,8 @@ v1::Scene encode_settings(const SettingsInForce& settings) {
   for (const contact::Collider& collider : settings.config.colliders) {
     *scene.add_colliders() = encode_collider(collider);
   }
-  if (settings.config.self_contact != scene::SelfContact{}) {
-    *scene.mutable_self_contact() = encode_self_contact(settings.config.self_contact);
+  if (settings.self_contact != scene::SelfContact{}) {
+    *scene.mutable_self_contact() = encode_self_contact(settings.self_contact);
   }
   encode_vector(settings.config.placement.origin, *scene.mutable_placement()->mutable_origin());
   encode_vector(settings.config.placement.x_axis, *scene.mutable_placement()->mutable_x_axis());
@@ -189,7 +172,8 @@ v1::Scene encode_settings(const SettingsInForce& settings) {
 }
 
 v1::Scene encode_scene(const scene::SheetConfig& config) {
-  v1::Scene scene = encode_settings({config, scene::materials_of(config), config.gravity, config.wind});
+  v1::Scene scene =
+      encode_settings({config, scene::materials_of(config), config.gravity, config.wind, config.self_contact});
   encode_mesh_source(config.mesh, scene);
   encode_pins(config.pins, *scene.mutable_pins());
   encode_conditions(config, scene);

@@ -36,6 +36,7 @@ struct SettingsInForce {
   std::span<const fem::Material> materials;  // The sheet's own, then those of config.materials.
   Eigen::Vector3d gravity;                   // m/s^2
   scene::Wind wind;
+  scene::SelfContact self_contact;
 };
 
 // Encodes kerf.v1.Sheet.scene: a scene without mesh, pins and commands.

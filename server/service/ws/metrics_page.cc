@@ -79,6 +79,20 @@ class Page {
   std::vector<MetricFamily> families_;
 };
 
+void add_self_contact(Page& page, const fem::SelfContactStats& counts) {
+  page.counter("kerf_self_contact_phases_total", "Times that pairs that may touch were looked at.", counts.phases);
+  page.counter("kerf_self_contact_searches_total", "Searches for pairs that may touch.", counts.searches);
+  page.counter("kerf_self_contact_contacts_total", "Pairs that pushed each other, in all phases.", counts.contacts);
+  page.counter("kerf_self_contact_repairs_total", "Pairs that would have passed through each other and were put back.",
+               counts.repairs);
+  page.counter("kerf_self_contact_zones_total", "Such pairs that were moved as one with their neighbours.",
+               counts.zones);
+  page.counter("kerf_self_contact_unsettled_total", "Such pairs that still passed.", counts.unsettled);
+  page.counter("kerf_self_contact_intersections_total",
+               "Pairs of triangles that passed through each other at the end of a tick, of sheets with self-contact.",
+               counts.intersections);
+}
+
 void add_host(Page& page, const host::HostMetrics& host) {
   page.counter("kerf_ticks_total", "Ticks stepped, of all sheets.", host.ticks);
   page.counter("kerf_failed_ticks_total", "Ticks whose integrator found no finite step.", host.failed_ticks);
@@ -101,6 +115,7 @@ void add_host(Page& page, const host::HostMetrics& host) {
                  host.linear_residual);
   page.counter("kerf_snapshots_total", "Snapshots built; none is built unwatched.", host.snapshots);
   page.counter("kerf_contact_phases_total", "Substeps in which colliders were checked.", host.contact_phases);
+  add_self_contact(page, host.self_contact);
   page.counter("kerf_cuts_total", "Cuts applied.", host.cuts);
   page.histogram("kerf_cut_duration_seconds", "Wall time of a cut: plan, apply, remesh, model update.",
                  host.cut_duration);

@@ -26,6 +26,7 @@ CALLS = {
     "sheet get": "sheet get still",
     "sheet list": "sheet list",
     "sheet material": "sheet material still denim",
+    "sheet self-contact": "sheet self-contact still on --friction 0.5",
     "sheet grab": "sheet grab live hand --at 0.5,0.5 --to 0.5,0,0.5",
     "sheet drag": "sheet drag live hand 0.5,-0.2,0.5",
     "sheet release": "sheet release live hand",

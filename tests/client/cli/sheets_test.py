@@ -3,7 +3,7 @@
 import json
 import pathlib
 
-from cli_case import Case, kerf, main, panel, path, setUpModule, tearDownModule
+from cli_case import Case, kerf, main, panel, path, scene_file, setUpModule, tearDownModule
 
 
 class Sheets(Case):
@@ -73,6 +73,38 @@ class Sheets(Case):
         self.assertEqual(self.json_of("sheet", "speed", "set", "0.25")["speed"], 0.25)
         self.refused("sheet", "speed", "set", "5", says="0.01..4")
         self.json_of("sheet", "delete", "set")
+
+    def test_self_contact_of_a_running_sheet(self):
+        self.json_of("sheet", "create", "folds", "--grid", "9x9", "--paused")
+        self.json_of("sheet", "self-contact", "folds", "on", "--friction", "0.5")
+        self.json_of("sheet", "self-contact", "folds", "--thickness", "0.002")
+        contact = self.json_of("sheet", "get", "folds")["scene"]["self_contact"]
+        self.assertEqual(contact, {"mode": "ON", "friction": 0.5, "thickness_m": 0.002})
+        self.assertNotIn("intersection", kerf("sheet", "get", "folds").stdout)
+        self.json_of("sheet", "self-contact", "folds", "off")
+        contact = self.json_of("sheet", "get", "folds")["scene"]["self_contact"]
+        self.assertEqual(contact, {"mode": "OFF", "friction": 0.5, "thickness_m": 0.002})
+        self.refused("sheet", "self-contact", "folds", code=2, says="give on, off, --friction or --thickness")
+        self.refused("sheet", "self-contact", "folds", "maybe", code=2, says="maybe")
+        self.refused("sheet", "self-contact", "folds", "--thickness", "0", says="set_self_contact.thickness_m")
+        self.refused("sheet", "self-contact", "nobody", "on", says="nobody")
+        self.json_of("sheet", "delete", "folds")
+        self.json_of("sheet", "create", "implicit", "--grid", "5x5", "--integrator", "tr-bdf2", "--paused")
+        self.refused("sheet", "self-contact", "implicit", "on", says="EXPLICIT_LEAPFROG")
+        self.json_of("sheet", "delete", "implicit")
+
+    def test_intersections_are_counted(self):
+        mesh = {"material_positions": [0, 0, 1, 0, 0, 1, 2, 0, 3, 0, 2, 1], "triangles": [0, 1, 2, 3, 4, 5],
+                "positions": [0, 0, 0, 1, 0, 0, 0, 1, 0, 0.2, 0.2, -0.5, 0.2, 0.2, 0.5, 1.2, 0.2, -0.5]}
+        scene = scene_file("pierced.json", grid=None, pins=[], commands=[], inline=mesh, ticks=3,
+                           gravity_mps2={"z": 0}, self_contact={"mode": "ON"})
+        self.json_of("sheet", "create", "pierced", "--scene", scene, "--paused")
+        self.json_of("sheet", "step", "pierced", "1")
+        self.assertEqual(self.json_of("sheet", "get", "pierced")["intersections"], 1)
+        self.assertIn("\n  1 intersection\n", kerf("sheet", "get", "pierced").stdout)
+        self.json_of("sheet", "delete", "pierced")
+        self.assertEqual(self.json_of("run", scene)["self_contact"]["intersections"], 3)
+        self.assertIn(", 3 intersections\n", kerf("run", scene).stdout)
 
     def test_output_for_people(self):
         done = kerf("sheet", "create", "people", "--grid", "5x5")

@@ -75,6 +75,13 @@ class Recordings(Case):
 
 
 class Asynchronous(support.AsyncCase):
+    async def test_self_contact(self):
+        await self.sheet.set_self_contact(True, thickness_m=0.002)
+        contact = (await self.sheet.get()).scene.self_contact
+        self.assertEqual((contact.mode, contact.friction, contact.thickness_m), (contact.ON, 0.3, 0.002))
+        await self.sheet.reset()
+        self.assertFalse((await self.sheet.get()).scene.HasField("self_contact"))
+
     async def test_recordings(self):
         last = await self.sheet.step(4)
         self.assertEqual(await self.sheet.record(path("aio.rec")), os.path.getsize(path("aio.rec")))

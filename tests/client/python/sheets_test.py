@@ -45,6 +45,15 @@ class Sheets(Case):
         folds = self.server.create_scene({**scene, "self_contact": {"mode": "ON", "friction": 0.5}}, "py-folds", paused=True)
         self.assertEqual(folds.get().scene.self_contact.friction, 0.5)
         self.assertIn("self-contact", folds.get().integrator)
+        folds.set_self_contact(False)
+        folds.set_self_contact(thickness_m=0.002)
+        contact = folds.get().scene.self_contact
+        self.assertEqual((contact.mode, contact.friction, contact.thickness_m), (contact.OFF, 0.5, 0.002))
+        folds.set_self_contact(True, friction=0)
+        contact = folds.get().scene.self_contact
+        self.assertEqual((contact.mode, contact.friction, contact.thickness_m), (contact.ON, 0, 0.002))
+        with self.assertRaises(kerf.InvalidArgument):
+            folds.set_self_contact(thickness_m=0)
         folds.delete()
         with self.assertRaisesRegex(kerf.InvalidArgument, "EXPLICIT_LEAPFROG"):
             self.server.create_scene({**scene, "self_contact": {"mode": "ON"}, "integrator": {"kind": "BDF2"}})

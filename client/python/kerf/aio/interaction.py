@@ -1,4 +1,4 @@
-"""Actions on a sheet: grabs, pins, gravity, wind."""
+"""Actions on a sheet: grabs, pins, gravity, wind, material, self-contact."""
 
 from __future__ import annotations
 
@@ -114,6 +114,25 @@ class Interaction(SheetPart):
         change = scene_pb2.SetMaterial(material=as_material(material), part=part)
         request = interaction_pb2.SetSheetMaterialRequest(name=self.name, set_material=change)
         return await self._interact("SetSheetMaterial", request)
+
+    async def set_self_contact(
+        self, on: Optional[bool] = None, *, friction: Optional[float] = None, thickness_m: Optional[float] = None
+    ) -> int:
+        """Turns contact of the sheet with itself on or off, or changes its settings. None leaves a setting as it is;
+        reset() restores the first ones.
+
+        friction: Coulomb's coefficient, 0..10. thickness_m: distance that folds and pieces keep, metres, > 0, at most
+        0.1; at first the greatest thickness of the sheet's materials. Raises FailedPrecondition:
+        SELF_CONTACT_IMPLICIT if the sheet's steps are implicit, SELF_CONTACT_PLANAR if it is planar.
+
+        >>> tick = await sheet.set_self_contact(True, friction=0.5)
+        >>> tick = await sheet.set_self_contact(False)
+        """
+        change = scene_pb2.SetSelfContact(friction=friction, thickness_m=thickness_m)
+        if on is not None:
+            change.mode = scene_pb2.SelfContact.ON if on else scene_pb2.SelfContact.OFF
+        request = interaction_pb2.SetSheetSelfContactRequest(name=self.name, set_self_contact=change)
+        return await self._interact("SetSheetSelfContact", request)
 
     async def _interact(self, method: str, request: Any) -> int:
         reply = await self._call(getattr(self._server.interaction_service, method), request)

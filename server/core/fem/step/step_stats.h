@@ -50,6 +50,19 @@ struct SelfContactStats {
   std::int64_t unsettled = 0;  // such pairs that were left
   // Pairs of triangles that pass through each other at the end; 0 without self-contact.
   std::int64_t intersections = 0;
+
+  SelfContactStats& operator+=(const SelfContactStats& other) {
+    phases += other.phases;
+    searches += other.searches;
+    late += other.late;
+    pairs += other.pairs;
+    contacts += other.contacts;
+    repairs += other.repairs;
+    zones += other.zones;
+    unsettled += other.unsettled;
+    intersections += other.intersections;
+    return *this;
+  }
 };
 
 // Statistics of a step. A step that went wrong is reported by flags, and the caller decides how to treat it.
