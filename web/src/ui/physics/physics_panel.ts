@@ -4,10 +4,11 @@ import type { OpenSheet, ShownState } from '../../sheet/open_sheet';
 import { GravityControl } from './gravity_control';
 import { MaterialControl } from './material_control';
 import { PinChoice } from './pin_choice';
+import { SelfContactControl } from './self_contact_control';
 import { SofteningNote } from './softening_note';
 import { WindControl } from './wind_control';
 
-/** The controls of gravity, wind, pins and material. */
+/** The controls of gravity, wind, pins, material and self-contact. */
 export class PhysicsPanel {
   private readonly parts: readonly { show(sheet: Sheet): void }[];
 
@@ -18,6 +19,7 @@ export class PhysicsPanel {
       new PinChoice(live, reporter),
       new MaterialControl(live, shown),
       new SofteningNote(),
+      new SelfContactControl(live, reporter),
     ];
   }
 
