@@ -316,5 +316,18 @@ TEST(SelfContact, LeavesVerticesThatMeetNothingAlone) {
   EXPECT_EQ(sheet.contact.counters().contacts, 0);
 }
 
+// An undo takes vertices away.
+TEST(SelfContact, ForgetsTheVerticesOfTheMeshBefore) {
+  const mesh::TriangleMesh mesh = two_squares(4, 4, 0.02);
+  Drift sheets(mesh, placed(mesh, [](const Vector2d& p, int piece) {
+                 return Vector3d(piece == 0 ? p.x() : p.x() - 0.1, p.y(), piece * kApart);
+               }));
+  for (VertexId i = 0; i < mesh.num_vertices(); ++i) sheets.v.col(i).z() = is_second(mesh, i, 4, 0.02) ? -1.0 : 0.0;
+  sheets.contact.begin({1e-4, 8, sheets.gravity, sheets.inverse_mass}, sheets.x, sheets.v);
+  EXPECT_FALSE(sheets.contact.moved().empty());
+  sheets.contact.set(test::grid(3));
+  EXPECT_TRUE(sheets.contact.moved().empty());
+}
+
 }  // namespace
 }  // namespace kerf::contact

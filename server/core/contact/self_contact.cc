@@ -24,6 +24,11 @@ constexpr std::array<double, 1> kWhole{1.0};
 
 void SelfContact::set(const mesh::TriangleMesh& mesh) {
   tree_.set(mesh);
+  // Vertices of the mesh before may be gone.
+  moved_.clear();
+  strayed_.clear();
+  list_.clear();
+  list_.pad();
   triangles_.clear();
   for (const SheetFeatures::Triangle& triangle : tree_.features().triangles) triangles_.push_back(triangle.vertices);
   base_slack_ = std::min(1.5e-3, 0.075 * mesh.base_edge_length());
@@ -73,6 +78,7 @@ void SelfContact::begin(const SelfContactStep& step, const linear::VertexField& 
   substep_ = 0;
   interval_ = 1;
   slack_ = base_slacks_;
+  v_list_ = v;
   x_then_ = x;
   v_then_ = v - step.h * step.gravity.replicate(1, v.cols());
   ++counters_.phases;

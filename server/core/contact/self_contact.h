@@ -120,6 +120,9 @@ class SelfContact {
 
   [[nodiscard]] float path_of(const FeaturePair& pair) const;
   void mark(mesh::VertexId v);
+  // Returns the velocity (m/s) of a vertex without what it does against its neighbours. Vertices that vibrate stay near
+  // such a line for longer.
+  [[nodiscard]] Eigen::Vector3d smooth_velocity(const linear::VertexField& v, mesh::VertexId at) const;
   // Adds the motion since the last phase to path_.
   void follow_paths(const linear::VertexField& x);
   // Replaces the list by the pairs that were found.

@@ -15,6 +15,13 @@ constexpr int kSearchAhead = 64;  // substeps for which a list is made at most
 
 }  // namespace
 
+Eigen::Vector3d SelfContact::smooth_velocity(const linear::VertexField& v, VertexId at) const {
+  Eigen::Vector3d sum = v.col(at);
+  const std::span<const VertexId> neighbours = tree_.features().neighbours_of(at);
+  for (const VertexId i : neighbours) sum += v.col(i);
+  return sum / static_cast<double>(1 + neighbours.size());
+}
+
 void SelfContact::follow_paths(const linear::VertexField& x) {
   const std::vector<VertexId>& vertices = tree_.features().vertices;
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
@@ -46,6 +53,8 @@ void SelfContact::renew_list(const linear::VertexField& x, const linear::VertexF
   if (substep < list_end_) {
     find_strayed(x, v, step_.h * interval_, 0.8);
     if (strayed_.empty()) return;
+    // Those that are about to stray get new lines with them.
+    find_strayed(x, v, step_.h * interval_, 0.8);
     if (may_follow()) {
       follow_strayed(x, v, step_.h * (substep - list_begin_));
       return;
@@ -71,7 +80,7 @@ void SelfContact::follow_strayed(const linear::VertexField& x, const linear::Ver
   drift /= static_cast<double>(vertices.size());
   for (const VertexId i : strayed_) {
     is_strayed_[static_cast<std::size_t>(i)] = 1;
-    v_list_.col(i) = v.col(i) - drift;
+    v_list_.col(i) = smooth_velocity(v, i) - drift;
     x_list_.col(i) = x.col(i) - shift - since * v_list_.col(i);
   }
   ++counters_.searches;
@@ -186,10 +195,10 @@ void SelfContact::search(const linear::VertexField& x, const linear::VertexField
     adapt_slack(x);
   }
   x_list_ = x;
-  v_list_ = v;
+  for (const VertexId i : vertices) v_list_.col(i) = smooth_velocity(v, i);
   list_begin_ = substep;
   list_end_ = std::min(substep + ahead, step_.substeps);
-  tree_.find_pairs({x, v, step_.h * (list_end_ - substep)}, thickness_, slack_, thickness_, found_);
+  tree_.find_pairs({x, v_list_, step_.h * (list_end_ - substep)}, thickness_, slack_, thickness_, found_);
   set_list();
 }
 
