@@ -119,7 +119,7 @@ TEST(SelfContact, ACopyAndASecondRunHaveTheSameBits) {
   }
 }
 
-TEST(SelfContact, TheLayerBelowCarriesTheOneAbove) {
+TEST(SelfContact, TheLayerBelowCarriesTheOneAboveAndBothComeToRest) {
   Sheet sheet = touching(scenes::thrown_on_a_layer(12));
   const double thickness = sheet.config().material.thickness;
   for (int i = 0; i < 60; ++i) sheet.step({});
@@ -128,6 +128,9 @@ TEST(SelfContact, TheLayerBelowCarriesTheOneAbove) {
   const double step = pieces[1].world_centroid.z() - pieces[0].world_centroid.z();
   EXPECT_GT(step, 0.7 * thickness);
   EXPECT_LT(step, 1.1 * thickness);
+  for (int i = 60; i < 600 && !sheet.at_rest(); ++i) sheet.step({});
+  EXPECT_TRUE(sheet.at_rest());
+  EXPECT_LT(sheet.energies().kinetic, 1e-7);
 }
 
 // The new triangles of a cut may pass through folds of a pile from the start. That is counted and does not explode.

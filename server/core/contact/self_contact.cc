@@ -137,7 +137,6 @@ void SelfContact::find_contacts(const linear::VertexField& x, const linear::Vert
   const double ahead = h * interval;
   const double reach = thickness_ + base_slack_;
   constexpr double kRounding = 1e-5;  // m, of distances in floats
-  constexpr double kOfLips = 0.1;     // -, thickness of pairs over that of the sheet below which they are lips
   find_due_pairs();
   find_due_distances(x);
   for (std::size_t k = 0; k < due_.size(); ++k) {
@@ -175,8 +174,6 @@ void SelfContact::find_contacts(const linear::VertexField& x, const linear::Vert
     const double inverse = response_.mobility(pair.vertices, s.weights, s.normal);
     if (!(inverse > 0.0)) continue;
     contact.mass = 1.0 / inverse;
-    // Lips spring back into each other, faster than an interval resolves; to go by that adds energy.
-    if (thickness >= kOfLips * thickness_) contact.bias = acceleration;
     contact.target = thickness;  // until the interval is known
     const double room = std::max(s.distance - thickness, 0.4 * thickness);
     if (closing * interval * h > room) interval = room / (closing * h);
@@ -196,7 +193,6 @@ void SelfContact::find_contacts(const linear::VertexField& x, const linear::Vert
     for (std::size_t i = 0; i < 4; ++i) u += s.weights[i] * v.col(pair.vertices[i]);
     const double thickness = contact.target, gap = s.distance;
     if (gap - thickness > 1.5 * std::max(-s.normal.dot(u), 0.0) * tau + 0.05 * thickness) continue;
-    contact.bias *= kicked;
     contact.target =
         gap >= thickness ? (thickness - gap) / tau : std::min(kPushShare * (thickness - gap) / tau, kPushSpeed);
     contact.limit = -std::max(0.5 * gap, gap - 0.5 * thickness) / tau;
@@ -206,6 +202,7 @@ void SelfContact::find_contacts(const linear::VertexField& x, const linear::Vert
   contacts_.resize(kept);
   counters_.contacts += static_cast<std::int64_t>(kept);
   find_supports(x, tau, kicked);
+  set_biases(kicked);
 }
 
 void SelfContact::find_supports(const linear::VertexField& x, double duration, double kicked) {
@@ -235,6 +232,21 @@ void SelfContact::find_supports(const linear::VertexField& x, double duration, d
   for (const Contact& contact : contacts_) {
     for (const VertexId v : list_.pairs[contact.pair].vertices) is_seen[static_cast<std::size_t>(v)] = 0;
   }
+}
+
+void SelfContact::set_biases(double kicked) {
+  for (const Support& each : supports_) is_supported_[static_cast<std::size_t>(each.vertex)] = 1;
+  for (Contact& contact : contacts_) {
+    const FeaturePair& pair = list_.pairs[contact.pair];
+    double falling = 0.0;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const VertexId v = pair.vertices[i];
+      const bool falls = response_.inverse_mass(v) > 0.0 && is_supported_[static_cast<std::size_t>(v)] == 0;
+      falling += falls ? contact.separation.weights[i] : 0.0;
+    }
+    contact.bias = falling * kicked * step_.gravity;
+  }
+  for (const Support& each : supports_) is_supported_[static_cast<std::size_t>(each.vertex)] = 0;
 }
 
 void SelfContact::apply(const FeaturePair& pair, const Separation& separation, const Eigen::Vector3d& impulse,

@@ -83,7 +83,7 @@ class SelfContact {
     double target = 0.0;  // m/s, least speed along the normal of the soft response
     double limit = 0.0;   // m/s, the same of the hard one
     bool is_in_cones = false;
-    Eigen::Vector3d bias{0.0, 0.0, 0.0};      // m/s, from the start to the middle of the interval
+    Eigen::Vector3d bias{0.0, 0.0, 0.0};      // m/s, from the start to the middle of the interval, see set_biases()
     double impulse = 0.0;                     // N s, along the normal
     Eigen::Vector3d friction{0.0, 0.0, 0.0};  // N s
   };
@@ -166,6 +166,9 @@ class SelfContact {
   void find_contacts(const linear::VertexField& x, const linear::VertexField& v, int substep);
   // `kicked`: s, part of the interval by whose kicks vertices are faster in its middle.
   void find_supports(const linear::VertexField& x, double duration, double kicked);
+  // Sets Contact::bias: vertices fall until the middle of the interval, unless they are held or lie on a body. Measured
+  // accelerations would add energy where vertices vibrate.
+  void set_biases(double kicked);
   void respond_softly(std::size_t contact, linear::VertexField& v);
   void support(Support& support, linear::VertexField& v);
   bool respond_hard(std::size_t contact, linear::VertexField& v);
