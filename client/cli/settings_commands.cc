@@ -114,7 +114,7 @@ void add_settings_commands(CLI::App& sheet, Session& session) {
   add_sheet_id(*folds, contact->id);
   folds->add_option("MODE", contact->mode, "on or off (default: as it is)")->check(CLI::IsMember({"on", "off"}));
   folds->add_option("--friction", contact->friction, "Friction of folds and pieces on each other, 0..10");
-  folds->add_option("--thickness", contact->thickness_m, "Distance that they keep, metres, up to 0.1");
+  folds->add_option("--thickness", contact->thickness_m, "Distance that they keep, metres, 1e-6 to 0.1");
   folds->callback(
       [&session, contact] { session.action = [&session, contact] { return set_self_contact(session, *contact); }; });
 

@@ -1,7 +1,6 @@
 // Self-contact that is turned on, off or changed while the sheet runs, and its thickness.
 #include <algorithm>
 #include <cstdint>
-#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -75,7 +74,7 @@ TEST(SelfContactThickness, ThatOfTheMaterialsIsTheDefault) {
 }
 
 TEST(SelfContactThickness, StaysFiniteAtBothEndsOfItsRange) {
-  for (const double thickness : {std::numeric_limits<double>::denorm_min(), 1e-9, scene::kMaxSelfThickness}) {
+  for (const double thickness : {scene::kMinSelfThickness, scene::kMaxSelfThickness}) {
     scene::SheetConfig config = scenes::thrown_on_a_layer(8);
     config.self_contact = {true, 0.3, thickness};
     Sheet sheet = make(config);
@@ -112,12 +111,12 @@ TEST(SetSelfContact, IsRefusedOutOfItsRanges) {
   for (const double friction : {-1e-9, 10.001, kNan, kInfinity}) {
     EXPECT_EQ(field(with_friction(friction)), "set_self_contact.friction");
   }
-  for (const double thickness : {0.0, -1e-9, 0.1001, kNan, kInfinity}) {
+  for (const double thickness : {0.0, 0.999e-6, -1e-9, 0.1001, kNan, kInfinity}) {
     EXPECT_EQ(field(with_thickness(thickness)), "set_self_contact.thickness_m");
     EXPECT_EQ(field({true, 0.5, thickness}), "set_self_contact.thickness_m");
   }
   EXPECT_EQ(sheet.self_contact(), before) << "nothing of them was done";
-  EXPECT_EQ(field(with_thickness(1e-9)), "done");
+  EXPECT_EQ(field(with_thickness(scene::kMinSelfThickness)), "done");
   EXPECT_EQ(field(with_thickness(scene::kMaxSelfThickness)), "done");
 }
 

@@ -1,5 +1,4 @@
 #include <functional>
-#include <limits>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -209,9 +208,10 @@ TEST(SheetConfig, ThicknessOfSelfContact) {
     const auto with = [=](double thickness) {
       return field_of([=](scene::SheetConfig& c) { c.self_contact = {is_on, 0.3, thickness}; });
     };
-    EXPECT_EQ(with(std::numeric_limits<double>::denorm_min()), "accepted");
+    EXPECT_EQ(with(scene::kMinSelfThickness), "accepted");
     EXPECT_EQ(with(scene::kMaxSelfThickness), "accepted");
     EXPECT_EQ(with(0.0), "self_contact.thickness_m");
+    EXPECT_EQ(with(0.999e-6), "self_contact.thickness_m");
     EXPECT_EQ(with(-1e-9), "self_contact.thickness_m");
     EXPECT_EQ(with(0.1001), "self_contact.thickness_m");
     EXPECT_EQ(with(kNan), "self_contact.thickness_m");

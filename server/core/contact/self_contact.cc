@@ -11,6 +11,7 @@ using mesh::VertexId;
 namespace {
 
 constexpr double kLongestInterval = 1.3e-3;  // s, between two phases; vertices at rest fall in between
+constexpr int kIdleInterval = 16;            // substeps after which a sheet that has no near pairs is looked at again
 constexpr std::size_t kSoftSweeps = 3;
 constexpr int kHardSweeps = 100;
 constexpr double kEdgeThickness = 0.8;    // -, thickness between edges over that of faces
@@ -29,6 +30,7 @@ void SelfContact::set(const mesh::TriangleMesh& mesh) {
   strayed_.clear();
   list_.clear();
   list_.pad();
+  is_apart_ = false;
   triangles_.clear();
   for (const SheetFeatures::Triangle& triangle : tree_.features().triangles) triangles_.push_back(triangle.vertices);
   base_slack_ = std::min(1.5e-3, 0.075 * mesh.base_edge_length());
@@ -54,7 +56,7 @@ void SelfContact::set(const mesh::TriangleMesh& mesh) {
 }
 
 std::int64_t SelfContact::count_intersections(const linear::VertexField& x) {
-  return intersections_.count(triangles_, x);
+  return is_apart_ ? 0 : intersections_.count(triangles_, x);
 }
 
 float SelfContact::path_of(const FeaturePair& pair) const {
@@ -75,6 +77,7 @@ void SelfContact::begin(const SelfContactStep& step, const linear::VertexField& 
   response_.begin(step.inverse_mass, step.shared);
   for (const VertexId moved : moved_) is_moved_[static_cast<std::size_t>(moved)] = 0;
   moved_.clear();
+  is_apart_ = false;
   substep_ = 0;
   interval_ = 1;
   slack_ = base_slacks_;
@@ -99,9 +102,12 @@ void SelfContact::make_phase(linear::VertexField& x, linear::VertexField& v) {
     ++counters_.late;
     find_again(x);
   }
-  follow_paths(x);
-  check(x, v);
+  if (list_.size() > 0) {
+    follow_paths(x);
+    check(x, v);
+  }
   ++phase_;
+  is_apart_ = substep == step_.substeps && list_.size() == 0;
   if (substep < step_.substeps) {
     renew_list(x, v, substep);
     respond(x, v, substep);
@@ -130,6 +136,10 @@ void SelfContact::respond(const linear::VertexField& x, linear::VertexField& v, 
 void SelfContact::find_contacts(const linear::VertexField& x, const linear::VertexField& v, int substep) {
   contacts_.clear();
   supports_.clear();
+  if (list_.size() == 0) {
+    next_phase_ = std::min(std::max(list_end_, substep + 1), substep + kIdleInterval);
+    return;
+  }
   const double h = step_.h;
   // A step begins with half a kick, before its first drift; kicks of whole substeps come before all other drifts.
   const double since = substep == 0 ? h : (substep - substep_ - (substep_ == 0 ? 0.5 : 0.0)) * h;

@@ -70,7 +70,8 @@ class SelfContact {
   // Vertices that the last phase changed.
   [[nodiscard]] std::span<const mesh::VertexId> moved() const { return moved_; }
 
-  // Returns the number of pairs of triangles that pass through each other at positions x, m.
+  // Returns the number of pairs of triangles that pass through each other at positions x (m), at the end of a step. It
+  // is 0 if no pair of features can have come near each other.
   [[nodiscard]] std::int64_t count_intersections(const linear::VertexField& x);
   [[nodiscard]] const SelfContactCounters& counters() const { return counters_; }
 
@@ -189,6 +190,7 @@ class SelfContact {
   int list_begin_ = 0;
   int interval_ = 0;        // substeps between the last two phases
   std::int64_t phase_ = 0;  // number of the phase
+  bool is_apart_ = false;   // no pair was near at the end of the step
   PairList list_, renewed_;
   std::vector<std::int32_t> due_;
   std::vector<float> path_;                    // m, by vertex: way since the list was made, in the frame of the sheet

@@ -132,11 +132,10 @@ Status validate(const SetSelfContact& settings, const std::string& path) {
   if (settings.friction) {
     KERF_TRY(check_number(*settings.friction, 0.0, kMaxSelfFriction, path + ".friction"));
   }
-  if (!settings.thickness) return Nothing{};
-  const std::string field = path + ".thickness_m";
-  KERF_TRY(check_number(*settings.thickness, 0.0, kMaxSelfThickness, field));
-  if (*settings.thickness > 0.0) return Nothing{};
-  return invalid_argument("OUT_OF_RANGE", field + " is 0; must be greater, up to 0.1, or absent", field);
+  if (settings.thickness) {
+    KERF_TRY(check_number(*settings.thickness, kMinSelfThickness, kMaxSelfThickness, path + ".thickness_m"));
+  }
+  return Nothing{};
 }
 
 SelfContact with(SelfContact settings, const SetSelfContact& change) {

@@ -28,6 +28,7 @@ inline constexpr double kMaxAirDensity = 100.0;      // kg/m^3
 inline constexpr double kMaxDragCoefficient = 10.0;  // -
 inline constexpr double kMaxGrabStiffness = 1.0e6;   // N/m
 inline constexpr double kMaxSelfFriction = 10.0;     // -
+inline constexpr double kMinSelfThickness = 1.0e-6;  // m
 inline constexpr double kMaxSelfThickness = 0.1;     // m
 
 // Moving air. For its force on a triangle see core/fem/element/loads.h.
@@ -41,7 +42,7 @@ struct Wind {
 struct SelfContact {
   bool is_on = false;                    // true: steps must be explicit, and the sheet not planar
   double friction = 0.3;                 // -, Coulomb's coefficient, 0..kMaxSelfFriction
-  std::optional<double> thickness = {};  // m, distance that middle surfaces keep, > 0, at most kMaxSelfThickness;
+  std::optional<double> thickness = {};  // m, distance that middle surfaces keep, kMinSelfThickness..kMaxSelfThickness;
                                          // absent: the greatest thickness of the sheet's materials
 
   bool operator==(const SelfContact&) const = default;

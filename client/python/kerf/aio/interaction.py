@@ -121,8 +121,8 @@ class Interaction(SheetPart):
         """Turns contact of the sheet with itself on or off, or changes its settings. None leaves a setting as it is;
         reset() restores the first ones.
 
-        friction: Coulomb's coefficient, 0..10. thickness_m: distance that folds and pieces keep, metres, > 0, at most
-        0.1; at first the greatest thickness of the sheet's materials. Raises FailedPrecondition:
+        friction: Coulomb's coefficient, 0..10. thickness_m: distance that folds and pieces keep, metres,
+        1e-6..0.1; at first the greatest thickness of the sheet's materials. Raises FailedPrecondition:
         SELF_CONTACT_IMPLICIT if the sheet's steps are implicit, SELF_CONTACT_PLANAR if it is planar.
 
         >>> tick = await sheet.set_self_contact(True, friction=0.5)
