@@ -5,6 +5,7 @@
 #include "server/base/check.h"
 #include "server/core/fem/element/state.h"
 #include "server/core/fem/model/model.h"
+#include "server/core/mesh/triangle_mesh.h"
 
 namespace kerf::analysis {
 

@@ -30,7 +30,7 @@ void SelfContact::set(const mesh::TriangleMesh& mesh) {
   strayed_.clear();
   list_.clear();
   list_.pad();
-  is_apart_ = false;
+  counted_none_ = is_apart_ = false;
   triangles_.clear();
   for (const SheetFeatures::Triangle& triangle : tree_.features().triangles) triangles_.push_back(triangle.vertices);
   base_slack_ = std::min(1.5e-3, 0.075 * mesh.base_edge_length());
@@ -56,7 +56,10 @@ void SelfContact::set(const mesh::TriangleMesh& mesh) {
 }
 
 std::int64_t SelfContact::count_intersections(const linear::VertexField& x) {
-  return is_apart_ ? 0 : intersections_.count(triangles_, x);
+  const std::int64_t count = is_apart_ ? 0 : intersections_.count(triangles_, x);
+  counted_none_ = count == 0;
+  if (counted_none_) x_counted_ = x;
+  return count;
 }
 
 float SelfContact::path_of(const FeaturePair& pair) const {
@@ -77,7 +80,7 @@ void SelfContact::begin(const SelfContactStep& step, const linear::VertexField& 
   response_.begin(step.inverse_mass, step.shared);
   for (const VertexId moved : moved_) is_moved_[static_cast<std::size_t>(moved)] = 0;
   moved_.clear();
-  is_apart_ = false;
+  is_apart_ = counted_none_ && x_counted_.cols() == x.cols() && x_counted_ == x;
   substep_ = 0;
   interval_ = 1;
   slack_ = base_slacks_;
@@ -107,7 +110,7 @@ void SelfContact::make_phase(linear::VertexField& x, linear::VertexField& v) {
     check(x, v);
   }
   ++phase_;
-  is_apart_ = substep == step_.substeps && list_.size() == 0;
+  is_apart_ = is_apart_ && list_.size() == 0;
   if (substep < step_.substeps) {
     renew_list(x, v, substep);
     respond(x, v, substep);

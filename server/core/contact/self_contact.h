@@ -71,7 +71,7 @@ class SelfContact {
   [[nodiscard]] std::span<const mesh::VertexId> moved() const { return moved_; }
 
   // Returns the number of pairs of triangles that pass through each other at positions x (m), at the end of a step. It
-  // is 0 if no pair of features can have come near each other.
+  // is known to be 0 if it was so before the step and no pair of features came near.
   [[nodiscard]] std::int64_t count_intersections(const linear::VertexField& x);
   [[nodiscard]] const SelfContactCounters& counters() const { return counters_; }
 
@@ -190,7 +190,8 @@ class SelfContact {
   int list_begin_ = 0;
   int interval_ = 0;        // substeps between the last two phases
   std::int64_t phase_ = 0;  // number of the phase
-  bool is_apart_ = false;   // no pair was near at the end of the step
+  bool counted_none_ = false;
+  bool is_apart_ = false;  // nothing passed through anything before the step, and no pair was near since
   PairList list_, renewed_;
   std::vector<std::int32_t> due_;
   std::vector<float> path_;                    // m, by vertex: way since the list was made, in the frame of the sheet
@@ -206,6 +207,7 @@ class SelfContact {
   std::vector<mesh::VertexId> shifted_;  // in the last round of repairs
   std::vector<std::uint8_t> is_shifted_;
   linear::VertexField x_then_, v_then_;  // after the last phase
+  linear::VertexField x_counted_;        // m, at which nothing passed through anything, if counted_none_
   linear::VertexField x_list_, v_list_;  // when the list was made
   linear::VertexField way_;              // m/s, scratch
   std::vector<mesh::VertexId> moved_;
