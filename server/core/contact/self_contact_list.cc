@@ -53,8 +53,6 @@ void SelfContact::renew_list(const linear::VertexField& x, const linear::VertexF
   if (substep < list_end_) {
     find_strayed(x, v, step_.h * interval_, 0.8);
     if (strayed_.empty()) return;
-    // Those that are about to stray get new lines with them.
-    find_strayed(x, v, step_.h * interval_, 0.8);
     if (may_follow()) {
       follow_strayed(x, v, step_.h * (substep - list_begin_));
       return;
