@@ -3,6 +3,7 @@
 #include <limits>
 #include <numbers>
 
+#include "server/base/random.h"
 #include "tests/cut/calls.h"
 #include "tests/support/meshes.h"
 
@@ -314,6 +315,28 @@ TEST(CutContract, WarnsOfAGapOfLessThanOneLatticeUnit) {
   EXPECT_EQ(report.closed_gaps, 1);
   EXPECT_GT(report.widest_gap_m, 0.0);
   EXPECT_LT(report.widest_gap_m, lattice.spacing);
+}
+
+// Ends of the path are lattice points beside the slanted border, nearer to it than double precision can tell for some.
+TEST(CutContract, WarnsOfAGapAtALongBorder) {
+  const Vector2d from(0.1, 0.07);
+  const Vector2d to(1.13, 1.31);
+  mesh::IndexedMesh triangle;
+  triangle.rest.resize(2, 3);
+  triangle.rest << from, to, Vector2d(0.2, 1.2);
+  triangle.triangles = Eigen::Vector3i(0, 1, 2);
+  const mesh::TriangleMesh sheet = test::must(mesh::import_mesh(triangle));
+  SeededRandom random(7);
+  for (int i = 0; i < 4000; ++i) {
+    mesh::TriangleMesh mesh = sheet;
+    const Polyline along{
+        {from + random.uniform(0.01, 0.4) * (to - from), from + random.uniform(0.6, 0.99) * (to - from)}};
+    const CutOutcome outcome = cut(mesh, {along, plain(), {}});
+    ASSERT_EQ(outcome.status, CutStatus::kNoIntersection);
+    ASSERT_GE(outcome.report.closed_gaps, 1) << i;
+    ASSERT_GT(outcome.report.widest_gap_m, 0.0) << i;
+    ASSERT_LT(outcome.report.widest_gap_m, 2.0 * mesh.lattice().spacing) << i;
+  }
 }
 
 TEST(CutContract, ACurveFarAwayDoesNotFillTheVoid) {

@@ -41,6 +41,13 @@ Error rounding_error() {
                              "cut.curve");
 }
 
+// Returns the distance of a place from a segment, lattice units; 0 only if it lies on the segment exactly. The distance
+// to a long segment in double precision alone can be rounded to 0.
+double unrounded_distance(const LatticePoint& at, const LatticePoint& a, const LatticePoint& b) {
+  const double doubled_area = std::abs(mesh::to_double(mesh::doubled_area(a, b, at)));
+  return std::max(distance_to_segment(at, a, b), doubled_area / difference(a, b).norm());
+}
+
 }  // namespace
 
 PathInsertion::PathInsertion(mesh::MeshEditor& editor, const PathScale& scale, double spacing,
@@ -149,10 +156,7 @@ void PathInsertion::record_passed_point(PointId point) {
 
 // Returns the distance of a point from the current segment, lattice units; 0 only if it lies on the segment exactly.
 double PathInsertion::distance_to_path(PointId point) const {
-  const LatticePoint& at = mesh_.at(point);
-  const double doubled_area = std::abs(mesh::to_double(mesh::doubled_area(segment_start_, segment_end_, at)));
-  return std::max(distance_to_segment(at, segment_start_, segment_end_),
-                  doubled_area / difference(segment_start_, segment_end_).norm());
+  return unrounded_distance(mesh_.at(point), segment_start_, segment_end_);
 }
 
 void PathInsertion::count_merged_segment() {
@@ -255,7 +259,7 @@ Result<PathPosition> PathInsertion::place(const LatticePoint& at) {
     const LatticePoint& b = mesh_.at(mesh_.points(snap.triangle)[previous_corner(snap.corner)]);
     const LatticePoint foot = rounded_projection(a, b, at);
     const bool is_element_edge = mesh_.locks(snap.triangle, snap.corner) == mesh::kLockOriginal;
-    const double gap = orient2d(a, b, at) == 0 ? 0.0 : distance_to_segment(at, a, b);
+    const double gap = unrounded_distance(at, a, b);
     KERF_TRY_ASSIGN(point, split_near(snap.triangle, snap.corner, foot));
     if (foot != at) ++counts_.snapped_points;
     if (!is_element_edge) record_gap(gap);
