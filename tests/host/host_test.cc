@@ -306,14 +306,14 @@ TEST_F(HostTest, SelfContactIsCountedOverAllSheets) {
   Answers<SheetStatus> stepped;
   host_->step("a", 3, stepped.callback());
   host_->wait_idle();
-  EXPECT_EQ(status("a").intersections, 0) << "it is off";
+  EXPECT_EQ(status("a").stats.intersections, 0) << "it is off";
   EXPECT_EQ(host_->metrics().self_contact.phases, 0);
   for (const char* id : {"a", "b"}) {
     ASSERT_TRUE(submit(id, scene::SetSelfContact{true, 0.5, {}}).ok());
     EXPECT_EQ(status(id).self_contact, (scene::SelfContact{true, 0.5, {}}));
     host_->step(id, 2, stepped.callback());
     host_->wait_idle();
-    EXPECT_EQ(status(id).intersections, 1);
+    EXPECT_EQ(status(id).stats.intersections, 1);
   }
   const fem::SelfContactStats counted = host_->metrics().self_contact;
   EXPECT_EQ(counted.intersections, 4);

@@ -231,6 +231,7 @@ TEST(FrameEncoder, HeadMergesWithSharedStats) {
   auto snapshot = *sheet.snapshot();
   snapshot.stats.overruns = 11;
   snapshot.stats.paused = true;
+  snapshot.stats.intersections = 12;
   const std::string body = encode_raw_body(quantise_frame(snapshot, std::nullopt));
   v1::WatchResponse response;
   ASSERT_TRUE(response.ParseFromString(encode_frame_head(9, 4, "abc-1", body.size()) + body));
@@ -240,6 +241,7 @@ TEST(FrameEncoder, HeadMergesWithSharedStats) {
   EXPECT_EQ(response.frame().stats().skipped(), 4);
   EXPECT_EQ(response.frame().stats().overruns(), 11);
   EXPECT_TRUE(response.frame().stats().paused());
+  EXPECT_EQ(response.frame().stats().intersections(), 12);
   EXPECT_EQ(response.frame().stats().pieces(), 3);
 }
 

@@ -62,7 +62,7 @@ describe('statisticsTexts', () => {
       meter.arrived(nowMs, delivery, { skipped: 1, tickCpuUs: i < 140 ? 1500 : 4000 });
       meter.wasDrawn(nowMs, i < 140 ? 20 : 90);
     }
-    const stats = create(FrameStatsSchema, { strainedShare: 0.0125, realTimeFactor: 0.5, overruns: 1234n, slippedS: 2.5, numTriangles: 4802 });
+    const stats = create(FrameStatsSchema, { strainedShare: 0.0125, intersections: 1063n, realTimeFactor: 0.5, overruns: 1234n, slippedS: 2.5, numTriangles: 4802 });
     const sheet = { numVertices: 2500, numPieces: 3, stats } as SheetArrays;
     expect(statisticsTexts(meter, sheet, 'VP8, 640 × 360', 5000)).toEqual({
       format: 'VP8, 640 × 360',
@@ -80,6 +80,7 @@ describe('statisticsTexts', () => {
       vertices: '2,500',
       triangles: '4,802',
       pieces: '3',
+      intersections: '1,063',
       strained: '1.3 %',
     });
   });

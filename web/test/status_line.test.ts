@@ -22,6 +22,22 @@ describe('StatusLine', () => {
     expect(page['status-rtf'].dataset.level).toBe('');
   });
 
+  it('shows how many triangles pass through each other, if any do', () => {
+    const page: Record<string, { textContent: string; dataset: object; hidden?: boolean }> = {};
+    vi.stubGlobal('document', { getElementById: (id: string) => (page[id] ??= { textContent: '', dataset: {} }) });
+    const status = new StatusLine();
+    const update = (stats: object) => {
+      status.update({ tick: 1, numVertices: 4, numPieces: 1, stats: create(FrameStatsSchema, stats) }, 17, 0);
+    };
+    update({ intersections: 1063n });
+    expect(page['status-intersecting'].hidden).toBe(false);
+    expect(page['status-intersections'].textContent).toBe('1,063');
+    update({});
+    expect(page['status-intersecting'].hidden).toBe(true);
+    status.update(undefined, 17, 0);
+    expect(page['status-intersecting'].hidden).toBe(true);
+  });
+
   it('says in words that the sheet does not move, and how often its view is drawn', () => {
     const page: Record<string, { textContent: string; dataset: object }> = {};
     vi.stubGlobal('document', { getElementById: (id: string) => (page[id] ??= { textContent: '', dataset: {} }) });

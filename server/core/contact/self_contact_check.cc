@@ -130,16 +130,29 @@ void SelfContact::move_apart(const FeaturePair& pair, const Separation& then, do
   }
 }
 
-// Moves all that impulses on the nearest points of then would move, by so much that the gap between both sides grows to
-// `gap`.
+// Pushes the two vertices apart that limit the gap, and all that share inertia with them, until the gap between both
+// sides is `gap`. Points nearest then may be others: pushes on those would move a group that turned without an end.
 void SelfContact::move_apart_shared(const FeaturePair& pair, const Separation& then, double gap,
                                     linear::VertexField& x) {
-  const double mobility = response_.mobility(pair.vertices, then.weights, then.normal);
-  if (!(mobility > 0.0)) return;
-  const double lack = gap - gap_along(pair.num_a(), then.normal, positions_of(pair, x));
-  if (!(lack > 0.0)) return;
-  response_.push(pair.vertices, then.weights, lack / mobility * then.normal,
-                 [&](VertexId vertex, const Eigen::Vector3d& way) { move(vertex, x.col(vertex) + way, x); });
+  constexpr int kMostPushes = 4;
+  const std::size_t num_a = pair.num_a();
+  for (int push = 0; push < kMostPushes; ++push) {
+    std::array<double, 4> height{};
+    for (std::size_t i = 0; i < 4; ++i) {
+      height[i] = then.normal.dot(x.col(pair.vertices[i]) - x_then_.col(pair.vertices[3]));
+    }
+    const auto split = height.begin() + static_cast<std::ptrdiff_t>(num_a);
+    const auto lowest = std::min_element(height.begin(), split), highest = std::max_element(split, height.end());
+    const double lack = gap - (*lowest - *highest);
+    if (!(lack > 0.0)) return;
+    std::array<double, 4> weights{};
+    weights[static_cast<std::size_t>(lowest - height.begin())] = 1.0;
+    weights[static_cast<std::size_t>(highest - height.begin())] = -1.0;
+    const double mobility = response_.mobility(pair.vertices, weights, then.normal);
+    if (!(mobility > 0.0)) return;
+    response_.push(pair.vertices, weights, lack / mobility * then.normal,
+                   [&](VertexId vertex, const Eigen::Vector3d& way) { move(vertex, x.col(vertex) + way, x); });
+  }
 }
 
 std::int32_t SelfContact::root(VertexId v) {

@@ -40,6 +40,10 @@ constexpr double kWellShapedFine = 0.8;
 constexpr std::int64_t kInsertionsPerPathPoint = 60;
 constexpr std::int64_t kInsertionsBeside = 2'000;
 
+// Smallest angle that refinement makes in a cut that keeps edges, over CutOptions::min_angle_deg. Paths meet these
+// edges at any angle, so the whole angle would cost twice as many vertices. -
+constexpr double kAngleBesideKeptEdges = 0.5;
+
 constexpr double kLengthFloor = 0.25;  // -; RefinementConfig::length_floor over the snap distance
 // Most insertions around a tip, for gradient 1 and edges that have the wanted length already.
 constexpr double kInsertionsPerTip = 400.0;
@@ -68,6 +72,7 @@ class Cutter {
     const std::vector<TriangleId> crossed = crossed_triangles(mesh_, plan_.strokes);
     outcome.report.crossed_triangles = static_cast<std::int32_t>(crossed.size());
     if (is_by_element()) lock_elements(editor_, crossed);
+    keep_edges();
     for (const Stroke& stroke : plan_.strokes) {
       KERF_TRY(insertion_.insert(stroke));
     }
@@ -104,6 +109,14 @@ class Cutter {
   static std::int32_t slot_limit(const TriangleMesh& mesh, const CutPlan& plan) {
     const std::int64_t wanted = std::int64_t{mesh.num_triangle_slots()} + plan.options.max_new_triangles;
     return static_cast<std::int32_t>(std::min<std::int64_t>(wanted, mesh::MeshEditor::kDefaultMaxSlots));
+  }
+
+  void keep_edges() {
+    for (const auto& [p, q] : plan_.kept_edges) {
+      int corner = 0;
+      const TriangleId t = mesh_.find_edge(p, q, corner);
+      if (t != kNone) editor_.lock_edge(t, corner, mesh::kLockOriginal);
+    }
   }
 
   [[nodiscard]] bool has_width() const { return plan_.options.width_m.has_value(); }
@@ -220,7 +233,7 @@ class Cutter {
     mesh::RefinementConfig config;
     if (plan_.options.tip_edge_length_m) config.grading = grading();
     add_graded(config.grading, seeds);
-    config.min_angle_deg = plan_.options.min_angle_deg;
+    config.min_angle_deg = (plan_.kept_edges.empty() ? 1.0 : kAngleBesideKeptEdges) * plan_.options.min_angle_deg;
     config.length_floor = kLengthFloor * plan_.snap_m / spacing_;
     config.lengths = &mesh_.edge_lengths();
     config.strands = strand_widths(mesh_, plan_.options);
@@ -304,7 +317,8 @@ class Cutter {
     report.quality =
         measure_quality(mesh_, new_triangles(mesh_, outcome.undo, outcome.edit.rewritten_triangles, moved_),
                         plan_.options.min_angle_deg, strand_widths(mesh_, plan_.options));
-    if (!is_by_element() && plan_.options.min_angle_deg > 0.0 && report.quality.triangles_below_contract > 0) {
+    const bool is_contract = !is_by_element() && plan_.kept_edges.empty() && plan_.options.min_angle_deg > 0.0;
+    if (is_contract && report.quality.triangles_below_contract > 0) {
       report.refinement_stopped = true;
     }
   }

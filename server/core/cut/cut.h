@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -35,7 +36,10 @@ struct CutRequest {
   // The camera of a picture of the sheet, in pixels of which `curve` is given. Absent: `curve` is in material
   // coordinates.
   std::optional<View> view = std::nullopt;
-  const linear::VertexField* positions = nullptr;
+  const linear::VertexField* positions = nullptr;  // 3 x V, m, world; needed for `view` and `most_shift`
+  // Edges near the path whose flip would move the sheet by more than this are split instead. So a bent sheet keeps its
+  // shape, and new angles are at least half of min_angle_deg. Absent: the material plane alone decides. m, >= 0
+  std::optional<double> most_shift = std::nullopt;
   // Most vertices that the opened mesh may have after the cut, in [1, mesh::kMaxVertices].
   std::int32_t max_vertices = mesh::kMaxVertices;
   // Snap distance over the local edge length: the path is laid on points and lips that are closer than this. It never
@@ -55,10 +59,11 @@ struct CutPlan {
   double edge_length_m = 0.0;                 // m; the sheet's mean edge length
   double snap_m = 0.0;  // m; snap distance where edges are edge_length_m long; elsewhere it is in proportion
   CutOptions options;
-  std::int32_t max_vertices = mesh::kMaxVertices;  // as of CutRequest
-  double snap = 1.0e-3;                            // as of CutRequest
-  std::vector<mesh::VertexId> fixed_vertices;      // sorted
-  std::vector<ViewLayer> layers;                   // for a cut on a picture
+  std::int32_t max_vertices = mesh::kMaxVertices;        // as of CutRequest
+  double snap = 1.0e-3;                                  // as of CutRequest
+  std::vector<mesh::VertexId> fixed_vertices;            // sorted
+  std::vector<std::array<mesh::PointId, 2>> kept_edges;  // by their ends: edges that may be split, but not flipped
+  std::vector<ViewLayer> layers;                         // for a cut on a picture
   std::int32_t triangles_behind = 0;  // for a cut on a picture: triangles left out, as they reach behind the camera
   double view_deviation_m = 0.0;  // m; bound on the distance between sight lines and strokes, if this would take too
                                   // much of the tolerance, as in a picture nearly edge-on; curve_deviation_m then

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "server/base/check.h"
+#include "server/core/cut/bent_edges.h"
 #include "server/core/cut/cut.h"
 #include "server/core/cut/dash.h"
 #include "server/core/cut/element_path.h"
@@ -145,10 +146,10 @@ Result<CutPlan> plan(const mesh::TriangleMesh& mesh, const CutRequest& request) 
   KERF_TRY(check_range(request.snap, 1e-6, 0.1, "cut.snap"));
   KERF_TRY(check_range(request.max_vertices, 1.0, mesh::kMaxVertices, "cut.max_vertices"));
   KERF_TRY(check_vertices(mesh, request.fixed_vertices));
-  if (request.view) {
-    KERF_TRY(validate(*request.view));
+  if (request.view) KERF_TRY(validate(*request.view));
+  if (request.view || request.most_shift) {
     KERF_CHECK(request.positions != nullptr && request.positions->cols() == mesh.num_vertices(),
-               "a cut on a picture comes with the positions of the sheet");
+               "a cut on a picture or of a bent sheet comes with the positions of the sheet");
   }
 
   CutPlan plan;
@@ -208,6 +209,9 @@ Result<CutPlan> plan(const mesh::TriangleMesh& mesh, const CutRequest& request) 
   plan.strokes = std::move(simplified.curve.strokes);
   plan.curve_deviation_m = simplified.curve.deviation_m;
   plan.curve_deviation_of_tolerance = simplified.deviation_of_tolerance;
+  if (request.most_shift && !is_by_element) {
+    plan.kept_edges = bent_edges(mesh, plan.strokes, *request.positions, *request.most_shift);
+  }
   return plan;
 }
 

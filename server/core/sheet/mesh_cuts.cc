@@ -64,12 +64,13 @@ Result<cut::CutOutcome> plan_and_apply(const cut::CutRequest& request, mesh::Tri
 Result<MeshCuts> cut_mesh(std::span<const scene::Cut> cuts, bool is_batch, const CutSurroundings& around,
                           mesh::TriangleMesh& mesh, PhaseObserver* observer) {
   MeshCuts made;
-  // Pins and positions before each cut of a batch. Positions are needed only for cuts on a picture.
+  // Pins and positions before each cut of a batch. Positions are needed for cuts on a picture and of bent sheets.
   std::vector<mesh::VertexId> pins = around.pins.vertices();
   linear::VertexField positions;
-  const bool has_view =
+  const bool needs_positions =
+      around.most_shift.has_value() ||
       std::any_of(cuts.begin(), cuts.end(), [](const scene::Cut& cut) { return cut.view.has_value(); });
-  if (is_batch && has_view) positions = around.positions;
+  if (is_batch && needs_positions) positions = around.positions;
   for (std::size_t i = 0; i < cuts.size(); ++i) {
     const scene::Cut& cut = cuts[i];
     enter_phase(observer, "plan");
@@ -79,6 +80,7 @@ Result<MeshCuts> cut_mesh(std::span<const scene::Cut> cuts, bool is_batch, const
     request.view = cut.view;
     request.max_vertices = around.max_vertices;
     request.positions = is_batch ? &positions : &around.positions;
+    request.most_shift = around.most_shift;
     request.fixed_vertices = pins;
     around.grabs.add_vertices_to(request.fixed_vertices);
     const double mass_before =
@@ -92,7 +94,7 @@ Result<MeshCuts> cut_mesh(std::span<const scene::Cut> cuts, bool is_batch, const
     made.replies.push_back(reply_of(*outcome, cut, mesh, around.materials, mass_before));
     if (outcome->status != cut::CutStatus::kApplied) continue;
     if (is_batch) scene::inherit_pins(outcome->edit, pins);
-    if (is_batch && has_view) fem::carry_over(outcome->edit, positions);
+    if (is_batch && needs_positions) fem::carry_over(outcome->edit, positions);
     mesh::UndoLog again = outcome->undo.inverse(mesh);
     std::vector<fem::Pin> lost = around.pins.lost_by(outcome->edit);
     made.done.push_back({{std::move(outcome->edit), std::move(outcome->undo)},

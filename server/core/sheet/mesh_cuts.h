@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -23,6 +24,8 @@ struct CutSurroundings {
   const GrabSet& grabs;
   const linear::VertexField& positions;         // 3 x V, m, world
   const std::vector<fem::Material>& materials;  // by region of the mesh
+  std::optional<double> most_shift =
+      std::nullopt;  // m, as of cut::CutRequest; absent if the sheet passes through itself
 };
 
 struct MeshCuts {

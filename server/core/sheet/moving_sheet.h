@@ -85,6 +85,9 @@ class MovingSheet {
   [[nodiscard]] const ConditionValues& conditions() const { return conditions_.values(); }
   [[nodiscard]] const MaterialSetup& materials() const { return materials_; }
   [[nodiscard]] const scene::SelfContact& self_contact() const { return stepper_.contact().self_contact(); }
+  // Returns the most by which the flip of an edge may move the sheet in a cut, m; absent if folds may pass through each
+  // other anyway.
+  [[nodiscard]] std::optional<double> most_shift_in_cuts() const;
   [[nodiscard]] const PinSet& pins() const { return pins_; }
   [[nodiscard]] const GrabSet& grabs() const { return grabs_; }
   [[nodiscard]] const TimeStepper& stepper() const { return stepper_; }

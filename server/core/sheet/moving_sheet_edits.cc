@@ -11,6 +11,12 @@
 
 namespace kerf::sheet {
 
+std::optional<double> MovingSheet::most_shift_in_cuts() const {
+  constexpr double kShareOfThickness = 0.05;  // -, more than lips are parted, less than the gap between most folds
+  if (!stepper_.contact().touches_itself()) return std::nullopt;
+  return kShareOfThickness * stepper_.contact().self_thickness();
+}
+
 bool MovingSheet::follow(std::span<const mesh::MeshEdit* const> edits, const std::vector<mesh::TriangleId>& rewritten,
                          PhaseObserver* observer) {
   for (const mesh::MeshEdit* edit : edits) {

@@ -41,6 +41,7 @@ struct RunStats {
                                        // compared
   std::int32_t settings_version = 0;   // grows when pins, gravity, wind, materials, speed or run state change
   double strained_share = 0.0;         // -, StepStats::strained_share of the last tick
+  std::int64_t intersections = 0;      // after the last tick, see fem::SelfContactStats
   std::int32_t resets = 0;             // number of resets requested by clients
   std::int32_t resets_undone = 0;      // number of resets undone
   bool paused = false;

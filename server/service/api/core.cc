@@ -158,7 +158,7 @@ v1::Sheet encode_sheet(const host::SheetStatus& status) {
   *sheet.mutable_tick_estimate() = encode_tick_estimate(status);
   sheet.set_linear_iterations(status.linear_iterations);
   sheet.set_linear_residual(status.linear_residual);
-  sheet.set_intersections(status.intersections);
+  sheet.set_intersections(status.stats.intersections);
   sheet.set_settings_version(status.stats.settings_version);
   sheet.set_strained_share(status.stats.strained_share);
   sheet.set_viewers(status.viewers);

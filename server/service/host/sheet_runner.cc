@@ -336,7 +336,6 @@ SheetStatus SheetRunner::unhashed_status() const {
   status.tick_estimate = tick_estimate();
   status.linear_iterations = last_step_.linear_iterations;
   status.linear_residual = last_step_.linear_residual;
-  status.intersections = last_step_.self_contact.intersections;
   status.flagged_ticks = flagged_ticks_;
   if (playback_) status.replay = playback_->status();
   return status;
@@ -375,6 +374,7 @@ sheet::RunStats SheetRunner::run_stats() const {
   stats.sheet_serial = context_.serial;
   stats.settings_version = sheet_.settings_version() + state_changes_;
   stats.strained_share = last_step_.strained_share;
+  stats.intersections = last_step_.self_contact.intersections;
   stats.resets = changes_.resets();
   stats.resets_undone = changes_.resets_undone();
   stats.paused = clock_.is_paused();

@@ -57,7 +57,6 @@ struct SheetStatus {
   std::optional<fem::Softening> softening;           // In force with Fidelity::kRealTime.
   std::int32_t linear_iterations = 0;                // In the last tick, see fem::StepStats.
   double linear_residual = 0.0;                      // -, largest of the last tick, see fem::StepStats.
-  std::int64_t intersections = 0;                    // After the last tick, see fem::SelfContactStats.
   fem::FlagCounts flagged_ticks{};                   // Since the sheet was made, resets included.
   std::optional<ReplayStatus> replay;                // Set for a sheet that plays, or played, a recording.
   TickEstimate tick_estimate;

@@ -29,6 +29,7 @@ void encode_stats(const sheet::RunStats& stats, const sheet::Topology& topology,
   message.set_paused(stats.paused);
   message.set_sleeping(stats.sleeping);
   message.set_strained_share(static_cast<float>(stats.strained_share));
+  message.set_intersections(stats.intersections);
   message.set_resets(stats.resets);
   message.set_resets_undone(stats.resets_undone);
 }

@@ -20,6 +20,7 @@ export const kStatistics = {
   vertices: ['vertices', ''],
   triangles: ['triangles', ''],
   pieces: ['pieces', ''],
+  intersections: ['intersecting', 'Pairs of triangles that pass through each other: counted for sheets whose folds touch'],
   strained: ['overstrained', 'Share of the sheet’s area that is strained beyond its material’s limit: see Physics'],
 } as const;
 
@@ -50,6 +51,7 @@ function sheetTexts(sheet: SheetFigures, stats: FrameStats | undefined) {
     vertices: sheet.numVertices.toLocaleString('en'),
     triangles: stats ? stats.numTriangles.toLocaleString('en') : kNothing,
     pieces: sheet.numPieces.toLocaleString('en'),
+    intersections: stats ? stats.intersections.toLocaleString('en') : kNothing,
     strained: stats ? `${Number((100 * stats.strainedShare).toPrecision(2))} %` : kNothing,
   };
 }

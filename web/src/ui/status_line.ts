@@ -9,12 +9,17 @@ const kFpsWindowMs = 1000;
 const kMostPictures = 480;
 const kNothing = '–';
 
-/** Shows tick, real-time factor, vertices, pieces, frame age and drawn frames per second. */
+/**
+ * Shows tick, real-time factor, vertices, pieces, frame age and drawn frames per second. Pairs of triangles that pass
+ * through each other are shown while there are any.
+ */
 export class StatusLine {
   private readonly tick = element('status-tick');
   private readonly realTime = element('status-rtf');
   private readonly vertices = element('status-vertices');
   private readonly pieces = element('status-pieces');
+  private readonly intersecting = element('status-intersecting');
+  private readonly intersections = element('status-intersections');
   private readonly age = element('status-age');
   private readonly fps = element('status-fps');
   private readonly pictures = new SampleWindow(kFpsWindowMs, kMostPictures);
@@ -39,6 +44,8 @@ export class StatusLine {
     setText(this.pieces, sheet ? String(sheet.numPieces) : kNothing);
     setText(this.realTime, still ?? realTimeText(stats));
     this.realTime.dataset.level = isBehind(stats) ? 'warn' : '';
+    this.intersecting.hidden = !stats?.intersections;
+    setText(this.intersections, stats?.intersections.toLocaleString('en') ?? kNothing);
     setText(this.age, still ? kCurrent : ageText(sheet && ageMs));
   }
 }
