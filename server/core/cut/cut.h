@@ -38,7 +38,7 @@ struct CutRequest {
   std::optional<View> view = std::nullopt;
   const linear::VertexField* positions = nullptr;  // 3 x V, m, world; needed for `view` and `most_shift`
   // Edges near the path whose flip would move the sheet by more than this are split instead. So a bent sheet keeps its
-  // shape, and new angles are at least half of min_angle_deg. Absent: the material plane alone decides. m, >= 0
+  // shape. Refinement then asks for half of min_angle_deg. Absent: the material plane alone decides. m, >= 0
   std::optional<double> most_shift = std::nullopt;
   // Most vertices that the opened mesh may have after the cut, in [1, mesh::kMaxVertices].
   std::int32_t max_vertices = mesh::kMaxVertices;
