@@ -11,7 +11,7 @@ async function statistics(viewer) {
   // Every line has a value once a few frames have come.
   await viewer.page.waitForFunction(() => {
     const values = [...document.querySelectorAll('#statistics dd:not(.plot)')].map((value) => value.textContent);
-    return values.length === 16 && values.every((text) => text !== '' && text !== '–');
+    return values.length === 17 && values.every((text) => text !== '' && text !== '–');
   });
   const shown = await viewer.page.evaluate(() =>
     Object.fromEntries(
