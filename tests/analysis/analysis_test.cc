@@ -178,6 +178,24 @@ TEST(ModalAnalysis, IsOfTheSheetThatCutsOfTheFirstTickMade) {
   EXPECT_LT(slit, 0.75 * whole);
 }
 
+// Just after its start the cloth is compressed in places. Those five modes lie far from all others, which are near 0.
+TEST(ModalAnalysis, FindsAllOfAMovingSheetWhoseModesLieNearZero) {
+  SheetConfig config = scenes::flat(24);
+  config.gravity = {0.0, 0.0, -9.81};
+  config.material.youngs_modulus_1 = config.material.youngs_modulus_2 = 1.5e5;
+  config.material.shear_modulus = 1.5e5 / 2.6;
+  config.pins = {scene::MaterialBox{{0.0, 0.97}, {0.05, 1.0}}, scene::MaterialBox{{0.95, 0.97}, {1.0, 1.0}}};
+  sheet::Sheet sheet = sheet::make(config);
+  sheet.step({});
+  sheet.step({});
+  const Result<Outcome> outcome = run_modes(sheet, {6, {}}, {}, {});
+  ASSERT_TRUE(outcome.ok()) << outcome.error().message;
+  const std::vector<std::vector<double>>& rows = outcome->tables[0].rows;
+  ASSERT_EQ(rows.size(), 6U);
+  EXPECT_LT(rows[0][1], -1000.0);
+  for (std::size_t i = 1; i < rows.size(); ++i) EXPECT_GE(rows[i][1], rows[i - 1][1]);
+}
+
 TEST(ModalAnalysis, RefusesMoreModesThanThereAre) {
   SheetConfig config = scenes::hanging(2);
   sheet::Sheet sheet = sheet::make(config);

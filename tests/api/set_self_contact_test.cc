@@ -23,22 +23,22 @@ TEST_F(ApiTest, SelfContactInForceIsShownWithTheSheetUntilAReset) {
   EXPECT_EQ(sheet.scene().self_contact().friction(), 0.0);
   EXPECT_EQ(sheet.scene().self_contact().thickness_m(), 0.002);
   EXPECT_EQ(sheet.settings_version(), before.settings_version() + 2);
-  EXPECT_NE(sheet.integrator().find("as self-contact requires"), std::string::npos) << sheet.integrator();
+  EXPECT_NE(sheet.integrator().find("preferred for self-contact"), std::string::npos) << sheet.integrator();
   ASSERT_TRUE(call_json("/kerf.v1.SheetService/ResetSheet", R"({"name":"sheets/a"})").ok());
   EXPECT_EQ(get_sheet("sheets/a").scene().SerializeAsString(), before.scene().SerializeAsString());
   EXPECT_EQ(get_sheet("sheets/a").integrator(), before.integrator());
 }
 
-TEST_F(ApiTest, SelfContactOfAnImplicitSheetIsRefused) {
+TEST_F(ApiTest, SelfContactOfAPlanarSheetIsRefused) {
   const char* create = R"({"sheet_id":"i","paused":true,"scene":{"grid":{"columns":7,"rows":7,"width_m":1,"height_m":1},
-    "integrator":{"kind":"TR_BDF2"}}})";
+    "planar":true}})";
   ASSERT_TRUE(call_json("/kerf.v1.SheetService/CreateSheet", create).ok());
   const v1::Sheet before = get_sheet("sheets/i");
   const auto refused = call_json("/kerf.v1.InteractionService/SetSheetSelfContact",
                                  R"({"name":"sheets/i","set_self_contact":{"mode":"ON","friction":0.5}})");
   ASSERT_FALSE(refused.ok());
   EXPECT_EQ(refused.error().code, ErrorCode::kFailedPrecondition);
-  EXPECT_EQ(refused.error().reason, "SELF_CONTACT_IMPLICIT");
+  EXPECT_EQ(refused.error().reason, "SELF_CONTACT_PLANAR");
   EXPECT_EQ(refused.error().field, "set_self_contact.mode");
   EXPECT_TRUE(google::protobuf::util::MessageDifferencer::Equals(get_sheet("sheets/i"), before));
 }

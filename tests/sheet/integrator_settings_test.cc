@@ -85,20 +85,6 @@ INSTANTIATE_TEST_SUITE_P(All, DenseSolver,
                            return tested.param == scene::LinearSolverKind::kEsCgm ? "EsCgm" : "AsCgm";
                          });
 
-// A sheet so stiff that its automatic integrator is implicit.
-TEST(AutomaticSettings, AreExplicitForSelfContactAndSayWhy) {
-  scene::SheetConfig config = scenes::hanging(8);
-  config.material = fem::isotropic(5.0e11, 0.3, 5.0e-4, 1000.0);
-  EXPECT_NE(make(config).integrator_description().find("automatic: TR-BDF2"), std::string::npos);
-  config.self_contact.is_on = true;
-  Sheet sheet = make(config);
-  const std::string said = "automatic: explicit, as self-contact requires; ";
-  EXPECT_EQ(sheet.integrator_description().find(said), 0U) << sheet.integrator_description();
-  config.material.youngs_modulus_1 = config.material.youngs_modulus_2 = 4.0e11;
-  ASSERT_TRUE(apply(sheet, scene::SetMaterial{config.material, std::nullopt}).ok());
-  EXPECT_EQ(sheet.integrator_description().find(said), 0U) << sheet.integrator_description();
-}
-
 TEST(LinearResidual, IsThatOfTheSolverAsked) {
   const auto residual = [](scene::LinearSolverKind solver, int max_iterations) {
     scene::SheetConfig config = dense_scene(solver, 8, 8);

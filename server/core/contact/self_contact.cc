@@ -120,19 +120,30 @@ void SelfContact::make_phase(linear::VertexField& x, linear::VertexField& v) {
   v_then_ = v;
 }
 
+void SelfContact::end(const linear::VertexField& x, linear::VertexField& v) {
+  if (list_.size() == 0) return;
+  find_contacts(x, v, step_.substeps);
+  for (Contact& contact : contacts_) contact.target = 0.0;
+  respond_softly(v);
+}
+
 void SelfContact::respond(const linear::VertexField& x, linear::VertexField& v, int substep) {
   find_contacts(x, v, substep);
+  respond_softly(v);
+  for (int sweep = 0; sweep < kHardSweeps; ++sweep) {
+    bool has_changed = false;
+    for (std::size_t c = 0; c < contacts_.size(); ++c) has_changed = respond_hard(c, v) || has_changed;
+    if (!has_changed) break;
+  }
+}
+
+void SelfContact::respond_softly(linear::VertexField& v) {
   for (std::size_t sweep = 0; sweep < kSoftSweeps; ++sweep) {
     for (std::size_t k = 0; k < contacts_.size(); ++k) {
       const std::size_t c = sweep % 2 == 0 ? k : contacts_.size() - 1 - k;
       if (contacts_[c].is_in_cones) respond_softly(c, v);
     }
     for (Support& each : supports_) support(each, v);
-  }
-  for (int sweep = 0; sweep < kHardSweeps; ++sweep) {
-    bool has_changed = false;
-    for (std::size_t c = 0; c < contacts_.size(); ++c) has_changed = respond_hard(c, v) || has_changed;
-    if (!has_changed) break;
   }
 }
 
@@ -237,7 +248,7 @@ void SelfContact::find_supports(const linear::VertexField& x, double duration, d
         added.normal = near.normal;
         added.friction = body.friction();
         added.mass = 1.0 / inverse;
-        added.target = -std::max(gap, 0.0) / duration;
+        added.target = std::min(-gap / duration, ContactSolver::kExitSpeed);
         added.bias = kicked * step_.gravity;
       }
     }

@@ -67,6 +67,9 @@ class SelfContact {
   [[nodiscard]] int next_phase() const { return next_phase_; }
   // Makes the phase that is due. Changes positions and velocities of the vertices in moved().
   void make_phase(linear::VertexField& x, linear::VertexField& v);
+  // Ends a step whose velocities v (m/s) at its end, x (m), are not those of its drifts. Pairs that touch do not close
+  // in after it.
+  void end(const linear::VertexField& x, linear::VertexField& v);
   // Vertices that the last phase changed.
   [[nodiscard]] std::span<const mesh::VertexId> moved() const { return moved_; }
 
@@ -133,8 +136,8 @@ class SelfContact {
   // Returns true if few enough vertices strayed for the list to be renewed in part.
   [[nodiscard]] bool may_follow() const;
   // Gives them new lines, relative to the motion that all vertices share: `since` (s) after the list was made they are
-  // at x and move with v.
-  void follow_strayed(const linear::VertexField& x, const linear::VertexField& v, double since);
+  // at x and move with v, or with smooth_velocity().
+  void follow_strayed(const linear::VertexField& x, const linear::VertexField& v, double since, bool is_smoothed);
   // Widens the slack of vertices that strayed from the last list.
   void adapt_slack(const linear::VertexField& x);
   // Looks for pairs from positions x on.
@@ -170,6 +173,7 @@ class SelfContact {
   // Sets Contact::bias: vertices fall until the middle of the interval, unless they are held or lie on a body. Measured
   // accelerations would add energy where vertices vibrate.
   void set_biases(double kicked);
+  void respond_softly(linear::VertexField& v);
   void respond_softly(std::size_t contact, linear::VertexField& v);
   void support(Support& support, linear::VertexField& v);
   bool respond_hard(std::size_t contact, linear::VertexField& v);

@@ -54,7 +54,7 @@ void SelfContact::renew_list(const linear::VertexField& x, const linear::VertexF
     find_strayed(x, v, step_.h * interval_, 0.8);
     if (strayed_.empty()) return;
     if (may_follow()) {
-      follow_strayed(x, v, step_.h * (substep - list_begin_));
+      follow_strayed(x, v, step_.h * (substep - list_begin_), true);
       return;
     }
   }
@@ -66,7 +66,8 @@ bool SelfContact::may_follow() const {
   return tree_.is_fitted() && kLeast * strayed_.size() < tree_.features().vertices.size();
 }
 
-void SelfContact::follow_strayed(const linear::VertexField& x, const linear::VertexField& v, double since) {
+void SelfContact::follow_strayed(const linear::VertexField& x, const linear::VertexField& v, double since,
+                                 bool is_smoothed) {
   // Other vertices have strayed by what all have in common, which does not count.
   const std::vector<VertexId>& vertices = tree_.features().vertices;
   Eigen::Vector3d shift = Eigen::Vector3d::Zero(), drift = Eigen::Vector3d::Zero();
@@ -78,7 +79,7 @@ void SelfContact::follow_strayed(const linear::VertexField& x, const linear::Ver
   drift /= static_cast<double>(vertices.size());
   for (const VertexId i : strayed_) {
     is_strayed_[static_cast<std::size_t>(i)] = 1;
-    v_list_.col(i) = smooth_velocity(v, i) - drift;
+    v_list_.col(i) = (is_smoothed ? smooth_velocity(v, i) : Eigen::Vector3d(v.col(i))) - drift;
     x_list_.col(i) = x.col(i) - shift - since * v_list_.col(i);
   }
   ++counters_.searches;
@@ -111,7 +112,7 @@ void SelfContact::follow_strayed(const linear::VertexField& x, const linear::Ver
 void SelfContact::find_again(const linear::VertexField& x) {
   const double since = step_.h * interval_;
   way_ = (x - x_then_) / since;
-  if (may_follow()) return follow_strayed(x_then_, way_, step_.h * (substep_ - list_begin_));
+  if (may_follow()) return follow_strayed(x_then_, way_, step_.h * (substep_ - list_begin_), false);
   x_list_ = x_then_;
   v_list_ = way_;
   list_begin_ = substep_;

@@ -124,7 +124,7 @@ struct SetMaterial {
 
 // Replaces those settings that are present. Lips that lie on each other are parted if self-contact is turned on.
 // Automatic steps are chosen again when it is turned on or off. Errors when it is turned on: kFailedPrecondition
-// SELF_CONTACT_IMPLICIT if steps are implicit at present, SELF_CONTACT_PLANAR if the sheet is planar.
+// SELF_CONTACT_PLANAR if the sheet is planar.
 struct SetSelfContact {
   std::optional<bool> is_on;
   std::optional<double> friction;   // -, range as above

@@ -100,12 +100,6 @@ Status validate_self_contact(const SheetConfig& config) {
   const SelfContact& given = config.self_contact;
   KERF_TRY(validate(SetSelfContact{given.is_on, given.friction, given.thickness}, "self_contact"));
   if (!given.is_on) return Nothing{};
-  if (is_implicit(config.integrator.kind)) {
-    return invalid_argument("SELF_CONTACT_IMPLICIT",
-                            "integrator.kind is an implicit one, and only explicit steps have self_contact: set "
-                            "integrator.kind to AUTOMATIC or EXPLICIT_LEAPFROG, or self_contact.mode to OFF",
-                            "integrator.kind");
-  }
   if (config.planar) {
     return invalid_argument("SELF_CONTACT_PLANAR",
                             "self_contact.mode is ON, but a planar sheet has no folds that could touch: set "

@@ -235,8 +235,8 @@ struct SheetConfig {
   Eigen::Vector3d gravity{0.0, 0.0, -9.81};  // m/s^2, |.| <= 1e4
   Wind wind;                                 // default: no air
   std::vector<contact::Collider> colliders;  // at most kMaxColliders
-  SelfContact self_contact;                  // if on, the integrator must be explicit or automatic
-  double tick_rate_hz = 60.0;                // 1..1000; a tick is 1 / tick_rate_hz seconds
+  SelfContact self_contact;
+  double tick_rate_hz = 60.0;  // 1..1000; a tick is 1 / tick_rate_hz seconds
   IntegratorSettings integrator;
   std::int32_t max_vertices = kMaxVertices;  // 3..kMaxVertices; a cut that would need more is refused
   std::vector<Constraint> constraints;       // at most kMaxConstraints; they replace pins of the same component

@@ -40,6 +40,11 @@ std::span<const mesh::VertexId> ContactBridge::make_self_contact(fem::State& sta
   return self_contact_.moved();
 }
 
+void ContactBridge::end_self_contact(fem::State& state) {
+  self_contact_.end(state.x, state.v);
+  x_before_ = state.x;
+}
+
 fem::SelfContactStats ContactBridge::take_self_stats(const linear::VertexField& x) {
   const contact::SelfContactCounters& now = self_contact_.counters();
   const contact::SelfContactCounters& before = before_;

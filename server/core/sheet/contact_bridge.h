@@ -35,6 +35,7 @@ class ContactBridge : public fem::ContactConstraint {
                     const std::vector<mesh::VertexId>& removed);
 
   void begin(const linear::VertexField& x) override;
+  [[nodiscard]] bool has_bodies() const override { return !solver_.empty(); }
   [[nodiscard]] int num_inside() const override { return solver_.num_inside(); }
   [[nodiscard]] bool is_calm() const override { return is_calm_; }
   void enforce(double dt, fem::State& state) override;
@@ -60,6 +61,7 @@ class ContactBridge : public fem::ContactConstraint {
                                                      const fem::LocalInertia& inertia, fem::State& state) override;
   [[nodiscard]] int next_self_contact() const override { return self_contact_.next_phase(); }
   std::span<const mesh::VertexId> make_self_contact(fem::State& state) override;
+  void end_self_contact(fem::State& state) override;
   // Begins to count contact of the sheet with itself; take_self_stats() returns what happened since, in a step that
   // ended at positions x, m.
   void begin_self_stats() { before_ = self_contact_.counters(); }

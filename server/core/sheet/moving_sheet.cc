@@ -106,8 +106,11 @@ Status MovingSheet::set_material(const scene::SetMaterial& change) {
 Status MovingSheet::set_self_contact(const scene::SetSelfContact& change) {
   const bool was_on = self_contact().is_on;
   const scene::SelfContact changed = with(self_contact(), change);
-  if (changed.is_on && !was_on) {
-    KERF_TRY(check_self_contact());
+  if (changed.is_on && !was_on && config().planar) {
+    return failed_precondition("SELF_CONTACT_PLANAR",
+                               "a planar sheet has no folds that could touch: create it with planar false to turn "
+                               "self-contact on",
+                               "set_self_contact.mode");
   }
   stepper_.set_self_contact(changed);
   if (changed.is_on == was_on) return Nothing{};
@@ -118,24 +121,6 @@ Status MovingSheet::set_self_contact(const scene::SetSelfContact& change) {
   }
   rebuild();
   return Nothing{};
-}
-
-Status MovingSheet::check_self_contact() const {
-  constexpr const char* kField = "set_self_contact.mode";
-  if (config().planar) {
-    return failed_precondition("SELF_CONTACT_PLANAR",
-                               "a planar sheet has no folds that could touch: create it with planar false to turn "
-                               "self-contact on",
-                               kField);
-  }
-  if (stepper_.integrator().kind() == fem::IntegratorKind::kExplicit) return Nothing{};
-  const std::string remedy = scene::is_implicit(config().integrator.kind)
-                                 ? "create the sheet with integrator.kind AUTOMATIC or EXPLICIT_LEAPFROG"
-                                 : "AUTOMATIC chose them because explicit ones take too long. Set a softer material, "
-                                   "or create the sheet with integrator.kind EXPLICIT_LEAPFROG or self_contact ON";
-  return failed_precondition("SELF_CONTACT_IMPLICIT",
-                             "the sheet's steps are implicit, and only explicit ones have self-contact: " + remedy,
-                             kField);
 }
 
 MovingState MovingSheet::save() const {

@@ -101,8 +101,6 @@ class MovingSheet {
   // Pins exactly `vertices` (sorted, unique), each where it is now.
   void pin(std::vector<mesh::VertexId> vertices);
   void rebuild();
-  // Checks that self-contact can be turned on. Errors: see scene::SetSelfContact.
-  [[nodiscard]] Status check_self_contact() const;
   // Updates everything else after an edit, when mesh, model and state have the same topology again. Returns true if the
   // set of pinned vertices changed.
   bool finish_edit(std::vector<mesh::VertexId> now_pinned, std::span<const mesh::MeshEdit* const> edits,

@@ -123,7 +123,7 @@ class Interaction(SheetPart):
 
         friction: Coulomb's coefficient, 0..10. thickness_m: distance that folds and pieces keep, metres,
         1e-6..0.1; at first the greatest thickness of the sheet's materials. Raises FailedPrecondition:
-        SELF_CONTACT_IMPLICIT if the sheet's steps are implicit, SELF_CONTACT_PLANAR if it is planar.
+        SELF_CONTACT_PLANAR if the sheet is planar.
 
         >>> tick = await sheet.set_self_contact(True, friction=0.5)
         >>> tick = await sheet.set_self_contact(False)

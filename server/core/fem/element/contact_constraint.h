@@ -34,6 +34,8 @@ class ContactConstraint {
   virtual ~ContactConstraint() = default;
   // Called before the first substep from positions `x`, m, and again when a step is discarded and restarted.
   virtual void begin(const linear::VertexField& x) = 0;
+  // True if there are bodies. enforce() and find_gaps() need not be called without.
+  [[nodiscard]] virtual bool has_bodies() const { return true; }
   // Number of vertices that were inside a body, deeper than the sheet is thick, in the last begin(). They are moved out
   // slowly.
   [[nodiscard]] virtual int num_inside() const = 0;
@@ -69,6 +71,8 @@ class ContactConstraint {
   [[nodiscard]] virtual int next_self_contact() const { return 0; }
   // Makes that phase. Changes `state` at the vertices that it returns.
   virtual std::span<const mesh::VertexId> make_self_contact(State& /*state*/) { return {}; }
+  // Stops pairs that touch after the last phase from closing in, if velocities of `state` are not those of its drifts.
+  virtual void end_self_contact(State& /*state*/) {}
 };
 
 }  // namespace kerf::fem

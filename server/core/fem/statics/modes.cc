@@ -25,6 +25,7 @@ constexpr double kShift = -1e-9;
 // -, shift of the inverse, relative to the highest eigenvalue wanted. Nearer to 0 the rounding error of rigid motions,
 // in proportion to 1 / shift, would be too large for the other modes.
 constexpr double kShiftOfHighest = -1e-3;
+constexpr double kNearer = 0.01;  // -, of the shift: eigenvalues as near to 0 or nearer are sought from a nearer shift
 constexpr int kMaxRestarts = 1000;
 constexpr double kTolerance = 1e-10;           // -, relative
 constexpr double kSeparation = 1e-6;           // -, relative; eigenvalues closer together count as one
@@ -223,13 +224,25 @@ int num_missed(const Matrix& stiffness, const Matrix& mass, const Eigen::VectorX
 // Finds the lowest `count` eigenvalues and vectors. Throws Stopped, and the exceptions of Spectra if a factorisation
 // fails.
 Pairs lowest(const Matrix& stiffness, const Matrix& mass, double unit, int count, const StopCondition& stop) {
-  const Eigen::MatrixXd none(stiffness.rows(), 0);
+  const double nearest = kShift * unit;
   double shift = shift_below(stiffness, mass, unit);
-  Pairs found = lanczos(stiffness, mass, none, count, shift, 0, stop);
+  const bool is_stable = shift == nearest;
+  Pairs found{Eigen::VectorXd(0), Eigen::MatrixXd(stiffness.rows(), 0), true};
+  const auto seek = [&](int total) {
+    const int sought = total - static_cast<int>(found.values.size());
+    if (sought > 0) found = merged(found, lanczos(stiffness, mass, found.vectors, sought, shift, 0, stop), total);
+  };
+  while (shift < nearest && found.converged) {
+    // All eigenvalues much nearer to 0 than the shift look alike from there. They are found later, from nearer by.
+    const double nearer = std::min(kNearer * shift, nearest);
+    seek(std::min(count, num_below(stiffness, mass, nearer)));
+    shift = nearer;
+  }
+  if (found.converged) seek(count);
   const double farther = found.converged ? kShiftOfHighest * std::abs(found.values[count - 1]) : shift;
-  if (farther < shift) {
+  if (is_stable && farther < shift) {
     shift = farther;
-    found = lanczos(stiffness, mass, none, count, shift, 0, stop);
+    found = lanczos(stiffness, mass, Eigen::MatrixXd(stiffness.rows(), 0), count, shift, 0, stop);
   }
   const auto count_missed = [&] {
     return found.converged ? num_missed(stiffness, mass, found.values, count - 1, unit) : 0;

@@ -19,6 +19,8 @@ namespace {
 // the more accurate. With clusters the limit is lower, so that cuts do not make stiff sheets slower.
 constexpr double kPreferenceForExplicit = 4.0;
 constexpr double kPreferenceWithClusters = 1.5;
+// The same for a sheet that touches itself: implicit steps only correct their ends, and contact takes most of the time.
+constexpr double kPreferenceWithSelfContact = 20.0;
 constexpr double kSecondOrderCondition = 1e9;  // -, condition number 1 + dt^2 lambda_max
 constexpr int kLeastForFactorCg = 2000;        // vertices; for fewer a factor in double precision is as fast
 
@@ -44,10 +46,11 @@ TickEstimate estimate_planned(const Model& model, const ExplicitIntegrator& plan
   estimate.substeps = planned.planned_substeps(options.tick);
   estimate.explicit_ns = planned.expected_cost(model, options.tick, {}).total();
   estimate.implicit_ns = implicit_cost(model, with_tr_bdf2(model, options), {}).total();
-  const double preference = planned.inertia().empty() ? kPreferenceForExplicit : kPreferenceWithClusters;
-  const bool is_worth_it =
+  const double preference = options.touches_itself      ? kPreferenceWithSelfContact
+                            : planned.inertia().empty() ? kPreferenceForExplicit
+                                                        : kPreferenceWithClusters;
+  estimate.is_explicit =
       estimate.substeps <= options.max_substeps && estimate.explicit_ns <= preference * estimate.implicit_ns;
-  estimate.is_explicit = options.touches_itself || is_worth_it;
   return estimate;
 }
 
@@ -90,7 +93,7 @@ bool AutomaticIntegrator::choose(const Model& model, bool follows) {
   const TickEstimate estimate = estimate_planned(model, explicit_, options_);
   const double condition = 1.0 + options_.tick * options_.tick * model.stiffness_bound().value();
   const IntegratorKind before = kind();
-  std::string_view scheme = options_.touches_itself ? "explicit, as self-contact requires" : "explicit";
+  std::string_view scheme = options_.touches_itself ? "explicit, preferred for self-contact" : "explicit";
   std::string_view solver;
   bool is_other = before != IntegratorKind::kExplicit;
   if (estimate.is_explicit) {

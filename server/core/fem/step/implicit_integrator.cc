@@ -1,6 +1,7 @@
 #include "server/core/fem/step/implicit_integrator.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "server/base/check.h"
 #include "server/core/fem/element/contact_constraint.h"
@@ -35,6 +36,10 @@ std::string_view describe_scheme(IntegratorKind kind) {
       return "implicit: Euler, one step a tick";
   }
 }
+
+// s, longest substep in which the sheet touches itself. Contact stops single vertices while others move, and nothing
+// pulls on them before the next substep: the strain grows with the length of substeps.
+constexpr double kMostWithSelfContact = 1.0 / 240.0;
 
 int num_solves(IntegratorKind kind) {
   switch (kind) {
@@ -103,12 +108,16 @@ StepStats ImplicitIntegrator::step(const Model& model, const Loads& loads, doubl
   StepStats stats;
   scratch_.start.x = state.x;
   scratch_.start.v = state.v;
-  scratch_.stage.contact = contact;
+  const bool has_bodies = contact != nullptr && contact->has_bodies();
+  scratch_.stage.contact = has_bodies ? contact : nullptr;
   solver_.set_stop_condition(stop_.get());
   bool done = false;
-  const int last = num_attempts() + (contact == nullptr && StageSolver::can_majorize(model, loads) ? 1 : -1);
+  const int last = num_attempts() + (!has_bodies && StageSolver::can_majorize(model, loads) ? 1 : -1);
+  const int for_contact = static_cast<int>(std::ceil(dt / kMostWithSelfContact - 1e-9));
+  int least = 1;  // substeps
   for (int i = 0; i <= last && !done; ++i) {
-    const Attempt attempt = attempt_after(i);
+    Attempt attempt = attempt_after(i);
+    attempt.substeps = std::max(attempt.substeps, least);
     stats.flags &= ~(kSubstepped | kMajorized);
     if (attempt.is_majorized) stats.flags |= kMajorized;
     if (attempt.kind != options_.kind) stats.flags |= kDamped;
@@ -121,10 +130,17 @@ StepStats ImplicitIntegrator::step(const Model& model, const Loads& loads, doubl
       stats.interrupted = true;
       return stats;
     }
+    if (done && (stats.flags & kSplitContact) != 0 && attempt.substeps < for_contact) {
+      least = for_contact;
+      done = false;
+      --i;
+    }
     const bool is_taken = i == last || attempt.is_majorized;  // taken even if it ends with too much energy
-    if (done && contact == nullptr) done = keep_energy(model, loads, attempt.kind, state, stats) || is_taken;
+    // Repairs of contact may strain the sheet, which is no fault of the solve.
+    if (done && !has_bodies && (stats.flags & kSplitContact) == 0)
+      done = keep_energy(model, loads, attempt.kind, state, stats) || is_taken;
     if (done) break;
-    stats.flags &= ~(kEnergyLimited | kNotConverged);  // clears the flags of the discarded attempt
+    stats.flags &= ~(kEnergyLimited | kNotConverged | kSplitContact);  // clears the flags of the discarded attempt
     state.x = scratch_.start.x;
     state.v = scratch_.start.v;
   }
@@ -159,14 +175,30 @@ bool ImplicitIntegrator::try_step(const Model& model, const Loads& loads, const 
   stats.substeps = attempt.substeps;
   scratch_.stage.may_repair = attempt.kind == IntegratorKind::kImplicitEuler;
   if (contact != nullptr) contact->begin(state.x);
+  const bool touches_itself = contact != nullptr && contact->touches_itself();
   for (int i = 1; i <= attempt.substeps; ++i) {
     const double time_left = i == attempt.substeps ? 0.0 : dt - h * i;
     const Substep substep{attempt.kind, i - 1, h, time_left, attempt.is_majorized};
+    if (touches_itself) scratch_.before_contact = state.x;
     if (!advance(model, loads, substep, state, stats)) return false;
-    if (contact != nullptr) contact->enforce(h, state);
+    if (scratch_.stage.contact != nullptr) contact->enforce(h, state);
+    if (touches_itself && is_finite(state)) touch_itself(model, loads, h, *contact, state, stats);
     if (!is_finite(state)) return false;
   }
   return true;
+}
+
+// Corrects the end of a substep by contact of the sheet with itself.
+void ImplicitIntegrator::touch_itself(const Model& model, const Loads& loads, double h, ContactConstraint& contact,
+                                      State& state, StepStats& stats) {
+  if (!self_contact_.correct(model, loads, h, scratch_.before_contact, contact, state.x)) return;
+  stats.flags |= kSplitContact;
+  linear::VertexField& change = self_contact_.change();
+  // Vertices that a body has stopped move no more, though their way shows how they did before.
+  if (contact.has_bodies()) solver_.stop_in_contact(change);
+  state.v += change;
+  scratch_.before.v += change;
+  contact.end_self_contact(state);
 }
 
 // Limits the energy of `state`. Returns false if it was exceeded so far that another attempt may do better.
@@ -249,8 +281,9 @@ bool ImplicitIntegrator::advance_tr_bdf2(const Model& model, const Loads& loads,
   stage.time_left = substep.time_left + (1.0 - kGamma) * h;
   if (!solver_.solve(model, loads, scratch_.constant, stage, state, stats)) return false;
 
-  stage.base.x = kNew * state.x - kOld * start.x;
-  stage.base.v = kNew * state.v - kOld * start.v;
+  set_before(start, state);
+  stage.base.x = kNew * state.x - kOld * scratch_.before.x;
+  stage.base.v = kNew * state.v - kOld * scratch_.before.v;
   stage.momentum = model.momentum(stage.base).linear;
   set_ballistic(stage.base, stage.d, stage.d * stage.d, loads.gravity);
   stage.continues = true;
@@ -295,9 +328,22 @@ bool ImplicitIntegrator::advance_bdf2(const Model& model, const Loads& loads, co
     evaluate_constant_force(model, loads, stage.d, stage.base, stats);  // drag is limited by the masses it acts on
     if (!solver_.solve(model, loads, scratch_.constant, stage, state, stats)) return false;
   }
+  set_before(start, state);
+  return true;
+}
+
+// Sets scratch_.before to `start`, from which a later stage extrapolates to beyond `state`. What surfaces have stopped
+// since then counts as never having moved; it would be thrown back otherwise.
+void ImplicitIntegrator::set_before(const State& start, const State& state) {
+  State& before = scratch_.before;
   before.x = start.x;
   before.v = start.v;
-  return true;
+  if (scratch_.stage.contact == nullptr) return;
+  solver_.stop_in_contact(before.v);
+  linear::VertexField& way = scratch_.force;
+  way = state.x - start.x;
+  solver_.stop_in_contact(way);
+  before.x = state.x - way;
 }
 
 void ImplicitIntegrator::evaluate_constant_force(const Model& model, const Loads& loads, double h, const State& state,

@@ -8,6 +8,7 @@
 #include "server/core/fem/model/model.h"
 #include "server/core/fem/model/tick_cost.h"
 #include "server/core/fem/step/integrator.h"
+#include "server/core/fem/step/self_contact_correction.h"
 #include "server/core/fem/step/stage_solver.h"
 #include "server/core/linear/vertex_field.h"
 
@@ -26,6 +27,7 @@ TickCost implicit_cost(const Model& model, const IntegratorOptions& options, con
 //     (StageSolver::solve_majorized). It cannot gain energy, but damps far more.
 //   - If no such bound exists, as with contact (StageSolver::can_majorize), the last attempt is accepted after
 //     EnergyGuard has stopped the sheet.
+// Contact of the sheet with itself corrects the end of each substep.
 // Wind drag is evaluated at the start of each substep, everything else at its end.
 class ImplicitIntegrator final : public Integrator {
  public:
@@ -46,10 +48,11 @@ class ImplicitIntegrator final : public Integrator {
   struct Scratch {
     State start;  // of the step
     State substep_start;
-    State before;                  // start of the previous substep; BDF2 only
-    linear::VertexField force;     // 3 x V, N
-    linear::VertexField constant;  // 3 x V, N: external forces and wind
-    linear::VertexField damped;    // 3 x V, m, scratch of BendingOperator::add_forces
+    State before;                        // from which BDF2 and the second stage of TR-BDF2 extrapolate
+    linear::VertexField force;           // 3 x V, N
+    linear::VertexField constant;        // 3 x V, N: external forces and wind
+    linear::VertexField damped;          // 3 x V, m, scratch of BendingOperator::add_forces
+    linear::VertexField before_contact;  // m, start of the substep, for self-contact
     Stage stage;
   };
 
@@ -77,9 +80,12 @@ class ImplicitIntegrator final : public Integrator {
                 State& state, StepStats& stats);
   // Number of substeps in the first attempt at a step.
   [[nodiscard]] int num_substeps() const { return options_.kind == IntegratorKind::kBdf2 ? kBdf2Substeps : 1; }
+  void touch_itself(const Model& model, const Loads& loads, double h, ContactConstraint& contact, State& state,
+                    StepStats& stats);
   bool keep_energy(const Model& model, const Loads& loads, IntegratorKind kind, State& state, StepStats& stats) const;
   bool advance(const Model& model, const Loads& loads, const Substep& substep, State& state, StepStats& stats);
   void set_ballistic(const State& start, double t, double t2, const Eigen::Vector3d& gravity);
+  void set_before(const State& start, const State& state);
   void begin_trapezoidal(const Model& model, const Loads& loads, double time_left, const State& start);
   bool advance_euler(const Model& model, const Loads& loads, const Substep& substep, State& state, StepStats& stats);
   bool advance_tr_bdf2(const Model& model, const Loads& loads, const Substep& substep, State& state, StepStats& stats);
@@ -94,6 +100,7 @@ class ImplicitIntegrator final : public Integrator {
   std::string explanation_;
   StageSolver solver_;
   Scratch scratch_;
+  SelfContactCorrection self_contact_;
 };
 
 }  // namespace kerf::fem

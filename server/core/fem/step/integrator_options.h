@@ -24,7 +24,7 @@ enum class Precision {
 struct IntegratorOptions {
   IntegratorKind kind = IntegratorKind::kAutomatic;
   double tick = 1.0 / 60.0;     // s, the dt that step() will be called with; only for kAutomatic's estimate
-  bool touches_itself = false;  // true: kAutomatic is explicit at any cost, since implicit steps have no self-contact
+  bool touches_itself = false;  // true: kAutomatic prefers explicit steps, whose self-contact is the more accurate
 
   // Explicit steps. A substep is at most cfl times the stable step, and without damping at most 0.7 times it.
   double cfl = 0.95;  // -, (0, 1)

@@ -152,6 +152,14 @@ void StageContact::add_stiffness(double scale, linear::BlockMatrix& matrix) cons
   }
 }
 
+void StageContact::stop(linear::VertexField& v) const {
+  for (const Entry& entry : entries_) {
+    const Eigen::Vector3d& n = entry.surface.normal;
+    if (!(entry.force.dot(n) > 0.0)) continue;
+    v.col(entry.vertex) -= entry.sticks ? Eigen::Vector3d(v.col(entry.vertex)) : v.col(entry.vertex).dot(n) * n;
+  }
+}
+
 double StageContact::potential(const linear::VertexField& x) const {
   if (contact_ == nullptr) return 0.0;
   double potential = 0.0;

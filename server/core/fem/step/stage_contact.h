@@ -19,6 +19,9 @@ namespace kerf::fem {
 // since the substep began. With one k for both, enforce() removes all of u_t exactly where the vertex sticks, so that
 // sticking does not creep.
 //
+// Velocities: a stage of second order that ends on a surface would reflect what moved towards it, since its velocities
+// follow from positions. stop() makes impacts inelastic instead, and what sticks rests.
+//
 // The displacement at which friction is cut off is tiny, so Newton's method would alternate between sticking and
 // sliding. Hence its primal-dual form is used (Chan, Golub, Mulet 1999, for the similar law of total variation). The
 // tangent uses the friction that the linear step before predicted, cut off at mu N; the force follows the law. The
@@ -56,6 +59,9 @@ class StageContact {
   // Add scale * force to `forces` and scale * stiffness to `matrix`, for the contacts found last.
   void add_forces(double scale, linear::VertexField& forces) const;
   void add_stiffness(double scale, linear::BlockMatrix& matrix) const;
+  // Takes from the velocities `v` (m/s) what a surface stops: all motion along its normal where it pushes, and all
+  // along it where friction holds. The contacts are those found last.
+  void stop(linear::VertexField& v) const;
   // Returns the potential of contact at `x`, J. Its negative gradient is the force that detect(x, kAll) finds, except
   // that limits of friction are those found last.
   [[nodiscard]] double potential(const linear::VertexField& x) const;

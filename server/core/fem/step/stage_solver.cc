@@ -124,9 +124,13 @@ bool StageSolver::solve(const Model& model, const Loads& loads, const linear::Ve
   return true;
 }
 
-void StageSolver::finish(const StageProblem& problem, State& state) const {
+void StageSolver::finish(const StageProblem& problem, State& state) {
   if (is_free(problem)) restore_momentum(problem, state.x);
   state.v = (state.x - problem.stage.base.x) / problem.stage.d;
+  if (contact_.touches()) {
+    contact_.detect(state.x, Update::kAll);
+    contact_.stop(state.v);
+  }
   for (const Pin& pin : problem.loads.pins) state.v.col(pin.vertex) = pin.held(pin.velocity, state.v.col(pin.vertex));
 }
 

@@ -46,6 +46,9 @@ class StageSolver {
   bool solve(const Model& model, const Loads& loads, const linear::VertexField& constant_force, const Stage& stage,
              State& state, StepStats& stats);
 
+  // Calls StageContact::stop() with the contacts of the last solve().
+  void stop_in_contact(linear::VertexField& v) const { contact_.stop(v); }
+
   // Returns true if solve_majorized() applies: to co-rotational sheets that are flat at rest, without bending by angles
   // and without follower loads. It must be called without contact.
   [[nodiscard]] static bool can_majorize(const Model& model, const Loads& loads);
@@ -65,7 +68,7 @@ class StageSolver {
   void resize(const Model& model);
 
   // Finishes a solution: restores momentum and sets velocities.
-  void finish(const StageProblem& problem, State& state) const;
+  void finish(const StageProblem& problem, State& state);
 
   bool iterate(StageProblem& problem, linear::VertexField& x, StepStats& stats);
   // Decides whether `x`, where iterate() stopped without convergence, is taken. Returns true if its incremental

@@ -22,13 +22,15 @@ enum StepFlags : std::uint32_t {
   kInsideBody =
       1U << 9,  // the step began with vertices inside a body, deeper than the sheet is thick: moved out slowly
   kIntersects = 1U << 10,  // the step ended with triangles that pass through each other, though self-contact is on
+  // Contact of the sheet with itself corrected an implicit step after its solve, whose equations do not know of it.
+  kSplitContact = 1U << 11,
 };
 
 // Names of the flags in metrics and results, in the order of their bits.
-inline constexpr std::array<std::string_view, 11> kStepFlagNames{
-    "not_converged", "substepped", "substep_limit", "frozen",      "repaired",  "energy_limited",
-    "widened",       "damped",     "majorized",     "inside_body", "intersects"};
-static_assert(kIntersects == 1U << (kStepFlagNames.size() - 1));
+inline constexpr std::array<std::string_view, 12> kStepFlagNames{
+    "not_converged", "substepped", "substep_limit", "frozen",      "repaired",   "energy_limited",
+    "widened",       "damped",     "majorized",     "inside_body", "intersects", "split_contact"};
+static_assert(kSplitContact == 1U << (kStepFlagNames.size() - 1));
 
 // Number of steps that reported each flag, by bit.
 using FlagCounts = std::array<std::int64_t, kStepFlagNames.size()>;
