@@ -1,5 +1,6 @@
 // Fitting a curve into a box, and perforation.
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -13,6 +14,7 @@
 #include "server/core/cut/fit.h"
 #include "server/core/cut/stroke.h"
 #include "tests/cut/calls.h"
+#include "tests/support/meshes.h"
 
 namespace kerf::cut {
 namespace {
@@ -65,6 +67,63 @@ TEST(CutFit, FillsTheBoxAndIsCentred) {
     const Vector2d size = now.high - now.low;
     EXPECT_NEAR((0.5 * (now.low + now.high) - Vector2d(0.15, 0.5)).norm(), 0.0, 1e-9);
     EXPECT_NEAR(std::max(size.x() / 0.7, size.y() / 0.8), 1.0, 1e-9);
+  }
+}
+
+TEST(CutFit, EveryKindOfCurveIsShifted) {
+  const Vector2d by(0.1, -2.5);
+  const Subpath lines{{1, 2},
+                      {LineTo{{3, 4}}, QuadraticTo{{5, 6}, {7, 8}}, CubicTo{{{{1, 1}, {2, 2}}}, {3, 3}},
+                       ArcTo{{2, 1}, 0.3, false, true, {9, 9}}}};
+  for (const Curve& curve :
+       {Curve(Circle{{1, 2}, 3}), Curve(Ellipse{{1, 2}, {3, 1}, 0.4}), Curve(Polyline{{{0, 1}, {2, -3}}}),
+        Curve(CubicBezier{{{0, 0}, {0, 1}, {1, 1}, {1, 0}}}), Curve(Path{{lines}})}) {
+    Curve shifted = curve;
+    shift(by, shifted);
+    expect_box(extent(shifted), extent(curve).low + by, extent(curve).high + by);
+  }
+  Curve line = Polyline{{{0.3, 1.0}, {2.0, -3.0}}};
+  shift(by, line);
+  EXPECT_EQ(std::get<Polyline>(line).points[0], Vector2d(0.3 + 0.1, 1.0 - 2.5)) << "rounded once";
+}
+
+// Two squares of 1 m, half a metre apart.
+mesh::TriangleMesh two_squares() {
+  return test::must(
+      mesh::import_mesh(test::indexed({{0, 0}, {1, 0}, {1, 1}, {0, 1}, {1.5, 0}, {2.5, 0}, {2.5, 1}, {1.5, 1}},
+                                      {{0, 1, 2}, {0, 2, 3}, {4, 5, 6}, {4, 6, 7}})));
+}
+
+TEST(CutRoom, IsNotLeftByACut) {
+  CutRequest request;
+  request.curve = Polyline{{{-9.0, 0.4}, {9.0, 0.4}}};
+  mesh::TriangleMesh mesh = two_squares();
+  request.room = Box{{1.3, -0.2}, {2.7, 1.2}};
+  EXPECT_EQ(apply(mesh, plan(mesh, request).value())->report.pieces, 3);
+  EXPECT_EQ(mesh.find_violation(), std::nullopt);
+  request.room = Box{{-0.2, -0.2}, {1.2, 1.2}};
+  EXPECT_EQ(apply(mesh, plan(mesh, request).value())->report.pieces, 4);
+  request.room = Box{{5.0, 5.0}, {6.0, 6.0}};
+  EXPECT_EQ(apply(mesh, plan(mesh, request).value())->status, CutStatus::kNoIntersection);
+}
+
+TEST(CutRoom, IsNotLeftByAStripHoweverWide) {
+  for (const double width : {0.1, 0.7, 3.0, 40.0}) {
+    CutRequest request;
+    request.curve = Polyline{{{-9.0, 0.4}, {9.0, 0.4}}};
+    request.options.width_m = width;
+    request.room = Box{{-0.2, -0.2}, {1.2, 1.2}};
+    mesh::TriangleMesh mesh = two_squares();
+    const CutOutcome done = apply(mesh, plan(mesh, request).value()).value();
+    EXPECT_EQ(done.status, CutStatus::kApplied);
+    const double below = std::min(0.4, 0.5 * width), above = std::min(0.6, 0.5 * width);
+    EXPECT_NEAR(done.report.removed_area_m2, below + above, 1e-3) << width;
+    EXPECT_EQ(mesh.find_violation(), std::nullopt);
+    double right = 0.0;
+    for (mesh::TriangleId t = 0; t < mesh.num_triangle_slots(); ++t) {
+      if (mesh.is_solid(t) && mesh.rest_position(mesh.vertices(t)[0]).x() > 1.2) right += mesh.area(t);
+    }
+    EXPECT_NEAR(right, 1.0, 1e-12) << width;
   }
 }
 

@@ -78,7 +78,7 @@ class Cutter {
     }
     KERF_TRY(insertion_.split_lone_edges());
     if (has_width()) {
-      KERF_TRY_ASSIGN(strip_, strip_triangles(mesh_, outline_edges_, plan_.outline, max_strip_area()));
+      KERF_TRY_ASSIGN(strip_, strip_triangles(mesh_, outline_edges_, plan_.outline, plan_.room, max_strip_area()));
     }
     if (has_width() ? strip_.empty() : insertion_.counts().new_lip_edges == 0) {
       editor_.rollback();

@@ -40,6 +40,9 @@ struct CutRequest {
   // Edges near the path whose flip would move the sheet by more than this are split instead. So a bent sheet keeps its
   // shape. Refinement then asks for half of min_angle_deg. Absent: the material plane alone decides. m, >= 0
   std::optional<double> most_shift = std::nullopt;
+  // Box that the cut does not leave, m, material coordinates. Its sides must not cross the sheet. Absent: all of the
+  // sheet may be cut.
+  std::optional<Box> room = std::nullopt;
   // Most vertices that the opened mesh may have after the cut, in [1, mesh::kMaxVertices].
   std::int32_t max_vertices = mesh::kMaxVertices;
   // Snap distance over the local edge length: the path is laid on points and lips that are closer than this. It never
@@ -59,6 +62,7 @@ struct CutPlan {
   double edge_length_m = 0.0;                 // m; the sheet's mean edge length
   double snap_m = 0.0;  // m; snap distance where edges are edge_length_m long; elsewhere it is in proportion
   CutOptions options;
+  std::optional<Box> room;                               // as of CutRequest
   std::int32_t max_vertices = mesh::kMaxVertices;        // as of CutRequest
   double snap = 1.0e-3;                                  // as of CutRequest
   std::vector<mesh::VertexId> fixed_vertices;            // sorted

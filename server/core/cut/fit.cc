@@ -159,4 +159,9 @@ Status fit_into(const Box& box, Curve& curve) {
   return Nothing{};
 }
 
+void shift(const Vector2d& by, Curve& curve) {
+  const Placing placing(Vector2d::Zero(), by, 1.0);
+  std::visit([&placing](auto& alternative) { placing.place(alternative); }, curve);
+}
+
 }  // namespace kerf::cut

@@ -14,4 +14,7 @@ Box extent(const Curve& curve);
 // are below kMinFitExtentM.
 Status fit_into(const Box& box, Curve& curve);
 
+// Moves a curve by a vector, m.
+void shift(const Eigen::Vector2d& by, Curve& curve);
+
 }  // namespace kerf::cut

@@ -154,6 +154,7 @@ Result<CutPlan> plan(const mesh::TriangleMesh& mesh, const CutRequest& request) 
 
   CutPlan plan;
   plan.options = request.options;
+  plan.room = request.room;
   plan.max_vertices = request.max_vertices;
   plan.snap = request.snap;
   plan.fixed_vertices = request.fixed_vertices;
@@ -189,7 +190,8 @@ Result<CutPlan> plan(const mesh::TriangleMesh& mesh, const CutRequest& request) 
   // of the domain on a sheet of few triangles.
   const double clearance = std::min(plan.edge_length_m, kClipRoom * mesh.lattice().room());
   const Eigen::Vector2d margin = Eigen::Vector2d::Constant(clearance + plan.snap_m);
-  const Box room{bounds.min() - margin, bounds.max() + margin};
+  Box room{bounds.min() - margin, bounds.max() + margin};
+  if (request.room) room = {room.low.cwiseMax(request.room->low), room.high.cwiseMin(request.room->high)};
   ScaledCurve simplified;
   if (plan.options.width_m) {
     KERF_TRY_ASSIGN(Outline strip, outline_near(flat, *plan.options.width_m, scale, room));

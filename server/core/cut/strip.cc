@@ -113,7 +113,8 @@ std::vector<OutlineEdges::Edge> OutlineEdges::edges() const {
 }
 
 Result<std::vector<TriangleId>> strip_triangles(const TriangleMesh& mesh, const OutlineEdges& outline_edges,
-                                                const std::vector<Stroke>& outline, double max_area_m2) {
+                                                const std::vector<Stroke>& outline, const std::optional<Box>& room,
+                                                double max_area_m2) {
   StripGrowth growth(mesh, outline_edges);
   std::vector<bool> touched(static_cast<std::size_t>(mesh.num_pieces()), false);
   for (const auto& [from, to] : outline_edges.edges()) {
@@ -134,6 +135,7 @@ Result<std::vector<TriangleId>> strip_triangles(const TriangleMesh& mesh, const 
   for (const TriangleId t : representatives(mesh, touched)) {
     const auto& [a, b, c] = mesh.points(t);
     const Eigen::Vector2d centre = (mesh.point_position(a) + mesh.point_position(b) + mesh.point_position(c)) / 3.0;
+    if (room && !room->contains(centre)) continue;
     if (box.contains(centre) && contains(outline, centre)) growth.add(t);
   }
   fits = fits && growth.grow(max_area_m2);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <unordered_map>
 #include <vector>
 
@@ -34,11 +35,12 @@ class OutlineEdges {
 
 // Returns the solid triangles inside an outline that was put into the mesh, ascending. Older lips may lie inside.
 // `outline`: the whole outline, also beyond the sheet; it decides on pieces that do not touch `outline_edges`.
-// `max_area_m2`: upper bound of the strip's area, m^2.
-// Errors: kFailedPrecondition CUT_NOT_REPRESENTABLE (the strip's sides could not be distinguished: shift the curve),
-// and
+// `room`: box outside of which nothing is removed, m; absent: none. `max_area_m2`: upper bound of the strip's area,
+// m^2. Errors: kFailedPrecondition CUT_NOT_REPRESENTABLE (the strip's sides could not be distinguished: shift the
+// curve), and
 //         STRIP_COVERS_SHEET (nothing would be left).
 Result<std::vector<mesh::TriangleId>> strip_triangles(const mesh::TriangleMesh& mesh, const OutlineEdges& outline_edges,
-                                                      const std::vector<Stroke>& outline, double max_area_m2);
+                                                      const std::vector<Stroke>& outline,
+                                                      const std::optional<Box>& room, double max_area_m2);
 
 }  // namespace kerf::cut
