@@ -142,9 +142,10 @@ int cut(const Session& session, const CutArguments& arguments) {
 }
 
 // Points to the member that an option sets.
-using Target = std::variant<std::optional<std::string> CutArguments::*, std::string CutArguments::*,
-                            double CutArguments::*, std::int64_t CutArguments::*, bool CutArguments::*,
-                            double client::CutOptions::*, std::int32_t client::CutOptions::*>;
+using Target =
+    std::variant<std::optional<std::string> CutArguments::*, std::string CutArguments::*, double CutArguments::*,
+                 std::int64_t CutArguments::*, bool CutArguments::*, double client::CutOptions::*,
+                 std::int32_t client::CutOptions::*, std::string client::CutOptions::*>;
 
 struct OptionRow {
   const char* name;
@@ -187,9 +188,12 @@ std::vector<OptionRow> other_options() {
       {"--dash-offset", &CutOptions::dash_offset, "Start this many metres into the pattern (default 0)", "--dash"},
       {"--width", &CutOptions::width_m,
        "Remove a strip of this width around the curve, metres on the undeformed sheet (default: remove nothing)"},
+      {"--component", &CutOptions::component,
+       "Cut this component of the scene alone, in its own coordinates (default: the coordinates of the whole sheet)"},
       {"--view", &CutArguments::view,
        "Cut along sight lines: the curve is in pixels of a picture taken from \"EYE TARGET [UP]\", each x,y,z in "
-       "metres;\n(0,0) is its top left corner"},
+       "metres;\n(0,0) is its top left corner",
+       nullptr, "--component"},
       {"--picture", &CutArguments::picture, "Size of that picture in pixels (default 640x360)", "--view"},
       {"--fov", &CutArguments::fov_deg, "Vertical field of view of that picture, degrees (default 40)", "--view"},
       {"--layers", &CutArguments::layers,
@@ -268,7 +272,7 @@ void add_cut_command(CLI::App& app, Session& session) {
   curve->require_option(1);
   add_options(*command, *command, other_options(), *arguments);
   CLI::Option* batch = curve->get_option("--batch");
-  for (const char* name : {"--tolerance", "--min-angle", "--fit", "--dash", "--view", "--width"}) {
+  for (const char* name : {"--tolerance", "--min-angle", "--fit", "--dash", "--view", "--width", "--component"}) {
     batch->excludes(command->get_option(name));
   }
   command->callback(

@@ -112,6 +112,13 @@ std::string measurements(const v1::Sheet& sheet) {
     text += format("\n  %lld %s", static_cast<long long>(sheet.intersections()),
                    sheet.intersections() == 1 ? "intersection" : "intersections");
   }
+  for (const v1::SheetComponent& component : sheet.components()) {
+    const v1::MaterialBox& box = component.extent();
+    text += format("\n  component %s: %g,%g to %g,%g, offset %g,%g; vertices %d to %d", component.name().c_str(),
+                   box.min().x(), box.min().y(), box.max().x(), box.max().y(), component.offset().x(),
+                   component.offset().y(), component.first_vertex(),
+                   component.first_vertex() + component.num_vertices() - 1);
+  }
   std::string flags;
   for (const auto& [flag, ticks] : by_name(sheet.flagged_ticks())) {
     flags +=

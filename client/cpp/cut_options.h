@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -34,6 +35,7 @@ struct CutOptions {
   std::vector<double> dash = {};      // Lengths cut and left in turn, m.
   double dash_offset = 0.0;           // Place in the pattern of `dash` where the curve begins, m.
   std::optional<v1::View> view = {};  // Picture of the sheet in whose pixels the curve is.
+  std::string component = {};         // Name of the component in whose coordinates the curve is; it alone is cut.
 };
 
 // Returns a cut to be made later, as one of Sheet::cut_all().
@@ -58,6 +60,7 @@ inline v1::Cut make_cut(v1::Curve curve, const CutOptions& options = {}) {
   cut.mutable_dash()->Assign(options.dash.begin(), options.dash.end());
   cut.set_dash_offset(options.dash_offset);
   if (options.view) *cut.mutable_view() = *options.view;
+  cut.set_component(options.component);
   return cut;
 }
 

@@ -84,7 +84,7 @@ TEST(IntersectionsProbe, CountsAboutVibrations) {
   scene::SheetConfig config = looping();
   config.constraints[0].displacements.col(0).setZero();
   scene::Constraint& all = config.constraints[0];
-  std::get<std::vector<mesh::VertexId>>(all.region).resize(200);  // others stay free
+  std::get<std::vector<mesh::VertexId>>(all.region.shape).resize(200);  // others stay free
   all.displacements.conservativeResize(3, 200);
   all.displacements.setZero();
   sheet::Sheet sheet = sheet::make(config);

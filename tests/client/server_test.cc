@@ -103,7 +103,8 @@ TEST(CutOptions, SayEveryFieldOfTheMessage) {
                        .fit_sheet = true,
                        .dash = {0.1, 0.05},
                        .dash_offset = 0.02,
-                       .view = v1::View()};
+                       .view = v1::View(),
+                       .component = "ribbon"};
   const v1::Cut cut = make_cut(circle({0.5, 0.5}, 0.1), all);
   std::vector<const google::protobuf::FieldDescriptor*> said;
   cut.GetReflection()->ListFields(cut, &said);

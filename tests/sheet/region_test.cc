@@ -29,7 +29,7 @@ scene::SheetConfig ring() {
 }
 
 Vertices found(const Sheet& sheet, const scene::Region& region) {
-  return scene::find_vertices(sheet.mesh(), region, "").value();
+  return scene::find_vertices(sheet.mesh(), scene::place(region, sheet.components(), "").value(), "").value();
 }
 
 // Vertices at which `holds` of the material position.
@@ -44,7 +44,9 @@ Vertices where(const Sheet& sheet, Predicate holds) {
 
 TEST(Regions, OfLinesNearestVerticesAndTheWholeSheet) {
   const mesh::TriangleMesh mesh = make(flat(5)).mesh();
-  const auto found = [&](const scene::Region& region) { return scene::find_vertices(mesh, region, "pins[0]").value(); };
+  const auto found = [&](const scene::Region& region) {
+    return scene::find_vertices(mesh, {region.shape}, "pins[0]").value();
+  };
   EXPECT_EQ(found(scene::MaterialLine{{0.0, 0.5}, {0.5, 0.5}}), (Vertices{10, 11, 12}));
   EXPECT_EQ(found(scene::MaterialLine{{0.0, 0.0}, {1.0, 1.0}}), (Vertices{0, 6, 12, 18, 24}));
   EXPECT_EQ(found(scene::MaterialLine{{0.5, 0.5}, {0.5, 0.5}, 0.26}), (Vertices{7, 11, 12, 13, 17}));  // a disc
@@ -57,7 +59,7 @@ TEST(Regions, TellTheTwoLipsOfACutApart) {
   Sheet sheet = make(flat(9));
   ASSERT_TRUE(apply(sheet, scenes::line_cut({0.25, 0.5}, {0.75, 0.5})).ok());
   scene::MaterialLine line{{0.25, 0.5}, {0.75, 0.5}};
-  const auto found = [&] { return scene::find_vertices(sheet.mesh(), scene::Region(line), "").value(); };
+  const auto found = [&] { return scene::find_vertices(sheet.mesh(), {line}, "").value(); };
   const std::size_t both = found().size();
   line.side = scene::MaterialLine::Side::kLeft;
   const std::vector<mesh::VertexId> upper = found();
@@ -178,7 +180,7 @@ TEST(CurveRegions, HaveTheTrianglesOnTheirSide) {
   const Sheet sheet = make(config);
   const Vector2d zero(0.0, 0.0);
   double area = 0.0;
-  const std::vector<mesh::TriangleId> inside = scene::find_triangles(sheet.mesh(), scene::Region(disc), "").value();
+  const std::vector<mesh::TriangleId> inside = scene::find_triangles(sheet.mesh(), {disc}, "").value();
   for (const mesh::TriangleId t : inside) {
     const auto& corner = sheet.mesh().vertices(t);
     Vector2d centroid = zero;

@@ -90,7 +90,7 @@ std::vector<Field> material_fields() {
       {"mass damping", [](SheetConfig& c) -> double& { return c.material.mass_damping; }},
       {"stiffness damping", [](SheetConfig& c) -> double& { return c.materials[0].material.stiffness_damping; }},
       {"region of a material",
-       [](SheetConfig& c) -> double& { return std::get<scene::MaterialBox>(c.materials[0].region).max.x(); }},
+       [](SheetConfig& c) -> double& { return std::get<scene::MaterialBox>(c.materials[0].region.shape).max.x(); }},
   };
 }
 

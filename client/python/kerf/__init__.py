@@ -36,7 +36,7 @@ from kerf.errors import (
 )
 from kerf.frames import Frame
 from kerf.images import Codec, ColorBy, Image, decode_image
-from kerf.regions import Edge, Place, along, box, edge, nearest, vertices, whole, wind
+from kerf.regions import Edge, Place, along, box, edge, nearest, of_component, vertices, whole, wind
 from kerf.runs import Run, load_run
 from kerf.scenes import SheetOptions
 from kerf.version import __version__
@@ -90,6 +90,7 @@ __all__ = [
     "load_cuts",
     "load_run",
     "nearest",
+    "of_component",
     "polyline",
     "rational",
     "save_cuts",

@@ -73,6 +73,18 @@ def whole() -> conditions_pb2.Region:
     return conditions_pb2.Region(all=True)
 
 
+def of_component(name: str, place: Place) -> conditions_pb2.Region:
+    """A part of one component of the scene, in its own coordinates.
+
+    >>> of_component("ribbon", "left").component
+    'ribbon'
+    """
+    region = conditions_pb2.Region()
+    region.CopyFrom(_as_region(place))
+    region.component = name
+    return region
+
+
 def as_regions(places: Iterable[Place]) -> List[conditions_pb2.Region]:
     """Converts places to regions. Raises TypeError if one is neither text nor region, ValueError if no edge has this
     name."""

@@ -237,7 +237,8 @@ Status Probes::check(const sheet::Sheet& sheet, const Probe& probe, const std::s
   }
   if (!probe.region) return Nothing{};
   const std::string field = path + ".region";
-  KERF_TRY_ASSIGN(const std::vector<mesh::VertexId> found, find_vertices(sheet.mesh(), *probe.region, field));
+  KERF_TRY_ASSIGN(const scene::PlacedRegion region, scene::place(*probe.region, sheet.components(), field));
+  KERF_TRY_ASSIGN(const std::vector<mesh::VertexId> found, find_vertices(sheet.mesh(), region, field));
   const bool may_fill = found.empty() && scene::schedules_cuts(sheet.config());
   if (may_fill || !members_of(sheet, probe).empty()) return Nothing{};
   return invalid_argument("REGION_EMPTY", field + " contains no part of the sheet", field);
@@ -305,10 +306,8 @@ Probes::Place Probes::place_at(const sheet::Sheet& sheet, const Probe& probe, co
 
 std::vector<Probes::Member> Probes::members_of(const sheet::Sheet& sheet, const Probe& probe) {
   const mesh::TriangleMesh& mesh = sheet.mesh();
-  scene::Region region = *probe.region;
-  if (auto* listed = std::get_if<std::vector<mesh::VertexId>>(&region)) {
-    std::erase_if(*listed, [&](mesh::VertexId v) { return v >= mesh.num_vertices() || !mesh.has_material(v); });
-  }
+  scene::PlacedRegion region = scene::place(*probe.region, sheet.components(), "").value();
+  forget_removed(mesh, region);
   const std::vector<mesh::VertexId> vertices = find_vertices(mesh, region, "").value();
   std::vector<Member> members;
   const bool is_field = is_in_plane(probe.quantity);

@@ -21,13 +21,12 @@ double total_length(const std::vector<BorderEdge>& edges) {
   return sum;
 }
 
-// Returns the vertices of the region. Leaves out listed vertices that cuts or undos have removed or left without
-// material.
-std::vector<VertexId> vertices_of(const mesh::TriangleMesh& mesh, Region region) {
-  if (auto* listed = std::get_if<std::vector<VertexId>>(&region)) {
-    std::erase_if(*listed, [&](VertexId v) { return v >= mesh.num_vertices() || !mesh.has_material(v); });
-  }
-  return find_vertices(mesh, region, "").value();
+// Returns the vertices of the region, which was checked when the sheet was made. Leaves out listed vertices that cuts
+// or undos have removed or left without material.
+std::vector<VertexId> vertices_of(const mesh::TriangleMesh& mesh, const Region& region, const BuiltMesh& initial) {
+  PlacedRegion placed = place(region, initial.components, "").value();
+  forget_removed(mesh, placed);
+  return find_vertices(mesh, placed, "").value();
 }
 
 // Returns the outward normal of a border edge: a unit vector in the world, in the plane of the sheet as it starts, away
@@ -62,7 +61,7 @@ struct FindPlace {
 Status check_point(const PointForce& point, const mesh::TriangleMesh& mesh, const std::string& path) {
   if (const auto* vertex = std::get_if<VertexId>(&point.point)) {
     const std::string field = path + ".point.vertex";
-    if (find_vertices(mesh, Region(std::vector<VertexId>{*vertex}), field).ok()) return Nothing{};
+    if (find_vertices(mesh, {std::vector<VertexId>{*vertex}}, field).ok()) return Nothing{};
     return invalid_argument("UNKNOWN_VERTEX",
                             field + " is " + std::to_string(*vertex) + "; the sheet has vertices 0.." +
                                 std::to_string(mesh.num_vertices() - 1),
@@ -91,7 +90,8 @@ Result<AppliedForces> AppliedForces::create(std::shared_ptr<const SheetConfig> c
     }
     const Place place = std::visit(FindPlace{}, loads[i].kind);
     const std::string field = path + "." + place.name + ".region";
-    KERF_TRY_ASSIGN(const std::vector<VertexId> region, find_vertices(mesh, *place.region, field));
+    KERF_TRY_ASSIGN(const PlacedRegion placed, scene::place(*place.region, initial.components, field));
+    KERF_TRY_ASSIGN(const std::vector<VertexId> region, find_vertices(mesh, placed, field));
     if (place.is_border && schedules_cuts(*forces.config_)) continue;
     if (!(place.is_border ? edges_in(mesh, region).empty() : triangles_in(mesh, region).empty())) continue;
     const char* const what = place.is_border ? " does not contain both ends of any border edge of the sheet"
@@ -136,7 +136,7 @@ void AppliedForces::follow(const PointForce& load, const mesh::TriangleMesh& mes
 
 void AppliedForces::follow(const EdgeForce& load, const mesh::TriangleMesh& mesh, const BuiltMesh& initial,
                            Shares& shares) {
-  const std::vector<BorderEdge> edges = edges_in(mesh, vertices_of(mesh, load.region));
+  const std::vector<BorderEdge> edges = edges_in(mesh, vertices_of(mesh, load.region, initial));
   const double unit = load.is_total && !load.normal ? total_length(edges) : 1.0;
   for (const BorderEdge& edge : edges) {
     Eigen::Vector3d force = load.force;
@@ -153,9 +153,9 @@ void AppliedForces::follow(const EdgeForce& load, const mesh::TriangleMesh& mesh
   }
 }
 
-void AppliedForces::follow(const AreaForce& load, const mesh::TriangleMesh& mesh, const BuiltMesh& /*initial*/,
+void AppliedForces::follow(const AreaForce& load, const mesh::TriangleMesh& mesh, const BuiltMesh& initial,
                            Shares& shares) {
-  const std::vector<mesh::TriangleId> triangles = triangles_in(mesh, vertices_of(mesh, load.region));
+  const std::vector<mesh::TriangleId> triangles = triangles_in(mesh, vertices_of(mesh, load.region, initial));
   double unit = load.is_total ? 0.0 : 1.0;
   for (const mesh::TriangleId t : triangles) unit += load.is_total ? rest_area(mesh, t) : 0.0;
   for (const mesh::TriangleId t : triangles) {
@@ -164,14 +164,14 @@ void AppliedForces::follow(const AreaForce& load, const mesh::TriangleMesh& mesh
   }
 }
 
-void AppliedForces::follow(const Pressure& load, const mesh::TriangleMesh& mesh, const BuiltMesh& /*initial*/,
+void AppliedForces::follow(const Pressure& load, const mesh::TriangleMesh& mesh, const BuiltMesh& initial,
                            Shares& shares) {
-  shares.pressed = triangles_in(mesh, vertices_of(mesh, load.region));
+  shares.pressed = triangles_in(mesh, vertices_of(mesh, load.region, initial));
 }
 
-void AppliedForces::follow(const EdgeMoment& load, const mesh::TriangleMesh& mesh, const BuiltMesh& /*initial*/,
+void AppliedForces::follow(const EdgeMoment& load, const mesh::TriangleMesh& mesh, const BuiltMesh& initial,
                            Shares& shares) {
-  const std::vector<BorderEdge> edges = edges_in(mesh, vertices_of(mesh, load.region));
+  const std::vector<BorderEdge> edges = edges_in(mesh, vertices_of(mesh, load.region, initial));
   const double unit = load.is_total ? total_length(edges) : 1.0;
   for (const BorderEdge& edge : edges) shares.moments.push_back({edge.slot, edge.edge, load.moment / unit});
 }

@@ -35,6 +35,13 @@ Status validate_command(const Cut& cut) {
     return invalid_argument("OPTIONS_CONFLICT", field + " needs method NEIGHBOURHOOD; leave one of them out", field);
   }
   if (!cut.view) return Nothing{};
+  if (!cut.component.empty()) {
+    return invalid_argument(
+        "COMPONENT_WITH_VIEW",
+        "a curve in pixels of a picture cannot be in the coordinates of a component, too: leave out "
+        "the component or the view",
+        "cut.component");
+  }
   if (options.fit) {
     return invalid_argument("FIT_WITH_VIEW",
                             "a curve in pixels of a picture cannot be fitted into a box of the sheet, as a drawing "

@@ -55,6 +55,8 @@ struct Cut {
   cut::CutOptions options;
   std::optional<cut::View> view;     // present: `curve` is in pixels of this picture instead
   std::vector<std::string> remarks;  // remarks on how the curve was made; they become the first warnings of the reply
+  std::string component;             // name: the curve and the fit are in its own coordinates, and it alone is cut;
+                                     // empty: they are in the scene's material plane. Not together with a view
 };
 
 // Cuts done one after another as a single command, with one topology version and one undo step. If one cut is refused,

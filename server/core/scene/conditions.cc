@@ -2,17 +2,47 @@
 
 #include <algorithm>
 
+#include "server/base/overloaded.h"
 #include "server/core/scene/field_checks.h"
 
 namespace kerf::scene {
 
 namespace {
 
+Status validate_box(const MaterialBox& box, const std::string& field) {
+  KERF_TRY(check_vector(box.min, kMaxMaterialCoordinate, field + ".min"));
+  KERF_TRY(check_vector(box.max, kMaxMaterialCoordinate, field + ".max"));
+  if (box.min.x() <= box.max.x() && box.min.y() <= box.max.y()) return Nothing{};
+  return invalid_argument("BOX_INVERTED", field + ".max must not be less than min", field + ".max");
+}
+
+Status validate_line(const MaterialLine& line, const std::string& field) {
+  KERF_TRY(check_vector(line.a, kMaxMaterialCoordinate, field + ".a"));
+  KERF_TRY(check_vector(line.b, kMaxMaterialCoordinate, field + ".b"));
+  if (line.side != MaterialLine::Side::kBoth && line.a == line.b) {
+    return invalid_argument("LINE_EMPTY", field + ".b must differ from a: a point has no sides", field + ".b");
+  }
+  return check_number(line.within, 0.0, kMaxMaterialCoordinate, field + ".within_m");
+}
+
+Status validate_curve(const MaterialCurve& curve, const std::string& field) {
+  KERF_TRY(check_curve(curve.curve, field + ".curve"));
+  return check_number(curve.within, 0.0, kMaxMaterialCoordinate, field + ".within_m");
+}
+
+Status validate_ids(const std::vector<mesh::VertexId>& ids, const std::string& field) {
+  KERF_TRY(check_count(ids.size(), kMaxListedVertices, "vertex ids", field));
+  for (std::size_t k = 0; k < ids.size(); ++k) {
+    if (ids[k] < 0) return check_vertex_id(ids[k], field + "[" + std::to_string(k) + "]");
+  }
+  return Nothing{};
+}
+
 Status validate_displacements(const Constraint& constraint, const std::string& path) {
   const auto count = static_cast<std::size_t>(constraint.displacements.cols());
   if (count == 0) return Nothing{};
   const std::string field = path + ".displacements_m";
-  const auto* ids = std::get_if<std::vector<mesh::VertexId>>(&constraint.region);
+  const auto* ids = std::get_if<std::vector<mesh::VertexId>>(&constraint.region.shape);
   if (ids == nullptr || ids->size() != count) {
     return invalid_argument(
         "LENGTH_MISMATCH",
@@ -106,6 +136,35 @@ double History::at(double time, double absent) const {
   const auto i = static_cast<std::size_t>(above - times.begin());
   const double part = (time - times[i - 1]) / (times[i] - times[i - 1]);
   return factors[i - 1] + part * (factors[i] - factors[i - 1]);
+}
+
+Status validate(const Region& region, const std::string& field) {
+  const auto check_point = [](const Eigen::Vector2d& point, const std::string& path) {
+    return check_vector(point, kMaxMaterialCoordinate, path);
+  };
+  return std::visit(
+      Overloaded{
+          [](RegionEdge /*edge*/) -> Status { return Nothing{}; },
+          [&](const MaterialBox& box) { return validate_box(box, field + ".box"); },
+          [&](const std::vector<mesh::VertexId>& ids) { return validate_ids(ids, field + ".vertices.vertices"); },
+          [&](const MaterialLine& line) { return validate_line(line, field + ".line"); },
+          [&](const NearestVertex& nearest) { return check_point(nearest.point, field + ".nearest"); },
+          [](const WholeSheet& /*whole*/) -> Status { return Nothing{}; },
+          [&](const MaterialCurve& curve) { return validate_curve(curve, field + ".curve"); },
+          [&](const NearestBorder& border) { return check_point(border.point, field + ".border"); },
+      },
+      region.shape);
+}
+
+Status validate(const std::vector<Region>& regions, const std::string& field) {
+  KERF_TRY(check_count(regions.size(), kMaxRegions, "regions", field));
+  std::size_t num_ids = 0;
+  for (std::size_t i = 0; i < regions.size(); ++i) {
+    KERF_TRY(validate(regions[i], field + "[" + std::to_string(i) + "]"));
+    const auto* ids = std::get_if<std::vector<mesh::VertexId>>(&regions[i].shape);
+    if (ids != nullptr) num_ids += ids->size();
+  }
+  return check_count(num_ids, kMaxListedVertices, "vertex ids", field);
 }
 
 Status validate(const History& history, const std::string& field) {

@@ -1,8 +1,11 @@
 #pragma once
 
 #include <array>
+#include <concepts>
 #include <optional>
 #include <string>
+#include <type_traits>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -70,9 +73,20 @@ struct NearestVertex {
 
 struct WholeSheet {};
 
-// Selects vertices of the sheet.
-using Region = std::variant<RegionEdge, MaterialBox, std::vector<mesh::VertexId>, MaterialLine, NearestVertex,
-                            WholeSheet, MaterialCurve, NearestBorder>;
+using RegionShape = std::variant<RegionEdge, MaterialBox, std::vector<mesh::VertexId>, MaterialLine, NearestVertex,
+                                 WholeSheet, MaterialCurve, NearestBorder>;
+
+// Selects vertices of the sheet, or of one component.
+struct Region {
+  Region() = default;
+  template <typename Shape>
+  requires(!std::same_as<std::remove_cvref_t<Shape>, Region> && std::constructible_from<RegionShape, Shape>)
+      Region(Shape&& given, std::string of = {})  // NOLINT(google-explicit-constructor)
+      : shape(std::forward<Shape>(given)), component(std::move(of)) {}
+
+  RegionShape shape;      // m, in the scene's material plane, or in the component's own coordinates
+  std::string component;  // name; empty: the whole sheet. Edges, corners and numbers of vertices are the component's
+};
 
 // Distance within which a vertex counts as on an edge or line.
 inline constexpr double kRegionTolerance = 1.0e-9;  // -, over the larger side of the bounding box in material

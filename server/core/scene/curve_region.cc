@@ -70,7 +70,8 @@ double CurveRegion::offset(const Eigen::Vector2d& at) const {
   return found.left.dot(at - found.point);
 }
 
-std::vector<mesh::VertexId> border_vertices(const mesh::TriangleMesh& mesh, const Eigen::Vector2d& point) {
+std::vector<mesh::VertexId> border_vertices(const mesh::TriangleMesh& mesh, const Eigen::Vector2d& point,
+                                            const ComponentPlace* component) {
   mesh::TriangleId start = mesh::kNone;
   double least = std::numeric_limits<double>::infinity();
   for (mesh::TriangleId t = 0; t < mesh.num_triangle_slots(); ++t) {
@@ -81,6 +82,7 @@ std::vector<mesh::VertexId> border_vertices(const mesh::TriangleMesh& mesh, cons
       const auto& corner = mesh.points(t);
       const Eigen::Vector2d a = mesh.point_position(corner[static_cast<std::size_t>((k + 1) % 3)]);
       const Eigen::Vector2d b = mesh.point_position(corner[static_cast<std::size_t>((k + 2) % 3)]);
+      if (component != nullptr && !component->room.contains(a)) continue;
       const double distance = (nearest_on(a, b, point) - point).squaredNorm();
       if (!(distance < least)) continue;
       least = distance;

@@ -39,7 +39,9 @@ class CurveRegion {
 };
 
 // Returns the vertices of a NearestBorder: all edges between material and one connected part of the void. `point`: m,
-// material coordinates. Lips do not count as border. The result is unsorted, with repeats.
-std::vector<mesh::VertexId> border_vertices(const mesh::TriangleMesh& mesh, const Eigen::Vector2d& point);
+// material coordinates. Lips do not count as border. The result is unsorted, with repeats. `component`: the nearest
+// border is sought in its room; the void around it also has the outer borders of others. Null: everywhere.
+std::vector<mesh::VertexId> border_vertices(const mesh::TriangleMesh& mesh, const Eigen::Vector2d& point,
+                                            const ComponentPlace* component);
 
 }  // namespace kerf::scene

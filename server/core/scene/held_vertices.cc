@@ -44,8 +44,9 @@ Result<HeldVertices> HeldVertices::create(std::shared_ptr<const SheetConfig> con
   for (std::size_t c = 0; c < held.constraints().size(); ++c) {
     const Constraint& constraint = held.constraints()[c];
     const std::string field = "constraints[" + std::to_string(c) + "].region";
-    KERF_TRY_ASSIGN(const std::vector<VertexId> found, find_vertices(initial.mesh, constraint.region, field));
-    const bool is_listed = std::holds_alternative<std::vector<VertexId>>(constraint.region);
+    KERF_TRY_ASSIGN(const PlacedRegion region, scene::place(constraint.region, initial.components, field));
+    KERF_TRY_ASSIGN(const std::vector<VertexId> found, find_vertices(initial.mesh, region, field));
+    const bool is_listed = std::holds_alternative<std::vector<VertexId>>(region.shape);
     if (found.empty() && (is_listed || !schedules_cuts(*held.config_))) return no_vertex_in(field);
     Group group(found.size());
     for (std::size_t i = 0; i < group.size(); ++i) {
@@ -57,7 +58,7 @@ Result<HeldVertices> HeldVertices::create(std::shared_ptr<const SheetConfig> con
                                                             // interpolation
     }
     if (constraint.displacements.cols() > 0) {
-      const auto& listed = std::get<std::vector<VertexId>>(constraint.region);
+      const auto& listed = std::get<std::vector<VertexId>>(region.shape);
       for (std::size_t k = 0; k < listed.size(); ++k) {
         const auto at = std::lower_bound(found.begin(), found.end(), listed[k]) - found.begin();
         group[static_cast<std::size_t>(at)].displacement = constraint.displacements.col(static_cast<Eigen::Index>(k));
@@ -113,16 +114,17 @@ void HeldVertices::follow(const mesh::TriangleMesh& mesh, std::span<const mesh::
   for (std::size_t c = 0; c < groups_.size(); ++c) {
     const Constraint& constraint = constraints()[c];
     Group& group = groups_[c];
-    if (std::holds_alternative<std::vector<VertexId>>(constraint.region)) {
+    if (std::holds_alternative<std::vector<VertexId>>(constraint.region.shape)) {
       for (const mesh::MeshEdit* const edit : edits) inherit(*edit, group);
       std::erase_if(group,
                     [&](const Start& s) { return s.vertex >= mesh.num_vertices() || !mesh.has_material(s.vertex); });
     } else {
-      // These regions name places, so no vertex can be unknown.
+      // These regions name places, so no vertex can be unknown; components were checked when the sheet was made.
+      const PlacedRegion region = scene::place(constraint.region, initial.components, "").value();
       Group known;
       known.swap(group);
       auto at = known.begin();
-      const std::vector<VertexId> found = find_vertices(mesh, constraint.region, "").value();
+      const std::vector<VertexId> found = find_vertices(mesh, region, "").value();
       for (const VertexId v : found) {
         while (at != known.end() && at->vertex < v) ++at;
         const bool is_known = at != known.end() && at->vertex == v;

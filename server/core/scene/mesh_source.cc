@@ -1,5 +1,6 @@
 #include "server/core/scene/mesh_source.h"
 
+#include <algorithm>
 #include <string>
 #include <utility>
 
@@ -8,27 +9,19 @@
 #include "server/core/mesh/build/mesh_import.h"
 #include "server/core/mesh/build/obj_import.h"
 #include "server/core/mesh/build/ply_import.h"
+#include "server/core/scene/components.h"
 #include "server/core/scene/outline_source.h"
 
 namespace kerf::scene {
 
 namespace {
 
-Eigen::Matrix3Xd place(const mesh::TriangleMesh& mesh, const Placement& placement) {
-  Eigen::Matrix3Xd positions(3, mesh.num_vertices());
-  for (mesh::VertexId v = 0; v < mesh.num_vertices(); ++v) {
-    const Eigen::Vector2d at = mesh.rest_position(v);
-    positions.col(v) = placement.origin + at.x() * placement.x_axis + at.y() * placement.y_axis;
-  }
-  return positions;
-}
-
 Error with_field(Error error, std::string field) {
   error.field = std::move(field);
   return error;
 }
 
-Result<BuiltMesh> build(const GridSource& grid, const Placement& placement, std::int32_t /*max_vertices*/) {
+Result<SourceMesh> build(const GridSource& grid, std::int32_t /*max_vertices*/) {
   mesh::GridConfig config;
   config.num_x = grid.columns;
   config.num_y = grid.rows;
@@ -38,28 +31,27 @@ Result<BuiltMesh> build(const GridSource& grid, const Placement& placement, std:
                                          ? mesh::make_jittered_grid(config, grid.seed)
                                          : mesh::make_grid(config);
   if (!built.ok()) return with_field(built.error(), "grid");
-  Eigen::Matrix3Xd positions = place(*built, placement);
-  return BuiltMesh{std::move(built).value(), std::move(positions)};
+  return SourceMesh{std::move(built).value(), {}, {}};
 }
 
 // Builds a mesh from the content of a file. Positions need no check against the limits of the world, as those of the
 // reader are tighter.
-Result<BuiltMesh> build(Result<mesh::ImportedSheet> parsed, const std::string& field) {
+Result<SourceMesh> build(Result<mesh::ImportedSheet> parsed, const std::string& field) {
   if (!parsed.ok()) return with_field(parsed.error(), field);
   Result<mesh::TriangleMesh> built = mesh::import_mesh(parsed->sheet);
   if (!built.ok()) return with_field(built.error(), field);
-  return BuiltMesh{std::move(built).value(), std::move(parsed->world)};
+  return SourceMesh{std::move(built).value(), std::move(parsed->world), std::move(parsed->sheet.surface)};
 }
 
-Result<BuiltMesh> build(const ObjSource& obj, const Placement& /*placement*/, std::int32_t /*max_vertices*/) {
+Result<SourceMesh> build(const ObjSource& obj, std::int32_t /*max_vertices*/) {
   return build(mesh::parse_obj(obj.text, obj.rest_shape), "obj.text");
 }
 
-Result<BuiltMesh> build(const PlySource& ply, const Placement& /*placement*/, std::int32_t /*max_vertices*/) {
+Result<SourceMesh> build(const PlySource& ply, std::int32_t /*max_vertices*/) {
   return build(mesh::parse_ply(ply.data, ply.rest_shape), "ply.data");
 }
 
-Result<BuiltMesh> build(const ArraySource& arrays, const Placement& placement, std::int32_t /*max_vertices*/) {
+Result<SourceMesh> build(const ArraySource& arrays, std::int32_t /*max_vertices*/) {
   mesh::IndexedMesh indexed;
   indexed.rest = arrays.material_positions;
   indexed.triangles = arrays.triangles;
@@ -72,14 +64,12 @@ Result<BuiltMesh> build(const ArraySource& arrays, const Placement& placement, s
                                                           : "inline.triangles");
   }
   const Eigen::Matrix3Xd& given = arrays.positions.cols() > 0 ? arrays.positions : arrays.rest_positions;
-  Eigen::Matrix3Xd positions = given.cols() > 0 ? given : place(*built, placement);
-  return BuiltMesh{std::move(built).value(), std::move(positions)};
+  return SourceMesh{std::move(built).value(), given, arrays.rest_positions};
 }
 
-Result<BuiltMesh> build(const OutlineSource& outline, const Placement& placement, std::int32_t max_vertices) {
+Result<SourceMesh> build(const OutlineSource& outline, std::int32_t max_vertices) {
   KERF_TRY_ASSIGN(mesh::TriangleMesh built, mesh_outline(outline, max_vertices));
-  Eigen::Matrix3Xd positions = place(built, placement);
-  return BuiltMesh{std::move(built), std::move(positions)};
+  return SourceMesh{std::move(built), {}, {}};
 }
 
 }  // namespace
@@ -99,12 +89,37 @@ Eigen::Matrix<double, 3, 2> BuiltMesh::gradient_at(const MaterialPoint& point) c
   return edges * rest.inverse();
 }
 
-Result<BuiltMesh> build_mesh(const MeshSource& source, const Placement& placement, std::int32_t max_vertices) {
-  Result<BuiltMesh> built = std::visit([&](const auto& s) { return build(s, placement, max_vertices); }, source);
+double BuiltMesh::size() const {
+  if (components.empty()) return mesh.bounding_box().sizes().maxCoeff();
+  double largest = 0.0;
+  for (const ComponentPlace& component : components) largest = std::max(largest, component.extent.sizes().maxCoeff());
+  return largest;
+}
+
+Result<SourceMesh> build_source(const MeshSource& source, std::int32_t max_vertices) {
+  Result<SourceMesh> built = std::visit([&](const auto& s) { return build(s, max_vertices); }, source);
   if (built.ok()) {
-    KERF_CHECK(built->positions.cols() == built->mesh.num_vertices(), "importer lost or added vertices");
+    const Eigen::Index given = built->positions.cols();
+    KERF_CHECK(given == 0 || given == built->mesh.num_vertices(), "importer lost or added vertices");
   }
   return built;
+}
+
+Eigen::Matrix3Xd place(const mesh::TriangleMesh& mesh, const Placement& placement) {
+  Eigen::Matrix3Xd positions(3, mesh.num_vertices());
+  for (mesh::VertexId v = 0; v < mesh.num_vertices(); ++v) {
+    const Eigen::Vector2d at = mesh.rest_position(v);
+    positions.col(v) = placement.origin + at.x() * placement.x_axis + at.y() * placement.y_axis;
+  }
+  return positions;
+}
+
+Result<BuiltMesh> build_mesh(const SheetConfig& config) {
+  if (!config.components.empty()) return build_components(config);
+  KERF_TRY_ASSIGN(SourceMesh built, build_source(config.mesh, config.max_vertices));
+  Eigen::Matrix3Xd positions =
+      built.positions.cols() > 0 ? std::move(built.positions) : place(built.mesh, config.placement);
+  return BuiltMesh{std::move(built.mesh), std::move(positions), {}};
 }
 
 }  // namespace kerf::scene

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -14,7 +15,12 @@ namespace kerf::scene {
 // A mesh and the start positions of its vertices in the world.
 struct BuiltMesh {
   mesh::TriangleMesh mesh;
-  Eigen::Matrix3Xd positions;  // 3 x V, m
+  Eigen::Matrix3Xd positions;              // 3 x V, m
+  std::vector<ComponentPlace> components;  // by index into SheetConfig::components
+
+  // Returns the larger side of the bounding box in material coordinates, m; that of the largest component, if there are
+  // any.
+  [[nodiscard]] double size() const;
 
   // Returns the point of the mesh at, or nearest to, `material` (m, material coordinates).
   [[nodiscard]] MaterialPoint at(const Eigen::Vector2d& material) const;
@@ -22,9 +28,23 @@ struct BuiltMesh {
   [[nodiscard]] Eigen::Matrix<double, 3, 2> gradient_at(const MaterialPoint& point) const;
 };
 
+// The mesh of one source.
+struct SourceMesh {
+  mesh::TriangleMesh mesh;
+  Eigen::Matrix3Xd positions;  // 3 x V, m, start in the world as the source gives it; or 3 x 0: Placement gives it
+  Eigen::Matrix3Xd surface;    // 3 x V, m, rest shape in space; or 3 x 0 if it is flat
+};
+
 // Builds the mesh of a valid source. Errors: those of the mesh importers and of outline_source.h, with the field as in
 // kerf.v1.Scene. An outline with more than `max_vertices` vertices is refused; for other sources the caller checks
 // their number.
-Result<BuiltMesh> build_mesh(const MeshSource& source, const Placement& placement, std::int32_t max_vertices);
+Result<SourceMesh> build_source(const MeshSource& source, std::int32_t max_vertices);
+
+// Returns the start positions in the world of all vertices, 3 x V, m.
+Eigen::Matrix3Xd place(const mesh::TriangleMesh& mesh, const Placement& placement);
+
+// Builds the mesh of a valid config, from its source or its components. Errors: those of build_source() and
+// build_components().
+Result<BuiltMesh> build_mesh(const SheetConfig& config);
 
 }  // namespace kerf::scene

@@ -9,50 +9,25 @@
 #include "server/base/overloaded.h"
 #include "server/base/sort_unique.h"
 #include "server/core/scene/curve_region.h"
-#include "server/core/scene/field_checks.h"
 
 namespace kerf::scene {
 
 namespace {
 
-Status validate_box(const MaterialBox& box, const std::string& field) {
-  KERF_TRY(check_vector(box.min, kMaxMaterialCoordinate, field + ".min"));
-  KERF_TRY(check_vector(box.max, kMaxMaterialCoordinate, field + ".max"));
-  if (box.min.x() <= box.max.x() && box.min.y() <= box.max.y()) return Nothing{};
-  return invalid_argument("BOX_INVERTED", field + ".max must not be less than min", field + ".max");
-}
-
-Status validate_line(const MaterialLine& line, const std::string& field) {
-  KERF_TRY(check_vector(line.a, kMaxMaterialCoordinate, field + ".a"));
-  KERF_TRY(check_vector(line.b, kMaxMaterialCoordinate, field + ".b"));
-  if (line.side != MaterialLine::Side::kBoth && line.a == line.b) {
-    return invalid_argument("LINE_EMPTY", field + ".b must differ from a: a point has no sides", field + ".b");
-  }
-  return check_number(line.within, 0.0, kMaxMaterialCoordinate, field + ".within_m");
-}
-
-Status validate_curve(const MaterialCurve& curve, const std::string& field) {
-  KERF_TRY(check_curve(curve.curve, field + ".curve"));
-  return check_number(curve.within, 0.0, kMaxMaterialCoordinate, field + ".within_m");
-}
-
-Status validate_ids(const std::vector<mesh::VertexId>& ids, const std::string& field) {
-  KERF_TRY(check_count(ids.size(), kMaxListedVertices, "vertex ids", field));
-  for (std::size_t k = 0; k < ids.size(); ++k) {
-    if (ids[k] < 0) return check_vertex_id(ids[k], field + "[" + std::to_string(k) + "]");
-  }
-  return Nothing{};
-}
-
 double size_of(const mesh::TriangleMesh& mesh) {
   return mesh.bounding_box().sizes().maxCoeff();
 }
 
-mesh::VertexId nearest_vertex(const mesh::TriangleMesh& mesh, const Eigen::Vector2d& corner) {
+bool is_within(const ComponentPlace* component, const Eigen::Vector2d& at) {
+  return component == nullptr || component->room.contains(at);
+}
+
+mesh::VertexId nearest_vertex(const mesh::TriangleMesh& mesh, const ComponentPlace* component,
+                              const Eigen::Vector2d& corner) {
   mesh::VertexId nearest = mesh::kNone;
   double smallest = std::numeric_limits<double>::infinity();
   for (mesh::VertexId v = 0; v < mesh.num_vertices(); ++v) {
-    if (!mesh.has_material(v)) continue;
+    if (!mesh.has_material(v) || !is_within(component, mesh.rest_position(v))) continue;
     const double distance = (mesh.rest_position(v) - corner).squaredNorm();
     if (distance < smallest) {
       smallest = distance;
@@ -68,15 +43,25 @@ void add_in_box(const mesh::TriangleMesh& mesh, const Eigen::AlignedBox2d& box, 
   }
 }
 
-void add_edge(const mesh::TriangleMesh& mesh, RegionEdge edge, std::vector<mesh::VertexId>& found) {
-  const Eigen::AlignedBox2d& bounds = mesh.bounding_box();
+void add_nearest(const mesh::TriangleMesh& mesh, const ComponentPlace* component, const Eigen::Vector2d& point,
+                 std::vector<mesh::VertexId>& found) {
+  const mesh::VertexId nearest = nearest_vertex(mesh, component, point);
+  if (nearest != mesh::kNone) found.push_back(nearest);
+}
+
+void add_edge(const mesh::TriangleMesh& mesh, const ComponentPlace* component, RegionEdge edge,
+              std::vector<mesh::VertexId>& found) {
+  Eigen::AlignedBox2d bounds = mesh.bounding_box();
+  if (component != nullptr) {
+    bounds = {component->extent.min() + component->offset, component->extent.max() + component->offset};
+  }
   if (edge == RegionEdge::kCorners || edge == RegionEdge::kTopCorners) {
     using Corner = Eigen::AlignedBox2d::CornerType;
-    found.push_back(nearest_vertex(mesh, bounds.corner(Corner::TopLeft)));
-    found.push_back(nearest_vertex(mesh, bounds.corner(Corner::TopRight)));
+    add_nearest(mesh, component, bounds.corner(Corner::TopLeft), found);
+    add_nearest(mesh, component, bounds.corner(Corner::TopRight), found);
     if (edge == RegionEdge::kTopCorners) return;
-    found.push_back(nearest_vertex(mesh, bounds.corner(Corner::BottomLeft)));
-    found.push_back(nearest_vertex(mesh, bounds.corner(Corner::BottomRight)));
+    add_nearest(mesh, component, bounds.corner(Corner::BottomLeft), found);
+    add_nearest(mesh, component, bounds.corner(Corner::BottomRight), found);
     return;
   }
   const double slack = kRegionTolerance * size_of(mesh);
@@ -193,7 +178,7 @@ std::vector<mesh::TriangleId> triangles_along(const mesh::TriangleMesh& mesh, co
 }
 
 // Appends the vertices of a region, with repeats. `path`: the path of the region.
-Status add_region(const mesh::TriangleMesh& mesh, const Region& region, const std::string& path,
+Status add_region(const mesh::TriangleMesh& mesh, const PlacedRegion& region, const std::string& path,
                   std::vector<mesh::VertexId>& found) {
   const auto add_all = [&found](const std::vector<mesh::VertexId>& vertices) {
     found.insert(found.end(), vertices.begin(), vertices.end());
@@ -203,18 +188,23 @@ Status add_region(const mesh::TriangleMesh& mesh, const Region& region, const st
       if (mesh.has_material(v)) found.push_back(v);
     }
   };
+  const ComponentPlace* const within = region.within;
+  const std::size_t num_before = found.size();
   Status done = Nothing{};
   std::visit(Overloaded{
-                 [&](RegionEdge edge) { add_edge(mesh, edge, found); },
+                 [&](RegionEdge edge) { add_edge(mesh, within, edge, found); },
                  [&](const MaterialBox& box) { add_in_box(mesh, Eigen::AlignedBox2d(box.min, box.max), found); },
                  [&](const MaterialLine& line) { add_along(mesh, line, found); },
-                 [&](const NearestVertex& nearest) { found.push_back(nearest_vertex(mesh, nearest.point)); },
+                 [&](const NearestVertex& nearest) { add_nearest(mesh, within, nearest.point, found); },
                  [&](const MaterialCurve& curve) { add_along(mesh, curve, found); },
-                 [&](const NearestBorder& border) { add_all(border_vertices(mesh, border.point)); },
+                 [&](const NearestBorder& border) { add_all(border_vertices(mesh, border.point, within)); },
                  [&](const std::vector<mesh::VertexId>& ids) { done = add_listed(mesh, ids, path, found); },
                  [&](const WholeSheet& /*whole*/) { add_whole(); },
              },
-             region);
+             region.shape);
+  const auto is_elsewhere = [&](mesh::VertexId v) { return !is_within(within, mesh.rest_position(v)); };
+  const auto first = found.begin() + static_cast<std::ptrdiff_t>(num_before);
+  if (within != nullptr) found.erase(std::remove_if(first, found.end(), is_elsewhere), found.end());
   return done;
 }
 
@@ -224,36 +214,7 @@ bool has(const std::vector<mesh::VertexId>& sorted, mesh::VertexId v) {
 
 }  // namespace
 
-Status validate(const Region& region, const std::string& field) {
-  const auto check_point = [](const Eigen::Vector2d& point, const std::string& path) {
-    return check_vector(point, kMaxMaterialCoordinate, path);
-  };
-  return std::visit(
-      Overloaded{
-          [](RegionEdge /*edge*/) -> Status { return Nothing{}; },
-          [&](const MaterialBox& box) { return validate_box(box, field + ".box"); },
-          [&](const std::vector<mesh::VertexId>& ids) { return validate_ids(ids, field + ".vertices.vertices"); },
-          [&](const MaterialLine& line) { return validate_line(line, field + ".line"); },
-          [&](const NearestVertex& nearest) { return check_point(nearest.point, field + ".nearest"); },
-          [](const WholeSheet& /*whole*/) -> Status { return Nothing{}; },
-          [&](const MaterialCurve& curve) { return validate_curve(curve, field + ".curve"); },
-          [&](const NearestBorder& border) { return check_point(border.point, field + ".border"); },
-      },
-      region);
-}
-
-Status validate(const std::vector<Region>& regions, const std::string& field) {
-  KERF_TRY(check_count(regions.size(), kMaxRegions, "regions", field));
-  std::size_t num_ids = 0;
-  for (std::size_t i = 0; i < regions.size(); ++i) {
-    KERF_TRY(validate(regions[i], field + "[" + std::to_string(i) + "]"));
-    const auto* ids = std::get_if<std::vector<mesh::VertexId>>(&regions[i]);
-    if (ids != nullptr) num_ids += ids->size();
-  }
-  return check_count(num_ids, kMaxListedVertices, "vertex ids", field);
-}
-
-Result<std::vector<mesh::VertexId>> find_vertices(const mesh::TriangleMesh& mesh, const Region& region,
+Result<std::vector<mesh::VertexId>> find_vertices(const mesh::TriangleMesh& mesh, const PlacedRegion& region,
                                                   const std::string& field) {
   std::vector<mesh::VertexId> found;
   KERF_TRY(add_region(mesh, region, field, found));
@@ -269,17 +230,25 @@ Error no_vertex_in(const std::string& field) {
                           field);
 }
 
-Result<std::vector<mesh::VertexId>> find_pins(const mesh::TriangleMesh& mesh, const std::vector<Region>& regions,
-                                              const std::string& field) {
+Result<std::vector<mesh::VertexId>> find_pins(const mesh::TriangleMesh& mesh,
+                                              std::span<const ComponentPlace> components,
+                                              const std::vector<Region>& regions, const std::string& field) {
   std::vector<mesh::VertexId> found;
   for (std::size_t i = 0; i < regions.size(); ++i) {
     const std::string path = field + "[" + std::to_string(i) + "]";
     const std::size_t before = found.size();
-    KERF_TRY(add_region(mesh, regions[i], path, found));
+    KERF_TRY_ASSIGN(const PlacedRegion placed, place(regions[i], components, path));
+    KERF_TRY(add_region(mesh, placed, path, found));
     if (found.size() == before) return no_vertex_in(path);
   }
   sort_unique(found);
   return found;
+}
+
+void forget_removed(const mesh::TriangleMesh& mesh, PlacedRegion& region) {
+  if (auto* listed = std::get_if<std::vector<mesh::VertexId>>(&region.shape)) {
+    std::erase_if(*listed, [&](mesh::VertexId v) { return v >= mesh.num_vertices() || !mesh.has_material(v); });
+  }
 }
 
 std::vector<BorderEdge> edges_in(const mesh::TriangleMesh& mesh, const std::vector<mesh::VertexId>& region) {
@@ -308,7 +277,7 @@ std::vector<mesh::TriangleId> triangles_in(const mesh::TriangleMesh& mesh, const
   return triangles;
 }
 
-Result<std::vector<mesh::TriangleId>> find_triangles(const mesh::TriangleMesh& mesh, const Region& region,
+Result<std::vector<mesh::TriangleId>> find_triangles(const mesh::TriangleMesh& mesh, const PlacedRegion& region,
                                                      const std::string& field) {
   using Triangles = Result<std::vector<mesh::TriangleId>>;
   const auto refuse = [&field]() -> Triangles {
@@ -321,7 +290,7 @@ Result<std::vector<mesh::TriangleId>> find_triangles(const mesh::TriangleMesh& m
     KERF_TRY_ASSIGN(std::vector<mesh::VertexId> vertices, find_vertices(mesh, region, field));
     return triangles_in(mesh, vertices);
   };
-  return std::visit(
+  Triangles found = std::visit(
       Overloaded{
           [&](RegionEdge /*edge*/) { return refuse(); },
           [&](const MaterialBox& box) {
@@ -338,7 +307,11 @@ Result<std::vector<mesh::TriangleId>> find_triangles(const mesh::TriangleMesh& m
           [&](const MaterialCurve& curve) -> Triangles { return triangles_along(mesh, curve); },
           [&](const NearestBorder& /*border*/) { return refuse(); },
       },
-      region);
+      region.shape);
+  if (found.ok()) {
+    std::erase_if(*found, [&](mesh::TriangleId t) { return !is_within(region.within, centroid(mesh, t)); });
+  }
+  return found;
 }
 
 double rest_area(const mesh::TriangleMesh& mesh, mesh::TriangleId slot) {

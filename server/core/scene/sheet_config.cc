@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/core/scene/components.h"
 #include "server/core/scene/field_checks.h"
 #include "server/core/scene/integrator_settings.h"
 #include "server/core/scene/outline_source.h"
@@ -87,6 +88,10 @@ Status check_unit(const Eigen::Vector3d& axis, const std::string& field) {
       "NOT_UNIT", field + " has length " + std::to_string(axis.norm()) + "; must have length 1 (to 1e-6)", field);
 }
 
+Status validate_source(const MeshSource& source) {
+  return std::visit([](const auto& each) { return validate_source(each); }, source);
+}
+
 Status validate_placement(const Placement& placement) {
   KERF_TRY(check_vector(placement.origin, kMaxWorldCoordinate, "placement.origin"));
   KERF_TRY(check_unit(placement.x_axis, "placement.x_axis"));
@@ -94,6 +99,59 @@ Status validate_placement(const Placement& placement) {
   if (std::abs(placement.x_axis.dot(placement.y_axis)) <= kAxisTolerance) return Nothing{};
   return invalid_argument("NOT_PERPENDICULAR", "placement.y_axis must be perpendicular to x_axis (to 1e-6)",
                           "placement.y_axis");
+}
+
+Status validate_component(const SheetConfig& config, std::size_t index) {
+  const Component& component = config.components[index];
+  if (!is_valid_sheet_id(component.name)) {
+    return invalid_argument("COMPONENT_NAME", "name must match [a-z][a-z0-9-]{0,62}", "name");
+  }
+  const auto end = config.components.begin() + static_cast<std::ptrdiff_t>(index);
+  if (std::any_of(config.components.begin(), end, [&](const Component& each) { return each.name == component.name; })) {
+    return invalid_argument("COMPONENT_NAME", "another component has this name; each needs its own", "name");
+  }
+  KERF_TRY(validate_source(component.mesh));
+  if (component.placement) KERF_TRY(validate_placement(*component.placement));
+  return check_vector(component.offset.value_or(Eigen::Vector2d::Zero()), kMaxMaterialCoordinate, "offset");
+}
+
+// Checks the mesh and its placement, or the components.
+Status validate_shape(const SheetConfig& config) {
+  if (config.components.empty()) {
+    KERF_TRY(validate_source(config.mesh));
+    return validate_placement(config.placement);
+  }
+  KERF_TRY(check_count(config.components.size(), kMaxComponents, "components", "components"));
+  for (std::size_t i = 0; i < config.components.size(); ++i) {
+    if (const Status valid = validate_component(config, i); !valid.ok()) {
+      return in_component(valid.error(), i, config.components[i].name);
+    }
+  }
+  return Nothing{};
+}
+
+// Checks that the scene has the components that a command names.
+Status validate_names(const SheetConfig& config, const Command& command) {
+  const auto check = [&](const std::string& name, const std::string& field) -> Status {
+    std::vector<std::string> names;
+    for (const Component& component : config.components) names.push_back(component.name);
+    if (name.empty() || std::find(names.begin(), names.end(), name) != names.end()) return Nothing{};
+    return unknown_component(name, names, field);
+  };
+  if (const auto* cut = std::get_if<Cut>(&command)) return check(cut->component, "cut.component");
+  if (const auto* batch = std::get_if<CutBatch>(&command)) {
+    for (std::size_t i = 0; i < batch->cuts.size(); ++i) {
+      if (const Status known = check(batch->cuts[i].component, "cut.component"); !known.ok()) {
+        return in_batch(known.error(), i);
+      }
+    }
+  }
+  if (const auto* pins = std::get_if<SetPins>(&command)) {
+    for (std::size_t i = 0; i < pins->pins.size(); ++i) {
+      KERF_TRY(check(pins->pins[i].component, indexed("set_pins.pins", i) + ".component"));
+    }
+  }
+  return Nothing{};
 }
 
 Status validate_self_contact(const SheetConfig& config) {
@@ -109,7 +167,8 @@ Status validate_self_contact(const SheetConfig& config) {
   return Nothing{};
 }
 
-Status validate_schedule(const std::vector<ScheduledCommand>& commands) {
+Status validate_schedule(const SheetConfig& config) {
+  const std::vector<ScheduledCommand>& commands = config.commands;
   KERF_TRY(check_count(commands.size(), kMaxScheduledCommands, "commands", "commands"));
   for (std::size_t i = 0; i < commands.size(); ++i) {
     const std::string field = indexed("commands", i);
@@ -123,8 +182,10 @@ Status validate_schedule(const std::vector<ScheduledCommand>& commands) {
           "OUT_OF_RANGE", field + ".command.reset.repeats is for recordings only; set repeat_after_ticks of the scene",
           field + ".command.reset.repeats");
     }
-    if (Status s = validate(commands[i].command); !s.ok()) {
-      Error error = s.error();
+    Status valid = validate(commands[i].command);
+    if (valid.ok()) valid = validate_names(config, commands[i].command);
+    if (!valid.ok()) {
+      Error error = valid.error();
       error.field = field + ".command." + error.field;
       return error;
     }
@@ -153,10 +214,9 @@ Status validate(const SheetConfig& config) {
   if (!config.sheet_id.empty() && !is_valid_sheet_id(config.sheet_id)) {
     return invalid_argument("SHEET_ID", "sheet_id must match [a-z][a-z0-9-]{0,62}", "sheet_id");
   }
-  KERF_TRY(std::visit([](const auto& source) { return validate_source(source); }, config.mesh));
+  KERF_TRY(validate_shape(config));
   KERF_TRY(fem::validate(config.material));
   KERF_TRY(validate(config.materials, config.material));
-  KERF_TRY(validate_placement(config.placement));
   KERF_TRY(validate(config.pins, "pins"));
   KERF_TRY(check_length(config.gravity, kMaxGravity, "gravity_mps2"));
   KERF_TRY(validate(config.wind, "wind"));
@@ -176,7 +236,7 @@ Status validate(const SheetConfig& config) {
   KERF_TRY(validate(config.integrator));
   KERF_TRY(validate_self_contact(config));
   KERF_TRY(check_integer(config.max_vertices, 3, kMaxVertices, "max_vertices"));
-  KERF_TRY(validate_schedule(config.commands));
+  KERF_TRY(validate_schedule(config));
   KERF_TRY(check_integer(config.ticks, 0, kMaxTicks, "ticks"));
   KERF_TRY(check_integer(config.repeat_after, 0, kMaxTicks, "repeat_after_ticks"));
   return check_count(config.description.size(), kMaxDescriptionBytes, "bytes", "description");

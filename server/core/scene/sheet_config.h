@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "server/base/result.h"
 #include "server/core/contact/collider.h"
@@ -31,6 +32,7 @@ inline constexpr std::size_t kMaxOutlineSizes = 1024;
 inline constexpr std::size_t kMaxOutlineChords = 1'000'000;  // most chords of all curves of an outline, after
                                                              // flattening
 inline constexpr std::size_t kMaxSheetIdBytes = 63;
+inline constexpr std::size_t kMaxComponents = 64;
 inline constexpr std::size_t kMaxColliders = 64;
 inline constexpr std::size_t kMaxScheduledCommands = 10'000;
 
@@ -101,6 +103,25 @@ struct Placement {
   Eigen::Vector3d y_axis{0.0, 0.0, 1.0};  // -, unit (1e-6), perpendicular to x_axis (1e-6)
 };
 
+// A part of a scene with a mesh of its own, in coordinates of its own. The material plane of the scene holds all
+// components side by side.
+struct Component {
+  std::string name;  // [a-z][a-z0-9-]{0,62}, unique in the scene
+  MeshSource mesh;
+  std::optional<Placement> placement;     // of own coordinates; absent: upright, beside others as in the plane
+  std::optional<Eigen::Vector2d> offset;  // m, place of the own origin in the plane; absent: on the right of all before
+};
+
+// Place of a component in the sheet as built.
+struct ComponentPlace {
+  std::string name;
+  Eigen::Vector2d offset{0.0, 0.0};  // m, own coordinates plus this are in the scene's material plane
+  Eigen::AlignedBox2d extent;        // m, bounding box in own coordinates
+  Eigen::AlignedBox2d room;          // m, in the scene's plane: the box, enlarged so that no other component meets it
+  mesh::VertexId first_vertex = 0;
+  std::int32_t num_vertices = 0;
+};
+
 // A command that the scene itself gives. It takes effect at the start of the step from tick - 1 to tick, before
 // commands from outside.
 struct ScheduledCommand {
@@ -112,6 +133,7 @@ struct ScheduledCommand {
 struct RegionMaterial {
   Region region;  // see find_triangles
   fem::Material material;
+  std::string given_as = {};  // field of the scene that has it, for errors; empty: its entry of Scene.materials
 };
 
 // The integrator of a sheet.
@@ -224,6 +246,7 @@ struct Probe {
 struct SheetConfig {
   std::string sheet_id;  // name for users: [a-z][a-z0-9-]{0,62} or empty; no effect on the simulation
   MeshSource mesh;
+  std::vector<Component> components;  // at most kMaxComponents; if there are any, they replace `mesh` and `placement`
   fem::Material material;
   std::vector<RegionMaterial> materials;  // at most kMaxRegions; each replaces `material`, and earlier ones, in its
                                           // region

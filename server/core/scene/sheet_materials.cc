@@ -15,8 +15,15 @@ namespace kerf::scene {
 
 namespace {
 
-std::string path_of(std::size_t entry) {
-  return "materials[" + std::to_string(entry) + "]";
+std::string path_of(const std::vector<RegionMaterial>& materials, std::size_t entry) {
+  const std::string& given_as = materials[entry].given_as;
+  return given_as.empty() ? indexed("materials", entry) : given_as;
+}
+
+// Returns the path of an entry's material: the entry itself, if a component has it as its own.
+std::string material_path(const std::vector<RegionMaterial>& materials, std::size_t entry) {
+  const std::string path = path_of(materials, entry);
+  return path.ends_with(']') ? path + ".material" : path;
 }
 
 // Returns the name of an entry of SheetMaterials, for messages.
@@ -39,10 +46,10 @@ Status validate(const std::vector<RegionMaterial>& materials, const fem::Materia
   std::vector<fem::Material> different{own};
   std::size_t num_ids = 0;
   for (std::size_t i = 0; i < materials.size(); ++i) {
-    KERF_TRY(validate(materials[i].region, path_of(i) + ".region"));
-    KERF_TRY(fem::validate(materials[i].material, path_of(i) + ".material"));
+    KERF_TRY(validate(materials[i].region, path_of(materials, i) + ".region"));
+    KERF_TRY(fem::validate(materials[i].material, material_path(materials, i)));
     number_of(materials[i].material, different);
-    const auto* ids = std::get_if<std::vector<mesh::VertexId>>(&materials[i].region);
+    const auto* ids = std::get_if<std::vector<mesh::VertexId>>(&materials[i].region.shape);
     if (ids != nullptr) num_ids += ids->size();
   }
   KERF_TRY(check_count(num_ids, kMaxListedVertices, "vertex ids", "materials"));
@@ -59,7 +66,8 @@ std::vector<fem::Material> materials_of(const SheetConfig& config) {
   return materials;
 }
 
-Result<SheetMaterials> assign_materials(SheetConfig& config, mesh::TriangleMesh& mesh) {
+Result<SheetMaterials> assign_materials(SheetConfig& config, BuiltMesh& built) {
+  mesh::TriangleMesh& mesh = built.mesh;
   if (config.planar) {
     config.material = fem::without_bending(config.material);
     for (RegionMaterial& part : config.materials) part.material = fem::without_bending(part.material);
@@ -70,8 +78,9 @@ Result<SheetMaterials> assign_materials(SheetConfig& config, mesh::TriangleMesh&
   assigned.region_of = {0};  // indices into `given` at first
   std::vector<std::int32_t> numbers(static_cast<std::size_t>(mesh.num_triangle_slots()), 0);
   for (std::size_t i = 0; i < config.materials.size(); ++i) {
-    const std::string field = path_of(i) + ".region";
-    KERF_TRY_ASSIGN(const std::vector<mesh::TriangleId> found, find_triangles(mesh, config.materials[i].region, field));
+    const std::string field = path_of(config.materials, i) + ".region";
+    KERF_TRY_ASSIGN(const PlacedRegion region, place(config.materials[i].region, built.components, field));
+    KERF_TRY_ASSIGN(const std::vector<mesh::TriangleId> found, find_triangles(mesh, region, field));
     if (found.empty()) {
       return invalid_argument("REGION_EMPTY", field + " contains no triangle of the sheet", field);
     }

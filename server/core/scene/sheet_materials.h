@@ -7,6 +7,7 @@
 #include "server/base/state_hash.h"
 #include "server/core/fem/element/material_table.h"
 #include "server/core/mesh/triangle_mesh.h"
+#include "server/core/scene/mesh_source.h"
 #include "server/core/scene/sheet_config.h"
 
 namespace kerf::scene {
@@ -35,10 +36,10 @@ struct SheetMaterials {
   static constexpr std::int32_t kNowhere = -1;
 };
 
-// Assigns materials to the triangles of the mesh. If there are several, the mesh gets one region for each. `config`
-// must be valid; if it is planar, its materials lose their bending stiffness. Errors: kInvalidArgument REGION_EMPTY (a
-// part has no triangle), and those of find_triangles().
-Result<SheetMaterials> assign_materials(SheetConfig& config, mesh::TriangleMesh& mesh);
+// Assigns materials to the triangles of the built mesh. If there are several, the mesh gets one region for each.
+// `config` must be valid; if it is planar, its materials lose their bending stiffness. Errors: kInvalidArgument
+// REGION_EMPTY (a part has no triangle), and those of place() and find_triangles().
+Result<SheetMaterials> assign_materials(SheetConfig& config, BuiltMesh& built);
 
 // Returns `materials` with the material of one entry, or of all entries, replaced. Errors: kInvalidArgument
 // UNKNOWN_PART; kFailedPrecondition MATERIAL_SHARED if another entry has the same region.

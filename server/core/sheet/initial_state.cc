@@ -29,15 +29,16 @@ Eigen::Matrix3Xd initial_velocities(const scene::SheetConfig& config, const scen
 
 Result<InitialState> make_initial_state(scene::SheetConfig config) {
   KERF_TRY(validate(config));
-  KERF_TRY_ASSIGN(scene::BuiltMesh built, scene::build_mesh(config.mesh, config.placement, config.max_vertices));
+  KERF_TRY_ASSIGN(scene::BuiltMesh built, scene::build_mesh(config));
   if (built.mesh.num_vertices() > config.max_vertices) {
     return resource_exhausted("TOO_MANY_VERTICES", "the sheet has " + std::to_string(built.mesh.num_vertices()) +
                                                        " vertices; its limit is " +
                                                        std::to_string(config.max_vertices));
   }
   KERF_TRY(scene::check_vertex_limit(config.integrator, built.mesh.num_vertices()));
-  KERF_TRY_ASSIGN(std::vector<mesh::VertexId> pinned, scene::find_pins(built.mesh, config.pins, "pins"));
-  KERF_TRY_ASSIGN(scene::SheetMaterials assigned, scene::assign_materials(config, built.mesh));
+  KERF_TRY_ASSIGN(std::vector<mesh::VertexId> pinned,
+                  scene::find_pins(built.mesh, built.components, config.pins, "pins"));
+  KERF_TRY_ASSIGN(scene::SheetMaterials assigned, scene::assign_materials(config, built));
   auto shared = std::make_shared<const scene::SheetConfig>(std::move(config));
   KERF_TRY_ASSIGN(scene::HeldVertices held, scene::HeldVertices::create(shared, built));
   KERF_TRY_ASSIGN(scene::AppliedForces applied, scene::AppliedForces::create(shared, built));

@@ -8,6 +8,7 @@
 
 #include "server/core/cut/cut.h"
 #include "server/core/fem/model/transfer.h"
+#include "server/core/scene/components.h"
 #include "server/core/scene/region.h"
 #include "server/core/sheet/material_setup.h"
 
@@ -53,8 +54,10 @@ scene::CutReply reply_of(const cut::CutOutcome& outcome, const scene::Cut& cut, 
   return reply;
 }
 
-Result<cut::CutOutcome> plan_and_apply(const cut::CutRequest& request, mesh::TriangleMesh& mesh,
-                                       PhaseObserver* observer) {
+// Cuts the mesh along a cut's curve; `request` has all but what the cut itself says.
+Result<cut::CutOutcome> plan_and_apply(const scene::Cut& cut, std::span<const scene::ComponentPlace> components,
+                                       cut::CutRequest request, mesh::TriangleMesh& mesh, PhaseObserver* observer) {
+  KERF_TRY(scene::place(cut, components, request));
   KERF_TRY_ASSIGN(const cut::CutPlan plan, cut::plan(mesh, request));
   return cut::apply(mesh, plan, observer);
 }
@@ -75,9 +78,6 @@ Result<MeshCuts> cut_mesh(std::span<const scene::Cut> cuts, bool is_batch, const
     const scene::Cut& cut = cuts[i];
     enter_phase(observer, "plan");
     cut::CutRequest request;
-    request.curve = cut.curve;
-    request.options = cut.options;
-    request.view = cut.view;
     request.max_vertices = around.max_vertices;
     request.positions = is_batch ? &positions : &around.positions;
     request.most_shift = around.most_shift;
@@ -85,7 +85,7 @@ Result<MeshCuts> cut_mesh(std::span<const scene::Cut> cuts, bool is_batch, const
     around.grabs.add_vertices_to(request.fixed_vertices);
     const double mass_before =
         cut.options.width_m && around.materials.size() > 1 ? rest_mass(mesh, around.materials) : 0.0;
-    Result<cut::CutOutcome> outcome = plan_and_apply(request, mesh, observer);
+    Result<cut::CutOutcome> outcome = plan_and_apply(cut, around.components, std::move(request), mesh, observer);
     if (!outcome.ok()) {
       for (auto done = made.done.rbegin(); done != made.done.rend(); ++done) done->edit.undo.undo(mesh);
       return is_batch ? scene::in_batch(outcome.error(), i) : outcome.error();

@@ -11,6 +11,7 @@
 #include "server/core/linear/vertex_field.h"
 #include "server/core/mesh/triangle_mesh.h"
 #include "server/core/scene/command.h"
+#include "server/core/scene/sheet_config.h"
 #include "server/core/sheet/done_cut.h"
 #include "server/core/sheet/grab_set.h"
 #include "server/core/sheet/pin_set.h"
@@ -26,6 +27,7 @@ struct CutSurroundings {
   const std::vector<fem::Material>& materials;  // by region of the mesh
   std::optional<double> most_shift =
       std::nullopt;  // m, as of cut::CutRequest; absent if the sheet passes through itself
+  std::span<const scene::ComponentPlace> components = {};
 };
 
 struct MeshCuts {
@@ -34,7 +36,7 @@ struct MeshCuts {
 };
 
 // Cuts only the mesh, one cut after another. If a cut is refused, the mesh returns to its state before all cuts.
-// Errors: those of cut::plan() and cut::apply(); with `is_batch` they name the cut.
+// Errors: those of scene::place(), cut::plan() and cut::apply(); with `is_batch` they name the cut.
 Result<MeshCuts> cut_mesh(std::span<const scene::Cut> cuts, bool is_batch, const CutSurroundings& around,
                           mesh::TriangleMesh& mesh, PhaseObserver* observer);
 

@@ -19,7 +19,7 @@ MovingSheet::MovingSheet(std::shared_ptr<const InitialState> initial, Integrator
       conditions_(initial_->config,
                   {config().wind, config().gravity, initial_->held_vertices, initial_->applied_forces, {}}),
       model_(materials_.make_model(config(), mesh_)),
-      stepper_(config(), std::move(make_integrator), mesh_.bounding_box().sizes().maxCoeff()) {
+      stepper_(config(), std::move(make_integrator), initial_->built.size()) {
   stepper_.contact().set_half_thickness(materials_.half_thickness());
   pin(initial_->pinned);
   set_conditions(conditions().now, 0.0);
@@ -77,7 +77,8 @@ fem::EquilibriumStats MovingSheet::settle(double load, const fem::EquilibriumOpt
 }
 
 Status MovingSheet::set_pins(const scene::SetPins& pins) {
-  KERF_TRY_ASSIGN(std::vector<mesh::VertexId> found, scene::find_pins(mesh_, pins.pins, "set_pins.pins"));
+  KERF_TRY_ASSIGN(std::vector<mesh::VertexId> found,
+                  scene::find_pins(mesh_, initial_->built.components, pins.pins, "set_pins.pins"));
   pin(std::move(found));
   pins_.set_version(++last_pins_version_);
   return Nothing{};

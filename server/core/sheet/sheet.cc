@@ -66,6 +66,9 @@ const scene::SheetConfig& Sheet::config() const {
 std::shared_ptr<const scene::SheetConfig> Sheet::shared_config() const {
   return impl_->moving.initial().config;
 }
+const std::vector<scene::ComponentPlace>& Sheet::components() const {
+  return impl_->moving.initial().built.components;
+}
 std::int64_t Sheet::tick() const {
   return impl_->clock.tick();
 }

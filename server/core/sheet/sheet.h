@@ -147,7 +147,8 @@ class Sheet {
 
   [[nodiscard]] const scene::SheetConfig& config() const;  // as given
   [[nodiscard]] std::shared_ptr<const scene::SheetConfig> shared_config() const;
-  [[nodiscard]] std::int64_t tick() const;              // ticks made since the sheet was created
+  [[nodiscard]] const std::vector<scene::ComponentPlace>& components() const;  // by index into config().components
+  [[nodiscard]] std::int64_t tick() const;                                     // ticks made since the sheet was created
   [[nodiscard]] std::int64_t scene_tick() const;        // ticks made since the scene began or was reset
   [[nodiscard]] double dt() const;                      // s
   [[nodiscard]] std::int32_t topology_version() const;  // 1 at first, grows by 1 with each applied cut or batch, undo,

@@ -33,7 +33,8 @@ Result<std::vector<scene::CutReply>> Sheet::Impl::do_cuts(std::span<const scene:
                                .grabs = moving.grabs(),
                                .positions = moving.state().x,
                                .materials = moving.materials().by_region(),
-                               .most_shift = moving.most_shift_in_cuts()};
+                               .most_shift = moving.most_shift_in_cuts(),
+                               .components = moving.initial().built.components};
   const auto cut_the_mesh = [&] {
     const StageScope scope(Stage::kCut, context);
     return cut_mesh(wanted, is_batch, around, moving.mesh_to_edit(), context.observer);

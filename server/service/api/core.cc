@@ -2,6 +2,7 @@
 
 #include "server/core/mesh/triangle_mesh.h"
 #include "server/service/api/tick_advice.h"
+#include "server/service/wire/component_codec.h"
 #include "server/service/wire/reply_codec.h"
 #include "server/service/wire/scene_codec.h"
 
@@ -163,6 +164,9 @@ v1::Sheet encode_sheet(const host::SheetStatus& status) {
   sheet.set_strained_share(status.stats.strained_share);
   sheet.set_viewers(status.viewers);
   sheet.set_scene_tick(status.scene_tick);
+  for (const scene::ComponentPlace& place : status.components) {
+    *sheet.add_components() = wire::encode_component_place(place);
+  }
   if (status.replay) *sheet.mutable_replay() = encode_replay(*status.replay);
   wire::encode_flags(status.flagged_ticks, *sheet.mutable_flagged_ticks());
   return sheet;

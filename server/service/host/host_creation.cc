@@ -26,8 +26,8 @@ Error too_many_vertices(std::int64_t count, std::int32_t limit) {
                                                      " vertices; this server's limit is " + std::to_string(limit));
 }
 
-// Returns the number of vertices of a config if it is known without building; else 0.
-std::int64_t declared_vertices(const scene::SheetConfig& config) {
+// Returns the number of vertices of a mesh if it is known without building; else 0.
+std::int64_t declared_vertices(const scene::MeshSource& mesh) {
   using Count = std::int64_t;
   return std::visit(Overloaded{
                         [](const scene::GridSource& grid) { return Count{grid.columns} * grid.rows; },
@@ -36,7 +36,15 @@ std::int64_t declared_vertices(const scene::SheetConfig& config) {
                         [](const scene::ArraySource& arrays) { return Count{arrays.num_vertices()}; },
                         [](const scene::OutlineSource& /*outline*/) { return Count{0}; },
                     },
-                    config.mesh);
+                    mesh);
+}
+
+// Returns the number of vertices of a config, as far as it is known without building.
+std::int64_t declared_vertices(const scene::SheetConfig& config) {
+  if (config.components.empty()) return declared_vertices(config.mesh);
+  std::int64_t sum = 0;
+  for (const scene::Component& component : config.components) sum += declared_vertices(component.mesh);
+  return sum;
 }
 
 // Reserves the memory that one builder may need, so that another one does not count on it too.

@@ -330,6 +330,7 @@ SheetStatus SheetRunner::unhashed_status() const {
   status.self_contact = sheet_.self_contact();
   status.materials = sheet_.materials().entries;
   status.config = sheet_.shared_config();
+  status.components = sheet_.components();
   status.integrator = sheet_.integrator_description();
   status.softening = sheet_.softening();
   status.local_inertia = sheet_.local_inertia();

@@ -127,6 +127,7 @@ Result<scene::Cut> read_cut(const v1::Cut& message, const FileReader& read_file)
   scene::Cut cut;
   cut.curve = std::move(decoded.curve);
   cut.remarks = std::move(decoded.remarks);
+  cut.component = message.component();
   cut::CutOptions& options = cut.options;
   if (message.tolerance() != 0.0) options.tolerance = message.tolerance();
   if (message.min_angle_deg() != 0.0) options.min_angle_deg = message.min_angle_deg();
@@ -175,6 +176,7 @@ v1::Cut encode_cut(const scene::Cut& cut) {
   message.mutable_dash()->Add(options.dash.lengths.begin(), options.dash.lengths.end());
   message.set_dash_offset(options.dash.offset);
   if (cut.view) encode_view(*cut.view, *message.mutable_view());
+  message.set_component(cut.component);
   return message;
 }
 

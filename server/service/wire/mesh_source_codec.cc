@@ -4,6 +4,7 @@
 #include <utility>
 #include <variant>
 
+#include "server/base/overloaded.h"
 #include "server/service/wire/geometry_codec.h"
 
 namespace kerf::wire {
@@ -131,8 +132,7 @@ Result<scene::MeshSource> decode_outline(const v1::OutlineMesh& message, const F
   return scene::MeshSource(std::move(outline));
 }
 
-void encode_source(const scene::GridSource& grid, v1::Scene& scene) {
-  v1::GridMesh& message = *scene.mutable_grid();
+void encode_source(const scene::GridSource& grid, v1::GridMesh& message) {
   message.set_columns(grid.columns);
   message.set_rows(grid.rows);
   message.set_width_m(grid.width);
@@ -142,18 +142,17 @@ void encode_source(const scene::GridSource& grid, v1::Scene& scene) {
   message.set_seed(grid.seed);
 }
 
-void encode_source(const scene::ObjSource& obj, v1::Scene& scene) {
-  scene.mutable_obj()->set_text(obj.text);
-  scene.mutable_obj()->set_rest_shape(encode_rest_shape(obj.rest_shape));
+void encode_source(const scene::ObjSource& obj, v1::ObjMesh& message) {
+  message.set_text(obj.text);
+  message.set_rest_shape(encode_rest_shape(obj.rest_shape));
 }
 
-void encode_source(const scene::PlySource& ply, v1::Scene& scene) {
-  scene.mutable_ply()->set_data(ply.data);
-  scene.mutable_ply()->set_rest_shape(encode_rest_shape(ply.rest_shape));
+void encode_source(const scene::PlySource& ply, v1::PlyMesh& message) {
+  message.set_data(ply.data);
+  message.set_rest_shape(encode_rest_shape(ply.rest_shape));
 }
 
-void encode_source(const scene::ArraySource& arrays, v1::Scene& scene) {
-  v1::InlineMesh& message = *scene.mutable_inline_();
+void encode_source(const scene::ArraySource& arrays, v1::InlineMesh& message) {
   message.mutable_material_positions()->Add(arrays.material_positions.data(),
                                             arrays.material_positions.data() + arrays.material_positions.size());
   message.mutable_triangles()->Add(arrays.triangles.data(), arrays.triangles.data() + arrays.triangles.size());
@@ -162,8 +161,7 @@ void encode_source(const scene::ArraySource& arrays, v1::Scene& scene) {
                                         arrays.rest_positions.data() + arrays.rest_positions.size());
 }
 
-void encode_source(const scene::OutlineSource& outline, v1::Scene& scene) {
-  v1::OutlineMesh& message = *scene.mutable_outline();
+void encode_source(const scene::OutlineSource& outline, v1::OutlineMesh& message) {
   encode_curve(outline.boundary, *message.mutable_boundary());
   for (const cut::Curve& hole : outline.holes) encode_curve(hole, *message.add_holes());
   message.set_edge_length_m(outline.edge_length);
@@ -180,24 +178,46 @@ void encode_source(const scene::OutlineSource& outline, v1::Scene& scene) {
   message.set_min_angle_deg(outline.min_angle_deg);
 }
 
-}  // namespace
-
-Result<scene::MeshSource> decode_mesh_source(v1::Scene& scene, const FileReader& read_file) {
-  switch (scene.mesh_case()) {
-    case v1::Scene::kGrid:
-      return decode_grid(scene.grid());
-    case v1::Scene::kObj:
-      return decode_obj(*scene.mutable_obj(), read_file);
-    case v1::Scene::kPly:
-      return decode_ply(*scene.mutable_ply(), read_file);
-    case v1::Scene::kInline:
-      return decode_inline(scene.inline_());
-    case v1::Scene::kOutline:
-      return decode_outline(scene.outline(), read_file);
-    case v1::Scene::MESH_NOT_SET:
+// Decodes the mesh of a Scene or a Component, `Owner`.
+template <typename Owner>
+Result<scene::MeshSource> decode_mesh(Owner& owner, const FileReader& read_file) {
+  switch (owner.mesh_case()) {
+    case Owner::kGrid:
+      return decode_grid(owner.grid());
+    case Owner::kObj:
+      return decode_obj(*owner.mutable_obj(), read_file);
+    case Owner::kPly:
+      return decode_ply(*owner.mutable_ply(), read_file);
+    case Owner::kInline:
+      return decode_inline(owner.inline_());
+    case Owner::kOutline:
+      return decode_outline(owner.outline(), read_file);
+    case Owner::MESH_NOT_SET:
       break;
   }
   return choice_missing("mesh", "grid, obj, ply, inline or outline");
+}
+
+template <typename Owner>
+void encode_mesh(const scene::MeshSource& mesh, Owner& owner) {
+  std::visit(Overloaded{
+                 [&owner](const scene::GridSource& grid) { encode_source(grid, *owner.mutable_grid()); },
+                 [&owner](const scene::ObjSource& obj) { encode_source(obj, *owner.mutable_obj()); },
+                 [&owner](const scene::PlySource& ply) { encode_source(ply, *owner.mutable_ply()); },
+                 [&owner](const scene::ArraySource& arrays) { encode_source(arrays, *owner.mutable_inline_()); },
+                 [&owner](const scene::OutlineSource& outline) { encode_source(outline, *owner.mutable_outline()); },
+             },
+             mesh);
+}
+
+}  // namespace
+
+Result<scene::MeshSource> decode_mesh_source(v1::Scene& scene, const FileReader& read_file) {
+  return decode_mesh(scene, read_file);
+}
+
+Result<scene::MeshSource> decode_mesh_source(v1::Component& component, const FileReader& read_file) {
+  return decode_mesh(component, read_file);
 }
 
 std::string obj_text(std::string file) {
@@ -208,7 +228,11 @@ std::string obj_text(std::string file) {
 }
 
 void encode_mesh_source(const scene::MeshSource& mesh, v1::Scene& scene) {
-  std::visit([&scene](const auto& source) { encode_source(source, scene); }, mesh);
+  encode_mesh(mesh, scene);
+}
+
+void encode_mesh_source(const scene::MeshSource& mesh, v1::Component& component) {
+  encode_mesh(mesh, component);
 }
 
 }  // namespace kerf::wire

@@ -8,17 +8,20 @@
 
 namespace kerf::wire {
 
-// Decodes Scene.mesh; moves text and data out of the scene. Errors, besides those that scene::validate() will find:
+// Decode the mesh of a scene or a component; move text and data out of it. Errors, besides those that scene::validate()
+// will find:
 //   CHOICE_MISSING ("mesh"), UNKNOWN_ENUM_VALUE
 //   LENGTH_MISMATCH  arrays that do not hold whole points or triangles
 //   obj and ply      those of read_content() with kind OBJ or PLY
 //   outline          FIELD_MISSING ("outline.boundary") and those of decode_curve()
 Result<scene::MeshSource> decode_mesh_source(v1::Scene& scene, const FileReader& read_file);
+Result<scene::MeshSource> decode_mesh_source(v1::Component& component, const FileReader& read_file);
 
 // Converts an OBJ file to ObjMesh.text, which must be UTF-8. Bytes other than ASCII, which occur only in names and
 // comments of an OBJ file, become question marks.
 std::string obj_text(std::string file);
 
 void encode_mesh_source(const scene::MeshSource& mesh, v1::Scene& scene);
+void encode_mesh_source(const scene::MeshSource& mesh, v1::Component& component);
 
 }  // namespace kerf::wire

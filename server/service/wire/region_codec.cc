@@ -87,9 +87,7 @@ void encode_line(const scene::MaterialLine& line, v1::MaterialLine& message) {
   message.set_side(encode_side(line.side));
 }
 
-}  // namespace
-
-Result<scene::Region> decode_region(const v1::Region& region, const std::string& path) {
+Result<scene::Region> decode_shape(const v1::Region& region, const std::string& path) {
   switch (region.region_case()) {
     case v1::Region::kEdge:
       return decode_edge(region.edge(), path + ".edge");
@@ -115,6 +113,14 @@ Result<scene::Region> decode_region(const v1::Region& region, const std::string&
   return choice_missing(path + ".region", "edge, box, vertices, line, nearest, all, curve or border");
 }
 
+}  // namespace
+
+Result<scene::Region> decode_region(const v1::Region& region, const std::string& path) {
+  Result<scene::Region> decoded = decode_shape(region, path);
+  if (decoded.ok()) decoded->component = region.component();
+  return decoded;
+}
+
 Result<std::vector<scene::Region>> decode_pins(const RegionMessages& pins, const std::string& path) {
   std::vector<scene::Region> decoded;
   for (int i = 0; i < pins.size(); ++i) {
@@ -125,6 +131,7 @@ Result<std::vector<scene::Region>> decode_pins(const RegionMessages& pins, const
 }
 
 void encode_region(const scene::Region& region, v1::Region& message) {
+  message.set_component(region.component);
   std::visit(
       Overloaded{
           [&message](scene::RegionEdge edge) { message.set_edge(encode_edge(edge)); },
@@ -145,7 +152,7 @@ void encode_region(const scene::Region& region, v1::Region& message) {
           },
           [&message](const scene::NearestBorder& border) { encode_vector(border.point, *message.mutable_border()); },
       },
-      region);
+      region.shape);
 }
 
 void encode_pins(const std::vector<scene::Region>& pins, RegionMessages& messages) {

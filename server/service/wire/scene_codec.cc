@@ -10,6 +10,7 @@
 #include "server/service/wire/analysis_codec.h"
 #include "server/service/wire/choices.h"
 #include "server/service/wire/command_codec.h"
+#include "server/service/wire/component_codec.h"
 #include "server/service/wire/conditions_codec.h"
 #include "server/service/wire/geometry_codec.h"
 #include "server/service/wire/integrator_codec.h"
@@ -21,12 +22,6 @@
 
 namespace kerf::wire {
 namespace {
-
-void decode_placement(const v1::Placement& message, scene::Placement& placement) {
-  if (message.has_origin()) placement.origin = decode_vector(message.origin());
-  if (message.has_x_axis()) placement.x_axis = decode_vector(message.x_axis());
-  if (message.has_y_axis()) placement.y_axis = decode_vector(message.y_axis());
-}
 
 Result<contact::Collider> decode_collider(const v1::Collider& message, const std::string& path) {
   contact::Collider collider;
@@ -61,10 +56,9 @@ constexpr std::array<std::pair<v1::Fidelity, scene::Fidelity>, 2> kFidelities{{
 Status decode_materials(const v1::Scene& scene, scene::SheetConfig& config) {
   KERF_TRY_ASSIGN(config.material, decode_material(scene.material(), "material"));
   for (int i = 0; i < scene.materials_size(); ++i) {
-    const std::string path = "materials[" + std::to_string(i) + "]";
-    KERF_TRY_ASSIGN(scene::Region region, decode_region(scene.materials(i).region(), path + ".region"));
-    KERF_TRY_ASSIGN(const fem::Material material, decode_material(scene.materials(i).material(), path + ".material"));
-    config.materials.push_back({std::move(region), material});
+    KERF_TRY_ASSIGN(scene::RegionMaterial part,
+                    decode_part(scene.materials(i), "materials[" + std::to_string(i) + "]"));
+    config.materials.push_back(std::move(part));
   }
   KERF_TRY(decode_membrane_law(scene.membrane_law(), config.membrane_law));
   return decode_choice(kFidelities, scene.fidelity(), "fidelity", config.fidelity);
@@ -90,9 +84,13 @@ Status decode_lists(const v1::Scene& scene, const FileReader& read_file, scene::
 Result<scene::SheetConfig> decode_scene(v1::Scene scene, const FileReader& read_file) {
   scene::SheetConfig config;
   config.sheet_id = scene.sheet_id();
-  KERF_TRY_ASSIGN(config.mesh, decode_mesh_source(scene, read_file));
+  if (scene.components().empty()) {
+    KERF_TRY_ASSIGN(config.mesh, decode_mesh_source(scene, read_file));
+    config.placement = decode_placement(scene.placement());
+  } else {
+    KERF_TRY(decode_components(scene, read_file, config));
+  }
   KERF_TRY(decode_materials(scene, config));
-  decode_placement(scene.placement(), config.placement);
   KERF_TRY_ASSIGN(config.pins, decode_pins(scene.pins(), "pins"));
   if (scene.has_gravity_mps2()) config.gravity = decode_vector(scene.gravity_mps2());
   if (scene.has_wind()) config.wind = decode_wind(scene.wind());
@@ -157,9 +155,7 @@ v1::Scene encode_settings(const SettingsInForce& settings) {
   if (settings.self_contact != scene::SelfContact{}) {
     *scene.mutable_self_contact() = encode_self_contact(settings.self_contact);
   }
-  encode_vector(settings.config.placement.origin, *scene.mutable_placement()->mutable_origin());
-  encode_vector(settings.config.placement.x_axis, *scene.mutable_placement()->mutable_x_axis());
-  encode_vector(settings.config.placement.y_axis, *scene.mutable_placement()->mutable_y_axis());
+  if (settings.config.components.empty()) encode_placement(settings.config.placement, *scene.mutable_placement());
   scene.set_sheet_id(settings.config.sheet_id);
   scene.set_tick_rate_hz(settings.config.tick_rate_hz);
   *scene.mutable_integrator() = encode_integrator(settings.config.integrator);
@@ -174,7 +170,8 @@ v1::Scene encode_settings(const SettingsInForce& settings) {
 v1::Scene encode_scene(const scene::SheetConfig& config) {
   v1::Scene scene =
       encode_settings({config, scene::materials_of(config), config.gravity, config.wind, config.self_contact});
-  encode_mesh_source(config.mesh, scene);
+  if (config.components.empty()) encode_mesh_source(config.mesh, scene);
+  for (const scene::Component& component : config.components) *scene.add_components() = encode_component(component);
   encode_pins(config.pins, *scene.mutable_pins());
   encode_conditions(config, scene);
   encode_analysis(config, scene);

@@ -22,7 +22,7 @@ namespace kerf::wire {
 Result<scene::SheetConfig> decode_scene(v1::Scene scene, const FileReader& read_file = {});
 
 // Encodes the complete scene, with every number: decode_scene(encode_scene(c)) equals c bit for bit, for every c made
-// by decode_scene().
+// by decode_scene(). Only the fields that errors name for materials of components differ.
 v1::Scene encode_scene(const scene::SheetConfig& config);
 
 inline constexpr std::size_t kMaxSceneFileBytes = std::size_t{128} << 20;  // An OBJ text of 64 MiB, escaped.

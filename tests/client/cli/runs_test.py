@@ -37,6 +37,12 @@ class Runs(Case):
         self.assertEqual(self.json_of("run", scene_file("held.json", ply=held, **changes))["state_hash"], named["state_hash"])
         self.refused("run", scene_file("gone.json", ply={"file": "gone.ply"}, **changes), says="gone.ply")
 
+    def test_cuts_of_components_are_recorded_and_replayed(self):
+        result = self.json_of("run", str(ROOT / "deploy/scenes/ribbon.json"), "--ticks", "260", "--record", path("band.rec"))
+        self.assertEqual([each["status"] for each in result["cuts"]], ["APPLIED", "APPLIED"])
+        self.assertEqual(result["pieces"], 3)
+        self.assertEqual(self.json_of("replay", path("band.rec"))["state_hash"], result["state_hash"])
+
     def test_run_record_replay(self):
         scene = scene_file("small.json")
         first = self.json_of("run", scene, "--out", path("result.json"), "--record", path("small.rec"))

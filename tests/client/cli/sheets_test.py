@@ -3,7 +3,7 @@
 import json
 import pathlib
 
-from cli_case import Case, kerf, main, panel, path, scene_file, setUpModule, tearDownModule
+from cli_case import ROOT, Case, kerf, main, panel, path, scene_file, setUpModule, tearDownModule
 
 
 class Sheets(Case):
@@ -185,6 +185,26 @@ class Sheets(Case):
         del scene["commands"]
         pathlib.Path(path("empty.json")).write_text(json.dumps(scene))
         self.refused("sheet", "create", "none", "--scene", path("empty.json"), says="constraints[0].region")
+
+    def test_components_are_cut_by_name_in_their_own_coordinates(self):
+        ribbon = str(ROOT / "deploy/scenes/ribbon.json")
+        self.json_of("sheet", "create", "band", "--scene", ribbon, "--paused")
+        places = self.json_of("sheet", "get", "band")["components"]
+        self.assertEqual([(each["name"], each["num_vertices"]) for each in places], [("cloth", 400), ("ribbon", 80)])
+        self.assertEqual(places[1]["offset"], {"x": 1.1, "y": 0})
+        self.assertIn("component ribbon: 0,0 to 1,0.16, offset 1.1,0; vertices 400 to 479",
+                      kerf("--verbose", "sheet", "get", "band").stdout)
+        across = self.json_of("cut", "band", "--polyline", "-5,0.1 5,0.1", "--component", "ribbon")
+        self.assertEqual((across["status"], across["pieces"]), ("APPLIED", 3))
+        self.assertIn("5 pieces", kerf("cut", "band", "--polyline", "-5,0.05 5,0.05").stdout)
+        self.refused("cut", "band", "--circle", "0.5,0.5,0.1", "--component", "band", says="cloth, ribbon")
+        self.refused("cut", "band", "--circle", "9,9,5", "--component", "cloth", "--view", "0,0,2 0,0,0", code=2,
+                     says="--component")
+        exported = path("band-cuts.json")
+        self.assertEqual(kerf("cuts", "band", "--export", exported).returncode, 0)
+        self.assertEqual(json.loads(pathlib.Path(exported).read_text())["cuts"][0]["component"], "ribbon")
+        self.json_of("sheet", "reset", "band")
+        self.assertEqual(self.json_of("cut", "band", "--batch", exported)["pieces"], 5)
 
     def test_refusals(self):
         self.refused("sheet", "create", "Bad_Name", says="sheet_id")

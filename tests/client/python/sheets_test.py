@@ -60,6 +60,24 @@ class Sheets(Case):
         with self.assertRaisesRegex(ValueError, "colour"):
             self.server.create_scene({"colour": "red"})
 
+    def test_components_are_cut_and_pinned_in_their_own_coordinates(self):
+        grid = {"columns": 11, "rows": 3, "width_m": 1, "height_m": 0.2}
+        scene = {"components": [{"name": name, "grid": grid} for name in ("one", "two")]}
+        made = self.server.create_scene(scene, "py-components", paused=True)
+        one, two = made.get().components
+        self.assertEqual((two.name, two.first_vertex, two.num_vertices), ("two", 33, 33))
+        self.assertAlmostEqual(two.offset.x - one.offset.x, 1.1)
+        self.assertEqual(made.cut(kerf.polyline((-9, 0.1), (9, 0.1)), component="two").pieces, 3)
+        both = [kerf.cut(kerf.polyline((0.5, -1), (0.5, 1)), component=name) for name in ("one", "two")]
+        self.assertEqual(made.cut_all(both).pieces, 6)
+        made.set_pins([kerf.of_component("two", "left"), kerf.of_component("one", kerf.nearest((0, 0)))])
+        pinned = list(made.get().pinned_vertices)
+        self.assertEqual(pinned[:2], [0, 33])
+        self.assertGreaterEqual(len(pinned), 4)
+        with self.assertRaisesRegex(kerf.InvalidArgument, "one, two"):
+            made.cut(kerf.circle((0.5, 0.1), 0.05), component="three")
+        made.delete()
+
     def test_parts_of_other_materials(self):
         made = self.server.create_sheet("py-parts", grid=(9, 9), material="denim", parts=[((0.5, 0, 1, 1), "silk")],
                                         paused=True)
