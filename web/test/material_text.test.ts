@@ -1,7 +1,8 @@
 import { create } from '@bufbuild/protobuf';
 import { describe, expect, it } from 'vitest';
+import { RegionSchema } from '../src/gen/kerf/v1/conditions_pb';
 import { MaterialSchema } from '../src/gen/kerf/v1/scene_pb';
-import { bendingStiffness, materialFacts, presetOf } from '../src/ui/material_text';
+import { bendingStiffness, materialFacts, partName, presetOf } from '../src/ui/material_text';
 
 const kSilk = create(MaterialSchema, {
   youngsModulusPa: 8e7,
@@ -42,5 +43,16 @@ describe('presetOf', () => {
     expect(presetOf({ ...kSilk, directionRad: 1 }, presets)).toBe('silk');
     expect(presetOf({ ...kSilk, thicknessM: 1.3e-4 }, presets)).toBe('');
     expect(presetOf({ ...kSilk, bendingStiffness1Nm: 1e-6 }, presets)).toBe('');
+  });
+});
+
+describe('partName', () => {
+  it('is a number, with the component where there is one; a whole component has its own name', () => {
+    const nearest = { case: 'nearest' as const, value: { x: 0, y: 0 } };
+    const all = { case: 'all' as const, value: true };
+    expect(partName(undefined, 1)).toBe('part 1');
+    expect(partName(create(RegionSchema, { region: all }), 2)).toBe('part 2');
+    expect(partName(create(RegionSchema, { region: all, component: 'ribbon' }), 0)).toBe('ribbon');
+    expect(partName(create(RegionSchema, { region: nearest, component: 'ribbon' }), 3)).toBe('part 3, of ribbon');
   });
 });

@@ -1,3 +1,4 @@
+import type { Region } from '../gen/kerf/v1/conditions_pb';
 import type { Material } from '../gen/kerf/v1/scene_pb';
 import { siText } from './quantity_text';
 
@@ -44,4 +45,10 @@ export function presetOf(material: Material, presets: readonly Material[]): stri
       [of.bendingCouplingNm, of.twistingStiffnessNm, of.strainLimit],
     ]);
   return presets.find((preset) => numbers(preset) === numbers(material))?.preset ?? '';
+}
+
+/** Returns the name of the part of a sheet that has another material: a whole component has its own. */
+export function partName(region: Region | undefined, index: number): string {
+  if (!region?.component) return `part ${index}`;
+  return region.region.case === 'all' ? region.component : `part ${index}, of ${region.component}`;
 }

@@ -7,7 +7,7 @@ import { serverInfo } from '../../server_info';
 import type { OpenSheet, ShownState } from '../../sheet/open_sheet';
 import { element, setText } from '../dom';
 import { errorText } from '../error_text';
-import { areaMassText, presetOf } from '../material_text';
+import { areaMassText, partName, presetOf } from '../material_text';
 import { kBendingId, kMaterialQuantities, materialRefusal } from './material_quantities';
 import { QuantitySlider } from './quantity_slider';
 
@@ -83,7 +83,7 @@ export class MaterialControl {
     element('material-part-label').hidden = numParts === 0;
     if (sheet.name === this.sheetName && this.part.options.length === numParts + 2) return;
     this.sheetName = sheet.name;
-    const parts = Array.from({ length: numParts }, (_, i) => new Option(`part ${i}`, String(i)));
+    const parts = (sheet.scene?.materials ?? []).map(({ region }, i) => new Option(partName(region, i), String(i)));
     this.part.replaceChildren(new Option('all of it', kWhole), new Option('the rest of the sheet', kOwn), ...parts);
   }
 
