@@ -258,4 +258,40 @@ export function cuttingSteps(steps, browser, { url }) {
     await stiff.page.close();
     await post(url, 'SheetService/DeleteSheet', { name: 'sheets/stiff' });
   });
+
+  steps.step('the component that is seen is cut, in the coordinates of the whole', async () => {
+    const upright = { xAxis: { x: 1 }, yAxis: { z: 1 } };
+    const scene = {
+      components: [
+        { name: 'cloth', grid: { columns: 21, rows: 21, widthM: 1, heightM: 1 }, placement: upright },
+        // Right in front of the cloth.
+        { name: 'ribbon', grid: { columns: 21, rows: 5, widthM: 1, heightM: 0.2 },
+          placement: { ...upright, origin: { y: -0.05, z: 0.4 } }, material: { preset: 'silk' } },
+      ],
+      gravityMps2: {},
+    };
+    await post(url, 'SheetService/CreateSheet', { sheetId: 'pair', scene, paused: true });
+    const pair = await ViewerPage.open(browser, `${url}/?sheet=pair`, kTall);
+    await pair.untilDrawn('k.connection === "live" && k.isPaused && k.framesDrawn > 0');
+    await pair.choose('cut');
+    for (const [x, y] of [[1.4, 0.05], [1.5, 0.15], [1.6, 0.05]]) await pair.tap(x, y);
+    await pair.screenshot('cut-component');
+    await pair.page.keyboard.press('Enter');
+    await pair.until('k.topologyVersion > 1');
+    const { result } = await lastCut(url, 'sheets/pair');
+    check(result.layers.length === 1 && result.layers[0].piece === 1, `not the ribbon: ${JSON.stringify(result.layers)}`);
+    await pair.page.keyboard.press('5');
+    await pair.page.keyboard.press('i');
+    for (const [x, y] of [[0.3, 0.8], [0.6, 0.85]]) await pair.tap(x, y);
+    await pair.page.keyboard.press('Enter');
+    await pair.until('k.topologyVersion > 2');
+    const { cut } = await lastCut(url, 'sheets/pair');
+    const [first] = cut.curve.polyline.points;
+    check(!cut.view && Math.hypot(first.x - 0.3, first.y - 0.8) < 0.01, `on the material: ${JSON.stringify(cut)}`);
+    check((await pair.page.locator('#material-part option').allTextContents()).includes('ribbon'), 'no part is the ribbon');
+    await pair.page.keyboard.press('1');
+    check(pair.errors.length === 0, `console: ${pair.errors.join('; ')}`);
+    await pair.page.close();
+    await post(url, 'SheetService/DeleteSheet', { name: 'sheets/pair' });
+  });
 }
