@@ -4,7 +4,6 @@
 #include <concepts>
 #include <optional>
 #include <string>
-#include <type_traits>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -80,9 +79,9 @@ using RegionShape = std::variant<RegionEdge, MaterialBox, std::vector<mesh::Vert
 struct Region {
   Region() = default;
   template <typename Shape>
-  requires(!std::same_as<std::remove_cvref_t<Shape>, Region> && std::constructible_from<RegionShape, Shape>)
-      Region(Shape&& given, std::string of = {})  // NOLINT(google-explicit-constructor)
-      : shape(std::forward<Shape>(given)), component(std::move(of)) {}
+  requires(!std::same_as<Shape, Region> && std::constructible_from<RegionShape, Shape>)
+      Region(Shape given, std::string of = {})  // NOLINT(google-explicit-constructor)
+      : shape(std::move(given)), component(std::move(of)) {}
 
   RegionShape shape;      // m, in the scene's material plane, or in the component's own coordinates
   std::string component;  // name; empty: the whole sheet. Edges, corners and numbers of vertices are the component's
