@@ -119,6 +119,17 @@ FlatCurve leave_out_points(FlatCurve path, const PathScale& scale, std::optional
   return path;
 }
 
+// Returns the box that the curve is clipped to. It is a little larger than the sheet, and within the room of the plan.
+Box room_of(const mesh::TriangleMesh& mesh, const CutPlan& plan) {
+  const Eigen::AlignedBox2d& bounds = mesh.bounding_box();
+  // An edge length keeps the ends clear of the border, but could lead out of the domain on a sheet of few triangles.
+  const double clearance = std::min(plan.edge_length_m, kClipRoom * mesh.lattice().room());
+  const Eigen::Vector2d margin = Eigen::Vector2d::Constant(clearance + plan.snap_m);
+  Box around{bounds.min() - margin, bounds.max() + margin};
+  if (!plan.room) return around;
+  return {around.low.cwiseMax(plan.room->low), around.high.cwiseMin(plan.room->high)};
+}
+
 // Makes the outline of a strip, of the part that may reach into the box `room`.
 Result<Outline> outline_near(const FlatCurve& curve, double width, const PathScale& scale, const Box& room) {
   const double of_width = kToleranceOfWidth * width;
@@ -185,13 +196,7 @@ Result<CutPlan> plan(const mesh::TriangleMesh& mesh, const CutRequest& request) 
     whole = flatten(curve, flatness);
   }
   KERF_TRY_ASSIGN(const FlatCurve flat, dashed(whole, plan.options.dash));
-  const Eigen::AlignedBox2d& bounds = mesh.bounding_box();
-  // Clips the curve this far outside the sheet. An edge length keeps its ends clear of the border, but could lead out
-  // of the domain on a sheet of few triangles.
-  const double clearance = std::min(plan.edge_length_m, kClipRoom * mesh.lattice().room());
-  const Eigen::Vector2d margin = Eigen::Vector2d::Constant(clearance + plan.snap_m);
-  Box room{bounds.min() - margin, bounds.max() + margin};
-  if (request.room) room = {room.low.cwiseMax(request.room->low), room.high.cwiseMin(request.room->high)};
+  const Box room = room_of(mesh, plan);
   ScaledCurve simplified;
   if (plan.options.width_m) {
     KERF_TRY_ASSIGN(Outline strip, outline_near(flat, *plan.options.width_m, scale, room));
