@@ -192,7 +192,7 @@ TEST(ModalAnalysis, FindsAllOfAMovingSheetWhoseModesLieNearZero) {
   ASSERT_TRUE(outcome.ok()) << outcome.error().message;
   const std::vector<std::vector<double>>& rows = outcome->tables[0].rows;
   ASSERT_EQ(rows.size(), 6U);
-  EXPECT_LT(rows[0][1], -1000.0);
+  EXPECT_LT(rows[0][1], -100.0);
   for (std::size_t i = 1; i < rows.size(); ++i) EXPECT_GE(rows[i][1], rows[i - 1][1]);
 }
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -243,6 +244,54 @@ TEST(ExplicitContact, WhatWasCutStaysOutsideBothWallsOfAValley) {
     has_touched_both = has_touched_both || touching == 2;
   }
   EXPECT_TRUE(has_touched_both);
+}
+
+constexpr std::array<scene::IntegratorKind, 5> kAllKinds{
+    scene::IntegratorKind::kExplicitLeapfrog, scene::IntegratorKind::kImplicitEuler,
+    scene::IntegratorKind::kTrapezoidal, scene::IntegratorKind::kBdf2, scene::IntegratorKind::kTrBdf2};
+
+// Velocities of stages of second order follow from positions, and would be reflected by the floor.
+TEST(EveryIntegrator, DropsASheetWithoutABounce) {
+  for (const scene::IntegratorKind kind : kAllKinds) {
+    for (const double height : {0.0, 0.02, 0.3}) {
+      scene::SheetConfig config = scenes::lying_on_floor(6);
+      config.integrator.kind = kind;
+      config.placement.origin.z() += height;
+      config.initial_velocity = scene::InitialVelocity{{0.0, 0.0, -5.0}, {0.0, 0.0, 0.0}, {}};
+      Result<Sheet> sheet = Sheet::create(config);
+      ASSERT_TRUE(sheet.ok());
+      const double before = sheet->energies().kinetic;
+      ASSERT_GT(before, 1.0);
+      for (int i = 0; i < 6; ++i) sheet->step({});
+      EXPECT_LT(sheet->energies().kinetic, 1e-3 * before) << static_cast<int>(kind) << ", " << height;
+    }
+  }
+}
+
+TEST(EveryIntegrator, SlidesDownAnInclineAsCoulombSays) {
+  constexpr int kTicks = 48;
+  constexpr double kTime = kTicks / 60.0, kSlope = 19.0 * std::numbers::pi / 180.0;
+  for (const scene::IntegratorKind kind : kAllKinds) {
+    for (const double friction : {0.2, 0.3, 0.36}) {
+      scene::SheetConfig config = scenes::lying_on_floor(6);
+      config.integrator.kind = kind;
+      config.material.mass_damping = 0.0;
+      config.colliders[0].friction = friction;
+      config.gravity = kGravity * Eigen::Vector3d(std::sin(kSlope), 0.0, -std::cos(kSlope));
+      Result<Sheet> sheet = Sheet::create(config);
+      ASSERT_TRUE(sheet.ok());
+      const double start = sheet->state().x.row(0).mean();
+      for (int i = 0; i < kTicks; ++i) sheet->step({});
+      const double acceleration = std::max(0.0, kGravity * (std::sin(kSlope) - friction * std::cos(kSlope)));
+      const double slid = 0.5 * acceleration * kTime * kTime;
+      // Implicit Euler moves ahead by half a tick.
+      const double ahead = kind == scene::IntegratorKind::kImplicitEuler ? 0.5 * acceleration * kTime / 60.0 : 0.0;
+      // One per cent of the friction.
+      const double allowed = 0.01 * friction * kGravity * std::cos(kSlope) * 0.5 * kTime * kTime;
+      EXPECT_NEAR(sheet->state().x.row(0).mean() - start, slid + ahead, allowed)
+          << static_cast<int>(kind) << ", " << friction;
+    }
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(, SheetContact,

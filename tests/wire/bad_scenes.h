@@ -69,10 +69,8 @@ inline std::vector<BadScene> bad_self_contact() {
       {"self_contact.mode",
        [](v1::Scene& s) {
          s.mutable_self_contact()->set_mode(v1::SelfContact::ON);
-         s.mutable_integrator()->set_kind(v1::Integrator::AUTOMATIC);
          s.set_planar(true);
        }},
-      {"integrator.kind", [](v1::Scene& s) { s.mutable_self_contact()->set_mode(v1::SelfContact::ON); }},
       {"self_contact.friction", [](v1::Scene& s) { s.mutable_self_contact()->set_friction(-1e-9); }},
       {"self_contact.friction", [](v1::Scene& s) { s.mutable_self_contact()->set_friction(10.001); }},
       {"self_contact.friction", [=](v1::Scene& s) { s.mutable_self_contact()->set_friction(nan); }},

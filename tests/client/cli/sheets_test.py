@@ -89,9 +89,6 @@ class Sheets(Case):
         self.refused("sheet", "self-contact", "folds", "--thickness", "0", says="set_self_contact.thickness_m")
         self.refused("sheet", "self-contact", "nobody", "on", says="nobody")
         self.json_of("sheet", "delete", "folds")
-        self.json_of("sheet", "create", "implicit", "--grid", "5x5", "--integrator", "tr-bdf2", "--paused")
-        self.refused("sheet", "self-contact", "implicit", "on", says="EXPLICIT_LEAPFROG")
-        self.json_of("sheet", "delete", "implicit")
 
     def test_intersections_are_counted(self):
         mesh = {"material_positions": [0, 0, 1, 0, 0, 1, 2, 0, 3, 0, 2, 1], "triangles": [0, 1, 2, 3, 4, 5],

@@ -281,7 +281,9 @@ bool ImplicitIntegrator::advance_tr_bdf2(const Model& model, const Loads& loads,
   stage.time_left = substep.time_left + (1.0 - kGamma) * h;
   if (!solver_.solve(model, loads, scratch_.constant, stage, state, stats)) return false;
 
-  set_before(start, state);
+  scratch_.before.x = start.x;
+  scratch_.before.v = start.v;
+  forget_stopped(state.x);
   stage.base.x = kNew * state.x - kOld * scratch_.before.x;
   stage.base.v = kNew * state.v - kOld * scratch_.before.v;
   stage.momentum = model.momentum(stage.base).linear;
@@ -320,6 +322,7 @@ bool ImplicitIntegrator::advance_bdf2(const Model& model, const Loads& loads, co
     stage.start = &start.x;
     stage.d = 2.0 * h / 3.0;
     stage.continues = true;
+    forget_stopped(start.x);
     stage.base.x = (4.0 * start.x - before.x) / 3.0;
     stage.base.v = (4.0 * start.v - before.v) / 3.0;
     stage.momentum = model.momentum(stage.base).linear;
@@ -328,22 +331,20 @@ bool ImplicitIntegrator::advance_bdf2(const Model& model, const Loads& loads, co
     evaluate_constant_force(model, loads, stage.d, stage.base, stats);  // drag is limited by the masses it acts on
     if (!solver_.solve(model, loads, scratch_.constant, stage, state, stats)) return false;
   }
-  set_before(start, state);
+  before.x = start.x;
+  before.v = start.v;
   return true;
 }
 
-// Sets scratch_.before to `start`, from which a later stage extrapolates to beyond `state`. What surfaces have stopped
-// since then counts as never having moved; it would be thrown back otherwise.
-void ImplicitIntegrator::set_before(const State& start, const State& state) {
-  State& before = scratch_.before;
-  before.x = start.x;
-  before.v = start.v;
+// Changes scratch_.before, from which a stage extrapolates to beyond positions x (m). What surfaces stopped in the
+// stage before counts as never having moved; it would be thrown back otherwise.
+void ImplicitIntegrator::forget_stopped(const linear::VertexField& x) {
   if (scratch_.stage.contact == nullptr) return;
+  State& before = scratch_.before;
   solver_.stop_in_contact(before.v);
-  linear::VertexField& way = scratch_.force;
-  way = state.x - start.x;
-  solver_.stop_in_contact(way);
-  before.x = state.x - way;
+  before.x = x - before.x;
+  solver_.stop_in_contact(before.x);
+  before.x = x - before.x;
 }
 
 void ImplicitIntegrator::evaluate_constant_force(const Model& model, const Loads& loads, double h, const State& state,

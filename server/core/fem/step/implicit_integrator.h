@@ -85,7 +85,7 @@ class ImplicitIntegrator final : public Integrator {
   bool keep_energy(const Model& model, const Loads& loads, IntegratorKind kind, State& state, StepStats& stats) const;
   bool advance(const Model& model, const Loads& loads, const Substep& substep, State& state, StepStats& stats);
   void set_ballistic(const State& start, double t, double t2, const Eigen::Vector3d& gravity);
-  void set_before(const State& start, const State& state);
+  void forget_stopped(const linear::VertexField& x);
   void begin_trapezoidal(const Model& model, const Loads& loads, double time_left, const State& start);
   bool advance_euler(const Model& model, const Loads& loads, const Substep& substep, State& state, StepStats& stats);
   bool advance_tr_bdf2(const Model& model, const Loads& loads, const Substep& substep, State& state, StepStats& stats);
