@@ -36,7 +36,10 @@ BoxLanes random_boxes(SeededRandom& random, int count) {
   return boxes;
 }
 
-std::vector<std::array<std::int32_t, 2>> overlaps_by_comparison(const BoxLanes& boxes, BoxRange range,
+using Way = std::array<float, 3>;
+constexpr Way kNoWay{};
+
+std::vector<std::array<std::int32_t, 2>> overlaps_by_comparison(const BoxLanes& boxes, BoxRange range, const Way& way,
                                                                 const BoxLanes& others, BoxRange other_range,
                                                                 bool after) {
   std::vector<std::array<std::int32_t, 2>> found;
@@ -46,7 +49,9 @@ std::vector<std::array<std::int32_t, 2>> overlaps_by_comparison(const BoxLanes& 
       const auto p = static_cast<std::size_t>(i), q = static_cast<std::size_t>(j);
       bool overlaps = true;
       for (std::size_t k = 0; k < 3; ++k) {
-        overlaps = overlaps && boxes.low[k][p] < others.high[k][q] && others.low[k][q] < boxes.high[k][p];
+        const float low = std::min(boxes.low[k][p], boxes.low[k][p] + way[k]);
+        const float high = std::max(boxes.high[k][p], boxes.high[k][p] + way[k]);
+        overlaps = overlaps && low < others.high[k][q] && others.low[k][q] < high;
       }
       if (overlaps) found.push_back({i, j});
     }
@@ -63,12 +68,14 @@ TEST(FindOverlaps, FindsThoseOfRangesInAscendingOrder) {
       for (const std::int32_t end : {count, count - 1}) {
         if (begin > end) continue;
         for (const BoxRange range : {BoxRange{0, 40}, BoxRange{7, 8}, BoxRange{5, 5}}) {
-          std::vector<std::array<std::int32_t, 2>> found{{-1, -1}};
-          find_overlaps(boxes, range, others, {begin, end}, false, found);
-          auto expected = overlaps_by_comparison(boxes, range, others, {begin, end}, false);
-          total += expected.size();
-          expected.insert(expected.begin(), {-1, -1});
-          EXPECT_EQ(found, expected) << count << ", " << begin << ", " << end;
+          for (const Way& way : {kNoWay, Way{0.25F, 0.0F, -0.5F}, Way{-3.0F, 2.0F, 1.0F}}) {
+            std::vector<std::array<std::int32_t, 2>> found{{-1, -1}};
+            find_overlaps(boxes, range, way.data(), others, {begin, end}, false, found);
+            auto expected = overlaps_by_comparison(boxes, range, way, others, {begin, end}, false);
+            total += expected.size();
+            expected.insert(expected.begin(), {-1, -1});
+            EXPECT_EQ(found, expected) << count << ", " << begin << ", " << end << ", " << way[0];
+          }
         }
       }
     }
@@ -82,13 +89,13 @@ TEST(FindOverlaps, FindsThoseOfOneRangeOnce) {
     const BoxLanes boxes = random_boxes(random, count);
     for (const BoxRange range : {BoxRange{0, count}, BoxRange{count / 4, count - count / 3}}) {
       std::vector<std::array<std::int32_t, 2>> found;
-      find_overlaps(boxes, range, boxes, range, true, found);
-      EXPECT_EQ(found, overlaps_by_comparison(boxes, range, boxes, range, true)) << count;
+      find_overlaps(boxes, range, kNoWay.data(), boxes, range, true, found);
+      EXPECT_EQ(found, overlaps_by_comparison(boxes, range, kNoWay, boxes, range, true)) << count;
     }
     const BoxRange first{0, count / 2}, second{count / 4, count};
     std::vector<std::array<std::int32_t, 2>> found;
-    find_overlaps(boxes, first, boxes, second, true, found);
-    EXPECT_EQ(found, overlaps_by_comparison(boxes, first, boxes, second, true)) << count;
+    find_overlaps(boxes, first, kNoWay.data(), boxes, second, true, found);
+    EXPECT_EQ(found, overlaps_by_comparison(boxes, first, kNoWay, boxes, second, true)) << count;
   }
 }
 

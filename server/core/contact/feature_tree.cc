@@ -12,6 +12,8 @@ namespace {
 using mesh::TriangleId;
 using mesh::VertexId;
 
+constexpr double kStray = 2.4;  // -, how often the slack of its corners an altitude of a triangle may lose
+
 // Returns true if the inside of a rectangle and a segment have a point in common. May be wrong by rounding in favour of
 // true.
 bool meets(const Eigen::AlignedBox2d& rectangle, const Eigen::Vector2d& p, const Eigen::Vector2d& q) {
@@ -28,11 +30,12 @@ bool meets(const Eigen::AlignedBox2d& rectangle, const Eigen::Vector2d& p, const
 
 }  // namespace
 
-FeatureTree::NodeBox FeatureTree::box_of(const BoxLanes& boxes, std::size_t place) {
+FeatureTree::NodeBox FeatureTree::box_of(const BoxLanes& boxes, std::int32_t place) {
   NodeBox box;
+  const auto at = static_cast<std::size_t>(place);
   for (std::size_t k = 0; k < 3; ++k) {
-    box.low[static_cast<Eigen::Index>(k)] = boxes.low[k][place];
-    box.high[static_cast<Eigen::Index>(k)] = boxes.high[k][place];
+    box.low[static_cast<Eigen::Index>(k)] = boxes.low[k][at];
+    box.high[static_cast<Eigen::Index>(k)] = boxes.high[k][at];
   }
   return box;
 }
@@ -53,9 +56,22 @@ void FeatureTree::set(const mesh::TriangleMesh& mesh) {
   nodes_.clear();
   if (!order.empty()) build_node(0, static_cast<std::int32_t>(order.size()), order, centroids);
   features_.set(mesh, order);
+  list_leaf_vertices();
   find_others();
+  find_around();
+  shapes_.clear();
+  for (const SheetFeatures::Triangle& triangle : features_.triangles) {
+    const Eigen::Matrix2f inverse = triangle.inverse_edges.cast<float>();
+    shapes_.push_back({triangle.vertices,
+                       {inverse(0, 0), inverse(1, 0), inverse(0, 1), inverse(1, 1)},
+                       static_cast<float>(kStray / triangle.altitude)});
+  }
+  lines_.resize(static_cast<std::size_t>(mesh.num_vertices()));
+  gradients_.resize(nodes_.size());
+  arounds_found_.resize(nodes_.size());
+  is_leaf_fitted_.resize(nodes_.size());
   motion_.resize(static_cast<std::size_t>(mesh.num_vertices()));
-  by_id_.resize(static_cast<std::size_t>(mesh.num_vertices()));
+  since_.resize(static_cast<std::size_t>(mesh.num_vertices()));
   is_fitted_ = false;
   place_.assign(static_cast<std::size_t>(mesh.num_vertices()), 0);
   for (std::size_t k = 0; k < features_.vertices.size(); ++k) {
@@ -65,6 +81,8 @@ void FeatureTree::set(const mesh::TriangleMesh& mesh) {
   is_strayed_edge_.assign(features_.edges.size(), 0);
   is_strayed_triangle_.assign(features_.triangles.size(), 0);
   leaf_of_.resize(features_.triangles.size());
+  leaf_of_vertex_.resize(features_.vertices.size());
+  leaf_of_edge_.resize(features_.edges.size());
   parent_.assign(nodes_.size(), -1);
   for (std::size_t k = 0; k < nodes_.size(); ++k) {
     const auto index = static_cast<std::int32_t>(k);
@@ -72,7 +90,10 @@ void FeatureTree::set(const mesh::TriangleMesh& mesh) {
     if (node.right != 0) {
       parent_[k + 1] = parent_[static_cast<std::size_t>(node.right)] = index;
     } else {
+      const BoxRange vertices = vertices_of(node), edges = edges_of(node);
       std::fill(leaf_of_.begin() + node.begin, leaf_of_.begin() + node.end, index);
+      std::fill(leaf_of_vertex_.begin() + vertices.begin, leaf_of_vertex_.begin() + vertices.end, index);
+      std::fill(leaf_of_edge_.begin() + edges.begin, leaf_of_edge_.begin() + edges.end, index);
     }
   }
   vertex_boxes_.resize(features_.vertices.size());
@@ -102,48 +123,62 @@ std::int32_t FeatureTree::build_node(std::int32_t begin, std::int32_t end, std::
   return index;
 }
 
-// Finds, for each node, the triangles outside of it that meet its rectangle, and if a border or lip does.
+void FeatureTree::list_leaf_vertices() {
+  leaf_vertices_.clear();
+  for (Node& node : nodes_) {
+    if (node.right != 0) continue;
+    node.first_vertex = static_cast<std::int32_t>(leaf_vertices_.size());
+    for (std::int32_t t = node.begin; t < node.end; ++t) {
+      const auto& corners = features_.triangles[static_cast<std::size_t>(t)].vertices;
+      leaf_vertices_.insert(leaf_vertices_.end(), corners.begin(), corners.end());
+    }
+    const auto first = leaf_vertices_.begin() + node.first_vertex;
+    std::sort(first, leaf_vertices_.end());
+    leaf_vertices_.erase(std::unique(first, leaf_vertices_.end()), leaf_vertices_.end());
+    node.end_vertex = static_cast<std::int32_t>(leaf_vertices_.size());
+  }
+}
+
+void FeatureTree::append_leaves(const Eigen::AlignedBox2d& rectangle, std::int32_t without,
+                                std::vector<std::int32_t>& leaves) {
+  stack_.assign(1, 0);
+  while (!stack_.empty()) {
+    const std::int32_t at = stack_.back();
+    stack_.pop_back();
+    const Node& node = nodes_[static_cast<std::size_t>(at)];
+    if (at == without || !rectangle.intersects(node.rectangle)) continue;
+    if (node.right == 0) {
+      leaves.push_back(at);
+    } else {
+      stack_.push_back(node.right);
+      stack_.push_back(at + 1);
+    }
+  }
+}
+
+// Finds, for each node, the leaves outside of it that meet its rectangle, and if a border or lip does.
 void FeatureTree::find_others() {
   others_.clear();
-  std::vector<Eigen::AlignedBox2d> extents(features_.triangles.size());
-  for (std::size_t t = 0; t < extents.size(); ++t) {
-    for (const VertexId v : features_.triangles[t].vertices)
-      extents[t].extend(features_.material[static_cast<std::size_t>(v)]);
-  }
   for (std::size_t k = nodes_.size(); k-- > 0;) {
     Node& node = nodes_[k];
     node.rectangle.setEmpty();
     if (node.right != 0) {
       node.rectangle.extend(nodes_[k + 1].rectangle);
       node.rectangle.extend(nodes_[static_cast<std::size_t>(node.right)].rectangle);
-    } else {
-      for (std::int32_t t = node.begin; t < node.end; ++t) node.rectangle.extend(extents[static_cast<std::size_t>(t)]);
+      continue;
+    }
+    for (std::int32_t i = node.first_vertex; i < node.end_vertex; ++i) {
+      node.rectangle.extend(features_.material[static_cast<std::size_t>(leaf_vertices_[static_cast<std::size_t>(i)])]);
     }
   }
-  std::vector<std::int32_t> stack;
-  for (Node& node : nodes_) {
+  for (std::size_t k = 0; k < nodes_.size(); ++k) {
+    Node& node = nodes_[k];
     node.first_other = static_cast<std::int32_t>(others_.size());
-    stack.assign(1, 0);
-    while (!stack.empty()) {
-      const std::int32_t at = stack.back();
-      stack.pop_back();
-      const Node& other = nodes_[static_cast<std::size_t>(at)];
-      if (other.begin >= node.begin && other.end <= node.end) continue;
-      if (!node.rectangle.intersects(other.rectangle)) continue;
-      if (other.right != 0) {
-        stack.push_back(other.right);
-        stack.push_back(at + 1);
-        continue;
-      }
-      for (std::int32_t t = other.begin; t < other.end; ++t) {
-        if ((t < node.begin || t >= node.end) && node.rectangle.intersects(extents[static_cast<std::size_t>(t)])) {
-          others_.push_back(t);
-        }
-      }
-    }
+    append_leaves(node.rectangle, static_cast<std::int32_t>(k), others_);
     node.end_other = static_cast<std::int32_t>(others_.size());
     node.is_whole = true;
   }
+  std::vector<std::int32_t> stack;
   for (const auto& [p, q] : features_.borders) {
     const Eigen::Vector2d& from = features_.material[static_cast<std::size_t>(p)];
     const Eigen::Vector2d& to = features_.material[static_cast<std::size_t>(q)];
@@ -159,6 +194,39 @@ void FeatureTree::find_others() {
       stack.push_back(node.right);
     }
   }
+}
+
+// Finds, for each leaf, a larger rectangle, and the leaves that meet it. Borders inside it are edges of theirs.
+void FeatureTree::find_around() {
+  constexpr double kGrowth = 1.25;  // -, of the larger side of a leaf
+  arounds_.clear();
+  for (Node& node : nodes_) {
+    if (node.right != 0) continue;
+    const double by = kGrowth * node.rectangle.sizes().maxCoeff();
+    const Eigen::Vector2d margin(by, by);
+    node.around = Eigen::AlignedBox2d(node.rectangle.min() - margin, node.rectangle.max() + margin)
+                      .intersection(nodes_[0].rectangle);
+    node.first_around = static_cast<std::int32_t>(arounds_.size());
+    append_leaves(node.around, -1, arounds_);
+    node.end_around = static_cast<std::int32_t>(arounds_.size());
+    node.is_whole_around = std::none_of(arounds_.begin() + node.first_around, arounds_.end(), [&](std::int32_t leaf) {
+      return has_border_inside(nodes_[static_cast<std::size_t>(leaf)], node.around);
+    });
+  }
+}
+
+bool FeatureTree::has_border_inside(const Node& leaf, const Eigen::AlignedBox2d& rectangle) const {
+  for (std::int32_t t = leaf.begin; t < leaf.end; ++t) {
+    const SheetFeatures::Triangle& triangle = features_.triangles[static_cast<std::size_t>(t)];
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (triangle.across[k] != mesh::kNone) continue;
+      const auto material = [&](std::size_t corner) -> const Eigen::Vector2d& {
+        return features_.material[static_cast<std::size_t>(triangle.vertices[corner % 3])];
+      };
+      if (meets(rectangle, material(k + 1), material(k + 2))) return true;
+    }
+  }
+  return false;
 }
 
 }  // namespace kerf::contact

@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "server/core/contact/feature_pair.h"
+#include "server/core/contact/gradient_box.h"
 #include "server/core/contact/pair_lanes.h"
 #include "server/core/contact/sheet_features.h"
 #include "server/core/linear/vertex_field.h"
@@ -25,9 +26,8 @@ struct StraightMotion {
 // Finds the pairs of features of a sheet that can come near each other during a motion.
 //
 // The tree halves the sheet in material space. A part whose bounding rectangle has no border or lip inside cannot touch
-// itself while it is nearly flat: let F be the deformation gradient, and |F - F0| <= rho in the whole rectangle. Then
-// |x(A) - x(B)| >= (sigma_min(F0) - rho) |A - B| for any two of its points, as x(B) - x(A) is the integral of F (B -
-// A). Both ends of the motion are looked at; a ball of F is convex, so all that lies between is inside.
+// itself while it is nearly flat, see GradientBox. Two leaves next to each other cannot either while a rectangle around
+// both is flat. Boxes of features are made only for the leaves that are left.
 class FeatureTree {
  public:
   // Sets up the features of another topology. The result depends on the mesh alone.
@@ -50,7 +50,8 @@ class FeatureTree {
               std::vector<FeaturePair>& pairs);
 
  private:
-  static constexpr std::int32_t kLeaf = 8;  // most triangles of a leaf
+  static constexpr std::int32_t kLeaf = 8;   // most triangles of a leaf
+  static constexpr float kRounding = 2e-6F;  // m, of coordinates in floats
 
   // A box relative to the middle of the sheet, m; the fourth entries are not used.
   struct NodeBox {
@@ -59,15 +60,28 @@ class FeatureTree {
     [[nodiscard]] bool overlaps(const NodeBox& other) const {
       return (low < other.high).all() && (other.low < high).all();
     }
+    [[nodiscard]] NodeBox united(const NodeBox& other) const { return {low.min(other.low), high.max(other.high)}; }
+    [[nodiscard]] NodeBox swept(const Eigen::Array4f& way) const { return {low + way.min(0.0F), high + way.max(0.0F)}; }
   };
   // A node holds triangles [begin, end) of features_; of other nodes than leaves the left child is the next one.
   struct Node {
-    NodeBox box;  // of the motion
+    NodeBox box;                                // of the motion, in a frame that moves with `v`
+    Eigen::Array4f v = Eigen::Array4f::Zero();  // m/s, mean of its vertices
     std::int32_t begin = 0, end = 0;
     std::int32_t right = 0;                       // 0: a leaf
-    std::int32_t first_other = 0, end_other = 0;  // in others_: triangles of other nodes that meet its rectangle
+    std::int32_t first_other = 0, end_other = 0;  // in others_: leaves of other nodes that meet its rectangle
     bool is_whole = false;                        // its rectangle has no border or lip inside
     Eigen::AlignedBox2d rectangle;                // material, m
+    // Only of leaves.
+    std::int32_t first_vertex = 0, end_vertex = 0;  // in leaf_vertices_: corners of its triangles
+    std::int32_t first_around = 0, end_around = 0;  // in arounds_: all leaves that meet `around`
+    bool is_whole_around = false;
+    Eigen::AlignedBox2d around;  // material, m; a larger rectangle
+  };
+  // A strayed vertex, and the ends of its features in strayed_triangles_ and strayed_edges_.
+  struct StrayedGroup {
+    mesh::VertexId vertex = mesh::kNone;
+    BoxRange triangles, edges;
   };
   struct Query {
     const StraightMotion& motion;
@@ -77,24 +91,50 @@ class FeatureTree {
 
   std::int32_t build_node(std::int32_t begin, std::int32_t end, std::span<mesh::TriangleId> order,
                           std::span<const Eigen::Vector2d> centroids);
+  void list_leaf_vertices();
   void find_others();
+  void find_around();
+  // Returns true if the inside of a rectangle (material, m) meets a border or lip of a leaf.
+  [[nodiscard]] bool has_border_inside(const Node& leaf, const Eigen::AlignedBox2d& rectangle) const;
+  // Appends the leaves that meet a rectangle to `leaves`, but not those below node `without`.
+  void append_leaves(const Eigen::AlignedBox2d& rectangle, std::int32_t without, std::vector<std::int32_t>& leaves);
+  // Sets the lines of all vertices, in the frame of the sheet, and what gradients follow from them.
+  void set_lines(const Query& query);
+  // Sets the boxes of vertices and nodes.
   void refit(const Query& query);
-  // Sets the line of a vertex, which is at x (m) after `since` (s) of the motion, and its box from then on.
-  void set_line(mesh::VertexId v, const Eigen::Vector3d& x, const Eigen::Vector3d& velocity, double since,
-                float margin);
-  // Lists the features at strayed vertices, and makes their boxes and those of nodes around them follow.
+  // Sets the boxes of the features of a leaf unless they are set.
+  void fit_leaf(std::int32_t index);
+  // Sets the line of a vertex, which is at x (m) after `since` (s) of the motion.
+  void set_line(mesh::VertexId v, const Eigen::Vector3d& x, const Eigen::Vector3d& velocity, double since);
+  // Sets motion_ of a vertex to its line.
+  void set_motion(mesh::VertexId v);
+  // Returns the box around vertices on their lines, in a frame that moves with a velocity (m/s).
+  [[nodiscard]] NodeBox box_around(std::span<const mesh::VertexId> vertices, const Eigen::Array4f& frame) const;
+  // Sets box `to` to that around some vertices, in the frame of a leaf.
+  void set_box(std::span<const mesh::VertexId> vertices, const Node& leaf, BoxLanes& boxes, std::size_t to) const;
+  // Returns the way (m) that the frame of node `of` moves in the frame of node `in`.
+  [[nodiscard]] Eigen::Array4f way_between(const Node& of, const Node& in) const;
+  // Lists the features at strayed vertices, each with one of them. Makes their boxes and those of nodes follow.
   void refit_around(std::span<const mesh::VertexId> strayed);
-  // Calls visit(leaf) for each leaf whose box overlaps `box`.
-  template <typename Visit>
-  void for_each_leaf(const NodeBox& box, const Visit& visit);
-  [[nodiscard]] bool is_flat(const Node& node, const Query& query) const;
-  void search_within(std::int32_t index, const Query& query);
+  // Sets the boxes of a feature and of the nodes around it.
+  void refit_nodes(std::int32_t leaf, NodeBox box);
+  // Sets leaves_ to those whose boxes overlap `box`, which is in the frame of leaf `of`, with their features set.
+  void find_leaves(const NodeBox& box, const Node& of);
+  // Adds the pairs of a strayed vertex and of the features listed with it.
+  void follow_group(const StrayedGroup& group);
+  [[nodiscard]] const Node& leaf_at(const std::vector<std::int32_t>& leaves, std::int32_t place) const {
+    return nodes_[static_cast<std::size_t>(leaves[static_cast<std::size_t>(place)])];
+  }
+  [[nodiscard]] bool is_flat(std::int32_t index) const;
+  // Returns true if the rectangle around leaf `first` is flat and has leaf `second` inside.
+  bool is_flat_around(std::int32_t first, std::int32_t second);
+  void search_within(std::int32_t index);
   void search_between(std::int32_t first, std::int32_t second);
-  void search_leaves(const Node& a, const Node& b);
+  void search_leaves(std::int32_t first, std::int32_t second);
   // Appends those pairs of `candidates` that may come near to `pairs`.
   void keep_near(FeaturePair::Kind kind, const PairLanes& candidates, double reach, double thickness,
                  std::vector<FeaturePair>& pairs);
-  static NodeBox box_of(const BoxLanes& boxes, std::size_t place);
+  static NodeBox box_of(const BoxLanes& boxes, std::int32_t place);
   [[nodiscard]] BoxRange vertices_of(const Node& node) const;
   [[nodiscard]] BoxRange edges_of(const Node& node) const;
   void add_vertex_candidate(mesh::VertexId v, std::int32_t triangle);
@@ -106,18 +146,29 @@ class FeatureTree {
 
   SheetFeatures features_;
   std::vector<Node> nodes_;
-  std::vector<std::int32_t> others_;
+  std::vector<std::int32_t> others_, arounds_;
+  std::vector<mesh::VertexId> leaf_vertices_;
+  std::vector<TriangleShape> shapes_;   // by triangle
+  std::vector<VertexLine> lines_;       // by vertex id, when find_pairs() was called
+  std::vector<GradientBox> gradients_;  // by node
+  enum class Around : std::uint8_t { kUnknown, kFlat, kBent };
+  std::vector<Around> arounds_found_;         // by node
+  std::vector<std::uint8_t> is_leaf_fitted_;  // by node
   bool is_fitted_ = false;
   double duration_ = 0.0;                                         // s, of the motion
   Eigen::Vector3d middle_{0.0, 0.0, 0.0}, drift_{0.0, 0.0, 0.0};  // m, m/s, of the frame of the boxes
   std::vector<std::int32_t> leaf_of_, parent_;                    // by triangle; by node
+  std::vector<std::int32_t> leaf_of_vertex_, leaf_of_edge_;       // by place in `vertices`; by edge
+  std::vector<float> since_;                                      // s, by vertex id: from when on its line is its own
+  float half_reach_ = 0.0F;                                       // m
   std::vector<std::int32_t> place_;                               // by vertex id: its place in `vertices`
   std::vector<std::uint8_t> is_strayed_;                          // by vertex id
-  std::vector<std::int32_t> strayed_triangles_, strayed_edges_, stack_;
+  std::vector<std::int32_t> strayed_triangles_, strayed_edges_, stack_, leaves_;
+  std::vector<StrayedGroup> groups_;
   std::vector<std::uint8_t> is_strayed_edge_, is_strayed_triangle_;
   MotionLanes motion_;
-  BoxLanes by_id_;                                       // of the motion, by vertex id
-  BoxLanes vertex_boxes_, triangle_boxes_, edge_boxes_;  // of the motion; by place in `vertices`, triangle, edge
+  // Boxes of the motion, in the frames of their leaves; by place in `vertices`, triangle, edge.
+  BoxLanes vertex_boxes_, triangle_boxes_, edge_boxes_;
   PairLanes vertex_candidates_, edge_candidates_;
   std::vector<std::array<std::int32_t, 2>> overlaps_;
   std::vector<std::int32_t> near_;

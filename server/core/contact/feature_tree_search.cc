@@ -14,65 +14,21 @@ namespace {
 using mesh::TriangleId;
 using mesh::VertexId;
 
-constexpr float kRounding = 2e-6F;  // m, of coordinates in floats
-
-using Gradient = Eigen::Matrix<double, 3, 2>;
-
-Gradient gradient(const SheetFeatures::Triangle& triangle, const linear::VertexField& x) {
-  const Eigen::Vector3d at = x.col(triangle.vertices[0]);
-  Gradient sides;
-  sides.col(0) = x.col(triangle.vertices[1]) - at;
-  sides.col(1) = x.col(triangle.vertices[2]) - at;
-  return sides * triangle.inverse_edges;
-}
-
-double least_singular_value(const Gradient& f) {
-  const double a = f.col(0).squaredNorm(), b = f.col(1).squaredNorm(), c = f.col(0).dot(f.col(1));
-  const double half = 0.5 * (a + b);
-  return std::sqrt(std::max(0.0, half - std::sqrt(0.25 * (a - b) * (a - b) + c * c)));
-}
-
-// Sets box `to` of `boxes` to that around some boxes of `from`.
-template <std::size_t kCount>
-void unite(const BoxLanes& from, const std::array<std::int32_t, kCount>& of, BoxLanes& boxes, std::size_t to) {
-  for (std::size_t k = 0; k < 3; ++k) {
-    float low = from.low[k][static_cast<std::size_t>(of[0])], high = from.high[k][static_cast<std::size_t>(of[0])];
-    for (std::size_t i = 1; i < kCount; ++i) {
-      low = std::min(low, from.low[k][static_cast<std::size_t>(of[i])]);
-      high = std::max(high, from.high[k][static_cast<std::size_t>(of[i])]);
-    }
-    boxes.low[k][to] = low;
-    boxes.high[k][to] = high;
-  }
-}
-
-BoxRange range_of(std::size_t place) {
-  const auto at = static_cast<std::int32_t>(place);
-  return {at, at + 1};
-}
-
 Eigen::Vector3d flat(const Eigen::Vector2d& p) {
   return {p.x(), p.y(), 0.0};
 }
 
 }  // namespace
 
-void FeatureTree::set_line(VertexId v, const Eigen::Vector3d& x, const Eigen::Vector3d& velocity, double since,
-                           float margin) {
+void FeatureTree::set_motion(VertexId v) {
   const auto i = static_cast<std::size_t>(v);
-  const auto before = static_cast<float>(since), after = static_cast<float>(duration_ - since);
   for (std::size_t k = 0; k < 3; ++k) {
-    const auto axis = static_cast<Eigen::Index>(k);
-    const auto at = static_cast<float>(x[axis] - middle_[axis] - since * drift_[axis]);
-    const auto u = static_cast<float>(velocity[axis] - drift_[axis]);
-    motion_.x[k][i] = at - before * u;
-    motion_.v[k][i] = u;
-    by_id_.low[k][i] = std::min(at, at + after * u) - margin;
-    by_id_.high[k][i] = std::max(at, at + after * u) + margin;
+    motion_.x[k][i] = lines_[i].x[static_cast<Eigen::Index>(k)];
+    motion_.v[k][i] = lines_[i].v[static_cast<Eigen::Index>(k)];
   }
 }
 
-void FeatureTree::refit(const Query& query) {
+void FeatureTree::set_lines(const Query& query) {
   const StraightMotion& motion = query.motion;
   middle_.setZero();
   drift_.setZero();
@@ -83,69 +39,126 @@ void FeatureTree::refit(const Query& query) {
   middle_ /= static_cast<double>(features_.vertices.size());
   drift_ /= static_cast<double>(features_.vertices.size());
   duration_ = motion.duration;
-  const float half_reach = static_cast<float>(0.5 * query.reach) + kRounding;
   for (const VertexId v : features_.vertices) {
-    const float slack = query.slack[static_cast<std::size_t>(v)];
-    motion_.slack[static_cast<std::size_t>(v)] = slack;
-    set_line(v, motion.x.col(v), motion.v.col(v), 0.0, half_reach + slack);
+    VertexLine& line = lines_[static_cast<std::size_t>(v)];
+    line.x.head<3>() = (motion.x.col(v) - middle_).cast<float>();
+    line.v.head<3>() = (motion.v.col(v) - drift_).cast<float>();
   }
-  for (std::size_t k = 0; k < features_.vertices.size(); ++k) {
-    unite<1>(by_id_, {features_.vertices[k]}, vertex_boxes_, k);
-  }
-  for (std::size_t t = 0; t < features_.triangles.size(); ++t) {
-    unite(by_id_, features_.triangles[t].vertices, triangle_boxes_, t);
-  }
-  for (std::size_t e = 0; e < features_.edges.size(); ++e) unite(by_id_, features_.edges[e].vertices, edge_boxes_, e);
+  const auto duration = static_cast<float>(duration_);
   for (std::size_t k = nodes_.size(); k-- > 0;) {
-    NodeBox& box = nodes_[k].box;
-    if (nodes_[k].right != 0) {
-      const NodeBox &left = nodes_[k + 1].box, &right = nodes_[static_cast<std::size_t>(nodes_[k].right)].box;
-      box = {left.low.min(right.low), left.high.max(right.high)};
-      continue;
+    const Node& node = nodes_[k];
+    GradientBox box;
+    if (node.right != 0) {
+      box = gradients_[k + 1];
+      box.add(gradients_[static_cast<std::size_t>(node.right)]);
+    } else {
+      for (std::int32_t t = node.begin; t < node.end; ++t) {
+        const TriangleShape& triangle = shapes_[static_cast<std::size_t>(t)];
+        std::array<const VertexLine*, 3> corners{};
+        float slack = 0.0F;
+        for (std::size_t i = 0; i < 3; ++i) {
+          const auto v = static_cast<std::size_t>(triangle.vertices[i]);
+          corners[i] = &lines_[v];
+          slack = std::max(slack, query.slack[v]);
+        }
+        box.add(triangle, corners, duration, slack);
+      }
     }
-    box = NodeBox();
-    const auto begin = static_cast<std::ptrdiff_t>(nodes_[k].begin), end = static_cast<std::ptrdiff_t>(nodes_[k].end);
-    for (std::size_t c = 0; c < 3; ++c) {
-      const auto axis = static_cast<Eigen::Index>(c);
-      box.low[axis] = *std::min_element(triangle_boxes_.low[c].begin() + begin, triangle_boxes_.low[c].begin() + end);
-      box.high[axis] =
-          *std::max_element(triangle_boxes_.high[c].begin() + begin, triangle_boxes_.high[c].begin() + end);
-    }
+    gradients_[k] = box;
   }
 }
 
-bool FeatureTree::is_flat(const Node& node, const Query& query) const {
-  // -, shares of a distance at rest that must be left; the second one is for vertices that stray by their slack.
-  constexpr double kLeast = 0.05;
-  constexpr double kStray = 2.4;
-  constexpr std::int32_t kSamples = 8;
-  const StraightMotion& motion = query.motion;
-  const std::int32_t count = node.end - node.begin;
-  Gradient middle = Gradient::Zero(), turn = Gradient::Zero();
-  for (std::int32_t k = 0; k < kSamples; ++k) {
-    const auto t = static_cast<std::size_t>(node.begin + (2 * k + 1) * count / (2 * kSamples));
-    middle += gradient(features_.triangles[t], motion.x) / kSamples;
-    turn += gradient(features_.triangles[t], motion.v) / kSamples;
+void FeatureTree::refit(const Query& query) {
+  half_reach_ = static_cast<float>(0.5 * query.reach) + kRounding;
+  for (const VertexId v : features_.vertices) {
+    motion_.slack[static_cast<std::size_t>(v)] = query.slack[static_cast<std::size_t>(v)];
+    since_[static_cast<std::size_t>(v)] = 0.0F;
+    set_motion(v);
   }
-  middle += 0.5 * motion.duration * turn;
-  const double room = least_singular_value(middle) - kLeast;
-  const auto is_near = [&](std::int32_t t) {
-    const SheetFeatures::Triangle& triangle = features_.triangles[static_cast<std::size_t>(t)];
-    float slack = 0.0F;
-    for (const VertexId v : triangle.vertices) slack = std::max(slack, query.slack[static_cast<std::size_t>(v)]);
-    const double allowed = room - kStray * static_cast<double>(slack) / triangle.altitude;
-    if (!(allowed > 0.0)) return false;
-    const Gradient first = gradient(triangle, motion.x) - middle;
-    const Gradient last = first + motion.duration * gradient(triangle, motion.v);
-    return first.squaredNorm() <= allowed * allowed && last.squaredNorm() <= allowed * allowed;
-  };
-  for (std::int32_t t = node.begin; t < node.end; ++t) {
-    if (!is_near(t)) return false;
+  std::fill(is_leaf_fitted_.begin(), is_leaf_fitted_.end(), std::uint8_t{0});
+  std::fill(arounds_found_.begin(), arounds_found_.end(), Around::kUnknown);
+  for (std::size_t k = nodes_.size(); k-- > 0;) {
+    Node& node = nodes_[k];
+    if (node.right != 0) {
+      const Node &left = nodes_[k + 1], &right = nodes_[static_cast<std::size_t>(node.right)];
+      node.v = 0.5F * (left.v + right.v);
+      node.box = left.box.swept(way_between(left, node)).united(right.box.swept(way_between(right, node)));
+      continue;
+    }
+    const auto corners = std::span<const VertexId>(leaf_vertices_)
+                             .subspan(static_cast<std::size_t>(node.first_vertex),
+                                      static_cast<std::size_t>(node.end_vertex - node.first_vertex));
+    node.v.setZero();
+    for (const VertexId v : corners) node.v += lines_[static_cast<std::size_t>(v)].v;
+    node.v /= static_cast<float>(corners.size());
+    node.box = box_around(corners, node.v);
   }
+}
+
+Eigen::Array4f FeatureTree::way_between(const Node& of, const Node& in) const {
+  return static_cast<float>(duration_) * (of.v - in.v);
+}
+
+FeatureTree::NodeBox FeatureTree::box_around(std::span<const VertexId> vertices, const Eigen::Array4f& frame) const {
+  NodeBox box;
+  const auto duration = static_cast<float>(duration_);
+  for (std::size_t k = 0; k < vertices.size(); ++k) {
+    const auto i = static_cast<std::size_t>(vertices[k]);
+    const Eigen::Array4f u = lines_[i].v - frame, begin = lines_[i].x + since_[i] * u, end = lines_[i].x + duration * u;
+    const float margin = half_reach_ + motion_.slack[i];
+    const NodeBox of_vertex{begin.min(end) - margin, begin.max(end) + margin};
+    box = k == 0 ? of_vertex : box.united(of_vertex);
+  }
+  return box;
+}
+
+void FeatureTree::set_box(std::span<const VertexId> vertices, const Node& leaf, BoxLanes& boxes, std::size_t to) const {
+  const NodeBox box = box_around(vertices, leaf.v);
+  for (std::size_t k = 0; k < 3; ++k) {
+    boxes.low[k][to] = box.low[static_cast<Eigen::Index>(k)];
+    boxes.high[k][to] = box.high[static_cast<Eigen::Index>(k)];
+  }
+}
+
+void FeatureTree::fit_leaf(std::int32_t index) {
+  std::uint8_t& is_fitted = is_leaf_fitted_[static_cast<std::size_t>(index)];
+  if (is_fitted != 0) return;
+  is_fitted = 1;
+  const Node& leaf = nodes_[static_cast<std::size_t>(index)];
+  const BoxRange vertices = vertices_of(leaf), edges = edges_of(leaf);
+  for (auto k = static_cast<std::size_t>(vertices.begin); k < static_cast<std::size_t>(vertices.end); ++k) {
+    set_box({&features_.vertices[k], 1}, leaf, vertex_boxes_, k);
+  }
+  for (auto t = static_cast<std::size_t>(leaf.begin); t < static_cast<std::size_t>(leaf.end); ++t) {
+    set_box(features_.triangles[t].vertices, leaf, triangle_boxes_, t);
+  }
+  for (auto e = static_cast<std::size_t>(edges.begin); e < static_cast<std::size_t>(edges.end); ++e) {
+    set_box(features_.edges[e].vertices, leaf, edge_boxes_, e);
+  }
+}
+
+bool FeatureTree::is_flat(std::int32_t index) const {
+  const Node& node = nodes_[static_cast<std::size_t>(index)];
+  if (!node.is_whole) return false;
+  GradientBox box = gradients_[static_cast<std::size_t>(index)];
   for (std::int32_t k = node.first_other; k < node.end_other; ++k) {
-    if (!is_near(others_[static_cast<std::size_t>(k)])) return false;
+    box.add(gradients_[static_cast<std::size_t>(others_[static_cast<std::size_t>(k)])]);
   }
-  return true;
+  return box.is_flat();
+}
+
+bool FeatureTree::is_flat_around(std::int32_t first, std::int32_t second) {
+  const Node& leaf = nodes_[static_cast<std::size_t>(first)];
+  if (!leaf.is_whole_around || !leaf.around.contains(nodes_[static_cast<std::size_t>(second)].rectangle)) return false;
+  Around& found = arounds_found_[static_cast<std::size_t>(first)];
+  if (found == Around::kUnknown) {
+    GradientBox box;
+    for (std::int32_t k = leaf.first_around; k < leaf.end_around; ++k) {
+      box.add(gradients_[static_cast<std::size_t>(arounds_[static_cast<std::size_t>(k)])]);
+    }
+    found = box.is_flat() ? Around::kFlat : Around::kBent;
+  }
+  return found == Around::kFlat;
 }
 
 void FeatureTree::find_pairs(const StraightMotion& motion, double reach, std::span<const float> slack, double thickness,
@@ -154,136 +167,37 @@ void FeatureTree::find_pairs(const StraightMotion& motion, double reach, std::sp
   is_fitted_ = false;
   if (nodes_.empty()) return;
   const Query query{motion, slack, reach};
-  if (nodes_[0].is_whole && is_flat(nodes_[0], query)) return;
+  set_lines(query);
+  if (is_flat(0)) return;
   refit(query);
   is_fitted_ = true;
   vertex_candidates_.clear();
   edge_candidates_.clear();
-  search_within(0, query);
+  search_within(0);
   vertex_candidates_.pad();
   edge_candidates_.pad();
   keep_near(FeaturePair::Kind::kVertexTriangle, vertex_candidates_, reach, thickness, pairs);
   keep_near(FeaturePair::Kind::kEdgeEdge, edge_candidates_, reach, thickness, pairs);
 }
 
-void FeatureTree::refit_around(std::span<const VertexId> strayed) {
-  strayed_triangles_.clear();
-  strayed_edges_.clear();
-  const auto add = [](std::int32_t index, std::vector<std::uint8_t>& is_listed, std::vector<std::int32_t>& list) {
-    std::uint8_t& listed = is_listed[static_cast<std::size_t>(index)];
-    if (listed == 0) list.push_back(index);
-    listed = 1;
-  };
-  for (const VertexId v : strayed) {
-    is_strayed_[static_cast<std::size_t>(v)] = 1;
-    unite<1>(by_id_, {v}, vertex_boxes_, static_cast<std::size_t>(place_[static_cast<std::size_t>(v)]));
-    for (const std::int32_t t : features_.triangles_of(v)) add(t, is_strayed_triangle_, strayed_triangles_);
-    for (const std::int32_t e : features_.edges_of(v)) add(e, is_strayed_edge_, strayed_edges_);
-  }
-  for (const std::int32_t e : strayed_edges_) {
-    unite(by_id_, features_.edges[static_cast<std::size_t>(e)].vertices, edge_boxes_, static_cast<std::size_t>(e));
-  }
-  for (const std::int32_t t : strayed_triangles_) {
-    const auto i = static_cast<std::size_t>(t);
-    unite(by_id_, features_.triangles[i].vertices, triangle_boxes_, i);
-    const NodeBox box = box_of(triangle_boxes_, i);
-    for (std::int32_t k = leaf_of_[i]; k >= 0; k = parent_[static_cast<std::size_t>(k)]) {
-      NodeBox& around = nodes_[static_cast<std::size_t>(k)].box;
-      if ((around.low <= box.low).all() && (around.high >= box.high).all()) break;
-      around = {around.low.min(box.low), around.high.max(box.high)};
-    }
-  }
-}
-
-template <typename Visit>
-void FeatureTree::for_each_leaf(const NodeBox& box, const Visit& visit) {
-  stack_.assign(1, 0);
-  while (!stack_.empty()) {
-    const std::int32_t k = stack_.back();
-    stack_.pop_back();
-    const Node& node = nodes_[static_cast<std::size_t>(k)];
-    if (!node.box.overlaps(box)) continue;
-    if (node.right == 0) {
-      visit(node);
-    } else {
-      stack_.push_back(node.right);
-      stack_.push_back(k + 1);
-    }
-  }
-}
-
-void FeatureTree::follow(std::span<const VertexId> strayed, const linear::VertexField& x, const linear::VertexField& v,
-                         double since, double reach, std::span<const float> slack, double thickness,
-                         std::vector<FeaturePair>& pairs) {
-  pairs.clear();
-  vertex_candidates_.clear();
-  edge_candidates_.clear();
-  const float half_reach = static_cast<float>(0.5 * reach) + kRounding;
-  for (const VertexId i : strayed) {
-    const float of_vertex = slack[static_cast<std::size_t>(i)];
-    motion_.slack[static_cast<std::size_t>(i)] = of_vertex;
-    set_line(i, x.col(i) + since * v.col(i), v.col(i), since, half_reach + of_vertex);
-  }
-  refit_around(strayed);
-  for (const VertexId of : strayed) {
-    const auto place = static_cast<std::size_t>(place_[static_cast<std::size_t>(of)]);
-    for_each_leaf(box_of(vertex_boxes_, place), [&](const Node& leaf) {
-      overlaps_.clear();
-      find_overlaps(vertex_boxes_, range_of(place), triangle_boxes_, {leaf.begin, leaf.end}, false, overlaps_);
-      for (const auto& [k, t] : overlaps_) add_vertex_candidate(of, t);
-    });
-  }
-  for (const std::int32_t t : strayed_triangles_) {
-    const auto place = static_cast<std::size_t>(t);
-    for_each_leaf(box_of(triangle_boxes_, place), [&](const Node& leaf) {
-      overlaps_.clear();
-      find_overlaps(triangle_boxes_, range_of(place), vertex_boxes_, vertices_of(leaf), false, overlaps_);
-      for (const auto& [k, i] : overlaps_) {
-        const VertexId of = features_.vertices[static_cast<std::size_t>(i)];
-        if (is_strayed_[static_cast<std::size_t>(of)] == 0) add_vertex_candidate(of, t);
-      }
-    });
-  }
-  for (const std::int32_t e : strayed_edges_) {
-    const auto place = static_cast<std::size_t>(e);
-    for_each_leaf(box_of(edge_boxes_, place), [&](const Node& leaf) {
-      overlaps_.clear();
-      find_overlaps(edge_boxes_, range_of(place), edge_boxes_, edges_of(leaf), false, overlaps_);
-      for (const auto& [k, i] : overlaps_) {
-        // Two edges at strayed vertices find each other.
-        if (i != e && (i > e || is_strayed_edge_[static_cast<std::size_t>(i)] == 0)) {
-          add_edge_candidate(std::min(e, i), std::max(e, i));
-        }
-      }
-    });
-  }
-  for (const VertexId of : strayed) is_strayed_[static_cast<std::size_t>(of)] = 0;
-  for (const std::int32_t t : strayed_triangles_) is_strayed_triangle_[static_cast<std::size_t>(t)] = 0;
-  for (const std::int32_t e : strayed_edges_) is_strayed_edge_[static_cast<std::size_t>(e)] = 0;
-  vertex_candidates_.pad();
-  edge_candidates_.pad();
-  keep_near(FeaturePair::Kind::kVertexTriangle, vertex_candidates_, reach, thickness, pairs);
-  keep_near(FeaturePair::Kind::kEdgeEdge, edge_candidates_, reach, thickness, pairs);
-}
-
-void FeatureTree::search_within(std::int32_t index, const Query& query) {
+void FeatureTree::search_within(std::int32_t index) {
+  if (is_flat(index)) return;
   const Node& node = nodes_[static_cast<std::size_t>(index)];
-  if (node.is_whole && is_flat(node, query)) return;
   if (node.right == 0) {
-    search_leaves(node, node);
+    search_leaves(index, index);
     return;
   }
-  search_within(index + 1, query);
-  search_within(node.right, query);
+  search_within(index + 1);
+  search_within(node.right);
   search_between(index + 1, node.right);
 }
 
 void FeatureTree::search_between(std::int32_t first, std::int32_t second) {
   const Node& a = nodes_[static_cast<std::size_t>(first)];
   const Node& b = nodes_[static_cast<std::size_t>(second)];
-  if (!a.box.overlaps(b.box)) return;
+  if (!b.box.overlaps(a.box.swept(way_between(a, b)))) return;
   if (a.right == 0 && b.right == 0) {
-    search_leaves(a, b);
+    if (!is_flat_around(first, second) && !is_flat_around(second, first)) search_leaves(first, second);
   } else if (b.right == 0 || (a.right != 0 && a.end - a.begin >= b.end - b.begin)) {
     search_between(first + 1, second);
     search_between(a.right, second);
@@ -314,13 +228,19 @@ void FeatureTree::add_edge_candidate(std::int32_t first, std::int32_t second) {
   edge_candidates_.add(first, second, {p[0], p[1], q[0], q[1]});
 }
 
-void FeatureTree::search_leaves(const Node& a, const Node& b) {
+void FeatureTree::search_leaves(std::int32_t first, std::int32_t second) {
+  fit_leaf(first);
+  fit_leaf(second);
+  const Node &a = nodes_[static_cast<std::size_t>(first)], &b = nodes_[static_cast<std::size_t>(second)];
+  const Eigen::Array4f way = way_between(a, b), back = -way;
   overlaps_.clear();
-  find_overlaps(vertex_boxes_, vertices_of(a), triangle_boxes_, {b.begin, b.end}, false, overlaps_);
-  if (&a != &b) find_overlaps(vertex_boxes_, vertices_of(b), triangle_boxes_, {a.begin, a.end}, false, overlaps_);
+  find_overlaps(vertex_boxes_, vertices_of(a), way.data(), triangle_boxes_, {b.begin, b.end}, false, overlaps_);
+  if (first != second) {
+    find_overlaps(vertex_boxes_, vertices_of(b), back.data(), triangle_boxes_, {a.begin, a.end}, false, overlaps_);
+  }
   for (const auto& [k, t] : overlaps_) add_vertex_candidate(features_.vertices[static_cast<std::size_t>(k)], t);
   overlaps_.clear();
-  find_overlaps(edge_boxes_, edges_of(a), edge_boxes_, edges_of(b), &a == &b, overlaps_);
+  find_overlaps(edge_boxes_, edges_of(a), way.data(), edge_boxes_, edges_of(b), first == second, overlaps_);
   for (const auto& [i, j] : overlaps_) add_edge_candidate(i, j);
 }
 

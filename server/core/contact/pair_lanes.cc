@@ -50,13 +50,16 @@ HWY_INLINE void for_set_lanes(M mask, std::size_t count, const Append& append) {
   for (; bits != 0; bits &= bits - 1) append(std::countr_zero(bits));
 }
 
-void find_overlaps_any(const BoxLanes& boxes, BoxRange range, const BoxLanes& others, BoxRange other_range, bool after,
-                       std::vector<std::array<std::int32_t, 2>>& found) {
+void find_overlaps_any(const BoxLanes& boxes, BoxRange range, const float* way, const BoxLanes& others,
+                       BoxRange other_range, bool after, std::vector<std::array<std::int32_t, 2>>& found) {
   const D d;
   for (std::int32_t i = range.begin; i < range.end; ++i) {
     const auto at = static_cast<std::size_t>(i);
-    std::array<V, 3> low{hn::Set(d, boxes.low[0][at]), hn::Set(d, boxes.low[1][at]), hn::Set(d, boxes.low[2][at])};
-    std::array<V, 3> high{hn::Set(d, boxes.high[0][at]), hn::Set(d, boxes.high[1][at]), hn::Set(d, boxes.high[2][at])};
+    std::array<V, 3> low, high;
+    for (std::size_t k = 0; k < 3; ++k) {
+      low[k] = hn::Set(d, boxes.low[k][at] + std::min(way[k], 0.0F));
+      high[k] = hn::Set(d, boxes.high[k][at] + std::max(way[k], 0.0F));
+    }
     const std::int32_t first = after ? std::max(i + 1, other_range.begin) : other_range.begin;
     for (std::int32_t j = first; j < other_range.end; j += static_cast<std::int32_t>(hn::Lanes(d))) {
       auto overlaps = hn::Lt(low[0], hn::LoadU(d, &others.high[0][static_cast<std::size_t>(j)]));
@@ -255,9 +258,9 @@ void PairLanes::add(std::int32_t feature_a, std::int32_t feature_b, const std::a
   for (std::size_t i = 0; i < 4; ++i) vertices[i].push_back(of[i]);
 }
 
-void find_overlaps(const BoxLanes& boxes, BoxRange range, const BoxLanes& others, BoxRange other_range, bool after,
-                   std::vector<std::array<std::int32_t, 2>>& found) {
-  HWY_DYNAMIC_DISPATCH(find_overlaps_any)(boxes, range, others, other_range, after, found);
+void find_overlaps(const BoxLanes& boxes, BoxRange range, const float* way, const BoxLanes& others,
+                   BoxRange other_range, bool after, std::vector<std::array<std::int32_t, 2>>& found) {
+  HWY_DYNAMIC_DISPATCH(find_overlaps_any)(boxes, range, way, others, other_range, after, found);
 }
 
 void PairLanes::pad() {

@@ -14,7 +14,9 @@ constexpr double kLongestInterval = 1.3e-3;  // s, between two phases; vertices 
 constexpr int kIdleInterval = 16;            // substeps after which a sheet that has no near pairs is looked at again
 constexpr std::size_t kSoftSweeps = 3;
 constexpr int kHardSweeps = 100;
-constexpr double kEdgeThickness = 0.8;    // -, thickness between edges over that of faces
+constexpr double kLookAgain = 0.1;      // -, part of its distance that a pair left to others moves before the next look
+constexpr double kApproach = 0.25;      // -, the same of a pair that is too far away to be a contact
+constexpr double kEdgeThickness = 0.8;  // -, thickness between edges over that of faces
 constexpr double kSlackOfAltitude = 0.3;  // -, slack of a vertex over the least altitude there
 constexpr double kLeastSlack = 0.1;       // -, of the slack in the mesh as built
 constexpr double kPushSpeed = 0.05;       // m/s, largest speed at which contact pushes apart
@@ -30,7 +32,7 @@ void SelfContact::set(const mesh::TriangleMesh& mesh) {
   strayed_.clear();
   list_.clear();
   list_.pad();
-  counted_none_ = is_apart_ = false;
+  counted_none_ = began_apart_ = false;
   triangles_.clear();
   for (const SheetFeatures::Triangle& triangle : tree_.features().triangles) triangles_.push_back(triangle.vertices);
   base_slack_ = std::min(1.5e-3, 0.075 * mesh.base_edge_length());
@@ -45,6 +47,7 @@ void SelfContact::set(const mesh::TriangleMesh& mesh) {
   path_.assign(count, 0.0F);
   slack_.assign(count, 0.0F);
   is_moved_.assign(count, 0);
+  is_near_.assign(count, 0);
   is_shifted_.assign(count, 0);
   is_strayed_.assign(count, 0);
   is_supported_.assign(count, 0);
@@ -56,7 +59,18 @@ void SelfContact::set(const mesh::TriangleMesh& mesh) {
 }
 
 std::int64_t SelfContact::count_intersections(const linear::VertexField& x) {
-  const std::int64_t count = is_apart_ ? 0 : intersections_.count(triangles_, x);
+  std::int64_t count = 0;
+  if (!began_apart_) {
+    count = intersections_.count(triangles_, x);
+  } else {
+    near_triangles_.clear();
+    for (const std::array<VertexId, 3>& corners : triangles_) {
+      if (std::any_of(corners.begin(), corners.end(), [this](VertexId v) { return is_near(v); })) {
+        near_triangles_.push_back(corners);
+      }
+    }
+    if (!near_triangles_.empty()) count = intersections_.count(near_triangles_, x);
+  }
   counted_none_ = count == 0;
   if (counted_none_) x_counted_ = x;
   return count;
@@ -80,11 +94,13 @@ void SelfContact::begin(const SelfContactStep& step, const linear::VertexField& 
   response_.begin(step.inverse_mass, step.shared);
   for (const VertexId moved : moved_) is_moved_[static_cast<std::size_t>(moved)] = 0;
   moved_.clear();
-  is_apart_ = counted_none_ && x_counted_.cols() == x.cols() && x_counted_ == x;
+  began_apart_ = counted_none_ && x_counted_.cols() == x.cols() && x_counted_ == x;
+  std::fill(is_near_.begin(), is_near_.end(), std::uint8_t{0});
   substep_ = 0;
   interval_ = 1;
   slack_ = base_slacks_;
   v_list_ = v;
+  stray_.resize(x.cols());
   x_then_ = x;
   v_then_ = v - step.h * step.gravity.replicate(1, v.cols());
   ++counters_.phases;
@@ -110,7 +126,6 @@ void SelfContact::make_phase(linear::VertexField& x, linear::VertexField& v) {
     check(x, v);
   }
   ++phase_;
-  is_apart_ = is_apart_ && list_.size() == 0;
   if (substep < step_.substeps) {
     renew_list(x, v, substep);
     respond(x, v, substep);
@@ -170,16 +185,21 @@ void SelfContact::find_contacts(const linear::VertexField& x, const linear::Vert
     const float path = path_of(pair);
     const double about = std::abs(static_cast<double>(due_distances_[k])) - kRounding;
     const bool is_left_to_others = due_distances_[k] < 0.0F && about > 0.0;
+    const double thickness =
+        pair.kind == FeaturePair::Kind::kEdgeEdge ? kEdgeThickness * pair.thickness : pair.thickness;
+    // Until the vertices of a pair that is no contact have moved by part of its distance, it is not looked at again.
+    const auto rest = [&](double distance, double way) {
+      list_.safe[p] = path + static_cast<float>(0.5 * distance);
+      list_.limit[p] = std::min(list_.safe[p], path + static_cast<float>(std::max(0.0, way)));
+    };
     if (about > reach || is_left_to_others) {
-      list_.safe[p] = path + static_cast<float>(0.5 * about);
-      list_.limit[p] = std::min(list_.safe[p], path + static_cast<float>(std::max(0.0, about - reach)));
+      rest(about, is_left_to_others ? std::max(about - reach, kLookAgain * about) : about - reach);
       continue;
     }
     list_.separation[p] = separation(pair.kind, positions_of(pair, x));
     list_.seen[p] = phase_;
     const Separation& s = list_.separation[p];
-    list_.safe[p] = path + static_cast<float>(0.5 * s.distance);
-    list_.limit[p] = path;
+    rest(s.distance, kLookAgain * s.distance);
     if (s.distance > reach || s.distance == 0.0) continue;
     if (!stands_for_separation(tree_.features(), pair, s)) continue;
     Contact contact;
@@ -190,11 +210,13 @@ void SelfContact::find_contacts(const linear::VertexField& x, const linear::Vert
       u += s.weights[i] * v.col(pair.vertices[i]);
       before += s.weights[i] * v_then_.col(pair.vertices[i]);
     }
-    const double thickness =
-        pair.kind == FeaturePair::Kind::kEdgeEdge ? kEdgeThickness * pair.thickness : pair.thickness;
     const double closing = -s.normal.dot(u);
     const Eigen::Vector3d acceleration = (u - before) / since;
-    if (s.distance - thickness > 1.5 * std::max(closing, 0.0) * ahead + 0.1 * thickness) continue;
+    if (s.distance - thickness > 1.5 * std::max(closing, 0.0) * ahead + 0.1 * thickness) {
+      rest(s.distance, kApproach * (s.distance - 1.1 * thickness - 1.5 * std::max(closing, 0.0) * ahead));
+      continue;
+    }
+    list_.limit[p] = path;
     const double inverse = response_.mobility(pair.vertices, s.weights, s.normal);
     if (!(inverse > 0.0)) continue;
     contact.mass = 1.0 / inverse;

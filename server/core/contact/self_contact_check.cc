@@ -37,7 +37,7 @@ void SelfContact::check(linear::VertexField& x, linear::VertexField& v) {
       move_zones(x, v);
     }
     // Vertices that were moved may have met others than the list has.
-    find_strayed(x, v, 0.0, 1.0);
+    find_strayed_of_shifted(x);
     if (!strayed_.empty()) find_again(x);
   }
   for (const VertexId i : zoned_) {

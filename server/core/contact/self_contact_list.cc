@@ -35,17 +35,30 @@ void SelfContact::follow_paths(const linear::VertexField& x) {
 void SelfContact::find_strayed(const linear::VertexField& x, const linear::VertexField& v, double ahead, double share) {
   const double since = step_.h * (next_phase_ - list_begin_);
   const std::vector<VertexId>& vertices = tree_.features().vertices;
-  const auto stray = [&](VertexId i) -> Eigen::Vector3d {
-    return x.col(i) - x_list_.col(i) - since * v_list_.col(i) + ahead * (v.col(i) - v_list_.col(i));
-  };
   // Motion that all vertices share does not count.
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (const VertexId i : vertices) mean += stray(i);
-  mean /= static_cast<double>(std::max<std::size_t>(vertices.size(), 1));
+  stray_mean_.setZero();
+  for (const VertexId i : vertices) {
+    const Eigen::Vector3d on_list = v_list_.col(i);
+    Eigen::Vector3d stray = x.col(i) - x_list_.col(i) - since * on_list;
+    if (ahead > 0.0) stray += ahead * (v.col(i) - on_list);
+    stray_.col(i) = stray;
+    stray_mean_ += stray;
+  }
+  stray_mean_ /= static_cast<double>(std::max<std::size_t>(vertices.size(), 1));
   strayed_.clear();
   for (const VertexId i : vertices) {
     const double allowed = share * static_cast<double>(slack_[static_cast<std::size_t>(i)]);
-    if ((stray(i) - mean).squaredNorm() > allowed * allowed) strayed_.push_back(i);
+    if ((stray_.col(i) - stray_mean_).squaredNorm() > allowed * allowed) strayed_.push_back(i);
+  }
+}
+
+void SelfContact::find_strayed_of_shifted(const linear::VertexField& x) {
+  const double since = step_.h * (next_phase_ - list_begin_);
+  strayed_.clear();
+  for (const VertexId i : shifted_) {
+    const auto allowed = static_cast<double>(slack_[static_cast<std::size_t>(i)]);
+    const Eigen::Vector3d stray = x.col(i) - x_list_.col(i) - since * v_list_.col(i) - stray_mean_;
+    if (stray.squaredNorm() > allowed * allowed) strayed_.push_back(i);
   }
 }
 
@@ -85,6 +98,7 @@ void SelfContact::follow_strayed(const linear::VertexField& x, const linear::Ver
   ++counters_.searches;
   tree_.follow(strayed_, x_list_, v_list_, since, thickness_, slack_, thickness_, found_);
   counters_.pairs += static_cast<std::int64_t>(found_.size());
+  mark_near();
   const auto is_old = [this](const FeaturePair& pair) {
     return std::any_of(pair.vertices.begin(), pair.vertices.end(),
                        [this](VertexId i) { return is_strayed_[static_cast<std::size_t>(i)] != 0; });
@@ -117,6 +131,7 @@ void SelfContact::find_again(const linear::VertexField& x) {
   v_list_ = way_;
   list_begin_ = substep_;
   list_end_ = next_phase_;
+  stray_mean_.setZero();
   tree_.find_pairs({x_then_, way_, since}, thickness_, slack_, thickness_, found_);
   set_list();
 }
@@ -168,9 +183,16 @@ void SelfContact::PairList::pad() {
   limit.resize(size() + kLanePadding, 0.0F);
 }
 
+void SelfContact::mark_near() {
+  for (const FeaturePair& pair : found_) {
+    for (const VertexId v : pair.vertices) is_near_[static_cast<std::size_t>(v)] = 1;
+  }
+}
+
 void SelfContact::set_list() {
   ++counters_.searches;
   counters_.pairs += static_cast<std::int64_t>(found_.size());
+  mark_near();
   list_.clear();
   for (const FeaturePair& pair : found_) list_.add(pair);
   const auto edges = std::find_if(found_.begin(), found_.end(),

@@ -1,0 +1,153 @@
+// Members of FeatureTree that look for the pairs of vertices which left their lines.
+#include <algorithm>
+
+#include "server/core/contact/feature_tree.h"
+
+namespace kerf::contact {
+
+using mesh::VertexId;
+
+void FeatureTree::set_line(VertexId v, const Eigen::Vector3d& x, const Eigen::Vector3d& velocity, double since) {
+  const auto i = static_cast<std::size_t>(v);
+  VertexLine& line = lines_[i];
+  line.v.head<3>() = (velocity - drift_).cast<float>();
+  line.x.head<3>() = (x - middle_ - since * drift_).cast<float>();
+  line.x -= static_cast<float>(since) * line.v;
+  since_[i] = static_cast<float>(since);
+  set_motion(v);
+}
+
+void FeatureTree::refit_nodes(std::int32_t leaf, NodeBox box) {
+  for (std::int32_t k = leaf; k >= 0;) {
+    Node& node = nodes_[static_cast<std::size_t>(k)];
+    if ((node.box.low <= box.low).all() && (node.box.high >= box.high).all()) break;
+    node.box = node.box.united(box);
+    k = parent_[static_cast<std::size_t>(k)];
+    if (k >= 0) box = box.swept(way_between(node, nodes_[static_cast<std::size_t>(k)]));
+  }
+}
+
+void FeatureTree::refit_around(std::span<const VertexId> strayed) {
+  strayed_triangles_.clear();
+  strayed_edges_.clear();
+  groups_.clear();
+  const auto add = [](std::span<const std::int32_t> indices, std::vector<std::uint8_t>& is_listed,
+                      std::vector<std::int32_t>& list) {
+    const auto begin = static_cast<std::int32_t>(list.size());
+    for (const std::int32_t index : indices) {
+      std::uint8_t& listed = is_listed[static_cast<std::size_t>(index)];
+      if (listed == 0) list.push_back(index);
+      listed = 1;
+    }
+    return BoxRange{begin, static_cast<std::int32_t>(list.size())};
+  };
+  for (const VertexId v : strayed) {
+    is_strayed_[static_cast<std::size_t>(v)] = 1;
+    const std::int32_t place = place_[static_cast<std::size_t>(v)];
+    set_box({&v, 1}, leaf_at(leaf_of_vertex_, place), vertex_boxes_, static_cast<std::size_t>(place));
+    groups_.push_back({v, add(features_.triangles_of(v), is_strayed_triangle_, strayed_triangles_),
+                       add(features_.edges_of(v), is_strayed_edge_, strayed_edges_)});
+  }
+  for (const std::int32_t e : strayed_edges_) {
+    const auto i = static_cast<std::size_t>(e);
+    set_box(features_.edges[i].vertices, leaf_at(leaf_of_edge_, e), edge_boxes_, i);
+  }
+  for (const std::int32_t t : strayed_triangles_) {
+    const auto i = static_cast<std::size_t>(t);
+    set_box(features_.triangles[i].vertices, leaf_at(leaf_of_, t), triangle_boxes_, i);
+    refit_nodes(leaf_of_[i], box_of(triangle_boxes_, t));
+  }
+}
+
+void FeatureTree::find_leaves(const NodeBox& box, const Node& of) {
+  leaves_.clear();
+  stack_.assign(1, 0);
+  while (!stack_.empty()) {
+    const std::int32_t k = stack_.back();
+    stack_.pop_back();
+    const Node& node = nodes_[static_cast<std::size_t>(k)];
+    if (!node.box.overlaps(box.swept(way_between(of, node)))) continue;
+    if (node.right == 0) {
+      fit_leaf(k);
+      leaves_.push_back(k);
+    } else {
+      stack_.push_back(node.right);
+      stack_.push_back(k + 1);
+    }
+  }
+}
+
+void FeatureTree::follow_group(const StrayedGroup& group) {
+  const std::int32_t place = place_[static_cast<std::size_t>(group.vertex)];
+  const Node& home = leaf_at(leaf_of_vertex_, place);
+  const std::span<const std::int32_t> triangles =
+      std::span<const std::int32_t>(strayed_triangles_)
+          .subspan(static_cast<std::size_t>(group.triangles.begin),
+                   static_cast<std::size_t>(group.triangles.end - group.triangles.begin));
+  const std::span<const std::int32_t> edges =
+      std::span<const std::int32_t>(strayed_edges_)
+          .subspan(static_cast<std::size_t>(group.edges.begin),
+                   static_cast<std::size_t>(group.edges.end - group.edges.begin));
+  NodeBox around = box_of(vertex_boxes_, place);
+  const auto extend = [&](const BoxLanes& boxes, std::int32_t index, const Node& leaf) {
+    around = around.united(box_of(boxes, index).swept(way_between(leaf, home)));
+  };
+  for (const std::int32_t t : triangles) extend(triangle_boxes_, t, leaf_at(leaf_of_, t));
+  for (const std::int32_t e : edges) extend(edge_boxes_, e, leaf_at(leaf_of_edge_, e));
+  find_leaves(around, home);
+  const auto overlaps = [&](const BoxLanes& boxes, std::int32_t index, const Node& of, const Node& leaf,
+                            const BoxLanes& others, BoxRange range) -> const auto& {
+    overlaps_.clear();
+    const Eigen::Array4f way = way_between(of, leaf);
+    if (leaf.box.overlaps(box_of(boxes, index).swept(way))) {
+      find_overlaps(boxes, {index, index + 1}, way.data(), others, range, false, overlaps_);
+    }
+    return overlaps_;
+  };
+  for (const std::int32_t k : leaves_) {
+    const Node& leaf = nodes_[static_cast<std::size_t>(k)];
+    for (const auto& [i, t] : overlaps(vertex_boxes_, place, home, leaf, triangle_boxes_, {leaf.begin, leaf.end})) {
+      add_vertex_candidate(group.vertex, t);
+    }
+    for (const std::int32_t t : triangles) {
+      for (const auto& [i, at] :
+           overlaps(triangle_boxes_, t, leaf_at(leaf_of_, t), leaf, vertex_boxes_, vertices_of(leaf))) {
+        const VertexId v = features_.vertices[static_cast<std::size_t>(at)];
+        if (is_strayed_[static_cast<std::size_t>(v)] == 0) add_vertex_candidate(v, t);
+      }
+    }
+    for (const std::int32_t e : edges) {
+      for (const auto& [i, other] :
+           overlaps(edge_boxes_, e, leaf_at(leaf_of_edge_, e), leaf, edge_boxes_, edges_of(leaf))) {
+        // Two edges at strayed vertices find each other.
+        if (other != e && (other > e || is_strayed_edge_[static_cast<std::size_t>(other)] == 0)) {
+          add_edge_candidate(std::min(e, other), std::max(e, other));
+        }
+      }
+    }
+  }
+}
+
+void FeatureTree::follow(std::span<const VertexId> strayed, const linear::VertexField& x, const linear::VertexField& v,
+                         double since, double reach, std::span<const float> slack, double thickness,
+                         std::vector<FeaturePair>& pairs) {
+  pairs.clear();
+  vertex_candidates_.clear();
+  edge_candidates_.clear();
+  half_reach_ = static_cast<float>(0.5 * reach) + kRounding;
+  for (const VertexId i : strayed) {
+    motion_.slack[static_cast<std::size_t>(i)] = slack[static_cast<std::size_t>(i)];
+    set_line(i, x.col(i) + since * v.col(i), v.col(i), since);
+  }
+  refit_around(strayed);
+  for (const StrayedGroup& group : groups_) follow_group(group);
+  for (const VertexId of : strayed) is_strayed_[static_cast<std::size_t>(of)] = 0;
+  for (const std::int32_t t : strayed_triangles_) is_strayed_triangle_[static_cast<std::size_t>(t)] = 0;
+  for (const std::int32_t e : strayed_edges_) is_strayed_edge_[static_cast<std::size_t>(e)] = 0;
+  vertex_candidates_.pad();
+  edge_candidates_.pad();
+  keep_near(FeaturePair::Kind::kVertexTriangle, vertex_candidates_, reach, thickness, pairs);
+  keep_near(FeaturePair::Kind::kEdgeEdge, edge_candidates_, reach, thickness, pairs);
+}
+
+}  // namespace kerf::contact
