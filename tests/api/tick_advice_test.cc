@@ -35,6 +35,24 @@ TEST_F(ApiCutsTest, ASheetWhoseTicksDoNotFitSaysWhyAndWhatHelps) {
   EXPECT_NE(slow.advice().find("substeps"), std::string::npos) << slow.advice();
 }
 
+TEST_F(ApiCutsTest, ASheetWhoseSelfContactTakesMostOfATickSaysSo) {
+  v1::CreateSheetRequest request;
+  request.set_sheet_id("touching");
+  request.set_paused(true);
+  v1::GridMesh& grid = *request.mutable_scene()->mutable_grid();
+  grid.set_columns(100);
+  grid.set_rows(100);
+  grid.set_width_m(1.0);
+  grid.set_height_m(1.0);
+  request.mutable_scene()->mutable_material()->set_preset("demo");
+  request.mutable_scene()->mutable_self_contact()->set_mode(v1::SelfContact::ON);
+  const v1::TickEstimate estimate = call(&Api::create_sheet, request).value().tick_estimate();
+  EXPECT_GT(estimate.parts_us().at("self_contact"), 0.5 * estimate.total_us());
+  EXPECT_NE(estimate.advice().find("of it is contact of the sheet with itself"), std::string::npos)
+      << estimate.advice();
+  EXPECT_NE(estimate.advice().find("no self-contact"), std::string::npos) << estimate.advice();
+}
+
 TEST_F(ApiCutsTest, ACutThatEndsRealTimeIsWarnedOf) {
   host::CommandTimings timings;
   timings.tick_before_us = 5'000.0;

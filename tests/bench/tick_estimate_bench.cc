@@ -14,6 +14,7 @@
 #include "tests/bench/cpu_time.h"
 #include "tests/bench/random_cuts_scene.h"
 #include "tests/bench/scenes.h"
+#include "tests/support/self_contact_scenes.h"
 
 namespace kerf::bench {
 namespace {
@@ -40,6 +41,17 @@ sheet::Sheet hung(int side, std::string_view material, scene::IntegratorKind kin
   return create(std::move(config));
 }
 
+sheet::Sheet touching(scene::SheetConfig config) {
+  config.self_contact.is_on = true;
+  return create(std::move(config));
+}
+
+sheet::Sheet hung_with_self_contact(scene::IntegratorKind kind) {
+  scene::SheetConfig config = horizontal_cloth(50, kind);
+  config.pins.emplace_back(scene::RegionEdge::kTop);
+  return touching(std::move(config));
+}
+
 std::vector<Scene> scenes() {
   const auto explicit_steps = scene::IntegratorKind::kExplicitLeapfrog;
   const auto automatic = scene::IntegratorKind::kAutomatic;
@@ -59,6 +71,11 @@ std::vector<Scene> scenes() {
       {"cotton, hung, 10 cuts", [=] { return hung(50, "cotton", explicit_steps); }, 10, 10},
       {"wool, hung, 50 cuts, automatic", [=] { return hung(50, "wool", automatic); }, 10, 50},
       {"demo, hung, in wind", [=] { return hung(50, "demo", explicit_steps, 2.0); }, 20, 0},
+      {"demo, hung, self-contact", [=] { return hung_with_self_contact(automatic); }, 20, 0},
+      {"demo, hung, TR-BDF2, self-contact", [=] { return hung_with_self_contact(scene::IntegratorKind::kTrBdf2); }, 20,
+       0},
+      {"falls on its edge, self-contact", [] { return touching(scenes::falls_on_edge()); }, 20, 0},
+      {"thrown on a layer, self-contact", [] { return touching(scenes::thrown_on_a_layer()); }, 20, 0},
       {"demo, hung, TR-BDF2", [=] { return hung(50, "demo", scene::IntegratorKind::kTrBdf2); }, 20, 0},
   };
 }

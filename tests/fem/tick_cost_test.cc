@@ -28,6 +28,23 @@ TEST(TickCost, EachCountRaisesItsPartAlone) {
   expect_raised(clustered, {}, TickPart::kClusters);
   expect_raised(kExplicit, {.contact_blocks = 20.0}, TickPart::kContact);
   expect_raised(kExplicit, {.load_phases = 1.0}, TickPart::kLoads);
+  EXPECT_EQ(base[TickPart::kSelfContact], 0.0);
+  for (const SelfContactCounts& counts :
+       {SelfContactCounts{.phases = 1.0}, SelfContactCounts{.searches = 1.0}, SelfContactCounts{.pairs = 1.0},
+        SelfContactCounts{.contacts = 1.0}, SelfContactCounts{.repairs = 1.0}}) {
+    expect_raised(kExplicit, {.self_contact = counts}, TickPart::kSelfContact);
+  }
+}
+
+TEST(TickCost, BeforeTheFirstTickSelfContactLooksOnceInAWhileAndHasAnAllowance) {
+  const SelfContactCounts few = expected_self_contact(10.0, 1000.0), many = expected_self_contact(160.0, 1000.0);
+  EXPECT_EQ(few.phases, 2.0);
+  EXPECT_EQ(many.phases, 11.0);
+  EXPECT_EQ(few.contacts, 0.1 * 1000.0 * few.phases);
+  EXPECT_EQ(expected_self_contact(0.0, 1000.0).phases, 5.0) << "implicit steps have parts";
+  const ImplicitCounts implicit{.most_newton_iterations = 4.0, .vertices = 1000.0, .slots = 2000.0};
+  EXPECT_EQ(cost_of(implicit, {.self_contact = many})[TickPart::kSelfContact],
+            cost_of({.substeps = 160.0, .vertices = 1000.0}, {.self_contact = many})[TickPart::kSelfContact]);
 }
 
 TEST(TickCost, PushesCountWhereThereAreClusters) {

@@ -7,6 +7,7 @@
 
 #include "server/core/contact/intersections.h"
 #include "server/core/fem/element/state.h"
+#include "server/core/fem/model/tick_cost.h"
 #include "server/core/fem/step/softening.h"
 #include "server/core/mesh/triangle_mesh.h"
 #include "server/core/sheet/undo_history.h"
@@ -328,6 +329,39 @@ TEST(SetSelfContact, ASceneSchedulesIt) {
     EXPECT_EQ(sheet.self_contact().is_on, tick >= 3 && tick < 6);
     ASSERT_EQ(sheet.state_hash(), by_hand.state_hash());
   }
+}
+
+double self_contact_ms(const Sheet& sheet) {
+  return 1e-6 * sheet.expected_cost()[fem::TickPart::kSelfContact];
+}
+
+TEST(SetSelfContact, TheEstimateOfATickCountsIt) {
+  for (const scene::IntegratorKind kind : {scene::IntegratorKind::kExplicitLeapfrog, scene::IntegratorKind::kTrBdf2}) {
+    scene::SheetConfig config = scenes::falls_on_edge(12);
+    config.integrator.kind = kind;
+    Sheet sheet = make(config);
+    const fem::TickCost without = sheet.expected_cost();
+    EXPECT_EQ(self_contact_ms(sheet), 0.0);
+    ASSERT_TRUE(apply(sheet, turned(true)).ok());
+    const double allowed = self_contact_ms(sheet);
+    EXPECT_GT(allowed, 0.0);
+    EXPECT_EQ(sheet.expected_cost()[fem::TickPart::kContact], without[fem::TickPart::kContact]);
+    run(sheet, 1);
+    const double apart = self_contact_ms(sheet);
+    EXPECT_GT(apart, 0.0);
+    EXPECT_LT(apart, allowed) << "nothing touches, and the allowance is for what may";
+    run(sheet, 60);
+    EXPECT_GT(self_contact_ms(sheet), 3.0 * apart) << "in a pile";
+    ASSERT_TRUE(apply(sheet, turned(false)).ok());
+    run(sheet, 1);
+    EXPECT_EQ(self_contact_ms(sheet), 0.0);
+  }
+}
+
+TEST(SetSelfContact, TheEstimateCountsNoBodiesOfASheetThatOnlyTouchesItself) {
+  Sheet sheet = make(scenes::hanging(8));
+  ASSERT_TRUE(apply(sheet, turned(true)).ok());
+  EXPECT_EQ(sheet.expected_cost()[fem::TickPart::kContact], 0.0);
 }
 
 TEST(SetSelfContact, WakesASheetAtRest) {

@@ -169,8 +169,9 @@ fem::TickCost MovingSheet::expected_cost() const {
   const double blocks = static_cast<double>(mesh_.num_vertices()) / static_cast<double>(mesh::kVertexLanes);
   const scene::Wind& wind = conditions().wind;
   const bool has_wind = wind.air_density > 0.0 && wind.drag_coefficient > 0.0;
-  return stepper_.expected_cost(model_, {.contact_blocks = stepper_.contact().empty() ? 0.0 : kTouchingShare * blocks,
-                                         .load_phases = has_wind ? 1.0 : 0.0});
+  return stepper_.expected_cost(model_,
+                                {.contact_blocks = stepper_.contact().has_bodies() ? kTouchingShare * blocks : 0.0,
+                                 .load_phases = has_wind ? 1.0 : 0.0});
 }
 
 void MovingSheet::add_to(StateHash& hash) const {

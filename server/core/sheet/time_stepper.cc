@@ -110,7 +110,12 @@ void TimeStepper::count_tick(const fem::Model& model, const fem::StepStats& stat
       .more_kicks = stats.bending_interval > 0 ? planned.bending_interval / stats.bending_interval : 1.0,
       .is_double = stats.is_double,
       .newton_iterations = static_cast<double>(stats.newton_iterations),
-      .linear_iterations = static_cast<double>(stats.linear_iterations)};
+      .linear_iterations = static_cast<double>(stats.linear_iterations),
+      .self_contact = {.phases = static_cast<double>(stats.self_contact.phases),
+                       .searches = static_cast<double>(stats.self_contact.searches),
+                       .pairs = static_cast<double>(stats.self_contact.pairs),
+                       .contacts = static_cast<double>(stats.self_contact.contacts),
+                       .repairs = static_cast<double>(stats.self_contact.repairs)}};
 }
 
 void TimeStepper::watch_rest(const fem::Model& model, const RestWatch::Tick& tick, fem::State& state) {
@@ -125,6 +130,10 @@ void TimeStepper::restore(std::int32_t failed_steps, bool is_frozen) {
 
 fem::TickCost TimeStepper::expected_cost(const fem::Model& model, const fem::TickCounts& first) const {
   fem::TickCounts counts = last_counts_ ? *last_counts_ : first;
+  if (!last_counts_ && contact_.touches_itself()) {
+    const double substeps = integrator_->expected_cost(model, dt_, {}).substeps;
+    counts.self_contact = fem::expected_self_contact(substeps, static_cast<double>(model.num_vertices()));
+  }
   // If the sheet is no longer calm, the next tick is not like the last one.
   if (last_counts_ && contact_.is_calm() && !rest_.is_calm()) counts.more_substeps = counts.more_kicks = 1.0;
   return integrator_->expected_cost(model, dt_, counts);

@@ -30,6 +30,8 @@ std::string_view name_for_people(fem::TickPart part) {
       return "wind and other loads";
     case fem::TickPart::kSolve:
       return "solving equations";
+    case fem::TickPart::kSelfContact:
+      return "contact of the sheet with itself";
   }
   return "";
 }
@@ -49,6 +51,8 @@ std::string_view remedy(fem::TickPart part, const host::SheetStatus& status) {
       return "no wind, or a coarser mesh";
     case fem::TickPart::kSolve:
       return "a coarser mesh";
+    case fem::TickPart::kSelfContact:
+      return "a coarser mesh, or no self-contact";
   }
   return "";
 }
