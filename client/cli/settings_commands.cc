@@ -61,11 +61,12 @@ struct SelfContactArguments {
   std::string mode;
   std::optional<double> friction;
   std::optional<double> thickness_m;
+  bool material_thickness = false;
 };
 
 int set_self_contact(const Session& session, const SelfContactArguments& arguments) {
-  if (arguments.mode.empty() && !arguments.friction && !arguments.thickness_m) {
-    return misuse("give on, off, --friction or --thickness");
+  if (arguments.mode.empty() && !arguments.friction && !arguments.thickness_m && !arguments.material_thickness) {
+    return misuse("give on, off, --friction, --thickness or --material-thickness");
   }
   v1::SetSheetSelfContactRequest request;
   request.set_name("sheets/" + arguments.id);
@@ -73,6 +74,7 @@ int set_self_contact(const Session& session, const SelfContactArguments& argumen
   if (!arguments.mode.empty()) change.set_mode(arguments.mode == "on" ? v1::SelfContact::ON : v1::SelfContact::OFF);
   if (arguments.friction) change.set_friction(*arguments.friction);
   if (arguments.thickness_m) change.set_thickness_m(*arguments.thickness_m);
+  change.set_material_thickness(arguments.material_thickness);
   return interact(session, &v1::InteractionService::Stub::SetSheetSelfContact, request);
 }
 
@@ -114,7 +116,10 @@ void add_settings_commands(CLI::App& sheet, Session& session) {
   add_sheet_id(*folds, contact->id);
   folds->add_option("MODE", contact->mode, "on or off (default: as it is)")->check(CLI::IsMember({"on", "off"}));
   folds->add_option("--friction", contact->friction, "Friction of folds and pieces on each other, 0..10");
-  folds->add_option("--thickness", contact->thickness_m, "Distance that they keep, metres, 1e-6 to 0.1");
+  CLI::Option* thickness =
+      folds->add_option("--thickness", contact->thickness_m, "Distance that they keep, metres, 1e-6 to 0.1");
+  folds->add_flag("--material-thickness", contact->material_thickness, "They keep the thickness of the material again")
+      ->excludes(thickness);
   folds->callback(
       [&session, contact] { session.action = [&session, contact] { return set_self_contact(session, *contact); }; });
 

@@ -189,6 +189,8 @@ inline std::vector<BadCall> bad_touches() {
       {folds, R"({"name":"sheets/a","set_self_contact":{"mode":3}})", invalid, "set_self_contact.mode"},
       {folds, R"({"name":"sheets/a","set_self_contact":{"friction":10.5}})", invalid, "set_self_contact.friction"},
       {folds, R"({"name":"sheets/a","set_self_contact":{"thickness_m":0}})", invalid, "set_self_contact.thickness_m"},
+      {folds, R"({"name":"sheets/a","set_self_contact":{"thickness_m":0.01,"material_thickness":true}})", invalid,
+       "set_self_contact.material_thickness"},
       {image, R"({"name":"sheets/a","width_px":15})", invalid, "width_px"},
       {image, R"({"name":"sheets/a","height_px":4097})", invalid, "height_px"},
       {image, R"({"name":"sheets/a","jpeg_quality":101})", invalid, "jpeg_quality"},

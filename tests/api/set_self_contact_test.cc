@@ -23,6 +23,8 @@ TEST_F(ApiTest, SelfContactInForceIsShownWithTheSheetUntilAReset) {
   EXPECT_EQ(sheet.scene().self_contact().friction(), 0.0);
   EXPECT_EQ(sheet.scene().self_contact().thickness_m(), 0.002);
   EXPECT_EQ(sheet.settings_version(), before.settings_version() + 2);
+  ASSERT_TRUE(set(R"({"material_thickness":true})").ok());
+  EXPECT_FALSE(get_sheet("sheets/a").scene().self_contact().has_thickness_m());
   EXPECT_NE(sheet.integrator().find("preferred for self-contact"), std::string::npos) << sheet.integrator();
   ASSERT_TRUE(call_json("/kerf.v1.SheetService/ResetSheet", R"({"name":"sheets/a"})").ok());
   EXPECT_EQ(get_sheet("sheets/a").scene().SerializeAsString(), before.scene().SerializeAsString());

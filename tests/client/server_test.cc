@@ -239,6 +239,10 @@ TEST_F(ServerTest, SelfContactIsTurnedOnAndChanged) {
   EXPECT_EQ(shown.mode(), v1::SelfContact::ON);
   EXPECT_EQ(shown.friction(), 0.5);
   EXPECT_EQ(shown.thickness_m(), 0.002);
+  change.Clear();
+  change.set_material_thickness(true);
+  ASSERT_TRUE(sheet.set_self_contact(change).ok());
+  EXPECT_FALSE(sheet.get().value().scene().self_contact().has_thickness_m());
   change.set_friction(11.0);
   EXPECT_EQ(sheet.set_self_contact(change).failure().field, "set_self_contact.friction");
 }

@@ -30,6 +30,10 @@ scene::SetSelfContact with_thickness(double thickness) {
   return {std::nullopt, std::nullopt, thickness};
 }
 
+scene::SetSelfContact of_material() {
+  return {std::nullopt, std::nullopt, std::nullopt, true};
+}
+
 // So stiff that its automatic integrator is implicit.
 scene::SheetConfig too_stiff() {
   scene::SheetConfig config = scenes::hanging(8);
@@ -97,6 +101,8 @@ TEST(SetSelfContact, FieldsNotGivenStayAndChangesCount) {
   ASSERT_TRUE(apply(sheet, scene::SetSelfContact{}).ok());
   EXPECT_EQ(sheet.self_contact(), (scene::SelfContact{false, 0.0, 0.002}));
   EXPECT_EQ(sheet.settings_version(), version + 5);
+  ASSERT_TRUE(apply(sheet, of_material()).ok());
+  EXPECT_EQ(sheet.self_contact(), (scene::SelfContact{false, 0.0, {}}));
   EXPECT_EQ(sheet.config().self_contact, scene::SelfContact{}) << "as given";
 }
 
@@ -116,6 +122,7 @@ TEST(SetSelfContact, IsRefusedOutOfItsRanges) {
     EXPECT_EQ(field(with_thickness(thickness)), "set_self_contact.thickness_m");
     EXPECT_EQ(field({true, 0.5, thickness}), "set_self_contact.thickness_m");
   }
+  EXPECT_EQ(field({true, 0.5, 0.01, true}), "set_self_contact.material_thickness");
   EXPECT_EQ(sheet.self_contact(), before) << "nothing of them was done";
   EXPECT_EQ(field(with_thickness(scene::kMinSelfThickness)), "done");
   EXPECT_EQ(field(with_thickness(scene::kMaxSelfThickness)), "done");
@@ -237,6 +244,8 @@ TEST(SetSelfContact, LayersRestFartherApartWithALargerThickness) {
   const double apart = step_between_layers(sheet, 120);
   EXPECT_GT(apart, 2.0 * before);
   EXPECT_LT(apart, 1.1 * thickness);
+  ASSERT_TRUE(apply(sheet, of_material()).ok());
+  EXPECT_LT(step_between_layers(sheet, 120), 1.1 * config.material.thickness) << "that of the material again";
 }
 
 TEST(SetSelfContact, TurnedOffFoldsPassThroughEachOther) {
@@ -309,6 +318,7 @@ TEST(SetSelfContact, ARecordingWithItReplaysBitForBitAndCopiesAreEqual) {
   ticks[1] = {scenes::line_cut({0.2, 0.5}, {0.8, 0.45})};
   ticks[4] = {scene::SetSelfContact{true, 0.6, std::nullopt}};
   ticks[20] = {with_thickness(0.002)};
+  ticks[25] = {of_material()};
   ticks[30] = {turned(false), with_friction(0.1)};
   ticks[34] = {scene::UndoCut{}};
   ticks[36] = {turned(true)};

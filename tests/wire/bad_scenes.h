@@ -307,6 +307,8 @@ inline std::vector<BadScene> bad_commands() {
        [=](v1::Scene& s) { command(s, 18)->mutable_set_self_contact()->set_thickness_m(0.0); }},
       {"commands[18].command.set_self_contact.thickness_m",
        [=](v1::Scene& s) { command(s, 18)->mutable_set_self_contact()->set_thickness_m(nan); }},
+      {"commands[17].command.set_self_contact.material_thickness",
+       [=](v1::Scene& s) { command(s, 17)->mutable_set_self_contact()->set_material_thickness(true); }},
       {"commands",
        [](v1::Scene& s) {
          for (int i = 0; i < 10'000; ++i) add_command(s, 1).mutable_reset();

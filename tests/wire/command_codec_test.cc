@@ -21,7 +21,7 @@ using testing::full_scene;
 
 TEST(CommandCodec, EveryKindComesBackUnchanged) {
   const v1::Scene scene = full_scene();
-  ASSERT_EQ(scene.commands_size(), 20);
+  ASSERT_EQ(scene.commands_size(), 21);
   for (const v1::ScheduledCommand& scheduled : scene.commands()) {
     const Result<scene::Command> command = decode_command(scheduled.command());
     ASSERT_TRUE(command.ok()) << command.error().message;

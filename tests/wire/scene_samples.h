@@ -148,6 +148,7 @@ inline void add_commands(v1::Scene& scene) {
   set_self_contact->set_thickness_m(0.002);
   add_command(scene, 18).mutable_set_self_contact()->set_mode(v1::SelfContact::OFF);
   add_command(scene, 19).mutable_set_self_contact();
+  add_command(scene, 20).mutable_set_self_contact()->set_material_thickness(true);
 }
 
 // Every field given that an encoder writes; the kinds of commands, pins and colliders all there.

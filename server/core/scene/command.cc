@@ -142,13 +142,17 @@ Status validate(const SetSelfContact& settings, const std::string& path) {
   if (settings.thickness) {
     KERF_TRY(check_number(*settings.thickness, kMinSelfThickness, kMaxSelfThickness, path + ".thickness_m"));
   }
+  if (settings.thickness && settings.material_thickness) {
+    return invalid_argument("CHOICE_AMBIGUOUS", "thickness_m and material_thickness are both given; give one of them",
+                            path + ".material_thickness");
+  }
   return Nothing{};
 }
 
 SelfContact with(SelfContact settings, const SetSelfContact& change) {
   if (change.is_on) settings.is_on = *change.is_on;
   if (change.friction) settings.friction = *change.friction;
-  if (change.thickness) settings.thickness = change.thickness;
+  if (change.thickness || change.material_thickness) settings.thickness = change.thickness;
   return settings;
 }
 

@@ -131,6 +131,7 @@ struct SetSelfContact {
   std::optional<bool> is_on;
   std::optional<double> friction;   // -, range as above
   std::optional<double> thickness;  // m, range as above
+  bool material_thickness = false;  // true: that of the materials again; refused beside `thickness`
 };
 
 // Begins the scene again: mesh, positions, pins, loads, materials and self-contact are those of the start, and there
@@ -144,7 +145,8 @@ struct Reset {
 Error in_batch(Error error, std::size_t index);
 
 Status validate(const Wind& wind, const std::string& field);
-// Checks the ranges of friction and thickness. Fields are `path` + ".friction" and ".thickness_m".
+// Checks the ranges of friction and thickness. Fields are `path` + ".friction" and ".thickness_m". Two choices of the
+// thickness are CHOICE_AMBIGUOUS of `path` + ".material_thickness".
 Status validate(const SetSelfContact& settings, const std::string& path);
 
 // Returns the settings with those of `change` replaced.

@@ -36,6 +36,7 @@ Result<scene::SetSelfContact> decode_self_contact_change(const v1::SetSelfContac
   KERF_TRY(decode_choice(kSelfContactModes, message.mode(), "set_self_contact.mode", change.is_on));
   if (message.has_friction()) change.friction = message.friction();
   if (message.has_thickness_m()) change.thickness = message.thickness_m();
+  change.material_thickness = message.material_thickness();
   return change;
 }
 
@@ -44,6 +45,7 @@ v1::SetSelfContact encode_self_contact_change(const scene::SetSelfContact& chang
   if (change.is_on) message.set_mode(encode_choice(kSelfContactModes, *change.is_on));
   if (change.friction) message.set_friction(*change.friction);
   if (change.thickness) message.set_thickness_m(*change.thickness);
+  message.set_material_thickness(change.material_thickness);
   return message;
 }
 

@@ -84,7 +84,11 @@ class Sheets(Case):
         self.json_of("sheet", "self-contact", "folds", "off")
         contact = self.json_of("sheet", "get", "folds")["scene"]["self_contact"]
         self.assertEqual(contact, {"mode": "OFF", "friction": 0.5, "thickness_m": 0.002})
-        self.refused("sheet", "self-contact", "folds", code=2, says="give on, off, --friction or --thickness")
+        self.json_of("sheet", "self-contact", "folds", "--material-thickness")
+        contact = self.json_of("sheet", "get", "folds")["scene"]["self_contact"]
+        self.assertEqual(contact, {"mode": "OFF", "friction": 0.5})
+        self.refused("sheet", "self-contact", "folds", code=2, says="give on, off, --friction, --thickness or")
+        self.refused("sheet", "self-contact", "folds", "--thickness", "0.01", "--material-thickness", code=2, says="excludes")
         self.refused("sheet", "self-contact", "folds", "maybe", code=2, says="maybe")
         self.refused("sheet", "self-contact", "folds", "--thickness", "0", says="set_self_contact.thickness_m")
         self.refused("sheet", "self-contact", "nobody", "on", says="nobody")

@@ -54,6 +54,10 @@ class Sheets(Case):
         self.assertEqual((contact.mode, contact.friction, contact.thickness_m), (contact.ON, 0, 0.002))
         with self.assertRaises(kerf.InvalidArgument):
             folds.set_self_contact(thickness_m=0)
+        with self.assertRaises(kerf.InvalidArgument):
+            folds.set_self_contact(thickness_m=0.001, material_thickness=True)
+        folds.set_self_contact(material_thickness=True)
+        self.assertFalse(folds.get().scene.self_contact.HasField("thickness_m"))
         folds.delete()
         with self.assertRaisesRegex(kerf.InvalidArgument, "no folds that could touch"):
             self.server.create_scene({**scene, "self_contact": {"mode": "ON"}, "planar": True})

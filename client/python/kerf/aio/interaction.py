@@ -116,19 +116,26 @@ class Interaction(SheetPart):
         return await self._interact("SetSheetMaterial", request)
 
     async def set_self_contact(
-        self, on: Optional[bool] = None, *, friction: Optional[float] = None, thickness_m: Optional[float] = None
+        self,
+        on: Optional[bool] = None,
+        *,
+        friction: Optional[float] = None,
+        thickness_m: Optional[float] = None,
+        material_thickness: bool = False,
     ) -> int:
         """Turns contact of the sheet with itself on or off, or changes its settings. None leaves a setting as it is;
         reset() restores the first ones.
 
         friction: Coulomb's coefficient, 0..10. thickness_m: distance that folds and pieces keep, metres,
-        1e-6..0.1; at first the greatest thickness of the sheet's materials. Raises FailedPrecondition:
-        SELF_CONTACT_PLANAR if the sheet is planar.
+        1e-6..0.1; at first the greatest thickness of the sheet's materials. material_thickness: returns to that, and
+        excludes thickness_m. Raises FailedPrecondition: SELF_CONTACT_PLANAR if the sheet is planar.
 
         >>> tick = await sheet.set_self_contact(True, friction=0.5)
         >>> tick = await sheet.set_self_contact(False)
         """
-        change = scene_pb2.SetSelfContact(friction=friction, thickness_m=thickness_m)
+        change = scene_pb2.SetSelfContact(
+            friction=friction, thickness_m=thickness_m, material_thickness=material_thickness
+        )
         if on is not None:
             change.mode = scene_pb2.SelfContact.ON if on else scene_pb2.SelfContact.OFF
         request = interaction_pb2.SetSheetSelfContactRequest(name=self.name, set_self_contact=change)
