@@ -111,6 +111,37 @@ TEST_F(HostTest, ASheetAtRestCostsNothingUntilTouched) {
   EXPECT_EQ(host_->metrics().ticks, asleep.ticks + 3);
 }
 
+// Two squares, one above the other on a floor.
+scene::SheetConfig two_layers() {
+  scene::ArraySource source;
+  source.material_positions.resize(2, 8);
+  source.material_positions << 0, 1, 1, 0, 2, 3, 3, 2, 0, 0, 1, 1, 0, 0, 1, 1;
+  source.positions.resize(3, 8);
+  source.positions << 0, 1, 1, 0, 0, 1, 1, 0, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0;
+  source.triangles.resize(3, 4);
+  source.triangles << 0, 0, 4, 4, 1, 2, 5, 6, 2, 3, 6, 7;
+  scene::SheetConfig config = scenes::lying_on_floor(4);
+  const double thickness = config.material.thickness;
+  for (Eigen::Index v = 0; v < 8; ++v) source.positions(2, v) = v < 4 ? 0.5 * thickness : 1.5 * thickness;
+  config.mesh = source;
+  config.self_contact.is_on = true;
+  return config;
+}
+
+TEST_F(HostTest, LayersThatLieOnEachOtherCostNothingAsleep) {
+  create("a", at_50_hz(two_layers()));
+  run_for(50 * kTick);
+  EXPECT_GT(host_->metrics().self_contact.contacts, 0);
+  run_for(950 * kTick);
+  ASSERT_EQ(status("a").run_state, RunState::kSleeping);
+  const HostMetrics asleep = host_->metrics();
+  run_for(1000 * kTick);
+  EXPECT_EQ(host_->metrics().self_contact.phases, asleep.self_contact.phases);
+  EXPECT_EQ(host_->metrics().ticks, asleep.ticks);
+  ASSERT_TRUE(submit("a", scene::SetWind{{{1.0, 0.0, 0.0}, 1.2, 1.0}}).ok());
+  EXPECT_GT(host_->metrics().self_contact.phases, asleep.self_contact.phases);
+}
+
 TEST_F(HostTest, UnwatchedNoSnapshotIsBuilt) {
   create("a", small_sheet());
   run_for(10 * kTick);
