@@ -1,5 +1,5 @@
 // The tables of tests/bench/notes/threads-and-memory.md: memory of a sheet, and what sheets cost that are asleep.
-//   footprint_bench [SHEETS]
+//   footprint_bench [SHEETS]     10,000 sheets sleep; none with 0
 #include <malloc.h>
 
 #include <chrono>
@@ -8,13 +8,16 @@
 #include <cstdlib>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "server/base/check.h"
+#include "server/core/mesh/triangle_mesh.h"
 #include "server/service/host/entropy.h"
 #include "server/service/host/host.h"
 #include "tests/bench/cpu_time.h"
 #include "tests/bench/scenes.h"
 #include "tests/support/scenes.h"
+#include "tests/support/self_contact_scenes.h"
 
 namespace kerf::bench {
 namespace {
@@ -57,6 +60,34 @@ void print_memory() {
   }
 }
 
+// Bytes a vertex that a sheet holds after some ticks.
+double held(scene::SheetConfig config, bool touches_itself, int ticks) {
+  config.self_contact.is_on = touches_itself;
+  const double before = allocated();
+  sheet::Sheet sheet = create(std::move(config));
+  for (int tick = 0; tick < ticks; ++tick) sheet.step({});
+  return (allocated() - before) / sheet.mesh().num_vertices();
+}
+
+void print_self_contact() {
+  std::printf("\n| scene | ticks | vertices | with self-contact | without |\n|---|---|---|---|---|\n");
+  const struct {
+    const char* name;
+    scene::SheetConfig (*make)();
+    int ticks;
+  } rows[] = {{"hung by a corner, nothing near", [] { return scenes::hung_by_corner(); }, 2},
+              {"falls on its edge", [] { return scenes::falls_on_edge(); }, 45},
+              {"falls in five strips", [] { return scenes::falls_in_strips(); }, 30},
+              {"thrown on a layer", [] { return scenes::thrown_on_a_layer(); }, 30},
+              {"stack of ten", [] { return scenes::stack_of_ten(); }, 15}};
+  for (const auto& row : rows) {
+    const double with = held(row.make(), true, row.ticks), without = held(row.make(), false, row.ticks);
+    std::printf("| %s | %d | %d | %.0f | %.0f |\n", row.name, row.ticks, create(row.make()).mesh().num_vertices(), with,
+                without);
+    std::fflush(stdout);
+  }
+}
+
 void print_sleep(int num_sheets) {
   constexpr int kSide = 4;
   constexpr double kWatched = 20.0;  // s
@@ -91,5 +122,7 @@ void print_sleep(int num_sheets) {
 
 int main(int argc, char** argv) {
   kerf::bench::print_memory();
-  kerf::bench::print_sleep(argc > 1 ? std::atoi(argv[1]) : 10'000);
+  kerf::bench::print_self_contact();
+  const int num_sheets = argc > 1 ? std::atoi(argv[1]) : 10'000;
+  if (num_sheets > 0) kerf::bench::print_sleep(num_sheets);
 }

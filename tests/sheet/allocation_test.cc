@@ -1,4 +1,6 @@
 // A tick without a cut or another command allocates nothing.
+#include <malloc.h>
+
 #include <memory>
 #include <string>
 #include <vector>
@@ -95,6 +97,29 @@ INSTANTIATE_TEST_SUITE_P(
       const bool is_multigrid = tested.param.solver == scene::LinearSolverKind::kMultigridCg;
       return std::string(is_multigrid ? "ImplicitMultigrid" : "ImplicitIterative");
     });
+
+// Bytes a vertex that a sheet with nothing near it holds after two ticks.
+double held_bytes(std::int32_t side, bool touches_itself) {
+  const auto allocated = [] {
+    const struct mallinfo2 info = mallinfo2();
+    return static_cast<double>(info.uordblks + info.hblkhd);
+  };
+  scene::SheetConfig config = scenes::hanging(side);
+  config.self_contact.is_on = touches_itself;
+  const double before = allocated();
+  Sheet sheet = Sheet::create(config).value();
+  for (int i = 0; i < 2; ++i) sheet.step({});
+  return (allocated() - before) / (side * side);
+}
+
+TEST(Allocation, SelfContactOfASheetWithNothingNearHoldsNoMoreThanIsReservedForIt) {
+  if (!test::counts_allocations()) GTEST_SKIP() << "a sanitizer has its own malloc";
+  for (const std::int32_t side : {12, 50, 90}) {
+    const double added = held_bytes(side, true) - held_bytes(side, false);
+    EXPECT_LT(added, static_cast<double>(scene::kSelfContactBytes)) << side;
+    EXPECT_GT(added, 0.5 * static_cast<double>(scene::kSelfContactBytes)) << side;
+  }
+}
 
 }  // namespace
 }  // namespace kerf::sheet

@@ -184,7 +184,8 @@ Result<sheet::Sheet> Host::build(scene::SheetConfig config, const Creation& crea
   // Stored in the config and so in a recording: a cut refused here is refused in a replay too.
   config.max_vertices = std::min(config.max_vertices, options_.max_vertices_per_sheet);
   const std::int64_t declared = declared_vertices(config);
-  const std::int64_t bytes = declared <= scene::kMaxVertices ? declared * kBytesPerVertex : 0;
+  const std::int64_t bytes_per_vertex = kBytesPerVertex + (config.self_contact.is_on ? scene::kSelfContactBytes : 0);
+  const std::int64_t bytes = declared <= scene::kMaxVertices ? declared * bytes_per_vertex : 0;
   Status wanted = check_wanted(creation);
   KERF_TRY(wanted);
   const PromisedBytes promised(promised_bytes_, bytes);

@@ -140,9 +140,14 @@ void SheetRunner::commands_arrived() {
   if (was_frozen && !sheet_.frozen() && !clock_.is_paused()) start_clock();
 }
 
-bool SheetRunner::has_room_for_commands() const {
+bool SheetRunner::has_room_for(const std::vector<PendingCommand>& queued) const {
   constexpr std::int64_t kBytesPerVertex = 1000;  // At most this much is copied or added by a cut.
-  return has_memory_for(kBytesPerVertex * sheet_.mesh().num_vertices());
+  const bool turns_on = std::any_of(queued.begin(), queued.end(), [](const PendingCommand& each) {
+    const auto* change = std::get_if<scene::SetSelfContact>(&each.command);
+    return change != nullptr && change->is_on.value_or(false);
+  });
+  const std::int64_t bytes = kBytesPerVertex + (turns_on ? scene::kSelfContactBytes : 0);
+  return has_memory_for(bytes * sheet_.mesh().num_vertices());
 }
 
 // Keeps releases in the queue, since they need no memory.

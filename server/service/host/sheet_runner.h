@@ -118,7 +118,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   void announce_commands();
   void commands_arrived();
   // False if commands might run out of memory halfway.
-  [[nodiscard]] bool has_room_for_commands() const;
+  [[nodiscard]] bool has_room_for(const std::vector<PendingCommand>& queued) const;
   void refuse_for_want_of_memory(std::vector<PendingCommand>& queued);
 
   // The clock.

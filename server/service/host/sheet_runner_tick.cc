@@ -23,7 +23,7 @@ bool SheetRunner::run_once(bool advance) {
   }
   repeats_now_ = false;
   std::vector<PendingCommand> queued = queue_.take_queued();
-  if (!queued.empty() && !has_room_for_commands()) refuse_for_want_of_memory(queued);
+  if (!queued.empty() && !has_room_for(queued)) refuse_for_want_of_memory(queued);
   std::move(queued.begin(), queued.end(), std::back_inserter(pending));
   if (!advance && pending.empty()) return false;
   return run_commands(advance, std::move(pending));
