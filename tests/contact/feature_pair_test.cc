@@ -102,6 +102,20 @@ TEST(Separation, OfParallelEdgesAndOfFeaturesThatShrankToAPointIsTheLeastDistanc
   }
 }
 
+// A quotient of two zeros once made tick after tick fail where a sheet had collapsed to a point.
+TEST(Separation, OfTrianglesWithTwoCornersInOnePlaceIsTheLeastDistance) {
+  SeededRandom random(5);
+  for (int k = 0; k < 3000; ++k) {
+    PairPositions x = random_positions(random, 1.0);
+    const auto first = static_cast<std::size_t>(1 + k % 3);
+    x[first] = x[1 + first % 3];
+    ASSERT_NO_FATAL_FAILURE(expect_separation(Kind::kVertexTriangle, x, 1e-12)) << k;
+    for (std::size_t i = 0; i < 4; ++i) x[i] = Vector3d(0.0, 0.0, i % 2 == 0 ? 1e-90 * k : 0.0);
+    ASSERT_TRUE(std::isfinite(separation(Kind::kVertexTriangle, x).distance)) << k;
+    ASSERT_TRUE(std::isfinite(separation(Kind::kEdgeEdge, x).distance)) << k;
+  }
+}
+
 TEST(Separation, OfSidesThatTouchHasSomeUnitNormal) {
   const Separation on_face = separation(Kind::kVertexTriangle, {Vector3d(1, 1, 0), {0, 0, 0}, {4, 0, 0}, {0, 4, 0}});
   EXPECT_EQ(on_face.distance, 0.0);

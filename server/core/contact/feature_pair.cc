@@ -19,7 +19,7 @@ void finish(const PairPositions& x, Separation& result) {
   if (result.distance > 0.0) result.normal = way / result.distance;
 }
 
-// Returns the weights of the point of a triangle that is nearest to p.
+// Returns the weights of the point of a triangle that is nearest to p. Corners may coincide.
 std::array<double, 3> nearest_on_triangle(const Eigen::Vector3d& p, const Eigen::Vector3d& a, const Eigen::Vector3d& b,
                                           const Eigen::Vector3d& c) {
   const Eigen::Vector3d ab = b - a, ac = c - a, ap = p - a;
@@ -31,22 +31,24 @@ std::array<double, 3> nearest_on_triangle(const Eigen::Vector3d& p, const Eigen:
   // Products of vectors, as those of d1 to d6 lose all digits in slivers.
   const Eigen::Vector3d cp = p - c, normal = ab.cross(ac);
   const double vc = normal.dot(ap.cross(bp));
-  if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0) {
+  if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 && d1 > d3) {
     const double v = d1 / (d1 - d3);
     return {1.0 - v, v, 0.0};
   }
   const double d5 = ab.dot(cp), d6 = ac.dot(cp);
   if (d6 >= 0.0 && d5 <= d6) return {0.0, 0.0, 1.0};
   const double vb = normal.dot(cp.cross(ap));
-  if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0) {
+  if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 && d2 > d6) {
     const double w = d2 / (d2 - d6);
     return {1.0 - w, 0.0, w};
   }
   const double va = normal.dot(bp.cross(cp));
-  if (va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0) {
-    const double w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
+  const double to_c = d4 - d3, to_b = d5 - d6;
+  if (va <= 0.0 && to_c >= 0.0 && to_b >= 0.0 && to_c + to_b > 0.0) {
+    const double w = to_c / (to_c + to_b);
     return {0.0, 1.0 - w, w};
   }
+  if (!(va + vb + vc > 0.0)) return {1.0, 0.0, 0.0};
   const double scale = 1.0 / (va + vb + vc);
   const double v = vb * scale, w = vc * scale;
   return {1.0 - v - w, v, w};
@@ -60,7 +62,8 @@ std::array<double, 2> nearest_on_segments(const PairPositions& x) {
   const auto clamp = [](double value) { return std::clamp(value, 0.0, 1.0); };
   if (!(a > 0.0)) return {0.0, e > 0.0 ? clamp(f / e) : 0.0};
   if (!(e > 0.0)) return {clamp(-c / a), 0.0};
-  double s = clamp((b * f - c * e) / std::max(a * e - b * b, kParallel * a * e));
+  const double denominator = std::max(a * e - b * b, kParallel * a * e);  // 0 where edges are shorter than 1e-80 m
+  double s = denominator > 0.0 ? clamp((b * f - c * e) / denominator) : 0.0;
   const double t = clamp((b * s + f) / e);
   s = clamp((b * t - c) / a);
   return {s, t};
