@@ -1,6 +1,7 @@
 #include "server/core/fem/step/stage_contact.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -31,6 +32,12 @@ void StageContact::begin(const ContactConstraint* contact, const Model& model, d
   start_ = &start;
   inertia_ = 1.0 / (d * d);
   membrane_ = model.materials().largest_membrane_trace();
+  is_penalty_ = false;
+  entries_.clear();
+}
+
+void StageContact::begin_penalty() {
+  is_penalty_ = true;
   entries_.clear();
 }
 
@@ -55,7 +62,9 @@ void StageContact::predict(const linear::VertexField& x, const linear::VertexFie
       step.col(i) += depth * gaps[k].normal;
       const Eigen::Vector3d slid = tangential(gaps[k], x.col(i) + step.col(i) - start_->col(i));
       const Eigen::Vector3d drive = inertia_ * tangential(gaps[k], impulse.col(i));
-      entry.limit = gaps[k].friction * inertia_ * std::max(0.0, -impulse.col(i).dot(gaps[k].normal));
+      entry.surface.gap = 0.0;  // at the end of the step
+      entry.normal = inertia_ * std::max(0.0, -impulse.col(i).dot(gaps[k].normal));
+      entry.limit = gaps[k].friction * entry.normal;
       entry.sticks = entry.limit > 0.0 && drive.norm() <= entry.limit;
       if (entry.sticks) {
         step.col(i) -= slid;
@@ -64,12 +73,13 @@ void StageContact::predict(const linear::VertexField& x, const linear::VertexFie
         entry.friction = -entry.limit * drive.normalized();
         entry.force = entry.friction;
       }
+      entry.force += entry.normal * gaps[k].normal;
       entries_.push_back(entry);
     }
   }
 }
 
-void StageContact::detect(const linear::VertexField& x, Update update) {
+void StageContact::detect(const linear::VertexField& x) {
   std::swap(entries_, before_);
   entries_.clear();
   if (contact_ == nullptr) return;
@@ -84,29 +94,28 @@ void StageContact::detect(const linear::VertexField& x, Update update) {
   for (int i = 0; i < x.cols(); ++i) {
     skip_to(i, 0);
     const bool any_known = known != before_.cend() && known->vertex == i;
-    const double reach = any_known && update == Update::kAdd ? std::numeric_limits<double>::infinity() : 0.0;
+    const double reach = any_known && !is_penalty_ ? std::numeric_limits<double>::infinity() : 0.0;
     const std::size_t found = contact_->find_gaps(i, x.col(i), reach, gaps);
     for (std::size_t k = 0; k < found; ++k) {
       skip_to(i, gaps[k].surface);
       const bool is_known = known != before_.cend() && known->vertex == i && known->surface.surface == gaps[k].surface;
-      if (gaps[k].gap >= 0.0 && !(is_known && update == Update::kAdd)) continue;
+      if (gaps[k].gap >= 0.0 && (is_penalty_ || !is_known)) continue;
       Entry entry = is_known ? *known : Entry{};
       entry.vertex = i;
       entry.surface = gaps[k];
       entry.stiffness = stiffness(i);
-      // The first penetration comes from a step that ignored the surface, so its depth says nothing about friction.
-      const double limit =
-          is_known || update == Update::kAll ? gaps[k].friction * entry.stiffness * std::max(0.0, -gaps[k].gap) : 0.0;
+      if (is_penalty_) entry.normal = -entry.stiffness * gaps[k].gap;
+      double limit = gaps[k].friction * std::max(0.0, entry.normal);
+      constexpr double kFollow = 0.5;  // -; following all of a penalty oscillates on a curved surface
+      if (is_penalty_ && entry.limit > 0.0) limit = entry.limit + kFollow * (limit - entry.limit);
       update_friction(tangential(gaps[k], x.col(i) - start_->col(i)), limit, entry);
-      entry.force -= entry.stiffness * gaps[k].gap * gaps[k].normal;
+      entry.force += entry.normal * gaps[k].normal;
       entries_.push_back(entry);
     }
   }
 }
 
 void StageContact::update_friction(const Eigen::Vector3d& slid, double limit, Entry& entry) {
-  constexpr double kFollow = 0.5;  // -, part of a change of the limit that is followed; following all of it oscillates
-                                   // on a curved surface
   const double limit_before = entry.limit;
   Eigen::Vector3d predicted(0.0, 0.0, 0.0);
   if (limit_before > 0.0) {
@@ -114,7 +123,6 @@ void StageContact::update_friction(const Eigen::Vector3d& slid, double limit, En
     predicted = -limit_before / yield * slid;
     if (!entry.sticks) predicted -= entry.slid.dot(slid - entry.slid) / (yield * yield) * entry.friction;
     predicted /= std::max(limit_before, predicted.norm());
-    limit = limit_before + kFollow * (limit - limit_before);
   }
   entry.limit = limit;
   entry.slid = slid;
@@ -127,6 +135,101 @@ void StageContact::update_friction(const Eigen::Vector3d& slid, double limit, En
     entry.force = -limit / length * slid;
   }
   entry.friction = limit_before > 0.0 ? Eigen::Vector3d(limit * predicted) : entry.force;
+}
+
+void StageContact::release(double scale, linear::VertexField& forces) {
+  std::erase_if(entries_, [&](const Entry& entry) {
+    if (entry.normal > 0.0) return false;
+    forces.col(entry.vertex) -= scale * entry.force;
+    return true;
+  });
+}
+
+void StageContact::follow(const linear::VertexField& step, double share) {
+  if (is_penalty_) return;
+  for (Entry& entry : entries_) {
+    const SurfaceGap& surface = entry.surface;
+    entry.normal -= entry.stiffness * (share * surface.gap + surface.normal.dot(step.col(entry.vertex)));
+  }
+}
+
+double StageContact::slope(const linear::VertexField& step, double share) const {
+  double sum = 0.0;
+  for (const Entry& entry : entries_) {
+    const Eigen::Vector3d& n = entry.surface.normal;
+    const Eigen::Vector3d along = step.col(entry.vertex);
+    const double rise = n.dot(along);
+    const Eigen::Vector3d slid = entry.slid + share * (along - rise * n);
+    const double yield = std::max(slid.norm(), entry.limit / entry.stiffness);
+    sum += rise * (entry.normal - entry.stiffness * (entry.surface.gap + share * rise));
+    if (entry.limit > 0.0) sum -= entry.limit / yield * slid.dot(along);
+  }
+  return sum;
+}
+
+double StageContact::share_without_overshoot(const linear::VertexField& step, double scale, double before,
+                                             double after) const {
+  constexpr double kAllowed = 0.2;      // -, slope at the end over that at the start which is left alone
+  constexpr double kLeast = 1e-4;       // -, least share
+  constexpr int kBisections = 20;
+  if (friction_norm() == 0.0) return 1.0;
+  const auto slope_at = [&](double share) {
+    return (1.0 - share) * before + share * after + scale * slope(step, share);
+  };
+  if (slope_at(1.0) >= -kAllowed * std::abs(slope_at(0.0))) return 1.0;
+  double low = 0.0;
+  double high = 1.0;
+  for (int i = 0; i < kBisections; ++i) {
+    const double middle = 0.5 * (low + high);
+    (slope_at(middle) >= 0.0 ? low : high) = middle;
+  }
+  return std::max(low, kLeast);
+}
+
+void StageContact::project(linear::VertexField& x) {
+  if (is_penalty_) return;
+  for (Entry& entry : entries_) {
+    if (!(entry.normal > 0.0)) continue;
+    x.col(entry.vertex) -= entry.surface.gap * entry.surface.normal;
+    entry.surface.gap = 0.0;
+    if (!entry.sticks) continue;
+    x.col(entry.vertex) -= entry.slid;
+    entry.slid.setZero();
+  }
+}
+
+double StageContact::normal_norm() const {
+  double sum = 0.0;
+  for (const Entry& entry : entries_) sum += entry.normal * entry.normal;
+  return std::sqrt(sum);
+}
+
+double StageContact::friction_norm() const {
+  double sum = 0.0;
+  for (const Entry& entry : entries_) sum += entry.limit * entry.limit;
+  return std::sqrt(sum);
+}
+
+double StageContact::gap_norm() const {
+  double sum = 0.0;
+  for (const Entry& entry : entries_) {
+    const double force = entry.stiffness / kStiffening * entry.surface.gap;
+    sum += force * force;
+  }
+  return std::sqrt(sum);
+}
+
+double StageContact::work(const linear::VertexField& step) const {
+  double sum = 0.0;
+  for (const Entry& entry : entries_) sum += entry.force.dot(step.col(entry.vertex));
+  return sum;
+}
+
+void StageContact::add_gap_forces(double scale, linear::VertexField& forces) const {
+  if (is_penalty_) return;
+  for (const Entry& entry : entries_) {
+    forces.col(entry.vertex) -= scale * entry.stiffness * entry.surface.gap * entry.surface.normal;
+  }
 }
 
 void StageContact::add_forces(double scale, linear::VertexField& forces) const {

@@ -17,11 +17,19 @@ namespace {
 
 constexpr int kRepairIterations = 30;
 constexpr int kMaxBacktracks = 30;
-constexpr int kContactIterations = 8;  // least number of Newton iterations allowed if vertices touch
-constexpr double kSettled = 1e-2;      // -, relative residual below which contacts that would pull let go
-constexpr double kNearly = 0.1;        // -, relative residual above which an iteration with contact has failed
+constexpr int kContactIterations = 8;    // least number of Newton iterations allowed if vertices touch
+constexpr int kFrictionIterations = 4;   // more of them if only the forces of friction are not resolved yet
+constexpr double kSettled = 1e-2;        // -, relative residual below which contacts that would pull let go
+constexpr double kSettledContact = 0.1;  // -, residual over normal forces below which they do
+constexpr double kNearly = 0.1;          // -, relative residual above which an iteration with contact has failed
+constexpr double kOfFriction = 0.01;     // -, largest residual over the forces of friction
+constexpr double kLeastLinearTolerance = 1e-10;
 
-using Update = StageContact::Update;
+double dot(const linear::VertexField& a, const linear::VertexField& b) {
+  double sum = 0.0;
+  for (Eigen::Index i = 0; i < a.cols(); ++i) sum += a.col(i).dot(b.col(i));
+  return sum;
+}
 
 }  // namespace
 
@@ -126,11 +134,9 @@ bool StageSolver::solve(const Model& model, const Loads& loads, const linear::Ve
 
 void StageSolver::finish(const StageProblem& problem, State& state) {
   if (is_free(problem)) restore_momentum(problem, state.x);
+  contact_.project(state.x);
   state.v = (state.x - problem.stage.base.x) / problem.stage.d;
-  if (contact_.touches()) {
-    contact_.detect(state.x, Update::kAll);
-    contact_.stop(state.v);
-  }
+  contact_.stop(state.v);
   for (const Pin& pin : problem.loads.pins) state.v.col(pin.vertex) = pin.held(pin.velocity, state.v.col(pin.vertex));
 }
 
@@ -173,39 +179,69 @@ bool StageSolver::solve_majorized(const Model& model, const Loads& loads, const 
 
 // Makes the fast iteration. Returns true if it converged, or if its best point is accepted.
 bool StageSolver::iterate(StageProblem& problem, linear::VertexField& x, StepStats& stats) {
-  double scale = 0.0;
-  double relative = 0.0;
   double best = std::numeric_limits<double>::infinity();
-  int last = options_.newton_iterations;
-  for (int i = 0; i <= last; ++i) {
+  if (stop_.is_met()) return false;
+  equation_.evaluate(problem, x, residual_);
+  const double scale = solve_first(problem, x, stats);
+  int last = std::max(options_.newton_iterations, contact_.touches() ? kContactIterations : 0);
+  bool has_more = false;  // last allows for kFrictionIterations
+  ++stats.newton_iterations;
+  make_step(problem, increment_, false, x);
+  for (int i = 1;; ++i) {
     if (stop_.is_met()) return false;
-    if (i == 0) {
-      equation_.evaluate(problem, x, residual_);
-    } else {
-      relative = evaluate_relative(problem, x, scale);
-      if (relative <= options_.newton_tolerance) {
-        stats.residual = std::max(stats.residual, relative);
-        return true;
-      }
-      if (relative < best) {
-        best = relative;
-        best_ = x;
-      }
-      if (i == last || !std::isfinite(relative)) break;
+    const double relative = add_contact(problem, scale, x) / scale;
+    if (relative <= tolerance(problem, scale)) {
+      stats.residual = std::max(stats.residual, relative);
+      return true;
     }
-    if (i == 0) {
-      scale = solve_first(problem, x, stats);
-      if (contact_.touches()) last = std::max(last, kContactIterations);
-    } else {
-      solve_next(problem, x, true, stats);
+    if (relative < best) {
+      best = relative;
+      best_ = x;
     }
+    if (relative <= options_.newton_tolerance && !has_more) {
+      has_more = true;
+      last = std::max(last, i + kFrictionIterations);
+    }
+    if (i >= last || !std::isfinite(relative)) break;
+    solve_next(problem, x, true, stats);
     ++stats.newton_iterations;
-    predict_stress(problem.model.element_blocks(), problem.model.materials(), x, step_, stress_);
-    x += step_;
+    make_step(problem, step_, contact_.touches(), x);
   }
   if (!(best <= (contact_.touches() ? kNearly : std::numeric_limits<double>::max()))) return false;
   x = best_;
+  if (contact_.touches()) {
+    contact_.detect(x);
+    contact_.project(x);
+  }
   return accept(problem, x, best, stats);
+}
+
+// Returns the residual at which the fast iteration has converged, over `scale`. Friction may be far smaller than all
+// other forces, and decides all the same whether a vertex slides.
+double StageSolver::tolerance(const StageProblem& problem, double scale) const {
+  const double friction = kOfFriction * problem.stage.d * problem.stage.d * contact_.friction_norm();
+  if (friction == 0.0) return options_.newton_tolerance;
+  return std::min(options_.newton_tolerance, std::max(friction, rounding_) / scale);
+}
+
+// Makes the step step_ of a Newton iteration, shortened if contact overshoots. `solution`: what the linear system gave
+// for it. Sets residual_, without contact.
+void StageSolver::make_step(const StageProblem& problem, const linear::VertexField& solution, bool may_shorten,
+                            linear::VertexField& x) {
+  const double d = problem.stage.d;
+  const double before = may_shorten ? dot(residual_, step_) - d * d * contact_.work(step_) : 0.0;
+  trial_ = x + step_;
+  equation_.evaluate(problem, trial_, residual_);
+  const double share =
+      may_shorten ? contact_.share_without_overshoot(step_, d * d, before, dot(residual_, step_)) : 1.0;
+  if (share < 1.0) {
+    step_ *= share;
+    trial_ = x + step_;
+    equation_.evaluate(problem, trial_, residual_);
+  }
+  contact_.follow(solution, share);
+  predict_stress(problem.model.element_blocks(), problem.model.materials(), x, step_, stress_);
+  x = trial_;
 }
 
 bool StageSolver::accept(const StageProblem& problem, const linear::VertexField& x, double residual,
@@ -224,6 +260,7 @@ void StageSolver::solve_next(StageProblem& problem, const linear::VertexField& x
   do {
     assemble(problem, x, predicted);
     rhs_ = residual_;
+    contact_.add_gap_forces(problem.stage.d * problem.stage.d, rhs_);
     step_.setZero();
     constrain(problem, x);
     contact_.add_stiffness(problem.stage.d * problem.stage.d, matrix_.blocks());
@@ -258,23 +295,24 @@ double StageSolver::solve_first(StageProblem& problem, const linear::VertexField
   // Rounding of internal and of inertial forces.
   const std::span<const double> mass = problem.model.mass();
   const double stiffness = d * d * problem.model.materials().largest_membrane_trace();
-  const double rounding = std::numeric_limits<double>::epsilon() * x.cwiseAbs().maxCoeff() *
+  rounding_ = std::numeric_limits<double>::epsilon() * x.cwiseAbs().maxCoeff() *
                           (stiffness * std::sqrt(static_cast<double>(x.cols())) +
                            Eigen::Map<const Eigen::VectorXd>(mass.data(), x.cols()).norm());
   constexpr double kMomentumShare = 1e-3;
   return std::max(
-      {departure, kMomentumShare * whole, rounding / options_.newton_tolerance, std::numeric_limits<double>::min()});
+      {departure, kMomentumShare * whole, rounding_ / options_.newton_tolerance, std::numeric_limits<double>::min()});
 }
 
 bool StageSolver::repair(StageProblem& problem, const linear::VertexField& start, linear::VertexField& x,
                          StepStats& stats) {
   stats.flags |= kRepaired;
+  contact_.begin_penalty();
   x = start;
   double reference = 0.0;
   double relative = 0.0;
   for (int i = 0; i < kRepairIterations; ++i) {
     if (stop_.is_met()) return false;
-    const double residual = evaluate_residual(problem, x, Update::kAll);
+    const double residual = evaluate_residual(problem, x);
     const double value = merit(problem, x, x);
     if (!std::isfinite(value)) return false;
     reference = std::max(reference, residual);
@@ -284,6 +322,7 @@ bool StageSolver::repair(StageProblem& problem, const linear::VertexField& start
     ++stats.newton_iterations;
     if (!step_.allFinite() || !search_line(problem, value, x)) break;
   }
+  contact_.detect(x);
   stats.residual = std::max(stats.residual, relative);
   if (relative > options_.newton_tolerance) stats.flags |= kNotConverged;
   return true;
@@ -292,8 +331,7 @@ bool StageSolver::repair(StageProblem& problem, const linear::VertexField& start
 // Armijo backtracking along step_. Returns false if no step lowers the potential any more.
 bool StageSolver::search_line(const StageProblem& problem, double value, linear::VertexField& x) {
   constexpr double kSufficientDecrease = 1e-4;
-  double slope = 0.0;
-  for (Eigen::Index i = 0; i < step_.cols(); ++i) slope += residual_.col(i).dot(step_.col(i));
+  const double slope = dot(residual_, step_);
   double scale = 1.0;
   for (int i = 0; i < kMaxBacktracks; ++i, scale *= 0.5) {
     trial_ = x + scale * step_;
@@ -304,15 +342,21 @@ bool StageSolver::search_line(const StageProblem& problem, double value, linear:
   return false;
 }
 
-double StageSolver::evaluate_relative(const StageProblem& problem, const linear::VertexField& x, double scale) {
-  const double relative = evaluate_residual(problem, x, Update::kAdd) / scale;
-  if (!(relative <= kSettled) || !contact_.touches()) return relative;
-  return evaluate_residual(problem, x, Update::kAll) / scale;
+double StageSolver::add_contact(const StageProblem& problem, double scale, const linear::VertexField& x) {
+  const double d2 = problem.stage.d * problem.stage.d;
+  contact_.detect(x);
+  contact_.add_forces(d2, residual_);
+  const auto norm = [&] { return std::hypot(residual_.norm(), d2 * contact_.gap_norm()); };
+  if (!contact_.touches()) return residual_.norm();
+  const double found = norm();
+  if (!(found <= std::min(kSettled * scale, kSettledContact * d2 * contact_.normal_norm()))) return found;
+  contact_.release(d2, residual_);
+  return norm();
 }
 
-double StageSolver::evaluate_residual(const StageProblem& problem, const linear::VertexField& x, Update update) {
+double StageSolver::evaluate_residual(const StageProblem& problem, const linear::VertexField& x) {
   equation_.evaluate(problem, x, residual_);
-  contact_.detect(x, update);
+  contact_.detect(x);
   contact_.add_forces(problem.stage.d * problem.stage.d, residual_);
   return residual_.norm();
 }
@@ -324,7 +368,13 @@ double StageSolver::merit(const StageProblem& problem, const linear::VertexField
 
 bool StageSolver::solve_linear(linear::LinearSolver& solver, StageProblem& problem, StepStats& stats,
                                linear::VertexField& x) {
-  const linear::LinearStats linear = solver.solve(matrix_.blocks(), rhs_, options_.linear_tolerance, x);
+  double tolerance = options_.linear_tolerance;
+  const double friction = problem.stage.d * problem.stage.d * contact_.friction_norm();
+  if (friction > 0.0) {
+    constexpr double kShare = 0.25;  // -, of the error that Newton's method may have
+    tolerance = std::min(tolerance, std::max(kLeastLinearTolerance, kShare * kOfFriction * friction / rhs_.norm()));
+  }
+  const linear::LinearStats linear = solver.solve(matrix_.blocks(), rhs_, tolerance, x);
   stats.linear_iterations += linear.iterations;
   if (!linear.converged && problem.has_follower_tangent) {
     problem.has_follower_tangent = false;

@@ -74,6 +74,9 @@ class StageSolver {
   // Decides whether `x`, where iterate() stopped without convergence, is taken. Returns true if its incremental
   // potential without damping is no higher than at start_.
   bool accept(const StageProblem& problem, const linear::VertexField& x, double residual, StepStats& stats) const;
+  [[nodiscard]] double tolerance(const StageProblem& problem, double scale) const;
+  void make_step(const StageProblem& problem, const linear::VertexField& solution, bool may_shorten,
+                 linear::VertexField& x);
   // Computes the first Newton step in step_. Returns the scale of the residual (see
   // IntegratorOptions::newton_tolerance).
   double solve_first(StageProblem& problem, const linear::VertexField& x, StepStats& stats);
@@ -82,11 +85,11 @@ class StageSolver {
 
   // Returns true if the sheet has no pins, grabs or contacts.
   [[nodiscard]] bool is_free(const StageProblem& problem) const;
+  // Adds the contact forces at `x` to residual_. Returns its norm, with the forces that would close the gaps. Contacts
+  // that would pull let go once it is small against `scale` and against the normal forces.
+  double add_contact(const StageProblem& problem, double scale, const linear::VertexField& x);
   // Sets residual_ with contact forces and returns its norm.
-  double evaluate_residual(const StageProblem& problem, const linear::VertexField& x, StageContact::Update update);
-  // Sets residual_ with contact forces and returns its norm over `scale`. Contacts that would pull let go once that
-  // ratio is below kSettled.
-  double evaluate_relative(const StageProblem& problem, const linear::VertexField& x, double scale);
+  double evaluate_residual(const StageProblem& problem, const linear::VertexField& x);
   // Returns the incremental potential, including the potential of the contacts found last.
   [[nodiscard]] double merit(const StageProblem& problem, const linear::VertexField& x,
                              const linear::VertexField& origin) const;
@@ -105,6 +108,7 @@ class StageSolver {
   IntegratorOptions options_;
   StopPoll stop_;
   std::unique_ptr<linear::LinearSolver> solver_;
+  double rounding_ = 0.0;  // kg m, residual that rounding leaves
   // Used for repairs if the steps of solver_ may not descend, because it solves a different system. Null if it does
   // not.
   std::unique_ptr<linear::LinearSolver> repair_solver_;
