@@ -79,7 +79,8 @@ class StageContact {
   void add_stiffness(double scale, linear::BlockMatrix& matrix) const;
   // Adds scale * (-k gap n), with which the next linear step closes the gaps. Penalties have it in their force.
   void add_gap_forces(double scale, linear::VertexField& forces) const;
-  // Norms over the contacts found last, N: of N, of mu N, and of the forces by which the sheet resists closing the gaps.
+  // Norms over the contacts found last, N: of N, of mu N, and of the forces by which the sheet resists closing the
+  // gaps.
   [[nodiscard]] double normal_norm() const;
   [[nodiscard]] double friction_norm() const;
   [[nodiscard]] double gap_norm() const;
@@ -115,8 +116,8 @@ class StageContact {
   const ContactConstraint* contact_ = nullptr;
   const Model* model_ = nullptr;
   const linear::VertexField* start_ = nullptr;
-  double inertia_ = 0.0;        // 1/s^2, 1 / d^2
-  double membrane_ = 0.0;       // N/m
+  double inertia_ = 0.0;   // 1/s^2, 1 / d^2
+  double membrane_ = 0.0;  // N/m
   bool is_penalty_ = false;
   std::vector<Entry> entries_;  // by vertex, then surface; both reserved for kMaxGaps a vertex
   std::vector<Entry> before_;   // entries_ of the previous detect() or predict()

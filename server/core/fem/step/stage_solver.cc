@@ -296,8 +296,8 @@ double StageSolver::solve_first(StageProblem& problem, const linear::VertexField
   const std::span<const double> mass = problem.model.mass();
   const double stiffness = d * d * problem.model.materials().largest_membrane_trace();
   rounding_ = std::numeric_limits<double>::epsilon() * x.cwiseAbs().maxCoeff() *
-                          (stiffness * std::sqrt(static_cast<double>(x.cols())) +
-                           Eigen::Map<const Eigen::VectorXd>(mass.data(), x.cols()).norm());
+              (stiffness * std::sqrt(static_cast<double>(x.cols())) +
+               Eigen::Map<const Eigen::VectorXd>(mass.data(), x.cols()).norm());
   constexpr double kMomentumShare = 1e-3;
   return std::max(
       {departure, kMomentumShare * whole, rounding_ / options_.newton_tolerance, std::numeric_limits<double>::min()});
