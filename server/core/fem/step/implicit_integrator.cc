@@ -137,7 +137,7 @@ StepStats ImplicitIntegrator::step(const Model& model, const Loads& loads, doubl
     }
     const bool is_taken = i == last || attempt.is_majorized;  // taken even if it ends with too much energy
     // Repairs of contact may strain the sheet, which is no fault of the solve.
-    if (done && (!has_bodies || contact->num_inside() == 0) && (stats.flags & kSplitContact) == 0)
+    if (done && !has_bodies && (stats.flags & kSplitContact) == 0)
       done = keep_energy(model, loads, attempt.kind, state, stats) || is_taken;
     if (done) break;
     stats.flags &= ~(kEnergyLimited | kNotConverged | kSplitContact);  // clears the flags of the discarded attempt

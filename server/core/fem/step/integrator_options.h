@@ -44,7 +44,8 @@ struct IntegratorOptions {
   int newton_iterations = 5;  // per substep, >= 1
   // -, Newton's method stops when |r| <= newton_tolerance * scale. r is the residual M dx - h^2 f of the step (kg m).
   // The scale is |r| for ballistic motion, but at least 1e-3 of |r| for no motion at all. It is also so large that
-  // rounding of r is below the tolerance.
+  // rounding of r is below the tolerance. Beside bodies |r| is also at most 1 % of friction, or a few more iterations
+  // are made.
   double newton_tolerance = 1e-4;
   linear::LinearSolverKind linear_solver = linear::LinearSolverKind::kBlockJacobiCg;  // kAutomatic makes its own choice
   linear::CovarianceRootOptions covariance_root;                                      // for kEsCgm and kAsCgm

@@ -169,8 +169,8 @@ double StageContact::slope(const linear::VertexField& step, double share) const 
 
 double StageContact::share_without_overshoot(const linear::VertexField& step, double scale, double before,
                                              double after) const {
-  constexpr double kAllowed = 0.2;      // -, slope at the end over that at the start which is left alone
-  constexpr double kLeast = 1e-4;       // -, least share
+  constexpr double kAllowed = 0.2;  // -, slope at the end over that at the start which is left alone
+  constexpr double kLeast = 1e-4;   // -, least share
   constexpr int kBisections = 20;
   if (friction_norm() == 0.0) return 1.0;
   const auto slope_at = [&](double share) {

@@ -216,16 +216,12 @@ bool StageSolver::iterate(StageProblem& problem, linear::VertexField& x, StepSta
   return accept(problem, x, best, stats);
 }
 
-// Returns the residual at which the fast iteration has converged, over `scale`. Friction may be far smaller than all
-// other forces, and decides all the same whether a vertex slides.
 double StageSolver::tolerance(const StageProblem& problem, double scale) const {
   const double friction = kOfFriction * problem.stage.d * problem.stage.d * contact_.friction_norm();
   if (friction == 0.0) return options_.newton_tolerance;
   return std::min(options_.newton_tolerance, std::max(friction, rounding_) / scale);
 }
 
-// Makes the step step_ of a Newton iteration, shortened if contact overshoots. `solution`: what the linear system gave
-// for it. Sets residual_, without contact.
 void StageSolver::make_step(const StageProblem& problem, const linear::VertexField& solution, bool may_shorten,
                             linear::VertexField& x) {
   const double d = problem.stage.d;

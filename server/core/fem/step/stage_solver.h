@@ -74,7 +74,11 @@ class StageSolver {
   // Decides whether `x`, where iterate() stopped without convergence, is taken. Returns true if its incremental
   // potential without damping is no higher than at start_.
   bool accept(const StageProblem& problem, const linear::VertexField& x, double residual, StepStats& stats) const;
+  // Returns the residual at which the fast iteration has converged, over `scale`. Friction may be far smaller than all
+  // other forces, and decides all the same whether a vertex slides.
   [[nodiscard]] double tolerance(const StageProblem& problem, double scale) const;
+  // Makes the step step_ of the fast iteration, shortened if contact overshoots. `solution`: what the linear system
+  // gave for it, m. Sets residual_ at the new `x`, without contact.
   void make_step(const StageProblem& problem, const linear::VertexField& solution, bool may_shorten,
                  linear::VertexField& x);
   // Computes the first Newton step in step_. Returns the scale of the residual (see
