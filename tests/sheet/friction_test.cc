@@ -113,7 +113,10 @@ double slip_of_capstan(scene::IntegratorKind kind, double friction, double ratio
   return before - made->state().x(2, made->state().x.cols() - 1);
 }
 
-TEST_P(Friction, AStripOverACylinderSlipsWhereTheCapstanEquationSays) {
+// The trapezoidal rule is left out: undamped, it gains energy on curved bodies.
+class FrictionOnCylinder : public Friction {};
+
+TEST_P(FrictionOnCylinder, AStripSlipsWhereTheCapstanEquationSays) {
   constexpr double kFriction = 0.3;
   constexpr double kTurn = 0.01 / 0.05025;  // rad, at each vertex
   const double tangent = kFriction * std::tan(0.5 * kTurn);
@@ -126,6 +129,12 @@ INSTANTIATE_TEST_SUITE_P(, Friction,
                          ::testing::Values(scene::IntegratorKind::kAutomatic, scene::IntegratorKind::kExplicitLeapfrog,
                                            scene::IntegratorKind::kImplicitEuler, scene::IntegratorKind::kTrapezoidal,
                                            scene::IntegratorKind::kBdf2, scene::IntegratorKind::kTrBdf2),
+                         name_of_kind);
+
+INSTANTIATE_TEST_SUITE_P(, FrictionOnCylinder,
+                         ::testing::Values(scene::IntegratorKind::kAutomatic, scene::IntegratorKind::kExplicitLeapfrog,
+                                           scene::IntegratorKind::kImplicitEuler, scene::IntegratorKind::kBdf2,
+                                           scene::IntegratorKind::kTrBdf2),
                          name_of_kind);
 
 // A stiff strip that leans on a floor, pressed down and then dragged along. The solve's other forces are thousands of
