@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "server/core/sheet/sheet.h"
+#include "tests/sheet/calls.h"
 #include "tests/support/random_cuts.h"
 #include "tests/support/scenes.h"
 #include "tests/support/trials.h"
@@ -19,11 +20,9 @@ constexpr double kGravity = 9.81;  // m/s^2
 
 class SheetContact : public ::testing::TestWithParam<scene::IntegratorKind> {
  protected:
-  static Sheet make(scene::SheetConfig config) {
+  static Sheet make_of_kind(scene::SheetConfig config) {
     config.integrator.kind = GetParam();
-    Result<Sheet> created = Sheet::create(std::move(config));
-    if (!created.ok()) ADD_FAILURE() << created.error().message;
-    return std::move(created).value();
+    return make(std::move(config));
   }
   // On a plane that gravity is inclined to, by an angle of this tangent.
   static Sheet on_incline(double tangent, double friction) {
@@ -32,7 +31,7 @@ class SheetContact : public ::testing::TestWithParam<scene::IntegratorKind> {
     config.colliders[0].friction = friction;
     const double angle = std::atan(tangent);
     config.gravity = kGravity * Eigen::Vector3d(std::sin(angle), 0.0, -std::cos(angle));
-    return make(std::move(config));
+    return make_of_kind(std::move(config));
   }
 };
 
@@ -59,7 +58,7 @@ TEST_P(SheetContact, SticksOnAnInclineWithoutCreeping) {
 TEST_P(SheetContact, ASheetDrapedOverASphereIsHardlyStretched) {
   scene::SheetConfig config = scenes::draped_over_sphere(14);
   config.material.mass_damping = 5.0;
-  Sheet sheet = make(std::move(config));
+  Sheet sheet = make_of_kind(std::move(config));
   double deepest = 0.0;
   const double keep = 0.3 + 0.5 * sheet.config().material.thickness;
   for (int tick = 0; tick < 90; ++tick) {
@@ -76,11 +75,11 @@ TEST_P(SheetContact, ASheetDrapedOverASphereIsHardlyStretched) {
 TEST_P(SheetContact, CollidersOutOfReachChangeNothing) {
   scene::SheetConfig config = scenes::draped_over_sphere(8);
   const contact::Collider ball = config.colliders[0];
-  Sheet alone = make(config);
+  Sheet alone = make_of_kind(config);
   config.colliders.clear();
   for (int i = 0; i < 4; ++i) config.colliders.push_back({contact::Sphere{{0.0, 0.0, 5.0 + i}, 0.5}, 0.3});
   config.colliders.push_back(ball);
-  Sheet among_many = make(std::move(config));
+  Sheet among_many = make_of_kind(std::move(config));
   for (int tick = 0; tick < 30; ++tick) {
     alone.step({});
     among_many.step({});
@@ -112,7 +111,7 @@ TEST_P(SheetContact, ASheetThatStartsInsideABodyIsBroughtOutGently) {
   scene::SheetConfig config = scenes::draped_over_sphere(14);
   config.placement.origin.z() -= 0.2;
   config.material.mass_damping = 1.0;
-  Sheet sheet = make(std::move(config));
+  Sheet sheet = make_of_kind(std::move(config));
   const double keep = 0.3 + 0.5 * sheet.config().material.thickness;
   const double start = sheet.energies().total();
   EXPECT_LT(sheet.state().x.colwise().norm().minCoeff(), 0.25);

@@ -11,6 +11,7 @@
 #include "server/core/fem/model/model.h"
 #include "server/core/fem/statics/reactions.h"
 #include "server/core/sheet/sheet.h"
+#include "tests/sheet/calls.h"
 #include "tests/support/scenes.h"
 
 namespace kerf::sheet {
@@ -38,11 +39,9 @@ std::string name_of_kind(const ::testing::TestParamInfo<scene::IntegratorKind>& 
 
 class Friction : public ::testing::TestWithParam<scene::IntegratorKind> {
  protected:
-  static Sheet make(scene::SheetConfig config) {
+  static Sheet make_of_kind(scene::SheetConfig config) {
     config.integrator.kind = GetParam();
-    Result<Sheet> created = Sheet::create(std::move(config));
-    if (!created.ok()) ADD_FAILURE() << created.error().message;
-    return std::move(created).value();
+    return make(std::move(config));
   }
 };
 
@@ -52,7 +51,7 @@ TEST_P(Friction, HoldsASheetJustBelowTheAngleOfFriction) {
   config.material.mass_damping = 0.0;
   config.colliders[0].friction = 0.3;
   config.gravity = kFrictionGravity * Eigen::Vector3d(std::sin(kAngle), 0.0, -std::cos(kAngle));
-  Sheet sheet = make(std::move(config));
+  Sheet sheet = make_of_kind(std::move(config));
   const linear::VertexField before = sheet.state().x;
   for (int tick = 0; tick < 120; ++tick) sheet.step({});
   EXPECT_LT((sheet.state().x - before).cwiseAbs().maxCoeff(), 1e-7);
@@ -69,7 +68,7 @@ TEST_P(Friction, ASheetThatIsPulledSlidesOnAsFarAsFrictionLetsIt) {
     pull.kind = scene::AreaForce{scene::WholeSheet{}, {0.5 * weight, 0.0, 0.0}, true};
     pull.history = {{0.2, 0.2001, 0.7, 0.7001}, {0.0, 1.0, 1.0, 0.0}};
     config.loads = {pull};
-    Sheet sheet = make(std::move(config));
+    Sheet sheet = make_of_kind(std::move(config));
     const double start = sheet.state().x.row(0).mean();
     const double speed = 0.5 * (0.5 - friction) * kFrictionGravity;  // m/s when the pull stops
     const double stop = speed / (friction * kFrictionGravity);       // s after that

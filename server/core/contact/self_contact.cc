@@ -32,7 +32,7 @@ void SelfContact::set(const mesh::TriangleMesh& mesh) {
   strayed_.clear();
   list_.clear();
   list_.pad();
-  counted_none_ = began_apart_ = false;
+  counted_none_ = is_apart_ = false;
   triangles_.clear();
   for (const SheetFeatures::Triangle& triangle : tree_.features().triangles) triangles_.push_back(triangle.vertices);
   base_slack_ = std::min(1.5e-3, 0.075 * mesh.base_edge_length());
@@ -47,7 +47,6 @@ void SelfContact::set(const mesh::TriangleMesh& mesh) {
   path_.assign(count, 0.0F);
   slack_.assign(count, 0.0F);
   is_moved_.assign(count, 0);
-  is_near_.assign(count, 0);
   is_shifted_.assign(count, 0);
   is_strayed_.assign(count, 0);
   is_supported_.assign(count, 0);
@@ -59,18 +58,7 @@ void SelfContact::set(const mesh::TriangleMesh& mesh) {
 }
 
 std::int64_t SelfContact::count_intersections(const linear::VertexField& x) {
-  std::int64_t count = 0;
-  if (!began_apart_) {
-    count = intersections_.count(triangles_, x);
-  } else {
-    near_triangles_.clear();
-    for (const std::array<VertexId, 3>& corners : triangles_) {
-      if (std::any_of(corners.begin(), corners.end(), [this](VertexId v) { return is_near(v); })) {
-        near_triangles_.push_back(corners);
-      }
-    }
-    if (!near_triangles_.empty()) count = intersections_.count(near_triangles_, x);
-  }
+  const std::int64_t count = is_apart_ ? 0 : intersections_.count(triangles_, x);
   counted_none_ = count == 0;
   if (counted_none_) x_counted_ = x;
   return count;
@@ -94,8 +82,7 @@ void SelfContact::begin(const SelfContactStep& step, const linear::VertexField& 
   response_.begin(step.inverse_mass, step.shared);
   for (const VertexId moved : moved_) is_moved_[static_cast<std::size_t>(moved)] = 0;
   moved_.clear();
-  began_apart_ = counted_none_ && x_counted_.cols() == x.cols() && x_counted_ == x;
-  std::fill(is_near_.begin(), is_near_.end(), std::uint8_t{0});
+  is_apart_ = counted_none_ && x_counted_.cols() == x.cols() && x_counted_ == x;
   substep_ = 0;
   interval_ = 1;
   slack_ = base_slacks_;
@@ -126,6 +113,7 @@ void SelfContact::make_phase(linear::VertexField& x, linear::VertexField& v) {
     check(x, v);
   }
   ++phase_;
+  is_apart_ = is_apart_ && list_.size() == 0;
   if (substep < step_.substeps) {
     renew_list(x, v, substep);
     respond(x, v, substep);

@@ -73,8 +73,8 @@ class SelfContact {
   // Vertices that the last phase changed.
   [[nodiscard]] std::span<const mesh::VertexId> moved() const { return moved_; }
 
-  // Returns the number of pairs of triangles that pass through each other at positions x (m), at the end of a step. If
-  // it was 0 before the step, only triangles with features that came near are looked at.
+  // Returns the number of pairs of triangles that pass through each other at positions x (m), at the end of a step. It
+  // is known to be 0 if it was so before the step and no pair of features came near.
   [[nodiscard]] std::int64_t count_intersections(const linear::VertexField& x);
   [[nodiscard]] const SelfContactCounters& counters() const { return counters_; }
 
@@ -122,9 +122,6 @@ class SelfContact {
     Eigen::Vector3d friction_impulse{0.0, 0.0, 0.0};  // N s
   };
 
-  [[nodiscard]] bool is_near(mesh::VertexId v) const { return is_near_[static_cast<std::size_t>(v)] != 0; }
-  // Marks the vertices of the pairs that were found.
-  void mark_near();
   [[nodiscard]] float path_of(const FeaturePair& pair) const;
   void mark(mesh::VertexId v);
   // Returns the velocity (m/s) of a vertex without what it does against its neighbours. Vertices that vibrate stay near
@@ -201,8 +198,7 @@ class SelfContact {
   int interval_ = 0;        // substeps between the last two phases
   std::int64_t phase_ = 0;  // number of the phase
   bool counted_none_ = false;
-  bool began_apart_ = false;           // nothing passed through anything before the step
-  std::vector<std::uint8_t> is_near_;  // by vertex: it was in a list of the step
+  bool is_apart_ = false;  // nothing passed through anything before the step, and no pair was near since
   PairList list_, renewed_;
   std::vector<std::int32_t> due_;
   std::vector<float> path_;                    // m, by vertex: way since the list was made, in the frame of the sheet
@@ -235,7 +231,7 @@ class SelfContact {
   std::vector<std::uint8_t> is_zoned_;
   std::vector<Zone> zones_;  // by vertex: that of the root; else not used
   std::vector<std::uint8_t> is_supported_;
-  std::vector<std::array<mesh::VertexId, 3>> triangles_, near_triangles_;
+  std::vector<std::array<mesh::VertexId, 3>> triangles_;
   IntersectionSearch intersections_;
   SelfContactCounters counters_;
 };

@@ -98,7 +98,6 @@ void SelfContact::follow_strayed(const linear::VertexField& x, const linear::Ver
   ++counters_.searches;
   tree_.follow(strayed_, x_list_, v_list_, since, thickness_, slack_, thickness_, found_);
   counters_.pairs += static_cast<std::int64_t>(found_.size());
-  mark_near();
   const auto is_old = [this](const FeaturePair& pair) {
     return std::any_of(pair.vertices.begin(), pair.vertices.end(),
                        [this](VertexId i) { return is_strayed_[static_cast<std::size_t>(i)] != 0; });
@@ -183,16 +182,9 @@ void SelfContact::PairList::pad() {
   limit.resize(size() + kLanePadding, 0.0F);
 }
 
-void SelfContact::mark_near() {
-  for (const FeaturePair& pair : found_) {
-    for (const VertexId v : pair.vertices) is_near_[static_cast<std::size_t>(v)] = 1;
-  }
-}
-
 void SelfContact::set_list() {
   ++counters_.searches;
   counters_.pairs += static_cast<std::int64_t>(found_.size());
-  mark_near();
   list_.clear();
   for (const FeaturePair& pair : found_) list_.add(pair);
   const auto edges = std::find_if(found_.begin(), found_.end(),
