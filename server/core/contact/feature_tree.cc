@@ -139,24 +139,18 @@ void FeatureTree::list_leaf_vertices() {
   }
 }
 
-void FeatureTree::append_leaves(const Eigen::AlignedBox2d& rectangle, std::int32_t without,
-                                std::vector<std::int32_t>& leaves) {
-  stack_.assign(1, 0);
-  while (!stack_.empty()) {
-    const std::int32_t at = stack_.back();
-    stack_.pop_back();
+void FeatureTree::append_cover(const Eigen::AlignedBox2d& rectangle, std::int32_t without,
+                               std::vector<std::int32_t>& cover) {
+  visit_down([&](std::int32_t at) {
     const Node& node = nodes_[static_cast<std::size_t>(at)];
-    if (at == without || !rectangle.intersects(node.rectangle)) continue;
-    if (node.right == 0) {
-      leaves.push_back(at);
-    } else {
-      stack_.push_back(node.right);
-      stack_.push_back(at + 1);
-    }
-  }
+    if (at == without || !rectangle.intersects(node.rectangle)) return false;
+    if (node.right != 0 && !rectangle.contains(node.rectangle)) return true;
+    cover.push_back(at);
+    return false;
+  });
 }
 
-// Finds, for each node, the leaves outside of it that meet its rectangle, and if a border or lip does.
+// Sets the rectangles of all nodes, and finds the leaves outside of each that meet it.
 void FeatureTree::find_others() {
   others_.clear();
   for (std::size_t k = nodes_.size(); k-- > 0;) {
@@ -174,59 +168,36 @@ void FeatureTree::find_others() {
   for (std::size_t k = 0; k < nodes_.size(); ++k) {
     Node& node = nodes_[k];
     node.first_other = static_cast<std::int32_t>(others_.size());
-    append_leaves(node.rectangle, static_cast<std::int32_t>(k), others_);
+    append_cover(node.rectangle, static_cast<std::int32_t>(k), others_);
     node.end_other = static_cast<std::int32_t>(others_.size());
-    node.is_whole = true;
-  }
-  std::vector<std::int32_t> stack;
-  for (const auto& [p, q] : features_.borders) {
-    const Eigen::Vector2d& from = features_.material[static_cast<std::size_t>(p)];
-    const Eigen::Vector2d& to = features_.material[static_cast<std::size_t>(q)];
-    stack.assign(1, 0);
-    while (!stack.empty()) {
-      const std::int32_t at = stack.back();
-      stack.pop_back();
-      Node& node = nodes_[static_cast<std::size_t>(at)];
-      if (!meets(node.rectangle, from, to)) continue;
-      node.is_whole = false;
-      if (node.right == 0) continue;
-      stack.push_back(at + 1);
-      stack.push_back(node.right);
-    }
   }
 }
 
-// Finds, for each leaf, a larger rectangle, and the leaves that meet it. Borders inside it are edges of theirs.
+// Finds, for each node, a larger rectangle and what meets it, and which of both have borders or lips inside.
 void FeatureTree::find_around() {
-  constexpr double kGrowth = 1.25;  // -, of the larger side of a leaf
+  constexpr double kGrowth = 1.25;  // -, of the larger side of a node
   arounds_.clear();
   for (Node& node : nodes_) {
-    if (node.right != 0) continue;
     const double by = kGrowth * node.rectangle.sizes().maxCoeff();
     const Eigen::Vector2d margin(by, by);
     node.around = Eigen::AlignedBox2d(node.rectangle.min() - margin, node.rectangle.max() + margin)
                       .intersection(nodes_[0].rectangle);
     node.first_around = static_cast<std::int32_t>(arounds_.size());
-    append_leaves(node.around, -1, arounds_);
+    append_cover(node.around, -1, arounds_);
     node.end_around = static_cast<std::int32_t>(arounds_.size());
-    node.is_whole_around = std::none_of(arounds_.begin() + node.first_around, arounds_.end(), [&](std::int32_t leaf) {
-      return has_border_inside(nodes_[static_cast<std::size_t>(leaf)], node.around);
+    node.is_whole = node.is_whole_around = true;
+  }
+  for (const auto& [p, q] : features_.borders) {
+    const Eigen::Vector2d& from = features_.material[static_cast<std::size_t>(p)];
+    const Eigen::Vector2d& to = features_.material[static_cast<std::size_t>(q)];
+    visit_down([&](std::int32_t at) {
+      Node& node = nodes_[static_cast<std::size_t>(at)];
+      if (!meets(node.around, from, to)) return false;
+      node.is_whole_around = false;
+      if (meets(node.rectangle, from, to)) node.is_whole = false;
+      return true;
     });
   }
-}
-
-bool FeatureTree::has_border_inside(const Node& leaf, const Eigen::AlignedBox2d& rectangle) const {
-  for (std::int32_t t = leaf.begin; t < leaf.end; ++t) {
-    const SheetFeatures::Triangle& triangle = features_.triangles[static_cast<std::size_t>(t)];
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (triangle.across[k] != mesh::kNone) continue;
-      const auto material = [&](std::size_t corner) -> const Eigen::Vector2d& {
-        return features_.material[static_cast<std::size_t>(triangle.vertices[corner % 3])];
-      };
-      if (meets(rectangle, material(k + 1), material(k + 2))) return true;
-    }
-  }
-  return false;
 }
 
 }  // namespace kerf::contact

@@ -26,7 +26,7 @@ struct StraightMotion {
 // Finds the pairs of features of a sheet that can come near each other during a motion.
 //
 // The tree halves the sheet in material space. A part whose bounding rectangle has no border or lip inside cannot touch
-// itself while it is nearly flat, see GradientBox. Two leaves next to each other cannot either while a rectangle around
+// itself while it is nearly flat, see GradientBox. Two parts next to each other cannot either while a rectangle around
 // both is flat. Boxes of features are made only for the leaves that are left.
 class FeatureTree {
  public:
@@ -40,10 +40,13 @@ class FeatureTree {
   // and by the tree.
   void find_pairs(const StraightMotion& motion, double reach, std::span<const float> slack, double thickness,
                   std::vector<FeaturePair>& pairs);
+  // Returns true if there are no such pairs because parts of the sheet are flat or far apart. Takes little time, and far
+  // less than find_pairs() where it is false. Pairs of features are not looked at.
+  bool is_apart(const StraightMotion& motion, double reach, std::span<const float> slack);
 
-  // Returns true if find_pairs() has looked at the parts of the sheet, so that follow() may be called.
+  // Returns true if find_pairs() or is_apart() has looked at the parts of the sheet, so that follow() may be called.
   [[nodiscard]] bool is_fitted() const { return is_fitted_; }
-  // Gives some vertices other lines, after find_pairs(): x + t v (m, m/s) from t = `since` (s) of its motion on. Fills
+  // Gives some vertices other lines after that: x + t v (m, m/s) from t = `since` (s) of its motion on. Fills
   // `pairs`, ordered by kind, with all pairs that include such a vertex and may come near.
   void follow(std::span<const mesh::VertexId> strayed, const linear::VertexField& x, const linear::VertexField& v,
               double since, double reach, std::span<const float> slack, double thickness,
@@ -72,11 +75,10 @@ class FeatureTree {
     std::int32_t first_other = 0, end_other = 0;  // in others_: leaves of other nodes that meet its rectangle
     bool is_whole = false;                        // its rectangle has no border or lip inside
     Eigen::AlignedBox2d rectangle;                // material, m
-    // Only of leaves.
-    std::int32_t first_vertex = 0, end_vertex = 0;  // in leaf_vertices_: corners of its triangles
-    std::int32_t first_around = 0, end_around = 0;  // in arounds_: all leaves that meet `around`
+    std::int32_t first_around = 0, end_around = 0;  // in arounds_: nodes that cover what meets `around`
     bool is_whole_around = false;
-    Eigen::AlignedBox2d around;  // material, m; a larger rectangle
+    Eigen::AlignedBox2d around;                     // material, m; a larger rectangle, within that of its parent
+    std::int32_t first_vertex = 0, end_vertex = 0;  // of a leaf, in leaf_vertices_: corners of its triangles
   };
   // A strayed vertex, and the ends of its features in strayed_triangles_ and strayed_edges_.
   struct StrayedGroup {
@@ -94,12 +96,16 @@ class FeatureTree {
   void list_leaf_vertices();
   void find_others();
   void find_around();
-  // Returns true if the inside of a rectangle (material, m) meets a border or lip of a leaf.
-  [[nodiscard]] bool has_border_inside(const Node& leaf, const Eigen::AlignedBox2d& rectangle) const;
-  // Appends the leaves that meet a rectangle to `leaves`, but not those below node `without`.
-  void append_leaves(const Eigen::AlignedBox2d& rectangle, std::int32_t without, std::vector<std::int32_t>& leaves);
+  // Appends the leaves that meet a rectangle to `cover`, but none below node `without`. Leaves of a node that lies in
+  // the rectangle are appended as that node.
+  void append_cover(const Eigen::AlignedBox2d& rectangle, std::int32_t without, std::vector<std::int32_t>& cover);
+  // Calls visit(node) from the root down for each node where it returns true for its parent.
+  template <typename Visit>
+  void visit_down(const Visit& visit);
   // Sets the lines of all vertices, in the frame of the sheet, and what gradients follow from them.
   void set_lines(const Query& query);
+  // Adds the gradients of a triangle from `since` (s) to the end of the motion to `box`.
+  void add_gradient(std::int32_t t, float since, std::span<const float> slack, GradientBox& box) const;
   // Sets the boxes of vertices and nodes.
   void refit(const Query& query);
   // Sets the boxes of the features of a leaf unless they are set.
@@ -118,18 +124,25 @@ class FeatureTree {
   void refit_around(std::span<const mesh::VertexId> strayed);
   // Sets the boxes of a feature and of the nodes around it.
   void refit_nodes(std::int32_t leaf, NodeBox box);
-  // Sets leaves_ to those whose boxes overlap `box`, which is in the frame of leaf `of`, with their features set.
-  void find_leaves(const NodeBox& box, const Node& of);
+  // Makes the gradients of nodes include those of a strayed triangle.
+  void extend_gradients(std::int32_t t, float since, std::span<const float> slack);
+  // Returns true if the features listed with a strayed vertex lie in the rectangle around leaf `home`.
+  [[nodiscard]] bool is_within_around(const StrayedGroup& group, const Node& home) const;
+  // Sets leaves_ to those whose boxes overlap `box`, which is in the frame of leaf `home`, with their features set. Those
+  // that are flat around it are left out if `may_skip`.
+  void find_leaves(const NodeBox& box, std::int32_t home, bool may_skip);
   // Adds the pairs of a strayed vertex and of the features listed with it.
   void follow_group(const StrayedGroup& group);
   [[nodiscard]] const Node& leaf_at(const std::vector<std::int32_t>& leaves, std::int32_t place) const {
     return nodes_[static_cast<std::size_t>(leaves[static_cast<std::size_t>(place)])];
   }
   [[nodiscard]] bool is_flat(std::int32_t index) const;
-  // Returns true if the rectangle around leaf `first` is flat and has leaf `second` inside.
+  // Returns true if the rectangle around node `first` is flat and has node `second` inside.
   bool is_flat_around(std::int32_t first, std::int32_t second);
-  void search_within(std::int32_t index);
-  void search_between(std::int32_t first, std::int32_t second);
+  // Sets leaf_pairs_ to those that may come near each other, or `most` of them.
+  void find_leaf_pairs(const Query& query, std::size_t most);
+  void search_within(std::int32_t index, std::size_t most);
+  void search_between(std::int32_t first, std::int32_t second, std::size_t most);
   void search_leaves(std::int32_t first, std::int32_t second);
   // Appends those pairs of `candidates` that may come near to `pairs`.
   void keep_near(FeaturePair::Kind kind, const PairLanes& candidates, double reach, double thickness,
@@ -169,9 +182,22 @@ class FeatureTree {
   MotionLanes motion_;
   // Boxes of the motion, in the frames of their leaves; by place in `vertices`, triangle, edge.
   BoxLanes vertex_boxes_, triangle_boxes_, edge_boxes_;
+  std::vector<std::array<std::int32_t, 2>> leaf_pairs_;
   PairLanes vertex_candidates_, edge_candidates_;
   std::vector<std::array<std::int32_t, 2>> overlaps_;
   std::vector<std::int32_t> near_;
 };
+
+template <typename Visit>
+void FeatureTree::visit_down(const Visit& visit) {
+  stack_.assign(1, 0);
+  while (!stack_.empty()) {
+    const std::int32_t at = stack_.back();
+    stack_.pop_back();
+    if (!visit(at) || nodes_[static_cast<std::size_t>(at)].right == 0) continue;
+    stack_.push_back(nodes_[static_cast<std::size_t>(at)].right);
+    stack_.push_back(at + 1);
+  }
+}
 
 }  // namespace kerf::contact

@@ -59,27 +59,47 @@ void FeatureTree::refit_around(std::span<const VertexId> strayed) {
   }
 }
 
-void FeatureTree::find_leaves(const NodeBox& box, const Node& of) {
-  leaves_.clear();
-  stack_.assign(1, 0);
-  while (!stack_.empty()) {
-    const std::int32_t k = stack_.back();
-    stack_.pop_back();
-    const Node& node = nodes_[static_cast<std::size_t>(k)];
-    if (!node.box.overlaps(box.swept(way_between(of, node)))) continue;
-    if (node.right == 0) {
-      fit_leaf(k);
-      leaves_.push_back(k);
-    } else {
-      stack_.push_back(node.right);
-      stack_.push_back(k + 1);
-    }
+void FeatureTree::extend_gradients(std::int32_t t, float since, std::span<const float> slack) {
+  GradientBox box;
+  add_gradient(t, since, slack, box);
+  for (std::int32_t k = leaf_of_[static_cast<std::size_t>(t)]; k >= 0; k = parent_[static_cast<std::size_t>(k)]) {
+    gradients_[static_cast<std::size_t>(k)].add(box);
   }
+}
+
+bool FeatureTree::is_within_around(const StrayedGroup& group, const Node& home) const {
+  const auto is_inside = [&](VertexId v) { return home.around.contains(features_.material[static_cast<std::size_t>(v)]); };
+  for (std::int32_t k = group.triangles.begin; k < group.triangles.end; ++k) {
+    const std::int32_t t = strayed_triangles_[static_cast<std::size_t>(k)];
+    const auto& corners = features_.triangles[static_cast<std::size_t>(t)].vertices;
+    if (!std::all_of(corners.begin(), corners.end(), is_inside)) return false;
+  }
+  for (std::int32_t k = group.edges.begin; k < group.edges.end; ++k) {
+    const std::int32_t e = strayed_edges_[static_cast<std::size_t>(k)];
+    const auto& ends = features_.edges[static_cast<std::size_t>(e)].vertices;
+    if (!std::all_of(ends.begin(), ends.end(), is_inside)) return false;
+  }
+  return is_inside(group.vertex);
+}
+
+void FeatureTree::find_leaves(const NodeBox& box, std::int32_t home, bool may_skip) {
+  const Node& of = nodes_[static_cast<std::size_t>(home)];
+  leaves_.clear();
+  visit_down([&](std::int32_t k) {
+    const Node& node = nodes_[static_cast<std::size_t>(k)];
+    if (!node.box.overlaps(box.swept(way_between(of, node)))) return false;
+    if (may_skip && is_flat_around(home, k)) return false;
+    if (node.right != 0) return true;
+    fit_leaf(k);
+    leaves_.push_back(k);
+    return false;
+  });
 }
 
 void FeatureTree::follow_group(const StrayedGroup& group) {
   const std::int32_t place = place_[static_cast<std::size_t>(group.vertex)];
-  const Node& home = leaf_at(leaf_of_vertex_, place);
+  const std::int32_t home_index = leaf_of_vertex_[static_cast<std::size_t>(place)];
+  const Node& home = nodes_[static_cast<std::size_t>(home_index)];
   const std::span<const std::int32_t> triangles =
       std::span<const std::int32_t>(strayed_triangles_)
           .subspan(static_cast<std::size_t>(group.triangles.begin),
@@ -94,7 +114,7 @@ void FeatureTree::follow_group(const StrayedGroup& group) {
   };
   for (const std::int32_t t : triangles) extend(triangle_boxes_, t, leaf_at(leaf_of_, t));
   for (const std::int32_t e : edges) extend(edge_boxes_, e, leaf_at(leaf_of_edge_, e));
-  find_leaves(around, home);
+  find_leaves(around, home_index, is_within_around(group, home));
   const auto overlaps = [&](const BoxLanes& boxes, std::int32_t index, const Node& of, const Node& leaf,
                             const BoxLanes& others, BoxRange range) -> const auto& {
     overlaps_.clear();
@@ -140,6 +160,8 @@ void FeatureTree::follow(std::span<const VertexId> strayed, const linear::Vertex
     set_line(i, x.col(i) + since * v.col(i), v.col(i), since);
   }
   refit_around(strayed);
+  for (const std::int32_t t : strayed_triangles_) extend_gradients(t, static_cast<float>(since), slack);
+  std::replace(arounds_found_.begin(), arounds_found_.end(), Around::kFlat, Around::kUnknown);
   for (const StrayedGroup& group : groups_) follow_group(group);
   for (const VertexId of : strayed) is_strayed_[static_cast<std::size_t>(of)] = 0;
   for (const std::int32_t t : strayed_triangles_) is_strayed_triangle_[static_cast<std::size_t>(t)] = 0;

@@ -44,7 +44,6 @@ void FeatureTree::set_lines(const Query& query) {
     line.x.head<3>() = (motion.x.col(v) - middle_).cast<float>();
     line.v.head<3>() = (motion.v.col(v) - drift_).cast<float>();
   }
-  const auto duration = static_cast<float>(duration_);
   for (std::size_t k = nodes_.size(); k-- > 0;) {
     const Node& node = nodes_[k];
     GradientBox box;
@@ -52,20 +51,22 @@ void FeatureTree::set_lines(const Query& query) {
       box = gradients_[k + 1];
       box.add(gradients_[static_cast<std::size_t>(node.right)]);
     } else {
-      for (std::int32_t t = node.begin; t < node.end; ++t) {
-        const TriangleShape& triangle = shapes_[static_cast<std::size_t>(t)];
-        std::array<const VertexLine*, 3> corners{};
-        float slack = 0.0F;
-        for (std::size_t i = 0; i < 3; ++i) {
-          const auto v = static_cast<std::size_t>(triangle.vertices[i]);
-          corners[i] = &lines_[v];
-          slack = std::max(slack, query.slack[v]);
-        }
-        box.add(triangle, corners, duration, slack);
-      }
+      for (std::int32_t t = node.begin; t < node.end; ++t) add_gradient(t, 0.0F, query.slack, box);
     }
     gradients_[k] = box;
   }
+}
+
+void FeatureTree::add_gradient(std::int32_t t, float since, std::span<const float> slack, GradientBox& box) const {
+  const TriangleShape& triangle = shapes_[static_cast<std::size_t>(t)];
+  std::array<const VertexLine*, 3> corners{};
+  float most = 0.0F;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto v = static_cast<std::size_t>(triangle.vertices[i]);
+    corners[i] = &lines_[v];
+    most = std::max(most, slack[v]);
+  }
+  box.add(triangle, corners, since, static_cast<float>(duration_), most);
 }
 
 void FeatureTree::refit(const Query& query) {
@@ -148,12 +149,12 @@ bool FeatureTree::is_flat(std::int32_t index) const {
 }
 
 bool FeatureTree::is_flat_around(std::int32_t first, std::int32_t second) {
-  const Node& leaf = nodes_[static_cast<std::size_t>(first)];
-  if (!leaf.is_whole_around || !leaf.around.contains(nodes_[static_cast<std::size_t>(second)].rectangle)) return false;
+  const Node& node = nodes_[static_cast<std::size_t>(first)];
+  if (!node.is_whole_around || !node.around.contains(nodes_[static_cast<std::size_t>(second)].rectangle)) return false;
   Around& found = arounds_found_[static_cast<std::size_t>(first)];
   if (found == Around::kUnknown) {
     GradientBox box;
-    for (std::int32_t k = leaf.first_around; k < leaf.end_around; ++k) {
+    for (std::int32_t k = node.first_around; k < node.end_around; ++k) {
       box.add(gradients_[static_cast<std::size_t>(arounds_[static_cast<std::size_t>(k)])]);
     }
     found = box.is_flat() ? Around::kFlat : Around::kBent;
@@ -161,49 +162,60 @@ bool FeatureTree::is_flat_around(std::int32_t first, std::int32_t second) {
   return found == Around::kFlat;
 }
 
-void FeatureTree::find_pairs(const StraightMotion& motion, double reach, std::span<const float> slack, double thickness,
-                             std::vector<FeaturePair>& pairs) {
-  pairs.clear();
+void FeatureTree::find_leaf_pairs(const Query& query, std::size_t most) {
+  leaf_pairs_.clear();
   is_fitted_ = false;
   if (nodes_.empty()) return;
-  const Query query{motion, slack, reach};
   set_lines(query);
   if (is_flat(0)) return;
   refit(query);
   is_fitted_ = true;
+  search_within(0, most);
+}
+
+bool FeatureTree::is_apart(const StraightMotion& motion, double reach, std::span<const float> slack) {
+  find_leaf_pairs({motion, slack, reach}, 1);
+  return leaf_pairs_.empty();
+}
+
+void FeatureTree::find_pairs(const StraightMotion& motion, double reach, std::span<const float> slack, double thickness,
+                             std::vector<FeaturePair>& pairs) {
+  pairs.clear();
+  find_leaf_pairs({motion, slack, reach}, std::numeric_limits<std::size_t>::max());
   vertex_candidates_.clear();
   edge_candidates_.clear();
-  search_within(0);
+  for (const auto& [first, second] : leaf_pairs_) search_leaves(first, second);
   vertex_candidates_.pad();
   edge_candidates_.pad();
   keep_near(FeaturePair::Kind::kVertexTriangle, vertex_candidates_, reach, thickness, pairs);
   keep_near(FeaturePair::Kind::kEdgeEdge, edge_candidates_, reach, thickness, pairs);
 }
 
-void FeatureTree::search_within(std::int32_t index) {
-  if (is_flat(index)) return;
+void FeatureTree::search_within(std::int32_t index, std::size_t most) {
+  if (leaf_pairs_.size() >= most || is_flat(index)) return;
   const Node& node = nodes_[static_cast<std::size_t>(index)];
   if (node.right == 0) {
-    search_leaves(index, index);
+    leaf_pairs_.push_back({index, index});
     return;
   }
-  search_within(index + 1);
-  search_within(node.right);
-  search_between(index + 1, node.right);
+  search_within(index + 1, most);
+  search_within(node.right, most);
+  search_between(index + 1, node.right, most);
 }
 
-void FeatureTree::search_between(std::int32_t first, std::int32_t second) {
+void FeatureTree::search_between(std::int32_t first, std::int32_t second, std::size_t most) {
   const Node& a = nodes_[static_cast<std::size_t>(first)];
   const Node& b = nodes_[static_cast<std::size_t>(second)];
-  if (!b.box.overlaps(a.box.swept(way_between(a, b)))) return;
+  if (leaf_pairs_.size() >= most || !b.box.overlaps(a.box.swept(way_between(a, b)))) return;
+  if (is_flat_around(first, second) || is_flat_around(second, first)) return;
   if (a.right == 0 && b.right == 0) {
-    if (!is_flat_around(first, second) && !is_flat_around(second, first)) search_leaves(first, second);
+    leaf_pairs_.push_back({first, second});
   } else if (b.right == 0 || (a.right != 0 && a.end - a.begin >= b.end - b.begin)) {
-    search_between(first + 1, second);
-    search_between(a.right, second);
+    search_between(first + 1, second, most);
+    search_between(a.right, second, most);
   } else {
-    search_between(first, second + 1);
-    search_between(first, b.right);
+    search_between(first, second + 1, most);
+    search_between(first, b.right, most);
   }
 }
 

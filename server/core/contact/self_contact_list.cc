@@ -136,7 +136,7 @@ void SelfContact::find_again(const linear::VertexField& x) {
 }
 
 void SelfContact::adapt_slack(const linear::VertexField& x) {
-  constexpr float kMost = 4.0F;  // -, largest slack over that at first
+  constexpr float kMost = 2.0F;  // -, largest slack over that at first
   const double since = step_.h * (next_phase_ - list_begin_);
   for (const VertexId v : tree_.features().vertices) {
     float& slack = slack_[static_cast<std::size_t>(v)];
@@ -209,9 +209,16 @@ void SelfContact::search(const linear::VertexField& x, const linear::VertexField
   }
   x_list_ = x;
   for (const VertexId i : vertices) v_list_.col(i) = smooth_velocity(v, i);
+  // A sheet that has no near pairs may have none for the rest of the step.
+  const bool may_be_apart = substep == 0 || list_.size() == 0;
   list_begin_ = substep;
-  list_end_ = std::min(substep + ahead, step_.substeps);
-  tree_.find_pairs({x, v_list_, step_.h * (list_end_ - substep)}, thickness_, slack_, thickness_, found_);
+  list_end_ = step_.substeps;
+  found_.clear();
+  if (!may_be_apart ||
+      !tree_.is_apart({x, v_list_, step_.h * (list_end_ - substep)}, thickness_, slack_)) {
+    list_end_ = std::min(substep + ahead, step_.substeps);
+    tree_.find_pairs({x, v_list_, step_.h * (list_end_ - substep)}, thickness_, slack_, thickness_, found_);
+  }
   set_list();
 }
 
