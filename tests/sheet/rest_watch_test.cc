@@ -71,6 +71,15 @@ MotionWindow watched(double length, const Position& position) {
   return window;
 }
 
+TEST(MotionWindow, WhatTremblesAndCreepsStaysWithinItsExtentAndDrift) {
+  constexpr double kSwing = 1e-3, kDrift = 1e-4;  // m, m/s
+  const MotionWindow window =
+      watched(8.0, [](double t) { return kSwing * std::sin(1.5 * std::numbers::pi * t) + kDrift * t; });
+  EXPECT_TRUE(window.stays_within(2.0 * kSwing + 8.0 * kDrift, 1.1 * kDrift));
+  EXPECT_FALSE(window.stays_within(2.0 * kSwing + 8.0 * kDrift, 0.9 * kDrift));
+  EXPECT_FALSE(window.stays_within(kSwing, 1.1 * kDrift));
+}
+
 TEST(MotionWindow, WhatCreepsToItsRestMovesByNoMoreThanExpected) {
   for (const double time : {0.5, 1.0, 2.0, 4.0, 8.0}) {
     const MotionWindow window = watched(2.0, [&](double t) { return std::exp(-t / time); });

@@ -201,20 +201,32 @@ void find_distances_any(FeaturePair::Kind kind, const std::array<std::vector<std
   }
 }
 
-void find_due_any(const std::array<std::vector<std::int32_t>, 4>& vertices, std::span<const float> path,
-                  std::span<const float> limit, std::vector<std::int32_t>& due) {
+// Appends the indices of pairs for which is_kept(sum of `values` over their vertices, index of the first pair) is set.
+template <typename IsKept>
+HWY_INLINE void keep_by_sum(const std::array<std::vector<std::int32_t>, 4>& vertices, std::size_t count,
+                            std::span<const float> values, const IsKept& is_kept, std::vector<std::int32_t>& kept) {
   const D d;
   const DI di;
-  for (std::size_t p = 0; p < limit.size(); p += hn::Lanes(d)) {
-    const std::size_t left = limit.size() - p;
+  for (std::size_t p = 0; p < count; p += hn::Lanes(d)) {
     V sum = hn::Zero(d);
     for (std::size_t i = 0; i < 4; ++i) {
-      sum = hn::Add(sum, hn::GatherIndex(d, path.data(), hn::LoadU(di, &vertices[i][p])));
+      sum = hn::Add(sum, hn::GatherIndex(d, values.data(), hn::LoadU(di, &vertices[i][p])));
     }
-    const auto is_due = hn::Not(hn::Lt(sum, hn::LoadU(d, &limit[p])));
-    if (hn::AllFalse(d, is_due)) continue;
-    for_set_lanes(is_due, left, [&](int l) { due.push_back(static_cast<std::int32_t>(p) + l); });
+    const auto mask = is_kept(sum, p);
+    if (hn::AllFalse(d, mask)) continue;
+    for_set_lanes(mask, count - p, [&](int l) { kept.push_back(static_cast<std::int32_t>(p) + l); });
   }
+}
+
+void find_due_any(const std::array<std::vector<std::int32_t>, 4>& vertices, std::span<const float> path,
+                  std::span<const float> limit, std::vector<std::int32_t>& due) {
+  const auto is_due = [&](V sum, std::size_t p) { return hn::Not(hn::Lt(sum, hn::LoadU(D(), &limit[p]))); };
+  keep_by_sum(vertices, limit.size(), path, is_due, due);
+}
+
+void find_marked_any(const std::array<std::vector<std::int32_t>, 4>& vertices, std::size_t count,
+                     std::span<const float> marks, std::vector<std::int32_t>& marked) {
+  keep_by_sum(vertices, count, marks, [](V sum, std::size_t) { return hn::Gt(sum, hn::Zero(D())); }, marked);
 }
 
 }  // namespace
@@ -229,6 +241,7 @@ HWY_EXPORT(find_overlaps_any);
 HWY_EXPORT(find_near_any);
 HWY_EXPORT(find_distances_any);
 HWY_EXPORT(find_due_any);
+HWY_EXPORT(find_marked_any);
 }  // namespace
 
 void BoxLanes::resize(std::size_t count) {
@@ -283,6 +296,12 @@ void find_due(const std::array<std::vector<std::int32_t>, 4>& vertices, std::spa
               std::span<const float> limit, std::vector<std::int32_t>& due) {
   due.clear();
   HWY_DYNAMIC_DISPATCH(find_due_any)(vertices, path, limit, due);
+}
+
+void find_marked(const std::array<std::vector<std::int32_t>, 4>& vertices, std::size_t count,
+                 std::span<const float> marks, std::vector<std::int32_t>& marked) {
+  marked.clear();
+  HWY_DYNAMIC_DISPATCH(find_marked_any)(vertices, count, marks, marked);
 }
 
 }  // namespace kerf::contact

@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kLongestInterval = 1.3e-3;  // s, between two phases; vertices at rest fall in between
 constexpr int kIdleInterval = 16;            // substeps after which a sheet that has no near pairs is looked at again
+constexpr int kApartInterval = 32;           // the same where parts are flat or far apart for longer
 constexpr std::size_t kSoftSweeps = 3;
 constexpr int kHardSweeps = 100;
 constexpr double kLookAgain = 0.1;      // -, part of its distance that a pair left to others moves before the next look
@@ -47,7 +48,7 @@ void SelfContact::set(const mesh::TriangleMesh& mesh) {
   path_.assign(count, 0.0F);
   slack_.assign(count, 0.0F);
   is_moved_.assign(count, 0);
-  is_shifted_.assign(count, 0);
+  is_shifted_.assign(count, 0.0F);
   is_strayed_.assign(count, 0);
   is_supported_.assign(count, 0);
   zone_.resize(count);
@@ -86,6 +87,7 @@ void SelfContact::begin(const SelfContactStep& step, const linear::VertexField& 
   substep_ = 0;
   interval_ = 1;
   slack_ = base_slacks_;
+  is_list_apart_ = false;
   v_list_ = v;
   stray_.resize(x.cols());
   x_then_ = x;
@@ -154,7 +156,7 @@ void SelfContact::find_contacts(const linear::VertexField& x, const linear::Vert
   contacts_.clear();
   supports_.clear();
   if (list_.size() == 0) {
-    next_phase_ = std::min(std::max(list_end_, substep + 1), substep + kIdleInterval);
+    next_phase_ = std::min(std::max(list_end_, substep + 1), substep + (is_list_apart_ ? kApartInterval : kIdleInterval));
     return;
   }
   const double h = step_.h;

@@ -142,6 +142,8 @@ class SelfContact {
   void adapt_slack(const linear::VertexField& x);
   // Looks for pairs from positions x on.
   void search(const linear::VertexField& x, const linear::VertexField& v, int substep);
+  // Returns true if no pair can come near before the end of the list. Slacks are then as wide as they may be.
+  bool find_apart(const linear::VertexField& x);
   // Finds the pairs of strayed vertices for the motion that has happened, which was straight since the last phase.
   void find_again(const linear::VertexField& x);
   // Finds the vertices that are, or will be after `ahead` (s), farther from their lines than `share` of their slack.
@@ -208,11 +210,13 @@ class SelfContact {
   std::vector<mesh::VertexId> strayed_;
   std::vector<std::uint8_t> is_strayed_;  // by vertex
   std::vector<float> slack_;              // m, by vertex: distance that it may stray from its line
+  std::vector<float> wide_slack_;         // m, scratch
+  bool is_list_apart_ = false;            // by find_apart(), when the list was made
   std::vector<Contact> contacts_;
   std::vector<Support> supports_;
   std::vector<std::size_t> failed_;
   std::vector<mesh::VertexId> shifted_;  // in the last round of repairs
-  std::vector<std::uint8_t> is_shifted_;
+  std::vector<float> is_shifted_;        // 1 or 0, by vertex
   linear::VertexField x_then_, v_then_;  // after the last phase
   linear::VertexField x_counted_;        // m, at which nothing passed through anything, if counted_none_
   linear::VertexField x_list_, v_list_;  // when the list was made

@@ -52,21 +52,21 @@ void SelfContact::move(VertexId v, const Eigen::Vector3d& to, linear::VertexFiel
   path_[i] += static_cast<float>((to - x.col(v)).norm());
   x.col(v) = to;
   mark(v);
-  if (is_shifted_[i] == 0) shifted_.push_back(v);
-  is_shifted_[i] = 1;
+  if (is_shifted_[i] == 0.0F) shifted_.push_back(v);
+  is_shifted_[i] = 1.0F;
 }
 
 bool SelfContact::find_failed(const linear::VertexField& x, bool is_first) {
   failed_.clear();
-  find_due_pairs();
-  const auto is_shifted = [this](const FeaturePair& pair) {
-    return std::any_of(pair.vertices.begin(), pair.vertices.end(),
-                       [this](VertexId v) { return is_shifted_[static_cast<std::size_t>(v)] != 0; });
-  };
+  if (is_first) {
+    find_due_pairs();
+  } else {
+    find_marked(list_.vertices, list_.size(), is_shifted_, due_);
+  }
   for (const std::int32_t index : due_) {
     const auto p = static_cast<std::size_t>(index);
     const FeaturePair& pair = list_.pairs[p];
-    if ((!is_first && !is_shifted(pair)) || path_of(pair) < list_.safe[p]) continue;
+    if (path_of(pair) < list_.safe[p]) continue;
     const Separation then = separation_then(p);
     if (then.distance < kUnchecked) continue;
     const PairPositions to = positions_of(pair, x);
@@ -75,7 +75,7 @@ bool SelfContact::find_failed(const linear::VertexField& x, bool is_first) {
     if (stays_apart(pair.kind, positions_of(pair, x_then_), to, gap)) continue;
     failed_.push_back(p);
   }
-  for (const VertexId v : shifted_) is_shifted_[static_cast<std::size_t>(v)] = 0;
+  for (const VertexId v : shifted_) is_shifted_[static_cast<std::size_t>(v)] = 0.0F;
   shifted_.clear();
   return !failed_.empty();
 }

@@ -11,7 +11,8 @@ using mesh::VertexId;
 
 namespace {
 
-constexpr int kSearchAhead = 64;  // substeps for which a list is made at most
+constexpr int kSearchAhead = 64;  // substeps for which a list with pairs is made at most
+constexpr float kMost = 2.0F;     // -, largest slack over that at first
 
 }  // namespace
 
@@ -96,6 +97,7 @@ void SelfContact::follow_strayed(const linear::VertexField& x, const linear::Ver
     x_list_.col(i) = x.col(i) - shift - since * v_list_.col(i);
   }
   ++counters_.searches;
+  is_list_apart_ = false;
   tree_.follow(strayed_, x_list_, v_list_, since, thickness_, slack_, thickness_, found_);
   counters_.pairs += static_cast<std::int64_t>(found_.size());
   const auto is_old = [this](const FeaturePair& pair) {
@@ -131,20 +133,20 @@ void SelfContact::find_again(const linear::VertexField& x) {
   list_begin_ = substep_;
   list_end_ = next_phase_;
   stray_mean_.setZero();
+  is_list_apart_ = false;
   tree_.find_pairs({x_then_, way_, since}, thickness_, slack_, thickness_, found_);
   set_list();
 }
 
 void SelfContact::adapt_slack(const linear::VertexField& x) {
-  constexpr float kMost = 2.0F;  // -, largest slack over that at first
   const double since = step_.h * (next_phase_ - list_begin_);
   for (const VertexId v : tree_.features().vertices) {
     float& slack = slack_[static_cast<std::size_t>(v)];
     const float base = base_slacks_[static_cast<std::size_t>(v)];
-    const auto strayed = static_cast<float>((x.col(v) - x_list_.col(v) - since * v_list_.col(v)).norm());
-    if (strayed > 0.4F * slack) {
+    const auto square = static_cast<float>((x.col(v) - x_list_.col(v) - since * v_list_.col(v)).squaredNorm());
+    if (square > 0.16F * slack * slack) {
       slack = std::min(2.0F * slack, kMost * base);
-    } else if (strayed < 0.1F * slack) {
+    } else if (square < 0.01F * slack * slack) {
       slack = std::max(0.5F * slack, base);
     }
   }
@@ -209,17 +211,27 @@ void SelfContact::search(const linear::VertexField& x, const linear::VertexField
   }
   x_list_ = x;
   for (const VertexId i : vertices) v_list_.col(i) = smooth_velocity(v, i);
-  // A sheet that has no near pairs may have none for the rest of the step.
-  const bool may_be_apart = substep == 0 || list_.size() == 0;
   list_begin_ = substep;
   list_end_ = step_.substeps;
-  found_.clear();
-  if (!may_be_apart ||
-      !tree_.is_apart({x, v_list_, step_.h * (list_end_ - substep)}, thickness_, slack_)) {
+  if ((substep > 0 && list_.size() > 0) || !find_apart(x)) {
     list_end_ = std::min(substep + ahead, step_.substeps);
     tree_.find_pairs({x, v_list_, step_.h * (list_end_ - substep)}, thickness_, slack_, thickness_, found_);
   }
   set_list();
+}
+
+bool SelfContact::find_apart(const linear::VertexField& x) {
+  found_.clear();
+  wide_slack_.resize(base_slacks_.size());
+  std::transform(base_slacks_.begin(), base_slacks_.end(), wide_slack_.begin(), [](float base) { return kMost * base; });
+  const bool was_apart = std::exchange(
+      is_list_apart_, tree_.is_apart({x, v_list_, step_.h * (list_end_ - list_begin_)}, thickness_, wide_slack_));
+  if (is_list_apart_) {
+    std::swap(slack_, wide_slack_);
+  } else if (was_apart) {
+    slack_ = base_slacks_;
+  }
+  return is_list_apart_;
 }
 
 void SelfContact::find_due_pairs() {

@@ -50,7 +50,7 @@ StepOutcome MovingSheet::step(const StopConditions& stop, const scene::Instant& 
   return outcome;
 }
 
-void MovingSheet::watch_rest(bool more_to_come) {
+void MovingSheet::watch_rest(bool more_to_come, bool touches) {
   if (!grabs_.empty() || more_to_come || stepper_.is_frozen() || conditions_.has_changes_to_come()) {
     stepper_.disturb();
     return;
@@ -58,7 +58,7 @@ void MovingSheet::watch_rest(bool more_to_come) {
   const scene::Wind& wind = conditions().wind;
   const bool has_wind = wind.air_density > 0.0 && !wind.velocity.isZero();
   const bool damps = config().rest_damping && !has_wind && (materials_.is_damped() || !stepper_.contact().empty());
-  stepper_.watch_rest(model_, {loads().gravity.norm(), dt_, damps}, state_);
+  stepper_.watch_rest(model_, {loads().gravity.norm(), dt_, damps, touches}, state_);
 }
 
 fem::EquilibriumStats MovingSheet::settle(double load, const fem::EquilibriumOptions& options,

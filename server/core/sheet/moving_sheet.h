@@ -37,8 +37,8 @@ class MovingSheet {
   // `before`.
   StepOutcome step(const StopConditions& stop, const scene::Instant& before);
   // Must be called after each step: detects rest, and damps a calm sheet, see RestWatch. `more_to_come`: true if
-  // commands of the scene are still to come.
-  void watch_rest(bool more_to_come);
+  // commands of the scene are still to come. `touches`: true if the sheet touched itself in it.
+  void watch_rest(bool more_to_come, bool touches);
   void disturb() { stepper_.disturb(); }
   void prepare() { stepper_.prepare(); }
   void rebuild_integrator() { stepper_.rebuild_integrator(model_); }

@@ -41,20 +41,34 @@ bool MotionWindow::add(const Eigen::Matrix3Xd& x, double dt) {
   return time_ >= length_ * (1.0 - 1.0e-9) && num_ticks_.back() > 0;
 }
 
+double MotionWindow::extent_at(Eigen::Index v) const {
+  return (high_.col(v) - last_.col(v)).cwiseMax(last_.col(v) - low_.col(v)).norm();
+}
+
+Eigen::Vector3d MotionWindow::mean_at(Eigen::Index v, std::size_t third) const {
+  return sums_[third].col(v) / num_ticks_[third];
+}
+
+bool MotionWindow::stays_within(double extent, double drift) const {
+  const double moved = drift * length_ / 3.0;
+  for (Eigen::Index v = 0; v < num_vertices_; ++v) {
+    if (!(extent_at(v) <= extent) || !((mean_at(v, 2) - mean_at(v, 1)).norm() <= moved)) return false;
+  }
+  return true;
+}
+
 double MotionWindow::expected_motion(double horizon, bool slows) const {
   constexpr double kSlowing = 0.95;  // -; a drift that keeps more than this from third to third is not slowing down
   constexpr double kSafety = 1.5;    // -, factor on the estimate of the motion to come
   const double steps = horizon / (length_ / 3.0);
   double expected = 0.0;
   for (Eigen::Index v = 0; v < num_vertices_; ++v) {
-    std::array<Eigen::Vector3d, 3> means;
-    for (std::size_t k = 0; k < 3; ++k) means[k] = sums_[k].col(v) / num_ticks_[k];
-    const double before = (means[1] - means[0]).norm();
-    const double drift = (means[2] - means[1]).norm();
+    const Eigen::Vector3d middle = mean_at(v, 1);
+    const double before = (middle - mean_at(v, 0)).norm();
+    const double drift = (mean_at(v, 2) - middle).norm();
     const bool is_slowing = slows && drift < kSlowing * before;
     const double to_come = is_slowing ? std::min(kSafety / (1.0 - drift / before), steps) : steps;
-    const Eigen::Vector3d been = (high_.col(v) - last_.col(v)).cwiseMax(last_.col(v) - low_.col(v));
-    expected = std::max(expected, been.norm() + drift * to_come);
+    expected = std::max(expected, extent_at(v) + drift * to_come);
   }
   return expected;
 }
@@ -77,7 +91,8 @@ void RestWatch::after_tick(const fem::Model& model, const Tick& tick, fem::State
   }
   energy_ = calm_time_ == 0.0 ? kinetic : energy_ + std::min(tick.dt / kMeanOver, 1.0) * (kinetic - energy_);
   calm_time_ += tick.dt;
-  const double calm_energy = kCalmHeight * size_ * model.masses().total() * tick.gravity;
+  const double calm_energy =
+      (tick.touches ? kTouchingEnergy : 1.0) * kCalmHeight * size_ * model.masses().total() * tick.gravity;
   // The weight gives the scale for speeds. Without weight every sheet counts as slow.
   const bool is_slow = tick.gravity == 0.0 || energy_ < calm_energy;
   if (!is_slow) {
@@ -102,7 +117,9 @@ void RestWatch::after_tick(const fem::Model& model, const Tick& tick, fem::State
     const bool settled =
         std::exchange(settles_[k], is_calm_ && window.length() * std::sqrt(tick.gravity / size_) >= kSwing &&
                                        window.expected_motion(kHorizon, true) <= kTolerance);
-    is_at_rest_ = is_at_rest_ || (settled && settles_[k]) || window.expected_motion(kHorizon, false) <= kTolerance;
+    const bool creeps = tick.touches && is_calm_ && window.stays_within(kTouchingExtent, kTouchingDrift);
+    is_at_rest_ =
+        is_at_rest_ || creeps || (settled && settles_[k]) || window.expected_motion(kHorizon, false) <= kTolerance;
     window.begin(state.x);
   }
 }

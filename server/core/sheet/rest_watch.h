@@ -25,9 +25,17 @@ class MotionWindow {
   // from there in the window, plus its drift: the motion of its mean position at the present rate. If `slows` is true,
   // a drift that became slower during the window is taken to slow down further at that rate.
   [[nodiscard]] double expected_motion(double horizon, bool slows) const;
+  // Returns true if no vertex was farther than `extent` (m) from its last place in the window, and no mean position moved
+  // faster than `drift` (m/s).
+  [[nodiscard]] bool stays_within(double extent, double drift) const;
   [[nodiscard]] double length() const { return length_; }
 
  private:
+  // Returns how far (m) vertex v has been from its last place in the window.
+  [[nodiscard]] double extent_at(Eigen::Index v) const;
+  // Returns the mean position of vertex v in a third of the window, minus its first one, m.
+  [[nodiscard]] Eigen::Vector3d mean_at(Eigen::Index v, std::size_t third) const;
+
   double length_;
   double time_ = 0.0;                     // s, since begin()
   Eigen::Index num_vertices_ = 0;         // number of vertices; the arrays may have room for more
@@ -51,6 +59,10 @@ class MotionWindow {
 // sheet slows down in two successive windows of one length, it is taken to slow down further; such windows must last
 // about a swing or longer. Speeds are a poorer measure: a vertex held by a body has some within each substep, but stays
 // in place.
+//
+// A sheet that touches itself is pushed a little in each phase of contact, and so trembles or creeps where cloth would
+// lie still. It counts as calm with kTouchingEnergy times as much energy. It is at rest if it stays in place and
+// creeps by less than kTouchingDrift in a window.
 class RestWatch {
  public:
   static constexpr double kCalmAfter = 5.0;      // s, time without disturbance after which a sheet may be calm
@@ -62,11 +74,15 @@ class RestWatch {
   static constexpr double kSwing = 6.0;          // -, least length of a window over sqrt(size / g), to tell slowing
                                                  // down from swinging
   static constexpr double kTolerance = 9.0e-5;   // m, largest expected motion of a sheet at rest
+  static constexpr double kTouchingEnergy = 4.0;  // -
+  static constexpr double kTouchingExtent = 2e-3; // m, how far from its place a vertex may be
+  static constexpr double kTouchingDrift = 1e-4;  // m/s
 
   struct Tick {
     double gravity = 0.0;  // m/s^2, >= 0
     double dt = 0.0;       // s
     bool damps = true;     // true if the sheet may be damped
+    bool touches = false;  // true if it touches itself
   };
 
   // `size`: larger side of the sheet as built, m.

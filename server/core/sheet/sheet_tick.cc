@@ -76,7 +76,7 @@ void Sheet::Impl::advance(StageObserver* observer, const StopConditions& stop, T
   if (report.stats.interrupted) return;
   clock.advance();
   report.advanced = true;
-  moving.watch_rest(!clock.is_exhausted());
+  moving.watch_rest(!clock.is_exhausted(), report.stats.self_contact.contacts > 0);
 }
 
 void Sheet::Impl::fill_report(TickReport& report) const {
