@@ -73,6 +73,9 @@ class SelfContact {
   // Vertices that the last phase changed.
   [[nodiscard]] std::span<const mesh::VertexId> moved() const { return moved_; }
 
+  // Sets is_apart to 1 for each vertex at positions x (m) to which no other part of the sheet is nearer than `reach` (m),
+  // between steps. Parts that were within twice that distance at rest are near at half of their distance then.
+  void find_apart(double reach, const linear::VertexField& x, std::vector<std::uint8_t>& is_apart);
   // Returns the number of pairs of triangles that pass through each other at positions x (m), at the end of a step. It
   // is known to be 0 if it was so before the step and no pair of features came near.
   [[nodiscard]] std::int64_t count_intersections(const linear::VertexField& x);
@@ -143,7 +146,7 @@ class SelfContact {
   // Looks for pairs from positions x on.
   void search(const linear::VertexField& x, const linear::VertexField& v, int substep);
   // Returns true if no pair can come near before the end of the list. Slacks are then as wide as they may be.
-  bool find_apart(const linear::VertexField& x);
+  bool find_list_apart(const linear::VertexField& x);
   // Finds the pairs of strayed vertices for the motion that has happened, which was straight since the last phase.
   void find_again(const linear::VertexField& x);
   // Finds the vertices that are, or will be after `ahead` (s), farther from their lines than `share` of their slack.
@@ -211,7 +214,7 @@ class SelfContact {
   std::vector<std::uint8_t> is_strayed_;  // by vertex
   std::vector<float> slack_;              // m, by vertex: distance that it may stray from its line
   std::vector<float> wide_slack_;         // m, scratch
-  bool is_list_apart_ = false;            // by find_apart(), when the list was made
+  bool is_list_apart_ = false;            // by find_list_apart(), when the list was made
   std::vector<Contact> contacts_;
   std::vector<Support> supports_;
   std::vector<std::size_t> failed_;

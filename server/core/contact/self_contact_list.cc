@@ -213,14 +213,24 @@ void SelfContact::search(const linear::VertexField& x, const linear::VertexField
   for (const VertexId i : vertices) v_list_.col(i) = smooth_velocity(v, i);
   list_begin_ = substep;
   list_end_ = step_.substeps;
-  if ((substep > 0 && list_.size() > 0) || !find_apart(x)) {
+  if ((substep > 0 && list_.size() > 0) || !find_list_apart(x)) {
     list_end_ = std::min(substep + ahead, step_.substeps);
     tree_.find_pairs({x, v_list_, step_.h * (list_end_ - substep)}, thickness_, slack_, thickness_, found_);
   }
   set_list();
 }
 
-bool SelfContact::find_apart(const linear::VertexField& x) {
+void SelfContact::find_apart(double reach, const linear::VertexField& x, std::vector<std::uint8_t>& is_apart) {
+  const linear::VertexField still = linear::VertexField::Zero(3, x.cols());
+  const std::vector<float> no_slack(static_cast<std::size_t>(x.cols()), 0.0F);
+  tree_.find_pairs({x, still, 0.0}, reach, no_slack, reach, found_);
+  is_apart.assign(static_cast<std::size_t>(x.cols()), 1);
+  for (const FeaturePair& pair : found_) {
+    for (const VertexId v : pair.vertices) is_apart[static_cast<std::size_t>(v)] = 0;
+  }
+}
+
+bool SelfContact::find_list_apart(const linear::VertexField& x) {
   found_.clear();
   wide_slack_.resize(base_slacks_.size());
   std::transform(base_slacks_.begin(), base_slacks_.end(), wide_slack_.begin(), [](float base) { return kMost * base; });

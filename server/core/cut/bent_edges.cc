@@ -1,5 +1,6 @@
 #include "server/core/cut/bent_edges.h"
 
+#include <algorithm>
 #include <cstddef>
 
 #include <Eigen/Geometry>
@@ -70,15 +71,23 @@ double shift_of_flip(const mesh::TriangleMesh& mesh, TriangleId t, int k, const 
 }  // namespace
 
 std::vector<std::array<PointId, 2>> bent_edges(const mesh::TriangleMesh& mesh, std::span<const Stroke> strokes,
-                                               const linear::VertexField& positions, double shift) {
+                                               const linear::VertexField& positions, const ShiftLimit& limit) {
   std::vector<std::array<PointId, 2>> edges;
+  const auto is_apart = [&](TriangleId t) {
+    return std::ranges::all_of(mesh.vertices(t), [&](mesh::VertexId v) {
+      const auto i = static_cast<std::size_t>(v);
+      return i < limit.is_apart.size() && limit.is_apart[i] != 0;
+    });
+  };
   const mesh::IdMap near = neighbourhood(mesh, strokes);
   for (const TriangleId t : near.ids()) {
     for (int k = 0; k < 3; ++k) {
       if (mesh.is_fixed(t, k)) continue;
       const TriangleId beside = mesh.welded_neighbour(t, k);
       const bool is_second_visit = beside < t && near.has(beside);
-      if (is_second_visit || shift_of_flip(mesh, t, k, positions) <= shift) continue;
+      if (is_second_visit) continue;
+      const double shift = shift_of_flip(mesh, t, k, positions);
+      if (shift <= limit.near || (shift <= limit.apart && is_apart(t) && is_apart(beside))) continue;
       edges.push_back({mesh.points(t)[next_corner(k)], mesh.points(t)[previous_corner(k)]});
     }
   }

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -28,6 +29,14 @@
 // state.
 namespace kerf::cut {
 
+// How far the flip of an edge may move a sheet in space, m, >= 0. Edges beyond that are split instead, so that a bent
+// sheet keeps its shape.
+struct ShiftLimit {
+  double near = 0.0;                         // m, where something that the sheet touches may be near
+  double apart = 0.0;                        // m, elsewhere; >= near
+  std::span<const std::uint8_t> is_apart{};  // by vertex: 1 where nothing is near; vertices beyond its end are not apart
+};
+
 struct CutRequest {
   Curve curve;
   CutOptions options;
@@ -37,9 +46,9 @@ struct CutRequest {
   // coordinates.
   std::optional<View> view = std::nullopt;
   const linear::VertexField* positions = nullptr;  // 3 x V, m, world; needed for `view` and `most_shift`
-  // Edges near the path whose flip would move the sheet by more than this are split instead. So a bent sheet keeps its
-  // shape. Refinement then asks for half of min_angle_deg. Absent: the material plane alone decides. m, >= 0
-  std::optional<double> most_shift = std::nullopt;
+  // Limit for edges near the path. Where edges exceed it, refinement asks for half of min_angle_deg. Absent: the
+  // material plane alone decides.
+  std::optional<ShiftLimit> most_shift = std::nullopt;
   // Box that the cut does not leave, m, material coordinates. Its sides must not cross the sheet. Absent: all of the
   // sheet may be cut.
   std::optional<Box> room = std::nullopt;

@@ -25,8 +25,7 @@ struct CutSurroundings {
   const GrabSet& grabs;
   const linear::VertexField& positions;         // 3 x V, m, world
   const std::vector<fem::Material>& materials;  // by region of the mesh
-  std::optional<double> most_shift =
-      std::nullopt;  // m, as of cut::CutRequest; absent if the sheet passes through itself
+  std::optional<cut::ShiftLimit> most_shift = std::nullopt;  // absent if the sheet may pass through itself
   std::span<const scene::ComponentPlace> components = {};
 };
 

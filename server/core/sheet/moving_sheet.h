@@ -9,6 +9,7 @@
 #include "server/base/phase_observer.h"
 #include "server/base/result.h"
 #include "server/base/state_hash.h"
+#include "server/core/cut/cut.h"
 #include "server/core/fem/model/model.h"
 #include "server/core/fem/statics/equilibrium.h"
 #include "server/core/mesh/mesh_revert.h"
@@ -85,9 +86,9 @@ class MovingSheet {
   [[nodiscard]] const ConditionValues& conditions() const { return conditions_.values(); }
   [[nodiscard]] const MaterialSetup& materials() const { return materials_; }
   [[nodiscard]] const scene::SelfContact& self_contact() const { return stepper_.contact().self_contact(); }
-  // Returns the most by which the flip of an edge may move the sheet in a cut, m; absent if folds may pass through each
-  // other anyway.
-  [[nodiscard]] std::optional<double> most_shift_in_cuts() const;
+  // Returns the most by which the flip of an edge may move the sheet in a cut; absent if folds may pass through each
+  // other anyway. `is_apart` gets the flags that the limit refers to.
+  [[nodiscard]] std::optional<cut::ShiftLimit> most_shift_in_cuts(std::vector<std::uint8_t>& is_apart);
   [[nodiscard]] const PinSet& pins() const { return pins_; }
   [[nodiscard]] const GrabSet& grabs() const { return grabs_; }
   [[nodiscard]] const TimeStepper& stepper() const { return stepper_; }

@@ -11,10 +11,15 @@
 
 namespace kerf::sheet {
 
-std::optional<double> MovingSheet::most_shift_in_cuts() const {
+std::optional<cut::ShiftLimit> MovingSheet::most_shift_in_cuts(std::vector<std::uint8_t>& is_apart) {
   constexpr double kShareOfThickness = 0.05;  // -, more than lips are parted, less than the gap between most folds
+  constexpr double kShareOfEdge = 0.02;       // -, strains the sheet by 4e-4
   if (!stepper_.contact().touches_itself()) return std::nullopt;
-  return kShareOfThickness * stepper_.contact().self_thickness();
+  const double thickness = stepper_.contact().self_thickness();
+  const double near = kShareOfThickness * thickness, apart = std::max(near, kShareOfEdge * mesh_.base_edge_length());
+  // Both sides of a gap may move.
+  stepper_.contact().find_apart(thickness + 2.0 * apart, state_.x, is_apart);
+  return cut::ShiftLimit{near, apart, is_apart};
 }
 
 bool MovingSheet::follow(std::span<const mesh::MeshEdit* const> edits, const std::vector<mesh::TriangleId>& rewritten,

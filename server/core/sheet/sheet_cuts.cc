@@ -28,12 +28,13 @@ Result<scene::CommandReply> Sheet::Impl::cut_batch(const scene::CutBatch& batch,
 Result<std::vector<scene::CutReply>> Sheet::Impl::do_cuts(std::span<const scene::Cut> wanted, bool is_batch,
                                                           const CommandContext& context) {
   const scene::SheetConfig& config = moving.config();
+  std::vector<std::uint8_t> is_apart;
   const CutSurroundings around{.max_vertices = std::min(config.max_vertices, scene::vertex_limit(config.integrator)),
                                .pins = moving.pins(),
                                .grabs = moving.grabs(),
                                .positions = moving.state().x,
                                .materials = moving.materials().by_region(),
-                               .most_shift = moving.most_shift_in_cuts(),
+                               .most_shift = moving.most_shift_in_cuts(is_apart),
                                .components = moving.initial().built.components};
   const auto cut_the_mesh = [&] {
     const StageScope scope(Stage::kCut, context);
