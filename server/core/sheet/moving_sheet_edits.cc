@@ -13,7 +13,7 @@ namespace kerf::sheet {
 
 std::optional<cut::ShiftLimit> MovingSheet::most_shift_in_cuts(std::vector<std::uint8_t>& is_apart) {
   constexpr double kShareOfThickness = 0.05;  // -, more than lips are parted, less than the gap between most folds
-  constexpr double kShareOfEdge = 0.02;       // -, strains the sheet by 4e-4
+  constexpr double kShareOfEdge = 0.1;        // -, strains the sheet by about its square
   if (!stepper_.contact().touches_itself()) return std::nullopt;
   const double thickness = stepper_.contact().self_thickness();
   const double near = kShareOfThickness * thickness, apart = std::max(near, kShareOfEdge * mesh_.base_edge_length());
