@@ -1,0 +1,128 @@
+#include "server/core/contact/untangling.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <limits>
+#include <utility>
+
+#include <Eigen/Geometry>
+
+namespace kerf::contact {
+
+using mesh::VertexId;
+
+namespace {
+
+double env(const char* name, double value) { const char* s = std::getenv(name); return s ? std::atof(s) : value; }
+double kPullSpeed() { static const double v = env("K_SPEED", 0.05); return v; }
+double kMostAcceleration() { static const double v = env("K_ACC", 1e9); return v; }
+constexpr double kMargin = 0.25;     // -, of barycentric coordinates: how far from a triangle an edge is still pushed
+
+}  // namespace
+
+void Untangling::set(const SheetFeatures& features) {
+  triangles_.clear();
+  for (const SheetFeatures::Triangle& triangle : features.triangles) triangles_.push_back(triangle.vertices);
+  is_known_ = false;
+  pairs_.clear();
+  pushes_.clear();
+}
+
+void Untangling::search(const linear::VertexField& x) {
+  if (is_known_ && x_known_.cols() == x.cols() && x_known_ == x) return;
+  pairs_ = search_.find(triangles_, x, std::numeric_limits<std::size_t>::max()).pairs;
+  x_known_ = x;
+  is_known_ = true;
+}
+
+std::int64_t Untangling::count(const linear::VertexField& x) {
+  search(x);
+  return static_cast<std::int64_t>(pairs_.size());
+}
+
+void Untangling::know_none(const linear::VertexField& x) {
+  pairs_.clear();
+  x_known_ = x;
+  is_known_ = true;
+}
+
+void Untangling::begin(const SheetFeatures& features, const linear::VertexField& x) {
+  search(x);
+  pushes_.clear();
+  if (empty()) return;
+  contours_.find(features, pairs_, x, piercings_);
+  list_open(features);
+}
+
+void Untangling::list_open(const SheetFeatures& features) {
+  open_pairs_.clear();
+  for (const auto& [t, u] : pairs_) {
+    for (const VertexId v : features.triangles[static_cast<std::size_t>(t)].vertices) {
+      for (const VertexId w : features.triangles[static_cast<std::size_t>(u)].vertices) {
+        open_pairs_.push_back({v, w});
+        open_pairs_.push_back({w, v});
+      }
+    }
+  }
+  std::sort(open_pairs_.begin(), open_pairs_.end());
+  open_pairs_.erase(std::unique(open_pairs_.begin(), open_pairs_.end()), open_pairs_.end());
+  first_open_.assign(static_cast<std::size_t>(x_known_.cols()) + 1, 0);
+  open_.clear();
+  for (const auto& [v, w] : open_pairs_) {
+    ++first_open_[static_cast<std::size_t>(v) + 1];
+    open_.push_back(w);
+  }
+  for (std::size_t v = 1; v < first_open_.size(); ++v) first_open_[v] += first_open_[v - 1];
+}
+
+bool Untangling::is_open(const FeaturePair& pair) const {
+  for (std::size_t i = 0; i < pair.num_a(); ++i) {
+    const auto v = static_cast<std::size_t>(pair.vertices[i]);
+    const auto begin = open_.begin() + first_open_[v], end = open_.begin() + first_open_[v + 1];
+    if (begin == end) continue;
+    for (std::size_t j = pair.num_a(); j < 4; ++j) {
+      if (std::binary_search(begin, end, pair.vertices[j])) return true;
+    }
+  }
+  return false;
+}
+
+void Untangling::find_pushes(const SheetFeatures& features, const linear::VertexField& x, double interval,
+                             ImpulseResponse& response) {
+  pushes_.clear();
+  if (empty()) return;
+  for (const Piercing& of : piercings_) {
+    if (of.way.isZero(0.0)) continue;
+    const auto& [p, q] = features.edges[static_cast<std::size_t>(of.edge)].vertices;
+    const auto& [a, b, c] = features.triangles[static_cast<std::size_t>(of.triangle)].vertices;
+    const Eigen::Vector3d from = x.col(a), ab = x.col(b) - x.col(a), ac = x.col(c) - x.col(a);
+    const Eigen::Vector3d normal = ab.cross(ac);
+    const double height_p = normal.dot(x.col(p) - from), height_q = normal.dot(x.col(q) - from);
+    if (!(height_p * height_q < 0.0)) continue;
+    const double s = height_p / (height_p - height_q);
+    const Eigen::Vector3d point = (1.0 - s) * x.col(p) + s * x.col(q) - from;
+    double beta = point.cross(ac).dot(normal) / normal.squaredNorm();
+    double gamma = ab.cross(point).dot(normal) / normal.squaredNorm();
+    double alpha = 1.0 - beta - gamma;
+    if (!(std::min({alpha, beta, gamma}) > -kMargin)) continue;
+    alpha = std::max(alpha, 0.0);
+    beta = std::max(beta, 0.0);
+    gamma = std::max(gamma, 0.0);
+    const double sum = alpha + beta + gamma;
+    Push push;
+    push.vertices = {p, q, a, b, c};
+    push.weights = {1.0 - s, s, -alpha / sum, -beta / sum, -gamma / sum};
+    push.way = of.way;
+    const double mobility = response.mobility(push.vertices, push.weights, push.way);
+    if (!(mobility > 0.0)) continue;
+    push.mass = 1.0 / mobility;
+    push.most = push.mass * kMostAcceleration() * interval;
+    pushes_.push_back(push);
+  }
+}
+
+double Untangling::impulse_after(const Push& push, double speed) {
+  return std::clamp(push.impulse + push.mass * (kPullSpeed() - speed), 0.0, push.most);
+}
+
+}  // namespace kerf::contact
