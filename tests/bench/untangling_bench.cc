@@ -78,7 +78,7 @@ void measure(const Start& start, double seconds, scene::IntegratorKind kind) {
     const double speed_before = std::exchange(speed, fastest(sheet));
     gain = std::max(gain, energy - energy_before);
     faster = std::max(faster, speed - speed_before);
-    for (const int at : {1, 3, 6, 12, 30, 60, 120, 300}) {
+    for (const int at : {1, 3, 6, 12, 30, 60, 120, 300, 600, 1200, 1800}) {
       if (i + 1 == at) std::printf(" %ld |", count());
     }
     std::fflush(stdout);
@@ -94,7 +94,7 @@ int main(int argc, char** argv) {
   using namespace kerf;
   const double seconds = argc > 1 ? std::atof(argv[1]) : 2.0;
   const std::string_view kind = argc > 2 ? argv[2] : "explicit", only = argc > 3 ? argv[3] : "";
-  std::printf("| start | pairs | after ticks 1, 3, 6, 12, 30, 60, 120, 300 | J in a tick, in all | m/s faster | ms a tick, worst |\n");
+  std::printf("| start | pairs | after ticks 1, 3, 6, 12, 30, 60, 120, 300, 600, 1200, 1800 | J in a tick, in all | m/s faster | ms a tick, worst |\n");
   for (const bench::Start& start : bench::starts()) {
     if (!start.name.starts_with(only)) continue;
     bench::measure(start, seconds,

@@ -14,6 +14,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kWidth = 0.3;  // m
+constexpr double kTurn = 0.1;   // rad
 
 // Two grids beside each other in the material plane. The first has columns x rows vertices, the second wide x rows.
 // `place(second, i, j)`: of a vertex, m.
@@ -55,7 +56,7 @@ scene::SheetConfig pushed_through(double depth, bool is_at_border, std::int32_t 
   // Off the lines of the grid, and slightly turned, as chance would have it.
   const double x = is_at_border ? kWidth - 0.5 * h * (wide - 1) - 0.07 * h : 0.5 * (kWidth - h * (wide - 1)) + 0.13 * h;
   return two_grids(side, wide, side, [=](bool second, int i, int j) {
-    return second ? Vector3d(x + h * i, 0.5 * kWidth + 0.21 * h + 0.1 * h * i, h * j - depth) : Vector3d(h * i, h * j, 0.0);
+    return second ? Vector3d(x + std::cos(kTurn) * h * i, 0.5 * kWidth + 0.21 * h + std::sin(kTurn) * h * i, h * j - depth) : Vector3d(h * i, h * j, 0.0);
   });
 }
 

@@ -178,13 +178,18 @@ Eigen::Vector3d ContourFinder::shortening(const SheetFeatures& features, Pairs p
   const auto& [p, q] = features.edges[static_cast<std::size_t>(of.edge)].vertices;
   const Eigen::Vector3d along = (at(x, q) - at(x, p)).normalized();
   const Eigen::Vector3d normal = normal_of(features.triangles[static_cast<std::size_t>(of.triangle)].vertices, x);
+  const bool is_end = first_incidence_[k + 1] - first_incidence_[k] == 1;
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (auto i = static_cast<std::size_t>(first_incidence_[k]); i < static_cast<std::size_t>(first_incidence_[k + 1]);
        ++i) {
     const std::array<std::int32_t, 2>& pair = pairs[static_cast<std::size_t>(incidences_[i].pair)];
-    const std::array<VertexId, 3>& corners =
-        features.triangles[static_cast<std::size_t>(pair[0] == of.triangle ? pair[1] : pair[0])].vertices;
+    const SheetFeatures::Triangle& of_edge =
+        features.triangles[static_cast<std::size_t>(pair[0] == of.triangle ? pair[1] : pair[0])];
+    const std::array<VertexId, 3>& corners = of_edge.vertices;
     const VertexId third = *std::find_if(corners.begin(), corners.end(), [&](VertexId v) { return v != p && v != q; });
+    // Next to a common vertex of two triangles a contour goes on between them, although they are no pair.
+    const auto corner = static_cast<std::size_t>(std::find(corners.begin(), corners.end(), third) - corners.begin());
+    if (is_end && of_edge.across[corner] != mesh::kNone) return Eigen::Vector3d::Zero();
     const Eigen::Vector3d to_third = at(x, third) - at(x, p);
     const Eigen::Vector3d inward = to_third - to_third.dot(along) * along;
     const Eigen::Vector3d segment = normal_of(corners, x).cross(normal).normalized();
@@ -197,7 +202,7 @@ Eigen::Vector3d ContourFinder::shortening(const SheetFeatures& features, Pairs p
 
 void ContourFinder::set_ways(const SheetFeatures& features, Pairs pairs, std::span<const std::int32_t> contour,
                              const linear::VertexField& x, std::span<Piercing> piercings) {
-  constexpr double kLeastSum = 1e-3;  // -, of unit vectors, below which they cancel out
+  constexpr double kLeastSum = 0.5;  // -, of ways of unit length, below which they cancel out
   grow_regions(features, contour, piercings);
   const auto side = [this](std::int32_t k) { return is_second_[static_cast<std::size_t>(k)] != 0 ? -1.0 : 1.0; };
   // The way of the first side of the contour relative to the second one.
@@ -220,7 +225,7 @@ void ContourFinder::set_ways(const SheetFeatures& features, Pairs pairs, std::sp
     sum += side(k) * of.way;
   }
   if (!(sum.norm() > kLeastSum)) sum = shorter;
-  const Eigen::Vector3d mean = sum.norm() > kLeastSum ? sum.normalized() : Eigen::Vector3d::Zero();
+  const Eigen::Vector3d mean = sum.norm() > kLeastSum ? sum.normalized() : Eigen::Vector3d(Eigen::Vector3d::Zero());
   for (const std::int32_t k : contour) {
     Piercing& of = piercings[static_cast<std::size_t>(k)];
     if (of.way.isZero(0.0)) of.way = side(k) * mean;

@@ -1,7 +1,6 @@
 #include "server/core/contact/untangling.h"
 
 #include <algorithm>
-#include <cstdlib>
 #include <limits>
 #include <utility>
 
@@ -13,10 +12,9 @@ using mesh::VertexId;
 
 namespace {
 
-double env(const char* name, double value) { const char* s = std::getenv(name); return s ? std::atof(s) : value; }
-double kPullSpeed() { static const double v = env("K_SPEED", 0.05); return v; }
-double kMostAcceleration() { static const double v = env("K_ACC", 1e9); return v; }
-constexpr double kMargin = 0.25;     // -, of barycentric coordinates: how far from a triangle an edge is still pushed
+constexpr double kPullSpeed = 0.05;         // m/s, largest speed at which an edge is pulled out of a triangle
+constexpr double kPullAcceleration = 100.0;  // m/s^2, at which it gains that speed
+constexpr double kMargin = 0.25;  // -, in barycentric coordinates: how far beside a triangle an edge is still pulled
 
 }  // namespace
 
@@ -87,7 +85,7 @@ bool Untangling::is_open(const FeaturePair& pair) const {
   return false;
 }
 
-void Untangling::find_pushes(const SheetFeatures& features, const linear::VertexField& x, double interval,
+void Untangling::find_pushes(const SheetFeatures& features, const linear::VertexField& x, const linear::VertexField& v, double interval,
                              ImpulseResponse& response) {
   pushes_.clear();
   if (empty()) return;
@@ -116,13 +114,9 @@ void Untangling::find_pushes(const SheetFeatures& features, const linear::Vertex
     const double mobility = response.mobility(push.vertices, push.weights, push.way);
     if (!(mobility > 0.0)) continue;
     push.mass = 1.0 / mobility;
-    push.most = push.mass * kMostAcceleration() * interval;
+    push.target = std::min(kPullSpeed, std::max(push.speed_at(v), 0.0) + kPullAcceleration * interval);
     pushes_.push_back(push);
   }
-}
-
-double Untangling::impulse_after(const Push& push, double speed) {
-  return std::clamp(push.impulse + push.mass * (kPullSpeed() - speed), 0.0, push.most);
 }
 
 }  // namespace kerf::contact

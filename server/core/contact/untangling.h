@@ -39,7 +39,7 @@ class Untangling {
   [[nodiscard]] bool is_open(const FeaturePair& pair) const;
 
   // Sets the impulses for edges that pass through triangles at positions x (m), for an interval (s).
-  void find_pushes(const SheetFeatures& features, const linear::VertexField& x, double interval,
+  void find_pushes(const SheetFeatures& features, const linear::VertexField& x, const linear::VertexField& v, double interval,
                    ImpulseResponse& response);
   void clear_pushes() { pushes_.clear(); }
   // Changes velocities v (m/s) so that edges leave the triangles that they pass through. Calls mark(vertex) for each
@@ -47,11 +47,8 @@ class Untangling {
   template <typename Mark>
   void push(ImpulseResponse& response, linear::VertexField& v, const Mark& mark) {
     for (Push& each : pushes_) {
-      double speed = 0.0;
-      for (std::size_t i = 0; i < each.vertices.size(); ++i) {
-        speed += each.weights[i] * each.way.dot(v.col(each.vertices[i]));
-      }
-      const double impulse = impulse_after(each, speed), change = impulse - each.impulse;
+      const double impulse = std::max(0.0, each.impulse + each.mass * (each.target - each.speed_at(v)));
+      const double change = impulse - each.impulse;
       if (change == 0.0) continue;
       each.impulse = impulse;
       response.push(each.vertices, each.weights, change * each.way, [&](mesh::VertexId of, const Eigen::Vector3d& by) {
@@ -68,11 +65,17 @@ class Untangling {
     std::array<double, 5> weights{};           // -, those of the edge sum to 1, the others to -1
     Eigen::Vector3d way{0.0, 0.0, 0.0};        // -, unit
     double mass = 0.0;                         // kg, effective
-    double most = 0.0;                         // N s
+    double target = 0.0;                       // m/s
     double impulse = 0.0;                      // N s
+
+    // Returns the speed (m/s) at which the edge leaves the triangle at velocities v, m/s.
+    [[nodiscard]] double speed_at(const linear::VertexField& v) const {
+      double sum = 0.0;
+      for (std::size_t i = 0; i < vertices.size(); ++i) sum += weights[i] * way.dot(v.col(vertices[i]));
+      return sum;
+    }
   };
 
-  static double impulse_after(const Push& push, double speed);
   void search(const linear::VertexField& x);
   void list_open(const SheetFeatures& features);
 
