@@ -48,16 +48,31 @@ scene::SheetConfig two_grids(int columns, int wide, int rows, const Place& place
   return config;
 }
 
+int width_of_strip(std::int32_t side) {
+  return std::max(3, side / 3);
+}
+
+// Returns the place at which column i of the strip stands, m. It is off the lines of the grid and slightly turned.
+Vector2d below_strip(double h, int wide, bool is_at_border, double i) {
+  const double x = is_at_border ? kWidth - 0.5 * h * (wide - 1) - 0.07 * h : 0.5 * (kWidth - h * (wide - 1)) + 0.13 * h;
+  return {x + std::cos(kTurn) * h * i, 0.5 * kWidth + 0.21 * h + std::sin(kTurn) * h * i};
+}
+
 }  // namespace
 
 scene::SheetConfig pushed_through(double depth, bool is_at_border, std::int32_t side) {
   const double h = kWidth / (side - 1);
-  const int wide = std::max(3, side / 3);
-  // Off the lines of the grid, and slightly turned, as chance would have it.
-  const double x = is_at_border ? kWidth - 0.5 * h * (wide - 1) - 0.07 * h : 0.5 * (kWidth - h * (wide - 1)) + 0.13 * h;
+  const int wide = width_of_strip(side);
   return two_grids(side, wide, side, [=](bool second, int i, int j) {
-    return second ? Vector3d(x + std::cos(kTurn) * h * i, 0.5 * kWidth + 0.21 * h + std::sin(kTurn) * h * i, h * j - depth) : Vector3d(h * i, h * j, 0.0);
+    if (!second) return Vector3d(h * i, h * j, 0.0);
+    const Vector2d at = below_strip(h, wide, is_at_border, i);
+    return Vector3d(at.x(), at.y(), h * j - depth);
   });
+}
+
+Vector2d at_strip(double place) {
+  constexpr int kSide = 16;
+  return below_strip(kWidth / (kSide - 1), width_of_strip(kSide), false, place * (width_of_strip(kSide) - 1));
 }
 
 scene::SheetConfig poked_through(double depth, std::int32_t side) {

@@ -105,7 +105,8 @@ void ContourFinder::find_contours(Pairs pairs, std::span<const Piercing> piercin
     is_second_[k] = is_second(pair, piercings[k]) ^ is_turned_[static_cast<std::size_t>(pair)];
   }
   std::sort(order_.begin(), order_.end(), [this](std::int32_t a, std::int32_t b) {
-    return std::tie(contour_of_[static_cast<std::size_t>(a)], a) < std::tie(contour_of_[static_cast<std::size_t>(b)], b);
+    return std::tie(contour_of_[static_cast<std::size_t>(a)], a) <
+           std::tie(contour_of_[static_cast<std::size_t>(b)], b);
   });
 }
 
@@ -162,7 +163,8 @@ void ContourFinder::grow_regions(const SheetFeatures& features, std::span<const 
       }
     }
     for (Region& region : regions_) region.is_growing = false;
-    for (std::size_t i = end; i < grown_.size(); ++i) regions_[static_cast<std::size_t>(root(grown_[i]))].is_growing = true;
+    for (std::size_t i = end; i < grown_.size(); ++i)
+      regions_[static_cast<std::size_t>(root(grown_[i]))].is_growing = true;
     for (Region& region : regions_) {
       if (!region.is_growing && region.ended < 0) region.ended = level;
     }
@@ -187,7 +189,7 @@ Eigen::Vector3d ContourFinder::shortening(const SheetFeatures& features, Pairs p
         features.triangles[static_cast<std::size_t>(pair[0] == of.triangle ? pair[1] : pair[0])];
     const std::array<VertexId, 3>& corners = of_edge.vertices;
     const VertexId third = *std::find_if(corners.begin(), corners.end(), [&](VertexId v) { return v != p && v != q; });
-    // Next to a common vertex of two triangles a contour goes on between them, although they are no pair.
+    // Next to a common vertex of two triangles a contour continues between them, although they are no pair.
     const auto corner = static_cast<std::size_t>(std::find(corners.begin(), corners.end(), third) - corners.begin());
     if (is_end && of_edge.across[corner] != mesh::kNone) return Eigen::Vector3d::Zero();
     const Eigen::Vector3d to_third = at(x, third) - at(x, p);
@@ -200,32 +202,59 @@ Eigen::Vector3d ContourFinder::shortening(const SheetFeatures& features, Pairs p
   return sum - along.dot(sum) / across * normal;
 }
 
+bool ContourFinder::leads_back(const SheetFeatures& features, const linear::VertexField& x, Piercing& of) {
+  if (is_cut_[static_cast<std::size_t>(of.edge)] == 0) return false;
+  const auto& [a, b] = features.edges[static_cast<std::size_t>(of.edge)].vertices;
+  const std::int32_t of_a = region_of(region_[static_cast<std::size_t>(a)]);
+  const std::int32_t of_b = region_of(region_[static_cast<std::size_t>(b)]);
+  if (of_a == of_b) return false;
+  const auto rank = [this](std::int32_t region) {
+    const Region& known = regions_[static_cast<std::size_t>(region)];
+    return std::tuple(known.ended < 0, known.ended, known.size, region);
+  };
+  const Eigen::Vector3d back = rank(of_a) < rank(of_b) ? at(x, b) - at(x, a) : at(x, a) - at(x, b);
+  const Eigen::Vector3d normal = normal_of(features.triangles[static_cast<std::size_t>(of.triangle)].vertices, x);
+  of.way = normal.dot(back) < 0.0 ? Eigen::Vector3d(-normal) : normal;
+  return true;
+}
+
 void ContourFinder::set_ways(const SheetFeatures& features, Pairs pairs, std::span<const std::int32_t> contour,
                              const linear::VertexField& x, std::span<Piercing> piercings) {
   constexpr double kLeastSum = 0.5;  // -, of ways of unit length, below which they cancel out
+  constexpr double kShallow = 0.1;   // -, of the extent of a contour, up to which its depth counts as small
   grow_regions(features, contour, piercings);
+  // Ways of the first side of the contour relative to the second one: of a part that is cut off, of edges whose nearer
+  // ends go back, and along the contour.
+  Eigen::Vector3d back = Eigen::Vector3d::Zero(), out = back, shorter = back;
+  Eigen::AlignedBox3d extent;
+  double depth = 0.0;  // m, of the nearer ends of edges behind triangles, at most
+  bool is_cut_off = false;
   const auto side = [this](std::int32_t k) { return is_second_[static_cast<std::size_t>(k)] != 0 ? -1.0 : 1.0; };
-  // The way of the first side of the contour relative to the second one.
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero(), shorter = sum;
   for (const std::int32_t k : contour) {
     Piercing& of = piercings[static_cast<std::size_t>(k)];
+    if (leads_back(features, x, of)) {
+      is_cut_off = true;
+      back += side(k) * of.way;
+    }
     shorter += side(k) * shortening(features, pairs, k, x, piercings);
-    if (is_cut_[static_cast<std::size_t>(of.edge)] == 0) continue;
+    const std::array<VertexId, 3>& corners = features.triangles[static_cast<std::size_t>(of.triangle)].vertices;
     const auto& [a, b] = features.edges[static_cast<std::size_t>(of.edge)].vertices;
-    const std::int32_t of_a = region_of(region_[static_cast<std::size_t>(a)]);
-    const std::int32_t of_b = region_of(region_[static_cast<std::size_t>(b)]);
-    if (of_a == of_b) continue;
-    const auto rank = [this](std::int32_t region) {
-      const Region& known = regions_[static_cast<std::size_t>(region)];
-      return std::tuple(known.ended < 0, known.ended, known.size, region);
-    };
-    const Eigen::Vector3d back = rank(of_a) < rank(of_b) ? at(x, b) - at(x, a) : at(x, a) - at(x, b);
-    const Eigen::Vector3d normal = normal_of(features.triangles[static_cast<std::size_t>(of.triangle)].vertices, x);
-    of.way = normal.dot(back) < 0.0 ? Eigen::Vector3d(-normal) : normal;
-    sum += side(k) * of.way;
+    const Eigen::Vector3d normal = normal_of(corners, x);
+    const double height_a = normal.dot(at(x, a) - at(x, corners[0]));
+    const double height_b = normal.dot(at(x, b) - at(x, corners[0]));
+    // The farther apart the heights are, the more is known.
+    const double sum = height_a + height_b, most = std::max(std::abs(height_a), std::abs(height_b));
+    if (most > 0.0) out += side(k) * sum / most * normal;
+    depth = std::max(depth, std::min(std::abs(height_a), std::abs(height_b)));
+    const double part = height_a == height_b ? 0.5 : height_a / (height_a - height_b);
+    extent.extend(at(x, a) + part * (at(x, b) - at(x, a)));
   }
-  if (!(sum.norm() > kLeastSum)) sum = shorter;
-  const Eigen::Vector3d mean = sum.norm() > kLeastSum ? sum.normalized() : Eigen::Vector3d(Eigen::Vector3d::Zero());
+  Eigen::Vector3d mean = back;
+  if (!is_cut_off || !(back.norm() > kLeastSum)) {
+    const bool is_shallow = depth < kShallow * extent.sizes().maxCoeff() && out.norm() > kLeastSum;
+    mean = is_shallow ? out : shorter;
+  }
+  mean = mean.norm() > kLeastSum ? mean.normalized() : Eigen::Vector3d(Eigen::Vector3d::Zero());
   for (const std::int32_t k : contour) {
     Piercing& of = piercings[static_cast<std::size_t>(k)];
     if (of.way.isZero(0.0)) of.way = side(k) * mean;
@@ -241,7 +270,8 @@ void ContourFinder::find(const SheetFeatures& features, Pairs pairs, const linea
   first_incidence_.clear();
   for (std::size_t i = 0; i < incidences_.size(); ++i) {
     const Incidence& each = incidences_[i];
-    if (!piercings.empty() && piercings.back().edge == each.edge && piercings.back().triangle == each.triangle) continue;
+    if (!piercings.empty() && piercings.back().edge == each.edge && piercings.back().triangle == each.triangle)
+      continue;
     first_incidence_.push_back(static_cast<std::int32_t>(i));
     piercings.push_back({each.edge, each.triangle});
   }

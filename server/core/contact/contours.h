@@ -26,8 +26,9 @@ struct Piercing {
 // Triangles that pass through each other share segments, which line up in contours. A contour that cuts a part off a
 // sheet is left by that part, if it is the smaller one: its edges go back through the triangles that they pierce
 // (Baraff, Witkin, Kass 2003, "Untangling Cloth"). Other contours begin at the border of one part and end at that of
-// the other. Both parts slide along them as makes them shorter (Volino, Magnenat-Thalmann 2006, "Resolving Surface
-// Collisions through Intersection Contour Minimization").
+// the other. Where edges have only just passed, their nearer ends go back. Elsewhere both parts slide along the contour
+// as makes it shorter (Volino, Magnenat-Thalmann 2006, "Resolving Surface Collisions through Intersection Contour
+// Minimization").
 class ContourFinder {
  public:
   // Fills `piercings` with those of pairs of triangles at positions x (m), ordered by edge and triangle. The result
@@ -40,7 +41,7 @@ class ContourFinder {
   struct Incidence {
     std::int32_t edge = 0, triangle = 0, pair = 0;
   };
-  // What is known of a region that a contour bounds; of the root of united ones.
+  // A region that a contour bounds; the root stands for united ones.
   struct Region {
     std::int32_t parent = 0;
     std::int32_t size = 0;    // vertices
@@ -57,6 +58,8 @@ class ContourFinder {
   // Grows regions on both sides of the edges that a contour pierces, until it is known of each what it is cut off.
   void grow_regions(const SheetFeatures& features, std::span<const std::int32_t> contour,
                     std::span<const Piercing> piercings);
+  // Sets the way of an edge that the contour cuts in two different regions, and returns true if it does.
+  bool leads_back(const SheetFeatures& features, const linear::VertexField& x, Piercing& of);
   void set_ways(const SheetFeatures& features, std::span<const std::array<std::int32_t, 2>> pairs,
                 std::span<const std::int32_t> contour, const linear::VertexField& x, std::span<Piercing> piercings);
   // Returns the gradient of the contour's length with respect to the place of the edge, turned over.

@@ -131,7 +131,7 @@ void SelfContact::end(const linear::VertexField& x, linear::VertexField& v) {
 
 void SelfContact::respond(const linear::VertexField& x, linear::VertexField& v, int substep) {
   find_contacts(x, v, substep);
-  untangling_.find_pushes(tree_.features(), x, v, step_.h * (next_phase_ - substep), response_);
+  untangling_.find_pushes(tree_.features(), x, v, thickness_, step_.h * (next_phase_ - substep), response_);
   respond_softly(v);
   for (int sweep = 0; sweep < kHardSweeps; ++sweep) {
     bool has_changed = false;

@@ -199,7 +199,7 @@ class SelfContact {
   int list_begin_ = 0;
   int interval_ = 0;        // substeps between the last two phases
   std::int64_t phase_ = 0;  // number of the phase
-  bool is_apart_ = false;  // nothing passed through anything before the step, and no pair was near since
+  bool is_apart_ = false;   // nothing passed through anything before the step, and no pair was near since
   PairList list_, renewed_;
   std::vector<std::int32_t> due_;
   std::vector<float> path_;                    // m, by vertex: way since the list was made, in the frame of the sheet

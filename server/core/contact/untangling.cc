@@ -12,8 +12,9 @@ using mesh::VertexId;
 
 namespace {
 
-constexpr double kPullSpeed = 0.05;         // m/s, largest speed at which an edge is pulled out of a triangle
+constexpr double kPullSpeed = 0.05;          // m/s, largest speed at which an edge is pulled out of a triangle
 constexpr double kPullAcceleration = 100.0;  // m/s^2, at which it gains that speed
+constexpr double kClear = 0.1;               // -, of the thickness: distance at which an edge has left
 constexpr double kMargin = 0.25;  // -, in barycentric coordinates: how far beside a triangle an edge is still pulled
 
 }  // namespace
@@ -85,36 +86,40 @@ bool Untangling::is_open(const FeaturePair& pair) const {
   return false;
 }
 
-void Untangling::find_pushes(const SheetFeatures& features, const linear::VertexField& x, const linear::VertexField& v, double interval,
-                             ImpulseResponse& response) {
+void Untangling::find_pushes(const SheetFeatures& features, const linear::VertexField& x, const linear::VertexField& v,
+                             double thickness, double interval, ImpulseResponse& response) {
   pushes_.clear();
   if (empty()) return;
+  const double clear = kClear * thickness;
   for (const Piercing& of : piercings_) {
     if (of.way.isZero(0.0)) continue;
     const auto& [p, q] = features.edges[static_cast<std::size_t>(of.edge)].vertices;
     const auto& [a, b, c] = features.triangles[static_cast<std::size_t>(of.triangle)].vertices;
     const Eigen::Vector3d from = x.col(a), ab = x.col(b) - x.col(a), ac = x.col(c) - x.col(a);
     const Eigen::Vector3d normal = ab.cross(ac);
-    const double height_p = normal.dot(x.col(p) - from), height_q = normal.dot(x.col(q) - from);
-    if (!(height_p * height_q < 0.0)) continue;
-    const double s = height_p / (height_p - height_q);
+    // m, on the side to which the edge leaves
+    const double size = normal.dot(of.way) < 0.0 ? -normal.norm() : normal.norm();
+    const double height_p = normal.dot(x.col(p) - from) / size, height_q = normal.dot(x.col(q) - from) / size;
+    const double low = std::min(height_p, height_q);
+    if (!(std::max(height_p, height_q) > 0.0 && low < clear)) continue;
+    // The point that edge and triangle share, or the nearer end of an edge that has only just left.
+    const double s = low < 0.0 ? height_p / (height_p - height_q) : height_p > height_q ? 1.0 : 0.0;
     const Eigen::Vector3d point = (1.0 - s) * x.col(p) + s * x.col(q) - from;
-    double beta = point.cross(ac).dot(normal) / normal.squaredNorm();
-    double gamma = ab.cross(point).dot(normal) / normal.squaredNorm();
-    double alpha = 1.0 - beta - gamma;
-    if (!(std::min({alpha, beta, gamma}) > -kMargin)) continue;
-    alpha = std::max(alpha, 0.0);
-    beta = std::max(beta, 0.0);
-    gamma = std::max(gamma, 0.0);
-    const double sum = alpha + beta + gamma;
+    std::array<double, 3> place{0.0, point.cross(ac).dot(normal) / (size * size),
+                                ab.cross(point).dot(normal) / (size * size)};
+    place[0] = 1.0 - place[1] - place[2];
+    if (!(*std::min_element(place.begin(), place.end()) > -kMargin)) continue;
+    for (double& each : place) each = std::max(each, 0.0);
+    const double sum = place[0] + place[1] + place[2];
     Push push;
     push.vertices = {p, q, a, b, c};
-    push.weights = {1.0 - s, s, -alpha / sum, -beta / sum, -gamma / sum};
+    push.weights = {1.0 - s, s, -place[0] / sum, -place[1] / sum, -place[2] / sum};
     push.way = of.way;
     const double mobility = response.mobility(push.vertices, push.weights, push.way);
     if (!(mobility > 0.0)) continue;
     push.mass = 1.0 / mobility;
     push.target = std::min(kPullSpeed, std::max(push.speed_at(v), 0.0) + kPullAcceleration * interval);
+    if (low >= 0.0) push.target = std::min(push.target, (clear - low) / interval);
     pushes_.push_back(push);
   }
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -38,9 +39,10 @@ class Untangling {
   // no contact.
   [[nodiscard]] bool is_open(const FeaturePair& pair) const;
 
-  // Sets the impulses for edges that pass through triangles at positions x (m), for an interval (s).
-  void find_pushes(const SheetFeatures& features, const linear::VertexField& x, const linear::VertexField& v, double interval,
-                   ImpulseResponse& response);
+  // Sets the impulses for edges that pass through triangles at positions x (m) and velocities v (m/s), for an interval
+  // (s). `thickness`: m, distance that the middle surfaces keep.
+  void find_pushes(const SheetFeatures& features, const linear::VertexField& x, const linear::VertexField& v,
+                   double thickness, double interval, ImpulseResponse& response);
   void clear_pushes() { pushes_.clear(); }
   // Changes velocities v (m/s) so that edges leave the triangles that they pass through. Calls mark(vertex) for each
   // vertex that it moves.
@@ -82,8 +84,8 @@ class Untangling {
   std::vector<std::array<mesh::VertexId, 3>> triangles_;
   IntersectionSearch search_;
   bool is_known_ = false;
-  linear::VertexField x_known_;                       // m, at which pairs_ pass through each other, if is_known_
-  std::vector<std::array<std::int32_t, 2>> pairs_;    // of triangles
+  linear::VertexField x_known_;                     // m, at which pairs_ pass through each other, if is_known_
+  std::vector<std::array<std::int32_t, 2>> pairs_;  // of triangles
   ContourFinder contours_;
   std::vector<Piercing> piercings_;
   // Vertices that make a pair open with a vertex, ascending; by vertex id, and one more.
