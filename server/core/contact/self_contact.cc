@@ -33,9 +33,8 @@ void SelfContact::set(const mesh::TriangleMesh& mesh) {
   strayed_.clear();
   list_.clear();
   list_.pad();
-  counted_none_ = is_apart_ = false;
-  triangles_.clear();
-  for (const SheetFeatures::Triangle& triangle : tree_.features().triangles) triangles_.push_back(triangle.vertices);
+  is_apart_ = false;
+  untangling_.set(tree_.features());
   base_slack_ = std::min(1.5e-3, 0.075 * mesh.base_edge_length());
   // Small triangles move together with their neighbours, so a smaller slack is enough there.
   base_slacks_.assign(static_cast<std::size_t>(mesh.num_vertices()), 0.0F);
@@ -59,10 +58,8 @@ void SelfContact::set(const mesh::TriangleMesh& mesh) {
 }
 
 std::int64_t SelfContact::count_intersections(const linear::VertexField& x) {
-  const std::int64_t count = is_apart_ ? 0 : intersections_.count(triangles_, x);
-  counted_none_ = count == 0;
-  if (counted_none_) x_counted_ = x;
-  return count;
+  if (is_apart_) untangling_.know_none(x);
+  return untangling_.count(x);
 }
 
 float SelfContact::path_of(const FeaturePair& pair) const {
@@ -83,7 +80,8 @@ void SelfContact::begin(const SelfContactStep& step, const linear::VertexField& 
   response_.begin(step.inverse_mass, step.shared);
   for (const VertexId moved : moved_) is_moved_[static_cast<std::size_t>(moved)] = 0;
   moved_.clear();
-  is_apart_ = counted_none_ && x_counted_.cols() == x.cols() && x_counted_ == x;
+  untangling_.begin(tree_.features(), x);
+  is_apart_ = untangling_.empty();
   substep_ = 0;
   interval_ = 1;
   slack_ = base_slacks_;
@@ -129,11 +127,13 @@ void SelfContact::end(const linear::VertexField& x, linear::VertexField& v) {
   if (list_.size() == 0) return;
   find_contacts(x, v, step_.substeps);
   for (Contact& contact : contacts_) contact.target = 0.0;
+  untangling_.clear_pushes();
   respond_softly(v);
 }
 
 void SelfContact::respond(const linear::VertexField& x, linear::VertexField& v, int substep) {
   find_contacts(x, v, substep);
+  untangling_.find_pushes(tree_.features(), x, v, thickness_, step_.h * (next_phase_ - substep), response_);
   respond_softly(v);
   for (int sweep = 0; sweep < kHardSweeps; ++sweep) {
     bool has_changed = false;
@@ -148,6 +148,7 @@ void SelfContact::respond_softly(linear::VertexField& v) {
       const std::size_t c = sweep % 2 == 0 ? k : contacts_.size() - 1 - k;
       if (contacts_[c].is_in_cones) respond_softly(c, v);
     }
+    untangling_.push(response_, v, [this](VertexId of) { mark(of); });
     for (Support& each : supports_) support(each, v);
   }
 }
@@ -156,7 +157,11 @@ void SelfContact::find_contacts(const linear::VertexField& x, const linear::Vert
   contacts_.clear();
   supports_.clear();
   if (list_.size() == 0) {
-    next_phase_ = std::min(std::max(list_end_, substep + 1), substep + (is_list_apart_ ? kApartInterval : kIdleInterval));
+    // While something is open, pushes come at the pace of contacts.
+    const int idle = !untangling_.empty() ? std::max(1, static_cast<int>(kLongestInterval / step_.h))
+                     : is_list_apart_     ? kApartInterval
+                                          : kIdleInterval;
+    next_phase_ = std::min(std::max(list_end_, substep + 1), substep + idle);
     return;
   }
   const double h = step_.h;

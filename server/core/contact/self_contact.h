@@ -11,8 +11,8 @@
 #include "server/core/contact/feature_pair.h"
 #include "server/core/contact/feature_tree.h"
 #include "server/core/contact/impulse_response.h"
-#include "server/core/contact/intersections.h"
 #include "server/core/contact/shared_inertia.h"
+#include "server/core/contact/untangling.h"
 #include "server/core/linear/vertex_field.h"
 #include "server/core/mesh/ids.h"
 #include "server/core/mesh/triangle_mesh.h"
@@ -132,6 +132,8 @@ class SelfContact {
   [[nodiscard]] Eigen::Vector3d smooth_velocity(const linear::VertexField& v, mesh::VertexId at) const;
   // Adds the motion since the last phase to path_.
   void follow_paths(const linear::VertexField& x);
+  // Leaves out the pairs that were found and are open.
+  void drop_open();
   // Replaces the list by the pairs that were found.
   void set_list();
   // Makes the list again if it is used up, or the part of it that has to do with vertices that strayed.
@@ -202,8 +204,7 @@ class SelfContact {
   int list_begin_ = 0;
   int interval_ = 0;        // substeps between the last two phases
   std::int64_t phase_ = 0;  // number of the phase
-  bool counted_none_ = false;
-  bool is_apart_ = false;  // nothing passed through anything before the step, and no pair was near since
+  bool is_apart_ = false;   // nothing passed through anything before the step, and no pair was near since
   PairList list_, renewed_;
   std::vector<std::int32_t> due_;
   std::vector<float> path_;                    // m, by vertex: way since the list was made, in the frame of the sheet
@@ -221,7 +222,6 @@ class SelfContact {
   std::vector<mesh::VertexId> shifted_;  // in the last round of repairs
   std::vector<float> is_shifted_;        // 1 or 0, by vertex
   linear::VertexField x_then_, v_then_;  // after the last phase
-  linear::VertexField x_counted_;        // m, at which nothing passed through anything, if counted_none_
   linear::VertexField x_list_, v_list_;  // when the list was made
   linear::VertexField way_;              // m/s, scratch
   linear::VertexField stray_;            // m, from the lines
@@ -238,8 +238,7 @@ class SelfContact {
   std::vector<std::uint8_t> is_zoned_;
   std::vector<Zone> zones_;  // by vertex: that of the root; else not used
   std::vector<std::uint8_t> is_supported_;
-  std::vector<std::array<mesh::VertexId, 3>> triangles_;
-  IntersectionSearch intersections_;
+  Untangling untangling_;
   SelfContactCounters counters_;
 };
 

@@ -99,6 +99,7 @@ void SelfContact::follow_strayed(const linear::VertexField& x, const linear::Ver
   ++counters_.searches;
   is_list_apart_ = false;
   tree_.follow(strayed_, x_list_, v_list_, since, thickness_, slack_, thickness_, found_);
+  drop_open();
   counters_.pairs += static_cast<std::int64_t>(found_.size());
   const auto is_old = [this](const FeaturePair& pair) {
     return std::any_of(pair.vertices.begin(), pair.vertices.end(),
@@ -184,7 +185,13 @@ void SelfContact::PairList::pad() {
   limit.resize(size() + kLanePadding, 0.0F);
 }
 
+void SelfContact::drop_open() {
+  if (untangling_.empty()) return;
+  std::erase_if(found_, [this](const FeaturePair& pair) { return untangling_.is_open(pair); });
+}
+
 void SelfContact::set_list() {
+  drop_open();
   ++counters_.searches;
   counters_.pairs += static_cast<std::int64_t>(found_.size());
   list_.clear();
