@@ -62,18 +62,23 @@ void RoundOffset::add(const ClipperLib::Path& chain, bool is_closed) {
 void RoundOffset::follow(const ClipperLib::Path& loop, std::size_t first) {
   ClipperLib::Path side;
   const std::size_t size = loop.size();
+  const auto point = [&](std::size_t i) -> const IntPoint& { return loop[i % size]; };
+  Vector2d before = right_of(point(first + size - 1), point(first));
   for (std::size_t i = first; i < first + size; ++i) {
-    const IntPoint& at = loop[i % size];
-    const Vector2d before = right_of(loop[(i + size - 1) % size], at);
-    const Vector2d after = right_of(at, loop[(i + 1) % size]);
+    const IntPoint& at = point(i);
+    const IntPoint& last = point(i + size - 1);
+    const IntPoint& next = point(i + 1);
+    if (last == next) before = right_of(last, at);  // the end of an open chain
+    const Vector2d after = right_of(at, next);
     const double cross = before.x() * after.y() - after.x() * before.y();
     const double dot = before.x() * after.x() + after.y() * before.y();
     side.push_back(shifted(at, before, radius_));
-    if (std::abs(cross * radius_) < 1.0 && dot > 0.0) continue;  // both ends of the arc are about one grid point
-    if (cross < 0.0) {                                           // the union removes the loop that this point makes
+    // Both ends of the arc are about one grid point. Turns add up until they matter.
+    if (std::abs(cross * radius_) < 1.0 && dot > 0.0) continue;
+    if (cross < 0.0) {  // the union removes the loop that this point makes
       side.push_back(at);
     } else {
-      const double angle = std::abs(arc_tangent(std::clamp(cross, -1.0, 1.0), dot));
+      const double angle = std::abs(arc_tangent(std::min(cross, 1.0), dot));
       Vector2d normal = before;
       for (ClipperLib::cInt chord = nearest_whole(chords_a_radian_ * angle); chord > 1; --chord) {
         normal = Vector2d{normal.x() * cosine_ - sine_ * normal.y(), normal.x() * sine_ + normal.y() * cosine_};
@@ -81,6 +86,7 @@ void RoundOffset::follow(const ClipperLib::Path& loop, std::size_t first) {
       }
     }
     side.push_back(shifted(at, after, radius_));
+    before = after;
   }
   sides_.push_back(std::move(side));
 }
