@@ -7,6 +7,11 @@
 #include "server/core/fem/element/state.h"
 #include "server/core/fem/model/model.h"
 
+namespace kerf {
+template <class T>
+struct Fields;
+}  // namespace kerf
+
 namespace kerf::sheet {
 
 // Measures the motion of all vertices in a window of time: the extent of each vertex's path, and its mean position in
@@ -28,6 +33,7 @@ class MotionWindow {
   [[nodiscard]] double length() const { return length_; }
 
  private:
+  friend struct Fields<MotionWindow>;
   double length_;
   double time_ = 0.0;                     // s, since begin()
   Eigen::Index num_vertices_ = 0;         // number of vertices; the arrays may have room for more
@@ -85,6 +91,7 @@ class RestWatch {
   [[nodiscard]] bool is_at_rest() const { return is_at_rest_; }
 
  private:
+  friend struct Fields<RestWatch>;
   double size_;
   double calm_time_ = 0.0;  // s, simulated time since the last disturb()
   double energy_ = 0.0;     // J, mean kinetic energy over about a second
