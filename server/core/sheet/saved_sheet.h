@@ -33,7 +33,7 @@ struct SavedHeader {
 Result<SavedHeader> read_saved_header(std::string_view saved);
 
 // Returns a hash of what this build computes: of small sheets after some ticks. Builds with equal hashes give equal
-// bits, as far as these sheets show. The first call takes some milliseconds.
+// bits, as far as these sheets show. The first call takes some 20 ms.
 std::uint64_t engine_hash();
 
 }  // namespace kerf::sheet
