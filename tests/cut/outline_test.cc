@@ -1,12 +1,15 @@
 #include "server/core/cut/outline.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <polyclipping/clipper.hpp>
 
 #include "server/base/random.h"
+#include "server/core/cut/round_offset.h"
 #include "server/core/cut/segment_distance.h"
 #include "tests/support/trials.h"
 
@@ -118,6 +121,37 @@ TEST(Outline, HasAllOfTheStripWhereStrokesShareChords) {
   for (std::size_t i = 0; i < cases.size(); ++i) {
     for (const double width : {0.01, 0.1, 0.4}) EXPECT_EQ(count_misplaced(cases[i], width, random), 0) << i;
   }
+}
+
+// Clipper's own offset takes its angles from the C library, whose last bits differ by processor.
+TEST(RoundOffset, IsThatOfClipperUpToItsRounding) {
+  const int trials = test::num_trials({20, 200, 5000});
+  int equal = 0;
+  for (int trial = 0; trial < trials; ++trial) {
+    SeededRandom random(test::first_seed() + static_cast<std::uint64_t>(trial));
+    ClipperLib::Path chain;
+    const std::size_t size = 2 + random.below(8);
+    while (chain.size() < size) chain.emplace_back(random.below(1'000'000), random.below(1'000'000));
+    const bool is_closed = size > 2 && trial % 2 == 0;
+    const double radius = std::pow(10.0, random.uniform(-1.0, 5.3));
+    const double tolerance = radius * random.uniform(0.01, 0.3);
+
+    ClipperLib::ClipperOffset clipper;
+    clipper.ArcTolerance = tolerance;
+    clipper.AddPath(chain, ClipperLib::jtRound, is_closed ? ClipperLib::etClosedLine : ClipperLib::etOpenRound);
+    ClipperLib::Paths expected;
+    clipper.Execute(expected, radius);
+    RoundOffset offset(radius, tolerance);
+    offset.add(chain, is_closed);
+    const ClipperLib::Paths loops = offset.united();
+
+    double area = 0.0, expected_area = 0.0;
+    for (const ClipperLib::Path& loop : loops) area += ClipperLib::Area(loop);
+    for (const ClipperLib::Path& loop : expected) expected_area += ClipperLib::Area(loop);
+    EXPECT_NEAR(area, expected_area, 1e-5 * expected_area + 1e6) << "seed " << test::first_seed() << " + " << trial;
+    equal += loops == expected ? 1 : 0;
+  }
+  EXPECT_GE(equal, trials * 9 / 10);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include "server/base/check.h"
 #include "server/core/contact/prepared_collider.h"
+#include "server/core/linear/rotation.h"
 
 namespace kerf::contact {
 
@@ -123,7 +124,7 @@ void PreparedCollider::take(const OrientedBox& box) {
   origin_ = box.centre;
   vector_ = box.half_extents;
   if (box.axis.stableNorm() > 0.0) {
-    rotation_ = Eigen::AngleAxisd(box.angle, box.axis.stableNormalized()).toRotationMatrix();
+    rotation_ = linear::rotation_about(box.axis.stableNormalized(), box.angle);
   }
 }
 

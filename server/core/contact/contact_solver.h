@@ -12,6 +12,11 @@
 #include "server/core/linear/vertex_field.h"
 #include "server/core/mesh/vertex_lanes.h"
 
+namespace kerf {
+template <class T>
+struct Fields;
+}  // namespace kerf
+
 namespace kerf::contact {
 
 // Counts since the solver was constructed. All stay zero without colliders.
@@ -86,6 +91,7 @@ class ContactSolver {
   void resolve(double dt, const linear::VertexField& x_before, linear::VertexField& x, linear::VertexField& v);
 
  private:
+  friend struct Fields<ContactSolver>;
   struct Penetration {
     const PreparedCollider* collider = nullptr;
     double depth = 0.0;  // m

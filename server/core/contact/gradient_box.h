@@ -9,6 +9,7 @@
 
 #include <Eigen/Core>
 
+#include "server/base/elementary.h"
 #include "server/core/mesh/ids.h"
 
 namespace kerf::contact {
@@ -88,7 +89,7 @@ inline bool GradientBox::is_flat() const {
     std::array<Eigen::Array2f, kSectors + 1> ends;
     for (std::size_t k = 0; k <= kSectors; ++k) {
       const double angle = std::numbers::pi * static_cast<double>(k) / kSectors;
-      ends[k] = Eigen::Array2d(std::cos(angle), std::sin(angle)).cast<float>();
+      ends[k] = Eigen::Array2d(cosine(angle), sine(angle)).cast<float>();
     }
     return ends;
   }();

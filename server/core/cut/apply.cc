@@ -4,6 +4,7 @@
 #include <string>
 
 #include "server/base/check.h"
+#include "server/base/elementary.h"
 #include "server/core/cut/bisection.h"
 #include "server/core/cut/crossed_triangles.h"
 #include "server/core/cut/cut.h"
@@ -260,7 +261,7 @@ class Cutter {
   // Returns most insertions for the grading: about ten times the triangles that fill the area around the tips at the
   // graded lengths.
   [[nodiscard]] std::int64_t insertions_around(const mesh::TipGrading& grading) const {
-    const double growth = std::log(std::max(plan_.edge_length_m / spacing_ / grading.length, 1.0));
+    const double growth = logarithm(std::max(plan_.edge_length_m / spacing_ / grading.length, 1.0));
     const double per_tip = kInsertionsPerTip * (1.0 + growth) / (grading.gradient * grading.gradient);
     return grading.tips.empty() ? 0 : std::llround(static_cast<double>(grading.tips.size()) * per_tip);
   }

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "server/base/elementary.h"
 #include "server/base/sort_unique.h"
 #include "server/core/mesh/id_map.h"
 #include "server/core/mesh/lip_corner.h"
@@ -24,7 +25,7 @@ constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr double kAngleRounding = 1.0e-6;
 
 double angle_of(double cosine) {
-  return std::acos(std::clamp(cosine, -1.0, 1.0)) * kDegrees;
+  return arc_cosine(std::clamp(cosine, -1.0, 1.0)) * kDegrees;
 }
 
 std::array<PointId, 3> sorted(std::array<PointId, 3> points) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "server/base/check.h"
+#include "server/base/elementary.h"
 
 namespace kerf::cut {
 
@@ -95,7 +96,7 @@ class Crossings {
     for (std::size_t i = first + 1; i < last; ++i) {
       const Vector2d before = points_[i] - points_[i - 1];
       const Vector2d after = points_[i + 1] - points_[i];
-      const double turn = std::abs(std::atan2(before.x() * after.y() - before.y() * after.x(), before.dot(after)));
+      const double turn = std::abs(arc_tangent(before.x() * after.y() - before.y() * after.x(), before.dot(after)));
       const double curvature = 2.0 * turn / (before.norm() + after.norm());
       if (curvature <= largest) continue;
       largest = curvature;

@@ -10,6 +10,8 @@
 
 #include <polyclipping/clipper.hpp>
 
+#include "server/base/elementary.h"
+#include "server/core/cut/round_offset.h"
 #include "server/core/cut/simplify.h"
 
 namespace kerf::cut {
@@ -21,8 +23,8 @@ using std::numbers::pi;
 // Fraction of the tolerance for the chords of arcs at corners and ends; the rest is for leaving out points. -
 constexpr double kArcShare = 0.4;
 
-// Factor on the distance of a chord from its arc. Clipper rounds the number of chords, so one chord may span 1.5 times
-// the angle, which makes its distance 1.5^2 times as large.  -
+// Factor on the distance of a chord from its arc. RoundOffset rounds the number of chords, so one chord may span 1.5
+// times the angle, which makes its distance 1.5^2 times as large.  -
 constexpr double kChordRounding = 2.25;
 
 // Bound on Clipper's rounding of offset points and crossings to its grid, and tolerance for straightening chords
@@ -119,7 +121,7 @@ double turn_after(const std::vector<Vector2d>& points, bool is_closed, std::size
   if (is_last && !is_closed) return pi;
   const Vector2d along = points[i + 1] - points[i];
   const Vector2d next = (is_last ? points[1] : points[i + 2]) - points[i + 1];
-  return std::abs(std::atan2(along.x() * next.y() - along.y() * next.x(), along.dot(next)));
+  return std::abs(arc_tangent(along.x() * next.y() - along.y() * next.x(), along.dot(next)));
 }
 
 struct Chord {
@@ -130,8 +132,8 @@ struct Chord {
 std::vector<Chord> strips_of_chords(const std::vector<Chain>& chains, const Grid& grid, double radius,
                                     double arc_tolerance) {
   const Vector2d margin = Vector2d::Constant(radius);
-  // Uses Clipper's own formula.
-  const double points_a_turn = pi / std::acos(1.0 - std::min(0.25, arc_tolerance / kChordRounding / radius));
+  // Uses the formula of RoundOffset.
+  const double points_a_turn = pi / arc_cosine(1.0 - std::min(0.25, arc_tolerance / kChordRounding / radius));
   std::vector<Chord> chords;
   for (const Chain& chain : chains) {
     std::vector<Vector2d> points;
@@ -165,14 +167,9 @@ bool exceeds_work_budget(std::vector<Chord> chords) {
 }
 
 ClipperLib::Paths offset(const std::vector<Chain>& chains, double radius, double arc_tolerance, const Grid& grid) {
-  ClipperLib::ClipperOffset offsetter;
-  offsetter.ArcTolerance = arc_tolerance / kChordRounding / grid.spacing();
-  for (const auto& [points, is_closed] : chains) {
-    offsetter.AddPath(points, ClipperLib::jtRound, is_closed ? ClipperLib::etClosedLine : ClipperLib::etOpenRound);
-  }
-  ClipperLib::Paths loops;
-  offsetter.Execute(loops, radius / grid.spacing());
-  return loops;
+  RoundOffset offsetter(radius / grid.spacing(), arc_tolerance / kChordRounding / grid.spacing());
+  for (const auto& [points, is_closed] : chains) offsetter.add(points, is_closed);
+  return offsetter.united();
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "server/base/elementary.h"
+
 namespace kerf::linear {
 namespace {
 
@@ -98,7 +100,7 @@ bool ConjugateGradient::is_too_slow(int iterations, double reached, double wante
   constexpr int kFirstJudged = 2;
   const int max_reuse_iterations = preconditioner_->max_reuse_iterations();
   if (max_reuse_iterations == 0 || iterations < kFirstJudged) return false;
-  return reached >= 1.0 || iterations * std::log(wanted) / std::log(reached) > max_reuse_iterations;
+  return reached >= 1.0 || iterations * logarithm(wanted) / logarithm(reached) > max_reuse_iterations;
 }
 
 }  // namespace kerf::linear

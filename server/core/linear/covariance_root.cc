@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "server/base/check.h"
+#include "server/base/elementary.h"
 
 namespace kerf::linear {
 namespace {
@@ -111,9 +112,9 @@ const Eigen::MatrixXd& CovarianceRoot::exact(const BlockMatrix& A) {
   factorise(M_, D_, row_);
   D_.array() += kRegularisation;
   if (options_.norm == EigenvalueNorm::kLog) {
-    D_ = D_.array().log10();
+    for (double& value : D_) value = decimal_logarithm(value);
   } else {
-    D_ = D_.array().pow(options_.power);
+    for (double& value : D_) value = power(value, options_.power);
   }
   root_.setZero();
   const Eigen::Index n = M_.rows();

@@ -13,6 +13,11 @@
 #include "server/core/mesh/ids.h"
 #include "server/core/mesh/mesh_data.h"
 
+namespace kerf {
+template <class T>
+struct Fields;
+}  // namespace kerf
+
 namespace kerf::mesh {
 
 // Location of a lattice point in the welded mesh. For kFace and kEdge it does not depend on how it was found.
@@ -204,6 +209,7 @@ class TriangleMesh {
   friend bool operator==(const TriangleMesh& a, const TriangleMesh& b);
 
  private:
+  friend struct Fields<TriangleMesh>;
   friend class MeshEditor;
   friend struct UndoLog;
 

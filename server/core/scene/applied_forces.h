@@ -13,6 +13,11 @@
 #include "server/core/scene/mesh_source.h"
 #include "server/core/scene/sheet_config.h"
 
+namespace kerf {
+template <class T>
+struct Fields;
+}  // namespace kerf
+
 namespace kerf::scene {
 
 // Distributes the loads of a scene over the vertices, triangles and edges of its sheet, and follows cuts. Without loads
@@ -40,6 +45,7 @@ class AppliedForces {
   void set(const Instant& now, const mesh::TriangleMesh& mesh, const fem::Model& model, fem::Loads& loads) const;
 
  private:
+  friend struct Fields<AppliedForces>;
   struct Share {
     mesh::VertexId vertex = mesh::kNone;
     Eigen::Vector3d force = Eigen::Vector3d::Zero();  // N, when the factor of the load's history is 1

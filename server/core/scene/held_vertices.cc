@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include <Eigen/Geometry>
-
+#include "server/core/linear/rotation.h"
 #include "server/core/scene/material_point.h"
 #include "server/core/scene/region.h"
 
@@ -15,7 +14,7 @@ namespace {
 using mesh::VertexId;
 
 Eigen::Matrix3d turn(const Rotation& rotation, double factor) {
-  return Eigen::AngleAxisd(factor * rotation.angle, rotation.axis.normalized()).toRotationMatrix();
+  return linear::rotation_about(rotation.axis.normalized(), factor * rotation.angle);
 }
 
 bool is_over(const Constraint& constraint, const Instant& now) {

@@ -16,6 +16,11 @@
 #include "server/core/scene/mesh_source.h"
 #include "server/core/scene/sheet_config.h"
 
+namespace kerf {
+template <class T>
+struct Fields;
+}  // namespace kerf
+
 namespace kerf::scene {
 
 inline constexpr double kForever = std::numeric_limits<double>::infinity();
@@ -55,6 +60,7 @@ class HeldVertices {
   [[nodiscard]] std::vector<fem::Clamp> clamps(const Instant& now) const;
 
  private:
+  friend struct Fields<HeldVertices>;
   struct Start {
     mesh::VertexId vertex = mesh::kNone;
     Eigen::Vector2d material = Eigen::Vector2d::Zero();                          // m

@@ -11,6 +11,11 @@
 #include "server/core/mesh/triangle_mesh.h"
 #include "server/core/scene/command.h"
 
+namespace kerf {
+template <class T>
+struct Fields;
+}  // namespace kerf
+
 // The family tree of a sheet's pieces. The mesh numbers its pieces 0..n-1 ("labels"), and if a piece falls apart, one
 // part keeps its label. Here each piece has an id as well. A piece that falls apart ends, and each of its parts is a
 // new piece with the old one as parent. Ids count from 1 and never name another piece. If an undo removes pieces, only
@@ -48,6 +53,7 @@ class Lineage {
   void restore(std::vector<PieceBirth> pieces) { pieces_ = std::move(pieces); }
 
  private:
+  friend struct Fields<Lineage>;
   std::vector<PieceBirth> pieces_;
   std::int64_t next_id_ = 1;
 };

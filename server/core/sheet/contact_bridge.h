@@ -19,6 +19,11 @@
 #include "server/core/scene/command.h"
 #include "server/core/sheet/cluster_inertia.h"
 
+namespace kerf {
+template <class T>
+struct Fields;
+}  // namespace kerf
+
 namespace kerf::sheet {
 
 // Connects ContactSolver to the interface through which integrators call contact, since fem and contact may not include
@@ -76,6 +81,7 @@ class ContactBridge : public fem::ContactConstraint {
   [[nodiscard]] std::int64_t blocks() const { return solver_.counters().blocks; }
 
  private:
+  friend struct Fields<ContactBridge>;
   contact::ContactSolver solver_;
   contact::SelfContact self_contact_;
   ClusterInertia clusters_;

@@ -12,6 +12,11 @@
 #include "server/core/sheet/done_cut.h"
 #include "server/core/sheet/undo_history.h"
 
+namespace kerf {
+template <class T>
+struct Fields;
+}  // namespace kerf
+
 namespace kerf::sheet {
 
 // Numbers the applied cuts of a sheet. Keeps the family tree of its pieces and the history for undo and redo.
@@ -37,6 +42,7 @@ class CutLog {
   void restore_pieces(std::vector<scene::PieceBirth> pieces) { lineage_.restore(std::move(pieces)); }
 
  private:
+  friend struct Fields<CutLog>;
   UndoHistory history_;
   scene::Lineage lineage_;
   std::int64_t num_cuts_ = 0;

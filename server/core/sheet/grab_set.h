@@ -14,6 +14,11 @@
 #include "server/core/sheet/sheet.h"
 #include "server/core/sheet/vertex_ancestry.h"
 
+namespace kerf {
+template <class T>
+struct Fields;
+}  // namespace kerf
+
 namespace kerf::sheet {
 
 // The grabs of a sheet, in the order in which they were made; it follows cuts. A grab of a vertex stays at this vertex
@@ -51,6 +56,7 @@ class GrabSet {
   [[nodiscard]] bool empty() const { return grabs_.empty(); }
 
  private:
+  friend struct Fields<GrabSet>;
   [[nodiscard]] std::vector<GrabState>::iterator find(const std::string& grab_id);
 
   std::vector<GrabState> grabs_;

@@ -14,6 +14,11 @@
 #include "server/core/scene/sheet_config.h"
 #include "server/core/scene/sheet_materials.h"
 
+namespace kerf {
+template <class T>
+struct Fields;
+}  // namespace kerf
+
 namespace kerf::sheet {
 
 // The materials of a sheet, and the softening of its membrane (Fidelity::kRealTime). A value that is cheap to copy. All
@@ -40,6 +45,7 @@ class MaterialSetup {
   [[nodiscard]] bool is_damped() const;
 
  private:
+  friend struct Fields<MaterialSetup>;
   std::shared_ptr<const scene::SheetMaterials> materials_;
   std::optional<fem::Softening> softening_;
 };

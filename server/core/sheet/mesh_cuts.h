@@ -7,6 +7,7 @@
 
 #include "server/base/phase_observer.h"
 #include "server/base/result.h"
+#include "server/core/cut/cut.h"
 #include "server/core/fem/element/material.h"
 #include "server/core/linear/vertex_field.h"
 #include "server/core/mesh/triangle_mesh.h"

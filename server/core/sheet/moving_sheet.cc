@@ -36,6 +36,7 @@ void MovingSheet::refresh_conditions() {
 
 void MovingSheet::set_loads(double time) {
   set_conditions({time, 1.0}, dt_);
+  stepper_.hold(conditions_.loads().pins);
   grabs_.set(stepper_.integrator(), model_, dt_, conditions_.grabs());
 }
 
@@ -162,6 +163,16 @@ void MovingSheet::restore(const MovingState& to) {
   stepper_.set_self_contact(to.self_contact);
   rebuild();
   stepper_.restore(to.failed_steps, to.is_frozen);
+}
+
+void MovingSheet::resume() {
+  model_ = materials_.make_model(config(), mesh_);
+  stepper_.contact().set_half_thickness(materials_.half_thickness());
+  stepper_.contact().set_vertices(mesh_.num_vertices(), pins_.vertices(), removed_);
+  stepper_.resume();
+  conditions_.resume();
+  set_conditions(conditions().now, 0.0);
+  rebuild();
 }
 
 fem::TickCost MovingSheet::expected_cost() const {

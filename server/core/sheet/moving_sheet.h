@@ -19,6 +19,11 @@
 #include "server/core/sheet/time_stepper.h"
 #include "server/core/sheet/vertex_ancestry.h"
 
+namespace kerf {
+template <class T>
+struct Fields;
+}  // namespace kerf
+
 namespace kerf::sheet {
 
 // The sheet as a mechanical body: mesh, model, state, pins, grabs, loads, and the stepper that moves it. It does not
@@ -76,6 +81,8 @@ class MovingSheet {
   [[nodiscard]] MovingState initial_state() const;
   // Returns to another state, without grabs.
   void restore(const MovingState& to);
+  // Derives everything else after all members that Fields lists were set.
+  void resume();
 
   [[nodiscard]] const scene::SheetConfig& config() const { return *initial_->config; }
   [[nodiscard]] const InitialState& initial() const { return *initial_; }
@@ -99,6 +106,7 @@ class MovingSheet {
   void add_to(StateHash& hash) const;
 
  private:
+  friend struct Fields<MovingSheet>;
   // Pins exactly `vertices` (sorted, unique), each where it is now.
   void pin(std::vector<mesh::VertexId> vertices);
   void rebuild();

@@ -7,6 +7,11 @@
 #include "server/core/fem/element/state.h"
 #include "server/core/mesh/mesh_edit.h"
 
+namespace kerf {
+template <class T>
+struct Fields;
+}  // namespace kerf
+
 namespace kerf::sheet {
 
 // The pinned vertices of a sheet, and the place at which each is held.
@@ -24,6 +29,7 @@ class PinSet {
   [[nodiscard]] std::vector<fem::Pin> lost_by(const mesh::MeshEdit& edit) const;
 
  private:
+  friend struct Fields<PinSet>;
   std::vector<mesh::VertexId> vertices_;
   std::vector<fem::Pin> holds_;
   std::int32_t version_ = 0;

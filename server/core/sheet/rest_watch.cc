@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "server/base/elementary.h"
+
 namespace kerf::sheet {
 
 void MotionWindow::make_room(Eigen::Index num_vertices) {
@@ -103,7 +105,7 @@ void RestWatch::after_tick(const fem::Model& model, const Tick& tick, fem::State
   is_calm_ = tick.damps && tick.gravity > 0.0 && calm_time_ >= kCalmAfter;
   if (is_calm_) {
     const double rate = kDampingRate * std::sqrt(tick.gravity / size_) * (1.0 - energy_ / calm_energy);
-    state.v *= std::exp(-rate * tick.dt);
+    state.v *= exponential(-rate * tick.dt);
   }
   if (!is_measuring_) {
     is_measuring_ = true;

@@ -7,6 +7,11 @@
 #include "server/core/fem/element/state.h"
 #include "server/core/fem/model/model.h"
 
+namespace kerf {
+template <class T>
+struct Fields;
+}  // namespace kerf
+
 namespace kerf::sheet {
 
 // Measures the motion of all vertices in a window of time: the extent of each vertex's path, and its mean position in
@@ -31,6 +36,7 @@ class MotionWindow {
   [[nodiscard]] double length() const { return length_; }
 
  private:
+  friend struct Fields<MotionWindow>;
   // Returns how far (m) vertex v has been from its last place in the window.
   [[nodiscard]] double extent_at(Eigen::Index v) const;
   // Returns the mean position of vertex v in a third of the window, minus its first one, m.
@@ -101,6 +107,7 @@ class RestWatch {
   [[nodiscard]] bool is_at_rest() const { return is_at_rest_; }
 
  private:
+  friend struct Fields<RestWatch>;
   double size_;
   double calm_time_ = 0.0;  // s, simulated time since the last disturb()
   double energy_ = 0.0;     // J, mean kinetic energy over about a second

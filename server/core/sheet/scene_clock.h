@@ -8,6 +8,11 @@
 
 #include "server/core/scene/sheet_config.h"
 
+namespace kerf {
+template <class T>
+struct Fields;
+}  // namespace kerf
+
 namespace kerf::sheet {
 
 // Progress of a sheet through the scheduled commands of its scene.
@@ -47,6 +52,7 @@ class SceneClock {
   void restore(const ScenePlace& place);
 
  private:
+  friend struct Fields<SceneClock>;
   std::shared_ptr<const scene::SheetConfig> config_;
   std::vector<std::size_t> schedule_;  // indices into config_->commands, sorted by tick
   double dt_;                          // s

@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
@@ -17,6 +18,11 @@
 #include "server/core/scene/command.h"
 #include "server/core/scene/sheet_config.h"
 #include "server/core/sheet/snapshot.h"
+
+namespace kerf {
+template <class T>
+struct Fields;
+}  // namespace kerf
 
 // Types that only some users of a sheet need; they include the headers that define them.
 namespace kerf::fem {
@@ -109,6 +115,14 @@ class Sheet {
   static Result<Sheet> create(scene::SheetConfig config);  // with fem::make_integrator
   static Result<Sheet> create(scene::SheetConfig config, IntegratorFactory make_integrator);
 
+  // Makes a sheet that continues as the one that save() wrote, bit for bit. `config`: that of the saved sheet. `saved`:
+  // all that save() wrote; only that may be given, as what is behind right checksums is not checked further. Errors:
+  // kDataLoss SAVED_SHEET_DAMAGED; kInvalidArgument SAVED_SHEET_FORMAT (no saved sheet, or of a newer version);
+  // kFailedPrecondition SAVED_SHEET_OF_ANOTHER_SCENE, SAVED_SHEET_OF_ANOTHER_BUILD (it would not continue alike); those
+  // of create().
+  static Result<Sheet> load(scene::SheetConfig config, std::string_view saved);
+  static Result<Sheet> load(scene::SheetConfig config, std::string_view saved, IntegratorFactory make_integrator);
+
   Sheet(const Sheet& other);
   Sheet& operator=(const Sheet& other);
   Sheet(Sheet&&) noexcept;
@@ -199,10 +213,19 @@ class Sheet {
   // Hashes the same without the tick, so that it has its first value again after a Reset.
   [[nodiscard]] std::uint64_t shape_hash() const;
 
+  // Hashes everything that decides the future of the sheet: besides the above also its history for undo and redo,
+  // pieces, versions, numbers, place in the schedule, failed steps and rest. Two sheets of one scene with equal hashes
+  // reply and move alike from now on. O(state + history).
+  [[nodiscard]] std::uint64_t continuation_hash() const;
+  // Writes the same to `sink`, in one call a section, see saved_sheet.h. Takes about 200 bytes a vertex, and at most
+  // 32 MiB of history. Call it between two ticks.
+  void save(const std::function<void(std::string_view)>& sink) const;
+
   // Returns the state that viewers get. Snapshot::topology is made again only if the topology has changed.
   [[nodiscard]] std::shared_ptr<const Snapshot> snapshot(const RunStats& stats = {}, bool with_strains = false) const;
 
  private:
+  friend struct Fields<Sheet>;
   struct Impl;
   explicit Sheet(std::unique_ptr<Impl> impl);
 

@@ -70,7 +70,11 @@ void SheetConditions::follow(const mesh::TriangleMesh& mesh, std::span<const mes
 
 void SheetConditions::restore(const ConditionValues& values) {
   values_ = values;
-  set_wind(values.wind);
+  resume();
+}
+
+void SheetConditions::resume() {
+  set_wind(values_.wind);
   clamped_.clear();
   mark_changed();
 }

@@ -14,6 +14,11 @@
 #include "server/core/scene/held_vertices.h"
 #include "server/core/scene/sheet_config.h"
 
+namespace kerf {
+template <class T>
+struct Fields;
+}  // namespace kerf
+
 namespace kerf::sheet {
 
 // The values from which the constraints and loads of a sheet follow at any instant.
@@ -49,6 +54,8 @@ class SheetConditions {
               const scene::BuiltMesh& initial);
   // Replaces the values. The model must have been made again before, so that it holds no slopes.
   void restore(const ConditionValues& values);
+  // Derives everything else after the values were set. The model holds no slopes yet.
+  void resume();
 
   [[nodiscard]] const ConditionValues& values() const { return values_; }
   [[nodiscard]] bool has_slopes() const { return values_.held_vertices.has_slopes(); }
@@ -60,6 +67,7 @@ class SheetConditions {
   [[nodiscard]] std::vector<fem::Grab>& grabs() { return loads_.grabs; }
 
  private:
+  friend struct Fields<SheetConditions>;
   std::shared_ptr<const scene::SheetConfig> config_;
   ConditionValues values_;
   fem::Loads loads_;

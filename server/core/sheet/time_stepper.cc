@@ -128,6 +128,11 @@ void TimeStepper::restore(std::int32_t failed_steps, bool is_frozen) {
   forget_counts();
 }
 
+void TimeStepper::resume() {
+  contact_.set_self_contact(contact_.self_contact());
+  integrator_.set_touches_itself(contact_.touches_itself());
+}
+
 fem::TickCost TimeStepper::expected_cost(const fem::Model& model, const fem::TickCounts& first) const {
   fem::TickCounts counts = last_counts_ ? *last_counts_ : first;
   if (!last_counts_ && contact_.touches_itself()) {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,11 @@
 #include "server/core/sheet/owned_integrator.h"
 #include "server/core/sheet/rest_watch.h"
 #include "server/core/sheet/sheet.h"
+
+namespace kerf {
+template <class T>
+struct Fields;
+}  // namespace kerf
 
 namespace kerf::sheet {
 
@@ -53,6 +59,9 @@ class TimeStepper {
   // Must be called after follow(), before the next step; once is enough for several calls of follow().
   void prepare() { integrator_->prepare(); }
 
+  // Must be called before the mobility of integrator() is asked for, with the pins of the coming step.
+  void hold(std::span<const fem::Pin> pins) { integrator_->hold(pins); }
+
   // Advances `state` by one tick. If the step fails or gives up, `state` does not change. Allocates no memory
   // unless the sheet touches itself.
   StepOutcome step(fem::Model& model, const fem::Loads& loads, const StopConditions& stop, fem::State& state);
@@ -72,6 +81,8 @@ class TimeStepper {
   [[nodiscard]] std::int32_t failed_steps() const { return failed_steps_; }
   [[nodiscard]] bool is_frozen() const { return is_frozen_; }
   void restore(std::int32_t failed_steps, bool is_frozen);
+  // Derives everything else after all members that Fields lists were set; rebuild() must be called next.
+  void resume();
 
   // Returns the expected cost of the next tick, if it is like the last one. `first`: counts to assume before the first
   // tick.
@@ -80,6 +91,7 @@ class TimeStepper {
   void forget_counts() { last_counts_.reset(); }
 
  private:
+  friend struct Fields<TimeStepper>;
   // Allocates all memory that a step needs. The integrator must follow the model already.
   void make_room(const fem::Model& model, const std::optional<fem::Softening>& softening, Eigen::Index num_vertices);
   // Returns false if the integrator ran out of memory or was interrupted; `state` is invalid then.

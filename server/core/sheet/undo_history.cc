@@ -14,12 +14,17 @@ Error nothing(const char* reason, const char* message) {
 
 }  // namespace
 
+std::size_t bytes_of(const UndoStep& step) {
+  std::size_t bytes = step.before_reset ? bytes_of(*step.before_reset) : 0;
+  for (const DoneCut& cut : step.cuts) bytes += bytes_of(cut);
+  return bytes;
+}
+
 void UndoHistory::add(std::vector<DoneCut> cuts) {
   for (const auto& step : undone_) bytes_ -= step->bytes;
   undone_.clear();
   UndoStep step;
   step.cuts = std::move(cuts);
-  for (const DoneCut& cut : step.cuts) step.bytes += bytes_of(cut);
   keep(std::move(step));
 }
 
@@ -27,7 +32,6 @@ void UndoHistory::add_reset(std::shared_ptr<const Checkpoint> before, std::int64
   for (const auto& step : undone_) bytes_ -= step->bytes;
   undone_.clear();
   UndoStep step;
-  step.bytes = bytes_of(*before);
   step.before_reset = std::move(before);
   step.beginning = beginning;
   keep(std::move(step));
@@ -37,12 +41,12 @@ void UndoHistory::redo_reset(std::shared_ptr<const Checkpoint> before) {
   UndoStep step = *done_.back();
   bytes_ -= step.bytes;
   done_.pop_back();
-  step.bytes = bytes_of(*before);
   step.before_reset = std::move(before);
   keep(std::move(step));
 }
 
 void UndoHistory::keep(UndoStep step) {
+  step.bytes = bytes_of(step);
   bytes_ += step.bytes;
   done_.push_back(std::make_shared<const UndoStep>(std::move(step)));
   while (!done_.empty() && (done_.size() > kMaxSteps || bytes_ > kMaxBytes)) {

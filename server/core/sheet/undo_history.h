@@ -8,6 +8,11 @@
 #include "server/base/result.h"
 #include "server/core/sheet/done_cut.h"
 
+namespace kerf {
+template <class T>
+struct Fields;
+}  // namespace kerf
+
 namespace kerf::sheet {
 
 struct Checkpoint;
@@ -19,6 +24,9 @@ struct UndoStep {
   std::int64_t beginning = 0;                      // for a Reset: CommandReply::beginning after it
   std::size_t bytes = 0;                           // approximate memory
 };
+
+// Returns an estimate of the memory of a step, bytes. It depends on sizes alone, not on capacities.
+std::size_t bytes_of(const UndoStep& step);
 
 // The steps that can be undone ("done") and redone ("undone"). Their number and memory are limited: the oldest done
 // steps are forgotten first. A plain value that is cheap to copy.
@@ -48,6 +56,7 @@ class UndoHistory {
   [[nodiscard]] std::size_t bytes() const { return bytes_; }
 
  private:
+  friend struct Fields<UndoHistory>;
   using Steps = std::vector<std::shared_ptr<const UndoStep>>;
 
   void keep(UndoStep step);

@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 
+#include "server/base/elementary.h"
 #include "server/service/wire/geometry_codec.h"
 
 namespace kerf::wire {
@@ -35,8 +36,8 @@ Status decode_camera(const v1::Camera& camera, const std::string& path, cut::Vie
   if (!(fov >= 1.0 && fov <= 179.0)) {
     return invalid_argument("FOV_OUT_OF_RANGE", "vertical_fov_deg must be 1..179", path + ".vertical_fov_deg");
   }
-  const double sine = towards.cross(up).norm() / (towards.norm() * up.norm());
-  if (!(sine > kLeastAngle)) {
+  const double sine_between = towards.cross(up).norm() / (towards.norm() * up.norm());
+  if (!(sine_between > kLeastAngle)) {
     return invalid_argument("CAMERA_SINGULAR", "eye and target must differ, and up must not point along the view",
                             path + ".up");
   }
@@ -47,7 +48,8 @@ Status decode_camera(const v1::Camera& camera, const std::string& path, cut::Vie
   view.view.row(1).head<3>() = back.cross(right);
   view.view.row(2).head<3>() = back;
   view.view.block<3, 1>(0, 3) = -(view.view.block<3, 3>(0, 0) * eye);
-  const double f = 1.0 / std::tan(0.5 * fov * std::numbers::pi / 180.0);
+  const double half_view = 0.5 * fov * std::numbers::pi / 180.0;  // rad
+  const double f = cosine(half_view) / sine(half_view);
   view.projection.setZero();
   view.projection(0, 0) = f * view.height_px / view.width_px;
   view.projection(1, 1) = f;

@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 
+#include "server/base/elementary.h"
 #include "server/core/linear/cross_matrix.h"
 
 namespace kerf::fem {
@@ -121,7 +122,7 @@ double follower_work(std::span<const ElementBlock> blocks, const Loads& loads, c
     const Vector3d t = (before.t + after.t).stableNormalized();
     const Vector3d p = before.arm - before.arm.dot(t) * t;
     const Vector3d q = after.arm - after.arm.dot(t) * t;
-    work -= moment.moment * std::atan2(p.cross(q).dot(t), p.dot(q));
+    work -= moment.moment * arc_tangent(p.cross(q).dot(t), p.dot(q));
   }
   return work;
 }

@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 
+#include "server/base/elementary.h"
 #include "server/core/fem/element/rest_bending.h"
 #include "server/core/linear/cross_matrix.h"
 
@@ -39,7 +40,7 @@ Hinge::Hinge(const std::array<Vector3d, 4>& x, const HingeSize& rest) : edge_(x[
   for (Wing& wing : wings_) wing.rate *= wing.share;
   if (wings_[0].unit.isZero(0.0) || wings_[1].unit.isZero(0.0)) return;
   // Exact at small angles and near pi, unlike an arc cosine.
-  theta_ = 2.0 * std::atan2((wings_[0].unit - wings_[1].unit).norm(), (wings_[0].unit + wings_[1].unit).norm());
+  theta_ = 2.0 * arc_tangent((wings_[0].unit - wings_[1].unit).norm(), (wings_[0].unit + wings_[1].unit).norm());
   if (wings_[0].unit.dot(wings_[1].corner) < 0.0) theta_ = -theta_;
 }
 

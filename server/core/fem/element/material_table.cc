@@ -6,14 +6,15 @@
 #include <Eigen/LU>
 
 #include "server/base/check.h"
+#include "server/base/elementary.h"
 #include "server/core/fem/element/membrane_curvature.h"
 
 namespace kerf::fem {
 namespace {
 
 Eigen::Matrix2d rotation_into_material_axes(double direction) {
-  const double c = std::cos(direction);
-  const double s = std::sin(direction);
+  const double c = cosine(direction);
+  const double s = sine(direction);
   return Eigen::Matrix2d{
       {c, s},
       {-s, c},

@@ -7,6 +7,8 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "server/base/elementary.h"
+
 namespace kerf::fem {
 namespace {
 
@@ -20,8 +22,8 @@ Eigen::Vector3d voigt(const Eigen::Matrix2d& Q, const Eigen::Matrix2d& in_axes) 
 }  // namespace
 
 double membrane_curvature(const Eigen::Matrix3d& C, const Eigen::Vector2d& stretch, double angle) {
-  const double c = std::cos(angle);
-  const double s = std::sin(angle);
+  const double c = cosine(angle);
+  const double s = sine(angle);
   const Eigen::Matrix2d Q{
       {c, -s},
       {s, c},

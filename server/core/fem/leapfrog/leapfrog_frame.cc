@@ -28,7 +28,9 @@ double edge_length(const Model& model, std::int64_t num_triangles) {
 // Returns the unit, m, for positions up to `reach` (m) from the origin.
 double unit_of_positions(double reach, double edge) {
   constexpr double kUnits = 1 << 30;
-  return std::exp2(std::ceil(std::log2(std::max(reach, edge) / kUnits)));
+  int exponent = 0;
+  const double mantissa = std::frexp(std::max(reach, edge) / kUnits, &exponent);
+  return std::ldexp(1.0, mantissa > 0.5 ? exponent : exponent - 1);
 }
 
 // -, allowance for travel, in sizes of the sheet, beyond that by its speed. A sheet that springs back gets faster.

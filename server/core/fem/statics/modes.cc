@@ -13,6 +13,7 @@
 #include <Eigen/SparseCore>
 
 #include "server/base/check.h"
+#include "server/base/elementary.h"
 #include "server/core/fem/element/loads.h"
 #include "server/core/fem/model/model.h"
 
@@ -169,7 +170,7 @@ Pairs lanczos(const Matrix& stiffness, const Matrix& mass, const Eigen::MatrixXd
       inverse, product, count, num_vectors, shift);
   // Replaces the default random start, so that the same state gives the same modes.
   Eigen::VectorXd start(size);
-  for (int i = 0; i < size; ++i) start[i] = std::cos(1.0 + (1.7 + 0.3 * search) * i) + 0.5;
+  for (int i = 0; i < size; ++i) start[i] = cosine(1.0 + (1.7 + 0.3 * search) * i) + 0.5;
   start -= found * (found.transpose() * (mass * start));
   solver.init(start.data());
   const auto num_found =

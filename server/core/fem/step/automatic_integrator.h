@@ -44,6 +44,7 @@ class AutomaticIntegrator final : public Integrator {
   void follow(const Model& model) override;
   void prepare() override { chosen().prepare(); }
   StepStats step(const Model& model, const Loads& loads, double dt, ContactConstraint* contact, State& state) override;
+  void hold(std::span<const Pin> pins) override { chosen().hold(pins); }
   [[nodiscard]] double mobility(const Model& model, const Grab& grab) const override {
     return implicit_ ? implicit_->mobility(model, grab) : explicit_.mobility(model, grab);
   }

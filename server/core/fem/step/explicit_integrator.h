@@ -60,6 +60,7 @@ class ExplicitIntegrator final : public Integrator {
   void rebuild(const Model& model) override;
   void follow(const Model& model) override;
   StepStats step(const Model& model, const Loads& loads, double dt, ContactConstraint* contact, State& state) override;
+  void hold(std::span<const Pin> pins) override { inertia_.hold(pins); }
   [[nodiscard]] double mobility(const Model& model, const Grab& grab) const override;
   [[nodiscard]] std::string_view explanation() const override { return explanation_; }
   [[nodiscard]] IntegratorKind kind() const override { return IntegratorKind::kExplicit; }

@@ -150,8 +150,9 @@ void ExplicitIntegrator::add_terms_of_kicks(double h, double built_omega, Inerti
   bending_omega_ = bound;
   if (interval == 1) return;
   const double kick = interval * h;
+  constexpr double kPiCubed = std::numbers::pi * std::numbers::pi * std::numbers::pi;
   // Kicks are stable by themselves, and damped if modes swing at their pace: see bending_interval().
-  const double damped = std::pow(std::numbers::pi, 3) * xi_ / (kick * omega_);
+  const double damped = kPiCubed * xi_ / (kick * omega_);
   terms.bending_limit = kBelow * std::min(kLongestKick * kLongestKick, damped) / (kick * kick);
   terms.added.bending = (1.0 + 2.0 * longest(bending_beta_) / kick) / terms.bending_limit;
   bending_omega_ = std::min(bound, std::sqrt(terms.bending_limit));

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <string_view>
 
 #include "server/base/stop_condition.h"
@@ -14,6 +15,7 @@ class ContactConstraint;
 class Model;
 struct Grab;
 struct Loads;
+struct Pin;
 struct State;
 struct TickCost;
 struct TickCounts;
@@ -41,6 +43,8 @@ class Integrator {
   virtual StepStats step(const Model& model, const Loads& loads, double dt, ContactConstraint* contact,
                          State& state) = 0;
 
+  // Must be called before mobility() with the pins of the coming step. Does not allocate.
+  virtual void hold(std::span<const Pin> /*pins*/) {}
   // 1/kg, largest component of the change of velocity of the grab's point per impulse on it. It is the sum of weight^2
   // / m over the grab's vertices, unless they are in clusters.
   [[nodiscard]] virtual double mobility(const Model& model, const Grab& grab) const;

@@ -16,6 +16,8 @@
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 
+#include "server/base/elementary.h"
+
 namespace kerf::mesh {
 namespace {
 
@@ -255,8 +257,8 @@ std::vector<Complex> map_into_circle(const Component& part) {
   double along = 0.0;
   for (std::size_t k = 0; k < outer->size(); ++k) {
     const double angle = 2.0 * std::numbers::pi * along / whole;
-    x_given[(*outer)[k]] = std::cos(angle);
-    y_given[(*outer)[k]] = std::sin(angle);
+    x_given[(*outer)[k]] = cosine(angle);
+    y_given[(*outer)[k]] = sine(angle);
     along += (part.at[(*outer)[k]] - part.at[(*outer)[(k + 1) % outer->size()]]).norm();
   }
   const Eigen::VectorXd x = solve_for_free(size, entries, x_given);

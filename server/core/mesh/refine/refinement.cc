@@ -10,6 +10,7 @@
 
 #include <Eigen/LU>
 
+#include "server/base/elementary.h"
 #include "server/base/interruption.h"
 #include "server/core/mesh/lattice_geometry.h"
 #include "server/core/mesh/lip_corner.h"
@@ -55,7 +56,7 @@ double TipGrading::length_at(const LatticePoint& at) const {
 namespace {
 
 double cos_of(double angle_deg) {
-  return std::cos(angle_deg * std::numbers::pi / 180.0);
+  return cosine(angle_deg * std::numbers::pi / 180.0);
 }
 
 class Refinement {
