@@ -101,8 +101,7 @@ TEST(BentEdges, AreThoseOfASheetFoldedFlat) {
   const mesh::TriangleMesh mesh = grid(21);
   linear::VertexField x = flat_positions(mesh);
   for (mesh::VertexId v = 0; v < mesh.num_vertices(); ++v) x(0, v) = std::min(x(0, v), 1.0 - x(0, v));
-  const auto edges = bent_edges(mesh, std::vector<Stroke>{{{{0.01, 0.52}, {0.99, 0.52}}}}, x,
-                                ShiftLimit{.near = 1e-3});
+  const auto edges = bent_edges(mesh, std::vector<Stroke>{{{{0.01, 0.52}, {0.99, 0.52}}}}, x, ShiftLimit{.near = 1e-3});
   EXPECT_GE(edges.size(), 7U);
   for (const auto& [p, q] : edges) {
     EXPECT_DOUBLE_EQ(mesh.point_position(p).x(), 0.5);
@@ -129,7 +128,8 @@ TEST(BentEdges, AreThoseOfAFoldNearTheStrokes) {
   // The diagonals of the quadrilateral across the fold are h / sqrt(2) from each other.
   EXPECT_EQ(bent_edges(mesh, across, x, ShiftLimit{.near = 0.999 * 0.05 / std::sqrt(2.0)}).size(), 7U);
   EXPECT_TRUE(bent_edges(mesh, across, x, ShiftLimit{.near = 1.001 * 0.05 / std::sqrt(2.0)}).empty());
-  EXPECT_TRUE(bent_edges(mesh, std::vector<Stroke>{{{{0.01, 0.52}, {0.12, 0.52}}}}, x, ShiftLimit{.near = 1e-3}).empty());
+  EXPECT_TRUE(
+      bent_edges(mesh, std::vector<Stroke>{{{{0.01, 0.52}, {0.12, 0.52}}}}, x, ShiftLimit{.near = 1e-3}).empty());
 }
 
 }  // namespace

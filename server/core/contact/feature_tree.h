@@ -40,8 +40,8 @@ class FeatureTree {
   // and by the tree.
   void find_pairs(const StraightMotion& motion, double reach, std::span<const float> slack, double thickness,
                   std::vector<FeaturePair>& pairs);
-  // Returns true if there are no such pairs because parts of the sheet are flat or far apart. Takes little time, and far
-  // less than find_pairs() where it is false. Pairs of features are not looked at.
+  // Returns true if there are no such pairs because parts of the sheet are flat or far apart. Takes little time, and
+  // far less than find_pairs() where it is false. Pairs of features are not looked at.
   bool is_apart(const StraightMotion& motion, double reach, std::span<const float> slack);
 
   // Returns true if find_pairs() or is_apart() has looked at the parts of the sheet, so that follow() may be called.
@@ -71,10 +71,10 @@ class FeatureTree {
     NodeBox box;                                // of the motion, in a frame that moves with `v`
     Eigen::Array4f v = Eigen::Array4f::Zero();  // m/s, mean of its vertices
     std::int32_t begin = 0, end = 0;
-    std::int32_t right = 0;                       // 0: a leaf
-    std::int32_t first_other = 0, end_other = 0;  // in others_: leaves of other nodes that meet its rectangle
-    bool is_whole = false;                        // its rectangle has no border or lip inside
-    Eigen::AlignedBox2d rectangle;                // material, m
+    std::int32_t right = 0;                         // 0: a leaf
+    std::int32_t first_other = 0, end_other = 0;    // in others_: leaves of other nodes that meet its rectangle
+    bool is_whole = false;                          // its rectangle has no border or lip inside
+    Eigen::AlignedBox2d rectangle;                  // material, m
     std::int32_t first_around = 0, end_around = 0;  // in arounds_: nodes that cover what meets `around`
     bool is_whole_around = false;
     Eigen::AlignedBox2d around;                     // material, m; a larger rectangle, within that of its parent
@@ -128,8 +128,8 @@ class FeatureTree {
   void extend_gradients(std::int32_t t, float since, std::span<const float> slack);
   // Returns true if the features listed with a strayed vertex lie in the rectangle around leaf `home`.
   [[nodiscard]] bool is_within_around(const StrayedGroup& group, const Node& home) const;
-  // Sets leaves_ to those whose boxes overlap `box`, which is in the frame of leaf `home`, with their features set. Those
-  // that are flat around it are left out if `may_skip`.
+  // Sets leaves_ to those whose boxes overlap `box`, which is in the frame of leaf `home`, with their features set.
+  // Those that are flat around it are left out if `may_skip`.
   void find_leaves(const NodeBox& box, std::int32_t home, bool may_skip);
   // Adds the pairs of a strayed vertex and of the features listed with it.
   void follow_group(const StrayedGroup& group);

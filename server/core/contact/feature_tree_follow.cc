@@ -68,7 +68,9 @@ void FeatureTree::extend_gradients(std::int32_t t, float since, std::span<const 
 }
 
 bool FeatureTree::is_within_around(const StrayedGroup& group, const Node& home) const {
-  const auto is_inside = [&](VertexId v) { return home.around.contains(features_.material[static_cast<std::size_t>(v)]); };
+  const auto is_inside = [&](VertexId v) {
+    return home.around.contains(features_.material[static_cast<std::size_t>(v)]);
+  };
   for (std::int32_t k = group.triangles.begin; k < group.triangles.end; ++k) {
     const std::int32_t t = strayed_triangles_[static_cast<std::size_t>(k)];
     const auto& corners = features_.triangles[static_cast<std::size_t>(t)].vertices;

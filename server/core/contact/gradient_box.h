@@ -32,7 +32,7 @@ struct TriangleShape {
 // Let |F - F0| <= rho for all triangles that cover a convex part of the material plane. Then |x(A) - x(B)| >=
 // (sigma_min(F0) - rho) |A - B| for any two of its points, as x(B) - x(A) is the integral of F (B - A). F0 is the
 // middle of the box, and rho half its diagonal. F moves straight too, so that both ends of the motion are enough.
-// A bent part often has no such F0, but for each direction d a unit vector w with w . F d >= lambda for all F.
+// A bent part often has no such F0. It is enough that each direction d has a unit vector w with w . F d >= lambda.
 class GradientBox {
  public:
   GradientBox() { most_.fill(Eigen::Array4f::Constant(-kInfinity)); }

@@ -226,7 +226,8 @@ void find_due_any(const std::array<std::vector<std::int32_t>, 4>& vertices, std:
 
 void find_marked_any(const std::array<std::vector<std::int32_t>, 4>& vertices, std::size_t count,
                      std::span<const float> marks, std::vector<std::int32_t>& marked) {
-  keep_by_sum(vertices, count, marks, [](V sum, std::size_t) { return hn::Gt(sum, hn::Zero(D())); }, marked);
+  keep_by_sum(
+      vertices, count, marks, [](V sum, std::size_t) { return hn::Gt(sum, hn::Zero(D())); }, marked);
 }
 
 }  // namespace

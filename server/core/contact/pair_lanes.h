@@ -67,8 +67,8 @@ void find_distances(FeaturePair::Kind kind, const std::array<std::vector<std::in
 void find_due(const std::array<std::vector<std::int32_t>, 4>& vertices, std::span<const float> path,
               std::span<const float> limit, std::vector<std::int32_t>& due);
 
-// Fills `marked` with the indices of those of the first `count` pairs, ascending, that have a vertex whose mark is not 0.
-// `marks`: >= 0, by vertex id. `vertices` have kLanePadding more entries.
+// Fills `marked` with the indices of those of the first `count` pairs, ascending, that have a vertex whose mark is not
+// 0. `marks`: >= 0, by vertex id. `vertices` have kLanePadding more entries.
 void find_marked(const std::array<std::vector<std::int32_t>, 4>& vertices, std::size_t count,
                  std::span<const float> marks, std::vector<std::int32_t>& marked);
 

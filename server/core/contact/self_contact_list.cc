@@ -240,7 +240,8 @@ void SelfContact::find_apart(double reach, const linear::VertexField& x, std::ve
 bool SelfContact::find_list_apart(const linear::VertexField& x) {
   found_.clear();
   wide_slack_.resize(base_slacks_.size());
-  std::transform(base_slacks_.begin(), base_slacks_.end(), wide_slack_.begin(), [](float base) { return kMost * base; });
+  std::transform(base_slacks_.begin(), base_slacks_.end(), wide_slack_.begin(),
+                 [](float base) { return kMost * base; });
   const bool was_apart = std::exchange(
       is_list_apart_, tree_.is_apart({x, v_list_, step_.h * (list_end_ - list_begin_)}, thickness_, wide_slack_));
   if (is_list_apart_) {

@@ -29,12 +29,13 @@
 // state.
 namespace kerf::cut {
 
-// How far the flip of an edge may move a sheet in space, m, >= 0. Edges beyond that are split instead, so that a bent
-// sheet keeps its shape.
+// Most by which the flip of an edge may move a sheet in space, m, >= 0. Edges beyond that are split instead, so that a
+// bent sheet keeps its shape.
 struct ShiftLimit {
-  double near = 0.0;                         // m, where something that the sheet touches may be near
-  double apart = 0.0;                        // m, elsewhere; >= near
-  std::span<const std::uint8_t> is_apart{};  // by vertex: 1 where nothing is near; vertices beyond its end are not apart
+  double near = 0.0;   // m, where something that the sheet touches may be near
+  double apart = 0.0;  // m, elsewhere; >= near
+  std::span<const std::uint8_t>
+      is_apart{};  // by vertex: 1 where nothing is near; vertices beyond its end are not apart
 };
 
 struct CutRequest {

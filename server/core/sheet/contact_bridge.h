@@ -61,7 +61,8 @@ class ContactBridge : public fem::ContactConstraint {
   // Distance that middle surfaces keep from each other, m.
   [[nodiscard]] double self_thickness() const { return settings_.thickness.value_or(2.0 * half_thickness_); }
   [[nodiscard]] bool touches_itself() const override { return settings_.is_on; }
-  // Sets is_apart to 1 for each vertex at positions x (m) to which no other part of the sheet is nearer than `reach` (m).
+  // Sets is_apart to 1 for each vertex at positions x (m) to which no other part of the sheet is nearer than `reach`
+  // (m).
   void find_apart(double reach, const linear::VertexField& x, std::vector<std::uint8_t>& is_apart) {
     self_contact_.find_apart(reach, x, is_apart);
   }

@@ -24,8 +24,8 @@ struct CutSurroundings {
   std::int32_t max_vertices = 0;  // most vertices that the mesh may have
   const PinSet& pins;
   const GrabSet& grabs;
-  const linear::VertexField& positions;         // 3 x V, m, world
-  const std::vector<fem::Material>& materials;  // by region of the mesh
+  const linear::VertexField& positions;                      // 3 x V, m, world
+  const std::vector<fem::Material>& materials;               // by region of the mesh
   std::optional<cut::ShiftLimit> most_shift = std::nullopt;  // absent if the sheet may pass through itself
   std::span<const scene::ComponentPlace> components = {};
 };

@@ -30,8 +30,8 @@ class MotionWindow {
   // from there in the window, plus its drift: the motion of its mean position at the present rate. If `slows` is true,
   // a drift that became slower during the window is taken to slow down further at that rate.
   [[nodiscard]] double expected_motion(double horizon, bool slows) const;
-  // Returns true if no vertex was farther than `extent` (m) from its last place in the window, and no mean position moved
-  // faster than `drift` (m/s).
+  // Returns true if no vertex was farther than `extent` (m) from its last place in the window, and no mean position
+  // moved faster than `drift` (m/s).
   [[nodiscard]] bool stays_within(double extent, double drift) const;
   [[nodiscard]] double length() const { return length_; }
 
@@ -71,18 +71,18 @@ class MotionWindow {
 // creeps by less than kTouchingDrift in a window.
 class RestWatch {
  public:
-  static constexpr double kCalmAfter = 5.0;      // s, time without disturbance after which a sheet may be calm
-  static constexpr double kCalmHeight = 4.0e-5;  // -, lift over the size; a calm sheet has less kinetic energy
-  static constexpr double kDampingRate = 0.8;    // -, largest decay rate of velocities over sqrt(g / size)
-  static constexpr double kShortWindow = 2.0;    // s, length of the short MotionWindow
-  static constexpr double kLongWindow = 8.0;     // s, length of the long MotionWindow
-  static constexpr double kHorizon = 60.0;       // s, time for which the motion is predicted
-  static constexpr double kSwing = 6.0;          // -, least length of a window over sqrt(size / g), to tell slowing
-                                                 // down from swinging
-  static constexpr double kTolerance = 9.0e-5;   // m, largest expected motion of a sheet at rest
-  static constexpr double kTouchingEnergy = 4.0;  // -
-  static constexpr double kTouchingExtent = 2e-3; // m, how far from its place a vertex may be
-  static constexpr double kTouchingDrift = 1e-4;  // m/s
+  static constexpr double kCalmAfter = 5.0;        // s, time without disturbance after which a sheet may be calm
+  static constexpr double kCalmHeight = 4.0e-5;    // -, lift over the size; a calm sheet has less kinetic energy
+  static constexpr double kDampingRate = 0.8;      // -, largest decay rate of velocities over sqrt(g / size)
+  static constexpr double kShortWindow = 2.0;      // s, length of the short MotionWindow
+  static constexpr double kLongWindow = 8.0;       // s, length of the long MotionWindow
+  static constexpr double kHorizon = 60.0;         // s, time for which the motion is predicted
+  static constexpr double kSwing = 6.0;            // -, least length of a window over sqrt(size / g), to tell slowing
+                                                   // down from swinging
+  static constexpr double kTolerance = 9.0e-5;     // m, largest expected motion of a sheet at rest
+  static constexpr double kTouchingEnergy = 4.0;   // -
+  static constexpr double kTouchingExtent = 2e-3;  // m, how far from its place a vertex may be
+  static constexpr double kTouchingDrift = 1e-4;   // m/s
 
   struct Tick {
     double gravity = 0.0;  // m/s^2, >= 0
