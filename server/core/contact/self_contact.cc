@@ -223,7 +223,8 @@ void SelfContact::find_contacts(const linear::VertexField& x, const linear::Vert
     if (gathering * interval * interval * h * h > gap) interval = std::sqrt(gap / gathering) / h;
     contacts_.push_back(contact);
   }
-  const int chosen = std::clamp(static_cast<int>(interval), 1, std::max(1, step_.substeps - substep));
+  // Pairs are not listed for longer than the list is good.
+  const int chosen = std::clamp(static_cast<int>(interval), 1, std::max(1, list_end_ - substep));
   next_phase_ = substep + chosen;
   const double tau = chosen * h, kicked = 0.5 * (substep == 0 ? tau : tau + h);
   std::size_t kept = 0;

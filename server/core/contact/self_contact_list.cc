@@ -235,6 +235,10 @@ void SelfContact::find_apart(double reach, const linear::VertexField& x, std::ve
   for (const FeaturePair& pair : found_) {
     for (const VertexId v : pair.vertices) is_apart[static_cast<std::size_t>(v)] = 0;
   }
+  // Lips that lie on each other were next to each other at rest.
+  for (const auto& ends : tree_.features().borders) {
+    for (const VertexId v : ends) is_apart[static_cast<std::size_t>(v)] = 0;
+  }
 }
 
 bool SelfContact::find_list_apart(const linear::VertexField& x) {

@@ -91,10 +91,13 @@ void RestWatch::after_tick(const fem::Model& model, const Tick& tick, fem::State
   for (Eigen::Index i = 0; i < state.v.cols(); ++i) {
     kinetic += 0.5 * model.mass()[static_cast<std::size_t>(i)] * state.v.col(i).squaredNorm();
   }
-  energy_ = calm_time_ == 0.0 ? kinetic : energy_ + std::min(tick.dt / kMeanOver, 1.0) * (kinetic - energy_);
+  const double share = std::min(tick.dt / kMeanOver, 1.0), touched = tick.touches ? 1.0 : 0.0;
+  energy_ = calm_time_ == 0.0 ? kinetic : energy_ + share * (kinetic - energy_);
+  touched_ = calm_time_ == 0.0 ? touched : touched_ + share * (touched - touched_);
+  const bool touches = touched_ > 0.5;
   calm_time_ += tick.dt;
   const double calm_energy =
-      (tick.touches ? kTouchingEnergy : 1.0) * kCalmHeight * size_ * model.masses().total() * tick.gravity;
+      (touches ? kTouchingEnergy : 1.0) * kCalmHeight * size_ * model.masses().total() * tick.gravity;
   // The weight gives the scale for speeds. Without weight every sheet counts as slow.
   const bool is_slow = tick.gravity == 0.0 || energy_ < calm_energy;
   if (!is_slow) {
@@ -119,7 +122,7 @@ void RestWatch::after_tick(const fem::Model& model, const Tick& tick, fem::State
     const bool settled =
         std::exchange(settles_[k], is_calm_ && window.length() * std::sqrt(tick.gravity / size_) >= kSwing &&
                                        window.expected_motion(kHorizon, true) <= kTolerance);
-    const bool creeps = tick.touches && is_calm_ && window.stays_within(kTouchingExtent, kTouchingDrift);
+    const bool creeps = touches && is_calm_ && window.stays_within(kTouchingExtent, kTouchingDrift);
     is_at_rest_ =
         is_at_rest_ || creeps || (settled && settles_[k]) || window.expected_motion(kHorizon, false) <= kTolerance;
     window.begin(state.x);

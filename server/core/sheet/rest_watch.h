@@ -111,6 +111,7 @@ class RestWatch {
   double size_;
   double calm_time_ = 0.0;  // s, simulated time since the last disturb()
   double energy_ = 0.0;     // J, mean kinetic energy over about a second
+  double touched_ = 0.0;    // -, share of the ticks over about a second in which the sheet touched itself
   bool is_calm_ = false;
   bool is_measuring_ = false;
   bool is_at_rest_ = false;

@@ -74,9 +74,10 @@ struct kerf::Fields<kerf::sheet::MotionWindow> {
 template <>
 struct kerf::Fields<kerf::sheet::RestWatch> {
   static void visit(auto& visitor, auto& of) {
-    auto& [size, calm_time, energy, is_calm, is_measuring, is_at_rest, windows, settles] = of;
+    auto& [size, calm_time, energy, touched, is_calm, is_measuring, is_at_rest, windows, settles] = of;
     kerf::visit(visitor, calm_time);
     kerf::visit(visitor, energy);
+    kerf::visit(visitor, touched);
     kerf::visit(visitor, is_calm);
     kerf::visit(visitor, is_measuring);
     kerf::visit(visitor, is_at_rest);
