@@ -10,6 +10,7 @@
 
 #include "server/core/contact/intersections.h"
 #include "server/core/fem/element/state.h"
+#include "server/core/fem/model/model.h"
 #include "server/core/sheet/sheet.h"
 #include "tests/support/self_contact_scenes.h"
 #include "tests/support/solid_triangles.h"

@@ -177,7 +177,8 @@ Eigen::Vector3d ContourFinder::shortening(const SheetFeatures& features, Pairs p
   constexpr double kGrazing = 0.1;  // -, least sine of the angle between edge and triangle
   const auto k = static_cast<std::size_t>(piercing);
   const Piercing& of = piercings[k];
-  const auto& [p, q] = features.edges[static_cast<std::size_t>(of.edge)].vertices;
+  const std::array<VertexId, 2>& ends = features.edges[static_cast<std::size_t>(of.edge)].vertices;
+  const VertexId p = ends[0], q = ends[1];
   const Eigen::Vector3d along = (at(x, q) - at(x, p)).normalized();
   const Eigen::Vector3d normal = normal_of(features.triangles[static_cast<std::size_t>(of.triangle)].vertices, x);
   const bool is_end = first_incidence_[k + 1] - first_incidence_[k] == 1;
