@@ -243,6 +243,29 @@ TEST(SelfContact, LeavesVerticesThatMeetNothingAlone) {
   EXPECT_EQ(sheet.contact.counters().contacts, 0);
 }
 
+// The second square lies 1 mm above the right half of the first one. What is on a border may lie on a lip.
+TEST(SelfContact, FindsWhereNothingElseOfTheSheetIsNear) {
+  constexpr int kCells = 8;
+  constexpr double kEdge = 0.02, kSize = kCells * kEdge, kHeight = 1e-3;
+  const mesh::TriangleMesh mesh = two_squares(kCells, kCells, kEdge);
+  Drift sheets(mesh, placed(mesh, [](const Vector2d& p, int piece) {
+                 return Vector3d(piece == 0 ? p.x() : p.x() - 0.5 * kSize - kEdge, p.y(), piece * kHeight);
+               }));
+  std::vector<std::uint8_t> is_apart;
+  for (const double reach : {0.5 * kHeight, 2.0 * kHeight}) {
+    sheets.contact.find_apart(reach, sheets.x, is_apart);
+    ASSERT_EQ(is_apart.size(), static_cast<std::size_t>(mesh.num_vertices()));
+    for (VertexId i = 0; i < mesh.num_vertices(); ++i) {
+      if (is_second(mesh, i, kCells, kEdge)) continue;
+      const Vector2d p = mesh.rest_position(i);
+      const bool is_inside = p.minCoeff() > 0.5 * kEdge && p.maxCoeff() < kSize - 0.5 * kEdge;
+      const bool is_below = p.x() > 0.5 * kSize - 1.5 * kEdge;  // with the triangles that reach below it
+      EXPECT_EQ(is_apart[static_cast<std::size_t>(i)] != 0, is_inside && !(is_below && reach > kHeight))
+          << p.transpose();
+    }
+  }
+}
+
 // An undo takes vertices away.
 TEST(SelfContact, ForgetsTheVerticesOfTheMeshBefore) {
   const mesh::TriangleMesh mesh = two_squares(4, 4, 0.02);
