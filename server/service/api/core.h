@@ -99,6 +99,27 @@ v1::Sheet encode_sheet(const host::SheetStatus& status);
 // Returns a callback that replies with the sheet's status; errors name `field`.
 host::Callback<host::SheetStatus> sheet_reply(Reply<v1::Sheet> reply, const char* field);
 
+// Names a request in the RequestLog and in a store; without a request_id the key is empty.
+struct RequestKey {
+  std::string key;
+  std::uint64_t body_hash = 0;
+
+  // Returns the name under which the host stores the request, with the answer that `encode` makes of its result.
+  template <typename T, typename Encode>
+  [[nodiscard]] host::RequestName<T> answered_by(Encode encode) const {
+    if (key.empty()) return nullptr;
+    return std::make_shared<const host::NamedRequest<T>>(host::NamedRequest<T>{
+        key, body_hash, [encode = std::move(encode)](const T& result) { return encode(result).SerializeAsString(); }});
+  }
+};
+
+// `method` separates the ids of different methods.
+template <typename Request>
+RequestKey key_of(const char* method, const Request& request) {
+  if (request.request_id().empty()) return {};
+  return {std::string(method) + ' ' + request.request_id(), RequestLog::hash_of(request.SerializeAsString())};
+}
+
 // Calls `perform` once for each request_id: see RequestLog. `method` separates the ids of different methods. `caller`
 // is triggered when the caller leaves. The token passed to `perform` is triggered once all callers that wait for its
 // reply have left.
@@ -108,17 +129,16 @@ void idempotent_while_wanted(const std::shared_ptr<ApiCore>& core, const char* m
                              const std::function<void(Reply<Response>, const std::stop_token&)>& perform) {
   if (request.request_id().empty()) return perform(std::move(reply), caller);
   if (const Status status = check_request_id(request.request_id()); !status.ok()) return reply(status.error());
-  const std::string key = std::string(method) + ' ' + request.request_id();
+  const auto [key, body_hash] = key_of(method, request);
   const auto repeat = [reply](const RequestLog::Outcome& known) {
     if (!known.ok()) return reply(known.error());
     Response response;
     response.ParseFromString(*known);
     reply(std::move(response));
   };
-  const std::optional<std::stop_token> all_left =
-      core->requests.begin(key, request.SerializeAsString(), repeat, caller);
+  const std::optional<std::stop_token> all_left = core->requests.begin(key, body_hash, repeat, caller);
   if (!all_left) return;
-  const auto finish = [core, key, reply](Result<Response> result) {
+  const auto finish = [core, key = key, reply](Result<Response> result) {
     core->requests.finish(
         key, result.ok() ? RequestLog::Outcome(result->SerializeAsString()) : RequestLog::Outcome(result.error()));
     reply(std::move(result));

@@ -6,6 +6,7 @@
 
 #include "kerf/v1/cuts.pb.h"
 #include "server/service/api/core.h"
+#include "server/service/api/cut_replies.h"
 #include "server/service/api/paging.h"
 #include "server/service/api/tick_advice.h"
 #include "server/service/host/playback.h"
@@ -15,97 +16,6 @@
 // Implements CutService.
 namespace kerf::api {
 namespace {
-
-// Returns one result for a Cut, and one per cut for a CutBatch, with equal shares of the times.
-std::vector<v1::CutResult> encode_results(const std::string& sheet_id, const host::CommandResult& result) {
-  const scene::CommandReply& reply = result.reply;
-  std::vector<v1::CutResult> messages = wire::encode_cut_results(reply);
-  const auto count = static_cast<double>(messages.size());
-  for (std::size_t i = 0; i < messages.size(); ++i) {
-    v1::CutResult& message = messages[i];
-    const std::int64_t number = reply.cut ? reply.cut->number : reply.batch[i].number;
-    if (message.status() == v1::CutResult::APPLIED) message.set_name(cut_name(sheet_id, number));
-    message.set_queued_us(result.timings.queued_us);
-    message.set_cut_us(result.timings.cut_us / count);
-    message.set_update_us(result.timings.update_us / count);
-    message.set_tick_before_us(result.timings.tick_before_us);
-    message.set_tick_after_us(result.timings.tick_after_us);
-    message.set_tick_budget_us(result.timings.budget_us);
-  }
-  const std::string warning = warning_of_slower_ticks(result.timings);
-  const auto last = std::find_if(messages.rbegin(), messages.rend(), [](const v1::CutResult& message) {
-    return message.status() == v1::CutResult::APPLIED;
-  });
-  if (!warning.empty() && last != messages.rend()) last->add_warnings(warning);
-  return messages;
-}
-
-// `results`: those of encode_results().
-v1::CreateCutsResponse encode_batch(const host::CommandResult& result, std::vector<v1::CutResult> results) {
-  v1::CreateCutsResponse response;
-  response.set_tick(result.reply.tick);
-  response.set_topology_version(result.reply.topology_version);
-  response.set_state_hash(wire::encode_hash(result.reply.state_hash));
-  response.set_queued_us(result.timings.queued_us);
-  response.set_cut_us(result.timings.cut_us);
-  response.set_update_us(result.timings.update_us);
-  response.set_tick_before_us(result.timings.tick_before_us);
-  response.set_tick_after_us(result.timings.tick_after_us);
-  response.set_tick_budget_us(result.timings.budget_us);
-  for (v1::CutResult& message : results) {
-    if (message.status() == v1::CutResult::APPLIED) response.set_applied(response.applied() + 1);
-    response.set_pieces(message.pieces());
-    response.set_new_vertices(response.new_vertices() + message.new_vertices());
-    response.set_new_triangles(response.new_triangles() + message.new_triangles());
-    *response.add_results() = std::move(message);
-  }
-  response.set_status(response.applied() > 0 ? v1::CutResult::APPLIED : v1::CutResult::NO_INTERSECTION);
-  return response;
-}
-
-v1::CutResult encode_one(const host::CommandResult& /*result*/, std::vector<v1::CutResult> results) {
-  return std::move(results.front());
-}
-
-v1::UndoResult encode_undo(const std::string& sheet_id, const host::CommandResult& result) {
-  const scene::UndoReply& undone = *result.reply.undone;
-  v1::UndoResult message;
-  for (const std::int64_t number : undone.cuts) message.add_cuts(cut_name(sheet_id, number));
-  message.set_reset(undone.reset);
-  message.set_tick(result.reply.tick);
-  message.set_topology_version(result.reply.topology_version);
-  message.set_pieces(undone.pieces);
-  message.set_state_hash(wire::encode_hash(result.reply.state_hash));
-  message.set_undo_steps(undone.undo_steps);
-  message.set_redo_steps(undone.redo_steps);
-  message.set_queued_us(result.timings.queued_us);
-  message.set_cut_us(result.timings.cut_us);
-  message.set_update_us(result.timings.update_us);
-  message.set_tick_before_us(result.timings.tick_before_us);
-  message.set_tick_after_us(result.timings.tick_after_us);
-  message.set_tick_budget_us(result.timings.budget_us);
-  return message;
-}
-
-// Returns the cuts of a Cut or CutBatch; none for other commands.
-std::vector<v1::Cut> cuts_of(const scene::Command& command) {
-  std::vector<v1::Cut> cuts;
-  if (const auto* cut = std::get_if<scene::Cut>(&command)) cuts.push_back(wire::encode_cut(*cut));
-  if (const auto* batch = std::get_if<scene::CutBatch>(&command)) {
-    for (const scene::Cut& cut : batch->cuts) cuts.push_back(wire::encode_cut(cut));
-  }
-  return cuts;
-}
-
-v1::ScheduledCuts encode_scheduled(const std::string& sheet_id, const scene::Command& command,
-                                   const host::ScheduleId& schedule_id) {
-  v1::ScheduledCuts message;
-  message.set_state(v1::ScheduledCuts::WAITING);
-  message.set_tick(schedule_id.at_tick);
-  if (schedule_id.number > 0) message.set_name(scheduled_name(sheet_id, schedule_id.number));
-  for (v1::Cut& cut : cuts_of(command)) *message.add_cuts() = std::move(cut);
-  return message;
-}
 
 // Drops "cut_batch." from the field of an error, because a request has the cuts of a batch directly. An error that a
 // sheet was not found gets the field "parent".
@@ -145,26 +55,35 @@ void keep_undone(CutJournal& journal, const std::string& sheet_id, bool is_redo,
 // replies `scheduled`. The cuts are encoded here, not on the sheet's strand.
 template <typename Response>
 void submit_cut(const std::shared_ptr<ApiCore>& core, const std::string& id, scene::Command command,
-                std::int64_t at_tick, Response scheduled, Reply<Response> answer, Encode<Response> encode) {
+                std::int64_t at_tick, const RequestKey& key, Reply<Response> answer, Encode<Response> encode) {
   if (at_tick > 0) {
-    scheduled.set_status(v1::CutResult::SCHEDULED);
-    scheduled.set_tick(at_tick);
-    core->host.schedule(id, std::move(command), at_tick, [id, answer, scheduled](const Result<std::int64_t>& number) {
-      if (!number.ok()) return answer(in_request(number.error()));
-      Response named = scheduled;
-      named.set_scheduled_name(scheduled_name(id, *number));
-      answer(std::move(named));
-    });
+    const auto encode_number = [id, at_tick](std::int64_t number) {
+      Response scheduled;
+      scheduled.set_status(v1::CutResult::SCHEDULED);
+      scheduled.set_tick(at_tick);
+      scheduled.set_scheduled_name(scheduled_name(id, number));
+      return scheduled;
+    };
+    core->host.schedule(
+        id, std::move(command), at_tick,
+        [answer, encode_number](const Result<std::int64_t>& number) {
+          if (!number.ok()) return answer(in_request(number.error()));
+          answer(encode_number(*number));
+        },
+        key.answered_by<std::int64_t>(encode_number));
     return;
   }
   const auto cuts = std::make_shared<std::vector<v1::Cut>>(cuts_of(command));
-  core->host.submit(id, std::move(command),
-                    [core, id, answer, encode, cuts](const Result<host::CommandResult>& result) {
-                      if (!result.ok()) return answer(in_request(result.error()));
-                      std::vector<v1::CutResult> results = encode_results(id, *result);
-                      keep_applied(core->journal, id, result->reply, std::move(*cuts), results);
-                      answer(encode(*result, std::move(results)));
-                    });
+  core->host.submit(
+      id, std::move(command),
+      [core, id, answer, encode, cuts](const Result<host::CommandResult>& result) {
+        if (!result.ok()) return answer(in_request(result.error()));
+        std::vector<v1::CutResult> results = encode_results(id, *result);
+        keep_applied(core->journal, id, result->reply, std::move(*cuts), results);
+        answer(encode(*result, std::move(results)));
+      },
+      key.answered_by<host::CommandResult>(
+          [id, encode](const host::CommandResult& result) { return encode(result, encode_results(id, result)); }));
 }
 
 // Cuts a copy of the sheet. `estimate`: the tick estimate of the sheet itself.
@@ -227,12 +146,16 @@ void submit_undo(const std::shared_ptr<ApiCore>& core, const char* method, const
   const Result<std::string> id = addressed_sheet(*core, request.parent(), "parent");
   if (!id.ok()) return reply(id.error());
   idempotent<v1::UndoResult>(core, method, request, std::move(reply), [&](Reply<v1::UndoResult> answer) {
-    core->host.submit(*id, is_redo ? scene::Command(scene::RedoCut{}) : scene::Command(scene::UndoCut{}),
-                      [core, id = *id, is_redo, answer = std::move(answer)](const Result<host::CommandResult>& result) {
-                        if (!result.ok()) return answer(with_field(result.error(), "parent"));
-                        keep_undone(core->journal, id, is_redo, result->reply);
-                        answer(encode_undo(id, *result));
-                      });
+    core->host.submit(
+        *id, is_redo ? scene::Command(scene::RedoCut{}) : scene::Command(scene::UndoCut{}),
+        [core, id = *id, is_redo, answer = std::move(answer)](const Result<host::CommandResult>& result) {
+          if (!result.ok()) return answer(with_field(result.error(), "parent"));
+          keep_undone(core->journal, id, is_redo, result->reply);
+          answer(encode_undo(id, *result));
+        },
+        key_of(method, request)
+            .template answered_by<host::CommandResult>(
+                [id = *id](const host::CommandResult& result) { return encode_undo(id, result); }));
   });
 }
 
@@ -291,7 +214,8 @@ void Api::create_cut(const v1::CreateCutRequest& request, Reply<v1::CutResult> r
     return try_cut<v1::CutResult>(core_, *id, std::move(*command), std::move(reply), encode_one);
   }
   idempotent<v1::CutResult>(core_, "CreateCut", request, std::move(reply), [&](Reply<v1::CutResult> answer) {
-    submit_cut<v1::CutResult>(core_, *id, std::move(*command), request.at_tick(), {}, std::move(answer), encode_one);
+    submit_cut<v1::CutResult>(core_, *id, std::move(*command), request.at_tick(), key_of("CreateCut", request),
+                              std::move(answer), encode_one);
   });
 }
 
@@ -308,8 +232,8 @@ void Api::create_cuts(const v1::CreateCutsRequest& request, Reply<v1::CreateCuts
   }
   idempotent<v1::CreateCutsResponse>(
       core_, "CreateCuts", request, std::move(reply), [&](Reply<v1::CreateCutsResponse> answer) {
-        submit_cut<v1::CreateCutsResponse>(core_, *id, std::move(*command), request.at_tick(), {}, std::move(answer),
-                                           encode_batch);
+        submit_cut<v1::CreateCutsResponse>(core_, *id, std::move(*command), request.at_tick(),
+                                           key_of("CreateCuts", request), std::move(answer), encode_batch);
       });
 }
 
@@ -321,13 +245,18 @@ void Api::cancel_scheduled_cuts(const v1::CancelScheduledCutsRequest& request, R
   if (!id.ok()) return reply(id.error());
   idempotent<v1::ScheduledCuts>(
       core_, "CancelScheduledCuts", request, std::move(reply), [&](Reply<v1::ScheduledCuts> answer) {
-        core_->host.cancel(*id, name->number,
-                           [id = *id, answer = std::move(answer)](const Result<host::ScheduledCommand>& cancelled) {
-                             if (!cancelled.ok()) return answer(with_field(cancelled.error(), "name"));
-                             v1::ScheduledCuts message = encode_scheduled(id, cancelled->command, cancelled->id);
-                             message.set_state(v1::ScheduledCuts::CANCELLED);
-                             answer(std::move(message));
-                           });
+        const auto encode = [id = *id](const host::ScheduledCommand& cancelled) {
+          v1::ScheduledCuts message = encode_scheduled(id, cancelled.command, cancelled.id);
+          message.set_state(v1::ScheduledCuts::CANCELLED);
+          return message;
+        };
+        core_->host.cancel(
+            *id, name->number,
+            [encode, answer = std::move(answer)](const Result<host::ScheduledCommand>& cancelled) {
+              if (!cancelled.ok()) return answer(with_field(cancelled.error(), "name"));
+              answer(encode(*cancelled));
+            },
+            key_of("CancelScheduledCuts", request).answered_by<host::ScheduledCommand>(encode));
       });
 }
 

@@ -1,5 +1,6 @@
 #include "server/service/api/request_log.h"
 
+#include <iterator>
 #include <span>
 #include <utility>
 
@@ -7,19 +8,24 @@
 #include "server/base/state_hash.h"
 
 namespace kerf::api {
-namespace {
 
-std::uint64_t hash_of(std::string_view body) {
+std::uint64_t RequestLog::hash_of(std::string_view body) {
   StateHash hash;
   hash.add_span(std::span<const char>(body));
   return hash.value();
 }
 
-}  // namespace
+void RequestLog::remember(std::string key, std::uint64_t body_hash, std::string response) {
+  const std::lock_guard lock(mutex_);
+  if (by_key_.contains(key)) return;
+  entries_.push_back({std::move(key), body_hash, true, std::move(response), {}, {}});
+  by_key_[entries_.back().key] = std::prev(entries_.end());
+  bytes_ += entries_.back().bytes();
+  forget_surplus();
+}
 
-std::optional<std::stop_token> RequestLog::begin(const std::string& key, std::string_view body, Waiter waiter,
+std::optional<std::stop_token> RequestLog::begin(const std::string& key, std::uint64_t body_hash, Waiter waiter,
                                                  const std::stop_token& caller) {
-  const std::uint64_t body_hash = hash_of(body);
   Outcome known = std::string();
   {
     const std::lock_guard lock(mutex_);

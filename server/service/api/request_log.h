@@ -34,12 +34,17 @@ class RequestLog {
   // finish(). The token is triggered once all callers with this key have left, as each one's `caller` signals.
   //
   // For later callers, returns nothing and calls `waiter` with the outcome of the first request, at once or once it is
-  // known. `waiter` gets kAlreadyExists REQUEST_ID_REUSED instead if `body` differs from that of the first (compared by
-  // a 64-bit hash).
-  std::optional<std::stop_token> begin(const std::string& key, std::string_view body, Waiter waiter,
+  // known. `waiter` gets kAlreadyExists REQUEST_ID_REUSED instead if `body_hash`, that of hash_of(), differs from that
+  // of the first.
+  std::optional<std::stop_token> begin(const std::string& key, std::uint64_t body_hash, Waiter waiter,
                                        const std::stop_token& caller = {});
 
   void finish(const std::string& key, const Outcome& outcome);
+  // Adds a request that was done before the server started, with its answer; an older one than those there already.
+  void remember(std::string key, std::uint64_t body_hash, std::string response);
+
+  // Returns the hash by which bodies are compared.
+  static std::uint64_t hash_of(std::string_view body);
 
  private:
   struct Entry {

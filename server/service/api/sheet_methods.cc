@@ -28,6 +28,7 @@ void make_sheet(const std::shared_ptr<ApiCore>& core, v1::CreateSheetRequest req
     return error;
   };
   if (!config.ok()) return reply(in_scene(config.error()));
+  const RequestKey key = key_of("CreateSheet", request);
   const auto create = [&](Reply<v1::Sheet> answer, const std::stop_token& all_left) {
     core->host.create_sheet(
         id, std::move(*config), request.paused(),
@@ -35,7 +36,7 @@ void make_sheet(const std::shared_ptr<ApiCore>& core, v1::CreateSheetRequest req
           if (!status.ok()) return answer(in_scene(status.error()));
           answer(encode_sheet(*status));
         },
-        all_left);
+        all_left, key.answered_by<host::SheetStatus>(encode_sheet));
   };
   idempotent_while_wanted<v1::Sheet>(core, "CreateSheet", request, std::move(reply), stop, create);
 }

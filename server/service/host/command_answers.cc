@@ -31,7 +31,11 @@ std::vector<Result<CommandResult>> command_results(const sheet::TickReport& repo
 }
 
 CommandAnswers::~CommandAnswers() {
-  while (next_ < pending_.size()) answer_next(out_of_memory());
+  refuse_all(out_of_memory());
+}
+
+void CommandAnswers::refuse_all(const Error& error) {
+  while (next_ < pending_.size()) answer_next(error);
 }
 
 void CommandAnswers::answer_next(const Result<CommandResult>& result) {

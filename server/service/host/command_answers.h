@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "server/base/result.h"
@@ -26,8 +27,7 @@ std::vector<Result<CommandResult>> command_results(const sheet::TickReport& repo
 // kResourceExhausted OUT_OF_MEMORY, because the tick has then run out of memory.
 class CommandAnswers {
  public:
-  // `pending` must outlive this; its commands may have been moved out.
-  explicit CommandAnswers(const std::vector<PendingCommand>& pending) : pending_(pending) {}
+  explicit CommandAnswers(std::vector<PendingCommand> pending) : pending_(std::move(pending)) {}
   ~CommandAnswers();
   CommandAnswers(const CommandAnswers&) = delete;
   CommandAnswers& operator=(const CommandAnswers&) = delete;
@@ -39,11 +39,16 @@ class CommandAnswers {
   void answer_all(const std::string& sheet_id, const scene::SheetConfig& config, const sheet::TickReport& report,
                   const std::vector<scene::Command>& commands, const std::vector<Result<CommandResult>>& results,
                   const CommandListener* listener);
+  // Passes `error` to the callback of each pending command.
+  void refuse_all(const Error& error);
+
+  // The commands themselves may have been moved out.
+  [[nodiscard]] std::vector<PendingCommand>& pending() { return pending_; }
 
  private:
   void answer_next(const Result<CommandResult>& result);
 
-  const std::vector<PendingCommand>& pending_;
+  std::vector<PendingCommand> pending_;
   std::size_t next_ = 0;  // Index of the pending command to be answered next.
 };
 

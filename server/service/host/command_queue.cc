@@ -9,28 +9,29 @@ namespace kerf::host {
 CommandQueue::CommandQueue(std::int32_t max_queued, std::int32_t max_scheduled, MetricsBoard& board)
     : max_queued_(max_queued), max_scheduled_(max_scheduled), board_(board) {}
 
-Status CommandQueue::push(scene::Command command, Callback<CommandResult>& done, Nanoseconds now) {
+Status CommandQueue::push(scene::Command command, Callback<CommandResult>& done, Nanoseconds now,
+                          RequestName<CommandResult> request) {
   const std::lock_guard lock(mutex_);
   if (queued_.size() >= static_cast<std::size_t>(max_queued_)) {
     return resource_exhausted("QUEUE_FULL", "the sheet has " + std::to_string(max_queued_) +
                                                 " commands waiting, its limit; try again after a tick");
   }
-  push_locked(std::move(command), std::move(done), now);
+  push_locked({std::move(command), std::move(done), now, {}, false, std::move(request)});
   return Nothing{};
 }
 
 void CommandQueue::push_release(std::string grab_id, Nanoseconds now) {
   const std::lock_guard lock(mutex_);
-  push_locked(
-      scene::Release{std::move(grab_id)}, [](const auto&) {}, now);
+  push_locked({scene::Release{std::move(grab_id)}, [](const auto&) {}, now});
 }
 
-void CommandQueue::push_locked(scene::Command command, Callback<CommandResult> done, Nanoseconds now) {
+void CommandQueue::push_locked(PendingCommand pending) {
   board_.update([](HostMetrics& m) { ++m.queued_commands; });
+  const scene::Command& command = pending.command;
   if (std::holds_alternative<scene::UndoCut>(command) || std::holds_alternative<scene::Reset>(command)) {
     has_revert_ = true;
   }
-  queued_.push_back({std::move(command), std::move(done), now});
+  queued_.push_back(std::move(pending));
 }
 
 std::vector<PendingCommand> CommandQueue::take_queued() {

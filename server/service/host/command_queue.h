@@ -21,6 +21,7 @@ struct PendingCommand {
   Nanoseconds queued_at{0};      // Time of push(); 0 for a command that was never queued.
   ScheduleId schedule_id{};      // Zeros for a command that was never scheduled.
   bool is_repeat = false;        // A Reset by the sheet itself, to repeat its scene.
+  RequestName<CommandResult> request{};
 };
 
 // Holds the waiting commands of one sheet. Queued commands wait for the next tick boundary, scheduled ones for a given
@@ -41,7 +42,8 @@ class CommandQueue {
 
   // Queues a command at time `now`. If the queue is full, returns kResourceExhausted QUEUE_FULL and leaves `done`
   // unmoved, so that the caller can still call it.
-  Status push(scene::Command command, Callback<CommandResult>& done, Nanoseconds now);
+  Status push(scene::Command command, Callback<CommandResult>& done, Nanoseconds now,
+              RequestName<CommandResult> request = nullptr);
   // Queues a Release of a grab even if the queue is full. Neither a caller nor the listener gets its outcome.
   void push_release(std::string grab_id, Nanoseconds now);
   // Removes all queued commands and returns them in the order they came.
@@ -60,7 +62,7 @@ class CommandQueue {
   [[nodiscard]] const std::vector<ScheduledCommand>& scheduled() const { return scheduled_; }
 
  private:
-  void push_locked(scene::Command command, Callback<CommandResult> done, Nanoseconds now);  // mutex_ held
+  void push_locked(PendingCommand pending);  // mutex_ held
 
   const std::int32_t max_queued_;
   const std::int32_t max_scheduled_;

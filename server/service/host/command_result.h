@@ -2,6 +2,8 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
+#include <string>
 
 #include "server/base/result.h"
 #include "server/core/scene/command.h"
@@ -13,6 +15,12 @@ namespace kerf::host {
 // at once. Must not block.
 template <typename T>
 using Callback = std::function<void(Result<T>)>;
+
+template <typename T>
+struct NamedRequest;
+// Null for a request without a name.
+template <typename T>
+using RequestName = std::shared_ptr<const NamedRequest<T>>;
 
 struct CommandTimings {
   double queued_us = 0.0;  // From submit() to the tick boundary; 0 for a scheduled command.
@@ -33,6 +41,14 @@ struct CommandResult {
 struct ScheduleId {
   std::int64_t at_tick = 0;  // Tick at whose start the command is done; 0: the next tick boundary.
   std::int64_t number = 0;   // As returned by Host::schedule(): 1, 2, ... per sheet; 0 for commands of a scene.
+};
+
+// Names a request that must have its effect once, also if it is sent again after a restart, see StoredRequest.
+template <typename T>
+struct NamedRequest {
+  std::string key;
+  std::uint64_t body_hash = 0;
+  std::function<std::string(const T&)> encode;  // Returns the answer to store.
 };
 
 struct ScheduledCommand {

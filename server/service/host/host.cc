@@ -17,6 +17,11 @@ Error no_sheet(const std::string& id) {
   return not_found("SHEET_NOT_FOUND", "there is no sheet \"" + id + "\"");
 }
 
+// False for a sheet that is being built or deleted.
+bool is_served(const std::shared_ptr<SheetRunner>& runner) {
+  return runner != nullptr && !runner->is_closing();
+}
+
 }  // namespace
 
 Host::Host(HostOptions options, Clock& clock, Entropy& entropy)
@@ -26,28 +31,39 @@ Host::Host(HostOptions options, Clock& clock, Entropy& entropy)
       vertices_(options_.max_total_vertices),
       admission_(options_.max_load),
       workers_({.num_threads = options_.workers, .long_work = options_.long_work}),
-      builders_({.long_work = options_.long_work, .max_taken_on = kMaxBuilders - 1, .is_background = true}) {}
+      builders_({.long_work = options_.long_work, .max_taken_on = kMaxBuilders - 1, .is_background = true}) {
+  if (options_.journal != nullptr) plan_to_mark();
+}
 
 Host::~Host() {
   stop();
 }
 
 void Host::create_sheet(std::string id, scene::SheetConfig config, bool paused, Callback<SheetStatus> done,
-                        const std::stop_token& stop) {
-  create(std::move(id), std::move(config), nullptr, paused, std::move(done), stop);
+                        const std::stop_token& stop, RequestName<SheetStatus> request) {
+  Creation made;
+  made.paused = paused;
+  made.done = std::move(done);
+  made.stop = stop;
+  made.request = std::move(request);
+  create(std::move(id), std::move(config), std::move(made));
 }
 
 void Host::replay(std::string id, sheet::Recording recording, bool paused, Callback<SheetStatus> done,
                   const std::stop_token& stop) {
   if (const Status ordered = sheet::check_order(recording.entries); !ordered.ok()) return done(ordered.error());
-  auto playback = std::make_unique<Playback>(std::move(recording.entries), recording.torn_bytes);
-  create(std::move(id), std::move(recording.config), std::move(playback), paused, std::move(done), stop);
+  Creation made;
+  made.playback = std::make_unique<Playback>(std::move(recording.entries), recording.torn_bytes);
+  made.paused = paused;
+  made.done = std::move(done);
+  made.stop = stop;
+  create(std::move(id), std::move(recording.config), std::move(made));
 }
 
 std::shared_ptr<SheetRunner> Host::find(const std::string& id) const {
   const std::lock_guard lock(mutex_);
   const auto found = sheets_.find(id);
-  return found == sheets_.end() ? nullptr : found->second;
+  return found != sheets_.end() && is_served(found->second) ? found->second : nullptr;
 }
 
 Error Host::missing(const std::string& id) const {
@@ -63,7 +79,7 @@ void Host::on_strand(const std::string& id, const Callback<T>& done, std::functi
 }
 
 void Host::recording(const std::string& id, Callback<KeptRun> done) {
-  on_strand(id, done, [done](SheetRunner& r) { done(r.kept_run()); });
+  on_strand(id, done, [done](SheetRunner& r) { r.answer<KeptRun>(done, r.kept_run()); });
 }
 
 void Host::delete_sheet(const std::string& id, Callback<Nothing> done, std::function<void()> closed) {
@@ -71,19 +87,22 @@ void Host::delete_sheet(const std::string& id, Callback<Nothing> done, std::func
   {
     const std::lock_guard lock(mutex_);
     const auto found = sheets_.find(id);
-    if (found != sheets_.end()) runner = std::move(found->second);  // find() does not return it from here on.
+    if (found != sheets_.end() && is_served(found->second)) runner = found->second;
+    if (runner) runner->announce_close();  // find() does not return it from here on.
   }
   if (!runner) return done(missing(id));
-  runner->announce_close();
   runner->post(
       [this, id, done, closed = std::move(closed)](SheetRunner& r) {
-        r.close(sheet::SinkEnd::kSheetDeleted);
-        const Status ended = catch_exceptions([&]() -> Status {
-          if (closed) closed();
-          return Nothing{};
+        r.remove_from_journal([this, &r, id, done, closed](const Status& removed) {
+          if (!removed.ok()) return done(removed.error());
+          r.close(sheet::SinkEnd::kSheetDeleted);
+          const Status ended = catch_exceptions([&]() -> Status {
+            if (closed) closed();
+            return Nothing{};
+          });
+          release(id);
+          done(ended);
         });
-        release(id);
-        done(ended);
       },
       done);
 }
@@ -118,7 +137,7 @@ std::vector<std::string> Host::list() const {
   const std::lock_guard lock(mutex_);
   std::vector<std::string> ids;
   for (const auto& [id, runner] : sheets_) {
-    if (runner) ids.push_back(id);
+    if (is_served(runner)) ids.push_back(id);
   }
   return ids;
 }
@@ -126,42 +145,54 @@ std::vector<std::string> Host::list() const {
 void Host::status(const std::string& id, Callback<SheetStatus> done) {
   const std::shared_ptr<SheetRunner> runner = find(id);
   if (!runner) return done(missing(id));
-  if (runner->is_at_long_tick()) return done(*runner->last_status());
-  runner->post([done](SheetRunner& r) { done(r.status()); }, [done](Error error) { done(std::move(error)); });
+  const std::shared_ptr<const SheetStatus> last = runner->last_status();
+  if (last && runner->is_at_long_tick()) return done(*last);
+  runner->post([done](SheetRunner& r) { r.answer<SheetStatus>(done, r.status()); },
+               [done](Error error) { done(std::move(error)); });
 }
 
 std::vector<SheetStatus> Host::statuses(const std::vector<std::string>& ids) const {
   std::vector<SheetStatus> found;
   for (const std::string& id : ids) {
-    if (const std::shared_ptr<SheetRunner> runner = find(id)) found.push_back(*runner->last_status());
+    const std::shared_ptr<SheetRunner> runner = find(id);
+    if (!runner) continue;
+    // A sheet without one is not durable yet.
+    if (const std::shared_ptr<const SheetStatus> status = runner->last_status()) found.push_back(*status);
   }
   return found;
 }
 
-void Host::submit(const std::string& id, scene::Command command, Callback<CommandResult> done) {
+void Host::submit(const std::string& id, scene::Command command, Callback<CommandResult> done,
+                  RequestName<CommandResult> request) {
   const std::shared_ptr<SheetRunner> runner = find(id);
-  const Status accepted = runner ? runner->enqueue(std::move(command), done) : Status(missing(id));
+  const Status accepted = runner ? runner->enqueue(std::move(command), done, std::move(request)) : Status(missing(id));
   if (accepted.ok()) return;
   board_.update([](HostMetrics& m) { ++m.commands_refused; });
   done(accepted.error());
 }
 
-void Host::schedule(const std::string& id, scene::Command command, std::int64_t at_tick, Callback<std::int64_t> done) {
+void Host::schedule(const std::string& id, scene::Command command, std::int64_t at_tick, Callback<std::int64_t> done,
+                    RequestName<std::int64_t> request) {
   const auto answer = [this, done = std::move(done)](Result<std::int64_t> number) {
     if (!number.ok()) board_.update([](HostMetrics& m) { ++m.commands_refused; });
     done(std::move(number));
   };
-  on_strand<std::int64_t>(id, answer, [command = std::move(command), at_tick, answer](SheetRunner& r) mutable {
-    answer(r.schedule(std::move(command), at_tick));
-  });
+  on_strand<std::int64_t>(
+      id, answer,
+      [command = std::move(command), at_tick, answer, request = std::move(request)](SheetRunner& r) mutable {
+        r.answer<std::int64_t>(answer, r.schedule(std::move(command), at_tick, request));
+      });
 }
 
 void Host::scheduled(const std::string& id, Callback<std::vector<ScheduledCommand>> done) {
-  on_strand(id, done, [done](SheetRunner& r) { done(r.scheduled()); });
+  on_strand(id, done, [done](SheetRunner& r) { r.answer<std::vector<ScheduledCommand>>(done, r.scheduled()); });
 }
 
-void Host::cancel(const std::string& id, std::int64_t number, Callback<ScheduledCommand> done) {
-  on_strand(id, done, [number, done](SheetRunner& r) { done(r.cancel(number)); });
+void Host::cancel(const std::string& id, std::int64_t number, Callback<ScheduledCommand> done,
+                  RequestName<ScheduledCommand> request) {
+  on_strand(id, done, [number, done, request = std::move(request)](SheetRunner& r) {
+    r.answer<ScheduledCommand>(done, r.cancel(number, request));
+  });
 }
 
 void Host::set_command_listener(CommandListener listener) {
@@ -180,8 +211,8 @@ void Host::pause(const std::string& id, Callback<SheetStatus> done) {
 
 void Host::resume(const std::string& id, Callback<SheetStatus> done) {
   on_strand(id, done, [done](SheetRunner& r) {
-    if (Status s = r.resume(); !s.ok()) return done(s.error());
-    done(r.status());
+    if (Status s = r.resume(); !s.ok()) return r.answer<SheetStatus>(done, s.error());
+    r.answer<SheetStatus>(done, r.status());
   });
 }
 
@@ -193,7 +224,7 @@ void Host::set_speed(const std::string& id, double speed, Callback<SheetStatus> 
   }
   on_strand(id, done, [speed, done](SheetRunner& r) {
     r.set_speed(speed);
-    done(r.status());
+    r.answer<SheetStatus>(done, r.status());
   });
 }
 
@@ -209,7 +240,7 @@ void Host::step(const std::string& id, std::int64_t ticks, Callback<SheetStatus>
 void Host::inspect(const std::string& id, std::function<void(const sheet::Sheet&)> look, Callback<Nothing> done) {
   on_strand(id, done, [look = std::move(look), done](SheetRunner& r) {
     look(r.sheet());
-    done(Nothing{});
+    r.answer<Nothing>(done, Nothing{});
   });
 }
 
@@ -253,15 +284,21 @@ void Host::wait_idle() {
 }
 
 void Host::stop() {
-  std::map<std::string, std::shared_ptr<SheetRunner>> taken;
+  Runners taken;
   {
     const std::lock_guard lock(mutex_);
     stopping_ = true;
     if (release_timer_) clock_.cancel(*release_timer_);
+    if (mark_timer_) clock_.cancel(*mark_timer_);
     taken.swap(sheets_);
   }
+  if (options_.journal != nullptr) {  // Answers to changes that become durable in time still leave.
+    workers_.wait_idle();
+    mark(taken);
+    options_.journal->flush(kFlushLimit);
+  }
   for (auto& [id, runner] : taken) {
-    if (!runner) continue;  // admit() will refuse it, or its deletion is in progress.
+    if (!runner) continue;  // admit() will refuse it.
     SheetRunner* const sheet = runner.get();
     // Moves the last reference too, so that the workers destroy sheets in parallel.
     sheet->post([held = std::move(runner)](SheetRunner& r) { r.close(sheet::SinkEnd::kHostStopping); },

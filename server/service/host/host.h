@@ -30,6 +30,7 @@
 #include "server/service/host/playback.h"
 #include "server/service/host/shared_slot.h"
 #include "server/service/host/sheet_status.h"
+#include "server/service/host/stored_run.h"
 #include "server/service/host/vertex_budget.h"
 #include "server/service/host/workers.h"
 
@@ -77,12 +78,16 @@ class Host {
   //   kResourceExhausted  OVERLOADED unless `paused`, if running sheets need max_load already (see Admission)
   //   kAborted            CREATION_ABANDONED if a stop is requested before it is built
   void create_sheet(std::string id, scene::SheetConfig config, bool paused, Callback<SheetStatus> done,
-                    const std::stop_token& stop = {});
+                    const std::stop_token& stop = {}, RequestName<SheetStatus> request = nullptr);
   // Builds the sheet of a recording and plays the recording in real time, at the sheet's speed. The sheet does only the
   // recorded commands; others get kFailedPrecondition REPLAYING. It pauses at the end, see ReplayState. Errors of
   // create_sheet() and sheet::check_order().
   void replay(std::string id, sheet::Recording recording, bool paused, Callback<SheetStatus> done,
               const std::stop_token& stop = {});
+  // Makes a sheet of the journal again: builds it, repeats its changes, steps it up to its mark, and lets it continue
+  // as it ran. The listener receives its commands. For a host that serves no client yet. Errors of create_sheet()
+  // except OVERLOADED.
+  void recover(StoredRun run, Callback<RecoveredSheet> done);
   // Returns the recording that the sheet has kept in memory, up to its present tick. Errors of KeptRecording::until().
   void recording(const std::string& id, Callback<KeptRun> done);
   // Deletes a sheet: ends its sinks (kSheetDeleted) and the calls that wait for it (kAborted). Then calls `closed`; no
@@ -103,19 +108,22 @@ class Host {
   // sheet's own errors once the command is due. scene::validate() must accept the command, as it accepts every command
   // decoded by wire. The sheet refuses any other command when it is due, but a recording of that command cannot be
   // read.
-  void submit(const std::string& id, scene::Command command, Callback<CommandResult> done);
+  void submit(const std::string& id, scene::Command command, Callback<CommandResult> done,
+              RequestName<CommandResult> request = nullptr);
   // Schedules a command for the start of tick `at_tick`, before commands queued at that time. Commands scheduled for
   // one tick run in the order in which they were scheduled. `done` receives the command's number once it is scheduled;
   // the listener receives its outcome. A sheet with a scheduled command does not fall asleep, and a Reset does not
   // cancel the command. kFailedPrecondition TICK_PAST, field "at_tick", for a tick that is not ahead;
   // kResourceExhausted TOO_MANY_SCHEDULED.
-  void schedule(const std::string& id, scene::Command command, std::int64_t at_tick, Callback<std::int64_t> done);
+  void schedule(const std::string& id, scene::Command command, std::int64_t at_tick, Callback<std::int64_t> done,
+                RequestName<std::int64_t> request = nullptr);
   // Returns the scheduled commands that still wait, sorted by tick.
   void scheduled(const std::string& id, Callback<std::vector<ScheduledCommand>> done);
   // Cancels a scheduled command: it is never done, and no listener receives it. kNotFound SCHEDULED_CUTS_NOT_FOUND for
   // a number that schedule() never returned; kFailedPrecondition SCHEDULED_CUTS_SETTLED for a command that no longer
   // waits.
-  void cancel(const std::string& id, std::int64_t number, Callback<ScheduledCommand> done);
+  void cancel(const std::string& id, std::int64_t number, Callback<ScheduledCommand> done,
+              RequestName<ScheduledCommand> request = nullptr);
   // Sets the listener, replacing the one before. From now on it receives every command done without a caller to answer:
   // those of a scene, of schedule(), of a recording being played, and a sheet's own Reset. It also receives scheduled
   // commands that are refused at their tick. Calls come in the order of the sheet, between the answers to callers. A
@@ -172,18 +180,24 @@ class Host {
     std::string id;
     std::shared_ptr<VertexShare> vertices;  // Null: neither vertices nor the name are reserved.
     std::shared_ptr<ExpectedNeed> need;
-    std::unique_ptr<Playback> playback;
+    std::unique_ptr<Playback> playback;  // The recording that the sheet is to play; null: none.
     bool paused = false;
     Callback<SheetStatus> done;
     std::stop_token stop;
+    RequestName<SheetStatus> request;
+    // The sheet is not new but stored; `recovered` then gets the result instead of `done`.
+    std::shared_ptr<const StoredRun> stored;
+    Callback<RecoveredSheet> recovered;
   };
   static constexpr Nanoseconds kReleaseDelay = std::chrono::seconds(2);
+  static constexpr Nanoseconds kMarkPeriod = std::chrono::seconds(1);
+  // Time in which a stopping host still makes changes durable; the whole stop may take 8 s.
+  static constexpr std::chrono::milliseconds kFlushLimit{3000};
   // Limit on sheets being built at the same time; further ones wait.
   static constexpr std::size_t kMaxBuilders = 3;
 
-  // Builds a sheet on a builder thread. `playback`: the recording that the sheet is to play; null: none.
-  void create(std::string id, scene::SheetConfig config, std::unique_ptr<Playback> playback, bool paused,
-              Callback<SheetStatus> done, const std::stop_token& stop);
+  // Builds the sheet on a builder thread. `made`: without id, vertices and need.
+  void create(std::string id, scene::SheetConfig config, Creation made);
   std::shared_ptr<ExpectedNeed> expected_need(const scene::SheetConfig& config);
   // Reserves the name, and as many vertices as the config declares.
   Result<std::shared_ptr<VertexShare>> reserve(const std::string& id, const scene::SheetConfig& config, bool paused);
@@ -192,8 +206,14 @@ class Host {
   Status check_wanted(const Creation& creation) const;
   // Builds the sheet on a builder thread, then posts begin() to a worker.
   Status build_and_hand_on(const std::shared_ptr<Creation>& creation, scene::SheetConfig config);
-  Result<SheetStatus> begin(Creation& creation, sheet::Sheet sheet, const Workers::Strand& strand);
+  // Begins the sheet and answers the creation once it is durable.
+  Status begin(Creation& creation, sheet::Sheet sheet, const Workers::Strand& strand);
   void refuse(Creation& creation, const Error& error);
+  using Runners = std::map<std::string, std::shared_ptr<SheetRunner>>;
+  // Marks the ticks of these sheets in the journal.
+  void mark(const Runners& runners);
+  // Marks all sheets after each kMarkPeriod.
+  void plan_to_mark();
   void release(const std::string& id);
   // Schedules the return of free memory to the system after kReleaseDelay, unless it is scheduled already.
   void plan_to_release_memory();
@@ -212,13 +232,14 @@ class Host {
   SharedSlot<CommandListener> listener_;
   SharedSlip slip_;
   mutable std::mutex mutex_;
-  std::map<std::string, std::shared_ptr<SheetRunner>> sheets_;  // Null: being built or deleted. Guarded by mutex_.
+  std::map<std::string, std::shared_ptr<SheetRunner>> sheets_;  // Null: being built. Guarded by mutex_.
   std::atomic<std::uint64_t> num_made_{0};
   std::atomic<std::int64_t> promised_bytes_{0};  // Memory that builders in progress may need, bytes.
   std::atomic<bool> stopping_{false};            // Set under mutex_.
   std::atomic<bool> has_closed_sheets_{false};
   Admission admission_;                   // guarded by mutex_
   std::optional<TimerId> release_timer_;  // guarded by mutex_
+  std::optional<TimerId> mark_timer_;     // guarded by mutex_
   Workers workers_;                       // Declared after everything that its threads use.
   Workers builders_;                      // Build sheets, and post them to the workers.
 };

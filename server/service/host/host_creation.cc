@@ -74,16 +74,12 @@ std::string random_id(std::uint64_t bits) {
 
 }  // namespace
 
-void Host::create(std::string id, scene::SheetConfig config, std::unique_ptr<Playback> playback, bool paused,
-                  Callback<SheetStatus> done, const std::stop_token& stop) {
+void Host::create(std::string id, scene::SheetConfig config, Creation made) {
   if (id.empty()) id = config.sheet_id;
   if (id.empty()) id = random_id(entropy_.next());
   // Shared, because posted functions must be copyable. Made first: from here on every failure is answered.
-  const auto creation = std::make_shared<Creation>();
-  creation->playback = std::move(playback);
-  creation->paused = paused;
-  creation->done = std::move(done);
-  creation->stop = stop;
+  const auto creation = std::make_shared<Creation>(std::move(made));
+  const bool paused = creation->paused;
   const Status queued = catch_exceptions([&]() -> Status {
     Result<std::shared_ptr<VertexShare>> reserved = reserve(id, config, paused);
     KERF_TRY(reserved);
@@ -105,27 +101,42 @@ Status Host::build_and_hand_on(const std::shared_ptr<Creation>& creation, scene:
   const auto sheet = std::make_shared<sheet::Sheet>(std::move(built));
   const Workers::Strand strand = workers_.make_strand();
   const bool posted = strand.post([this, creation, sheet, strand] {
-    const Result<SheetStatus> begun = begin(*creation, std::move(*sheet), strand);
-    if (!begun.ok()) return refuse(*creation, begun.error());
-    creation->done(*begun);
+    if (const Status begun = begin(*creation, std::move(*sheet), strand); !begun.ok()) {
+      refuse(*creation, begun.error());
+    }
   });
   return posted ? Status(Nothing{}) : Status(host_stopping());
 }
 
 // Runs on the sheet's strand, before any work that find() could post to it.
-Result<SheetStatus> Host::begin(Creation& creation, sheet::Sheet sheet, const Workers::Strand& strand) {
+Status Host::begin(Creation& creation, sheet::Sheet sheet, const Workers::Strand& strand) {
   const auto runner =
       std::make_shared<SheetRunner>(creation.id, std::move(sheet),
                                     SheetRunner::Context{options_, clock_, board_, listener_, slip_, stopping_,
                                                          [this](const std::string& id) { release(id); }, ++num_made_},
                                     strand, creation.vertices);
-  const Result<SheetStatus> begun = catch_exceptions([&]() -> Result<SheetStatus> {
+  const Status begun = catch_exceptions([&]() -> Status {
     if (stopping_) return host_stopping();
+    const bool is_new = creation.stored == nullptr;
+    if (options_.journal != nullptr && is_new) {
+      runner->keep_in(*options_.journal, options_.journal->new_sheet_number(), SheetJournal::kNotStored);
+    }
     runner->begin(creation.paused, options_.make_recording ? options_.make_recording(creation.id) : nullptr,
                   std::move(creation.playback));
+    std::optional<std::int64_t> differs_at;
+    if (!is_new) {
+      KERF_TRY_ASSIGN(differs_at, runner->recover(*creation.stored));
+    }
     if (!admit(creation.id, runner)) return host_stopping();
     creation.need.reset();
-    return runner->status();
+    SheetStatus status = runner->status();
+    if (!is_new) {
+      creation.recovered(RecoveredSheet{std::move(status), runner->is_changed(), differs_at});
+      return Nothing{};
+    }
+    runner->store_creation(creation.request, status);
+    runner->answer<SheetStatus>(creation.done, std::move(status));
+    return Nothing{};
   });
   if (!begun.ok()) runner->close(stopping_ ? sheet::SinkEnd::kHostStopping : sheet::SinkEnd::kSheetLost);
   return begun;
@@ -137,6 +148,7 @@ void Host::refuse(Creation& creation, const Error& error) {
     creation.vertices->set(0);
     release(creation.id);
   }
+  if (creation.recovered) return creation.recovered(error);
   creation.done(error);
 }
 

@@ -12,6 +12,8 @@
 #include "server/core/sheet/recording.h"
 #include "server/core/sheet/sheet.h"
 #include "server/service/host/clock.h"
+#include "server/service/host/journal.h"
+#include "server/service/host/sheet_event.h"
 
 namespace kerf::host {
 
@@ -35,6 +37,11 @@ struct HostOptions {
   std::function<std::shared_ptr<sheet::RecordingSink>(const std::string& id)> make_recording;
   // Encodes the ticks that sheets keep of their runs, see KeptRecording; null: they keep nothing.
   std::function<std::string(const sheet::RecordedTick&)> encode_tick;
+  Journal* journal =
+      nullptr;  // Keeps the sheets and their changes, see Journal; must outlive the host. null: none does.
+  // Encode what the journal keeps; used only with a journal.
+  std::function<std::string(const SheetEvent&)> encode_event;
+  std::function<std::string(const scene::SheetConfig&)> encode_scene;
   std::size_t max_recording_bytes = std::size_t{16} << 20;          // Per sheet, of the ticks that KeptRecording keeps.
   sheet::IntegratorFactory make_integrator = fem::make_integrator;  // Makes the integrators of the sheets.
 };

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -20,7 +21,7 @@ struct StoredRequest {
 struct NewStoredSheet {
   std::int64_t sheet = 0;  // As returned by Journal::new_sheet_number().
   std::string id;
-  std::string scene;                 // What the sheet is made from, encoded.
+  std::string scene;                 // The scene that the sheet is made from, encoded.
   std::int64_t created_unix_us = 0;  // us since 1970
   std::vector<StoredRequest> requests;
 };
@@ -29,13 +30,13 @@ struct NewStoredSheet {
 struct JournalEntry {
   std::int64_t sheet = 0;
   std::int64_t seq = 0;          // 1, 2, ... for each sheet, without a gap.
-  std::int64_t tick = 0;         // Of the sheet after the change; never decreases.
-  std::uint64_t state_hash = 0;  // Of the sheet after the change, see sheet::Sheet::state_hash().
+  std::int64_t tick = 0;         // Sheet::tick() after the change.
+  std::uint64_t state_hash = 0;  // Sheet::state_hash() after the change.
   std::string content;           // The change, encoded.
   std::vector<StoredRequest> requests;
 };
 
-// A whole sheet as it was after the entry `seq`, from which it can go on without the entries before.
+// A whole sheet as it was after the entry `seq`. It continues from there without the entries before.
 struct StoredState {
   std::int64_t sheet = 0;
   std::int64_t seq = 0;  // Number of its last entry; 0: it has none.
@@ -47,7 +48,7 @@ struct StoredState {
   std::string content;  // The state, encoded.
 };
 
-// The tick that a sheet has reached, so that it goes on there after a restart.
+// The tick that a sheet has reached, where it continues after a restart.
 struct SheetMark {
   std::int64_t sheet = 0;
   std::int64_t tick = 0;
@@ -75,6 +76,9 @@ class Journal {
   // Returns an error if no further change of the sheet can be taken now: kUnavailable STORAGE_STALLED if too much waits
   // to be written, or has waited for over a second; kResourceExhausted STORAGE_FULL if the disk is full.
   [[nodiscard]] virtual Status check_room(std::int64_t sheet) const = 0;
+  // Blocks until everything given so far is durable and its callbacks have returned, at most for `limit`. Returns
+  // false if that was too short.
+  virtual bool flush(std::chrono::milliseconds limit) = 0;
 };
 
 }  // namespace kerf::host

@@ -52,8 +52,9 @@ void SheetRunner::post(std::function<void(SheetRunner&)> work, std::function<voi
   if (!posted) refuse(host_stopping());
 }
 
-Status SheetRunner::enqueue(scene::Command command, Callback<CommandResult>& done) {
-  KERF_TRY(queue_.push(std::move(command), done, context_.clock.now()));
+Status SheetRunner::enqueue(scene::Command command, Callback<CommandResult>& done, RequestName<CommandResult> request) {
+  KERF_TRY(journal_.check_room());
+  KERF_TRY(queue_.push(std::move(command), done, context_.clock.now(), std::move(request)));
   announce_commands();
   return Nothing{};
 }
@@ -105,6 +106,7 @@ void SheetRunner::close(sheet::SinkEnd reason) {
   stop_clock();
   for (PendingCommand& pending : queue_.take_queued()) attempt([&] { pending.done(closed_error()); });
   if (step_call_) attempt([&] { finish_step(closed_error()); });
+  attempt([&] { journal_.give_up(closed_error()); });
   metrics_.end();
   for (const auto& sink : sinks_.take()) attempt([&] { sink->ended(reason); });
   recorder_.end();
@@ -123,7 +125,7 @@ Error SheetRunner::closed_error() const {
 // Leaves commands of a running sheet to the tick at its next deadline, and wakes a sleeping sheet. A paused or frozen
 // sheet has no tick to come, so its commands are done now.
 void SheetRunner::commands_arrived() {
-  if (closed_) {
+  if (closed_ || is_ending_) {
     for (PendingCommand& pending : queue_.take_queued()) pending.done(closed_error());
     return;
   }
@@ -159,11 +161,25 @@ void SheetRunner::refuse_for_want_of_memory(std::vector<PendingCommand>& queued)
   queued.erase(refused, queued.end());
 }
 
-Result<std::int64_t> SheetRunner::schedule(scene::Command command, std::int64_t at_tick) {
+Result<std::int64_t> SheetRunner::schedule(scene::Command command, std::int64_t at_tick,
+                                           const RequestName<std::int64_t>& request) {
   if (is_playing()) return replaying();
+  KERF_TRY(journal_.check_room());
+  ScheduledCommand kept;
+  if (journal_.is_on()) kept.command = command;
   Result<std::int64_t> number = queue_.schedule(std::move(command), at_tick, sheet_.tick());
-  if (number.ok() && clock_.is_sleeping()) wake();
+  if (!number.ok()) return number;
+  kept.id = {at_tick, *number};
+  store(kept, journal_.answered(request, *number));
+  if (clock_.is_sleeping()) wake();
   return number;
+}
+
+Result<ScheduledCommand> SheetRunner::cancel(std::int64_t number, const RequestName<ScheduledCommand>& request) {
+  KERF_TRY(journal_.check_room());
+  Result<ScheduledCommand> cancelled = queue_.cancel(number);
+  if (cancelled.ok()) store(CancelEvent{number}, journal_.answered(request, *cancelled));
+  return cancelled;
 }
 
 void SheetRunner::post_pause(const Callback<SheetStatus>& done) {
@@ -172,7 +188,7 @@ void SheetRunner::post_pause(const Callback<SheetStatus>& done) {
       [done](SheetRunner& r) {
         --r.pauses_waiting_;
         r.pause();
-        done(r.status());
+        r.answer<SheetStatus>(done, r.status());
       },
       [done](Error error) { done(std::move(error)); });  // The sheet is closed.
 }
@@ -183,6 +199,7 @@ void SheetRunner::pause() {
   if (playback_) playback_->next_tick();
   clock_.pause();
   metrics_.stop_ticking();
+  store_run_state();
   publish_state();
   commands_arrived();
   publish();
@@ -194,6 +211,7 @@ Status SheetRunner::resume() {
   }
   if (!clock_.is_paused()) return Nothing{};
   clock_.resume();
+  store_run_state();
   publish_state();
   if (!sheet_.frozen()) start_clock();
   publish();
@@ -220,6 +238,7 @@ void SheetRunner::set_speed(double speed) {
     clock_.set_timer();
   }
   ++state_changes_;
+  store_run_state();
   publish_status();
   publish();
 }
@@ -241,7 +260,7 @@ void SheetRunner::wake() {
 }
 
 void SheetRunner::tick_at_deadline(std::uint64_t call) {
-  if (closed_ || context_.stopping || !clock_.accept(call)) return;
+  if (closed_ || is_ending_ || context_.stopping || !clock_.accept(call)) return;
   if (clock_.is_sleeping()) return repeat_if_over();
   if (!run_once(true)) return clock_.call_now();
   if (clock_.is_paused()) return;  // A replay has ended.
@@ -291,102 +310,6 @@ void SheetRunner::refresh_sink(const std::shared_ptr<sheet::SnapshotSink>& sink)
 
 void SheetRunner::remove_sink(const std::shared_ptr<sheet::SnapshotSink>& sink) {
   if (sinks_.remove(sink)) metrics_.sink_removed();
-}
-
-void SheetRunner::publish_to(sheet::SnapshotSink& sink) {
-  if (!sink.wants_snapshot()) return;
-  metrics_.snapshot_built();
-  sink.publish(sheet_.snapshot(run_stats(), sink.wants_strains()));
-}
-
-void SheetRunner::publish() {
-  if (!sinks_.want_snapshot()) return;
-  const std::shared_ptr<const sheet::Snapshot> snapshot = sheet_.snapshot(run_stats(), sinks_.want_strains());
-  metrics_.snapshot_built();
-  sinks_.publish(snapshot);
-}
-
-Result<KeptRun> SheetRunner::kept_run() const {
-  KERF_TRY_ASSIGN(std::string entries, recorder_.until(sheet_.tick(), sheet_.state_hash()));
-  return KeptRun{sheet_.shared_config(), std::move(entries)};
-}
-
-SheetStatus SheetRunner::status() const {
-  SheetStatus status = unhashed_status();
-  status.state_hash = sheet_.state_hash();
-  return status;
-}
-
-SheetStatus SheetRunner::unhashed_status() const {
-  SheetStatus status;
-  status.id = id_;
-  status.run_state = run_state();
-  status.tick = sheet_.tick();
-  status.scene_tick = sheet_.scene_tick();
-  status.viewers = sinks_.num_viewers();
-  status.topology_version = sheet_.topology_version();
-  status.num_vertices = sheet_.mesh().num_vertices();
-  status.num_triangles = sheet_.mesh().num_solid_triangles();
-  status.pieces = sheet_.mesh().num_pieces();
-  status.stats = run_stats();
-  status.pinned_vertices = sheet_.pinned_vertices();
-  status.gravity = sheet_.gravity();
-  status.wind = sheet_.wind();
-  status.self_contact = sheet_.self_contact();
-  status.materials = sheet_.materials().entries;
-  status.config = sheet_.shared_config();
-  status.components = sheet_.components();
-  status.integrator = sheet_.integrator_description();
-  status.softening = sheet_.softening();
-  status.local_inertia = sheet_.local_inertia();
-  status.tick_estimate = tick_estimate();
-  status.linear_iterations = last_step_.linear_iterations;
-  status.linear_residual = last_step_.linear_residual;
-  status.flagged_ticks = flagged_ticks_;
-  if (playback_) status.replay = playback_->status();
-  return status;
-}
-
-// Counts and publishes the run state if it has changed.
-void SheetRunner::publish_state() {
-  const bool was_begun = metrics_.is_begun();
-  if (!metrics_.set_state(run_state())) return;
-  if (was_begun) ++state_changes_;
-  publish_status();
-}
-
-void SheetRunner::publish_status() {
-  SheetStatus status = unhashed_status();
-  vertices_->set(status.num_vertices);
-  last_status_.set(std::move(status));
-}
-
-RunState SheetRunner::run_state() const {
-  if (sheet_.frozen()) return RunState::kFailed;
-  if (clock_.is_paused()) return RunState::kPaused;
-  return clock_.is_sleeping() ? RunState::kSleeping : RunState::kRunning;
-}
-
-sheet::RunStats SheetRunner::run_stats() const {
-  sheet::RunStats stats;
-  const RunState state = run_state();
-  const bool stands = state == RunState::kPaused || state == RunState::kFailed;
-  stats.real_time_factor = stands ? 0.0 : clock_.pace().real_time_factor();
-  stats.speed = clock_.pace().speed();
-  stats.overruns = clock_.pace().overruns();
-  stats.slipped_s = seconds(clock_.pace().slipped());
-  stats.tick_cpu_us = clock_.pace().tick_cpu_us();
-  stats.published_unix_us = context_.clock.unix_us();
-  stats.sheet_serial = context_.serial;
-  stats.settings_version = sheet_.settings_version() + state_changes_;
-  stats.strained_share = last_step_.strained_share;
-  stats.intersections = last_step_.self_contact.intersections;
-  stats.resets = changes_.resets();
-  stats.resets_undone = changes_.resets_undone();
-  stats.paused = clock_.is_paused();
-  stats.sleeping = clock_.is_sleeping();
-  stats.failed = sheet_.frozen();
-  return stats;
 }
 
 }  // namespace kerf::host

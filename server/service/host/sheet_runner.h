@@ -8,6 +8,7 @@
 #include <optional>
 #include <stop_token>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "server/base/result.h"
@@ -16,10 +17,13 @@
 #include "server/core/sheet/sheet.h"
 #include "server/core/sheet/snapshot.h"
 #include "server/service/host/clock.h"
+#include "server/service/host/command_answers.h"
 #include "server/service/host/command_listener.h"
 #include "server/service/host/command_queue.h"
 #include "server/service/host/command_result.h"
+#include "server/service/host/held_back.h"
 #include "server/service/host/host_options.h"
+#include "server/service/host/journal.h"
 #include "server/service/host/metrics_board.h"
 #include "server/service/host/pace.h"
 #include "server/service/host/playback.h"
@@ -27,8 +31,11 @@
 #include "server/service/host/run_recorder.h"
 #include "server/service/host/scene_changes.h"
 #include "server/service/host/shared_slot.h"
+#include "server/service/host/sheet_event.h"
+#include "server/service/host/sheet_journal.h"
 #include "server/service/host/sheet_status.h"
 #include "server/service/host/snapshot_sinks.h"
+#include "server/service/host/stored_run.h"
 #include "server/service/host/tick_clock.h"
 #include "server/service/host/tick_progress.h"
 #include "server/service/host/tick_scale.h"
@@ -65,7 +72,8 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   void post(std::function<void(SheetRunner&)> work, std::function<void(Error)> refuse);
 
   // Queues a command, from any thread. On kResourceExhausted QUEUE_FULL `done` is left unmoved.
-  Status enqueue(scene::Command command, Callback<CommandResult>& done);
+  // The same for errors of Journal::check_room().
+  Status enqueue(scene::Command command, Callback<CommandResult>& done, RequestName<CommandResult> request);
   // Queues a release, from any thread, even if the queue is full.
   void release_grab(std::string grab_id);
   // Returns the last status without state hash, from any thread, after begin().
@@ -77,17 +85,41 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   void post_pause(const Callback<SheetStatus>& done);
   // Interrupts any tick, also of a replay; callable from any thread, before close() is posted.
   void announce_close() { closing_ = true; }
+  [[nodiscard]] bool is_closing() const { return closing_; }
 
+  // Keeps changes from now on in `journal`, as those of the sheet with this number. `last_seq`: see SheetJournal.
+  void keep_in(Journal& journal, std::int64_t sheet, std::int64_t last_seq);
   // `playback`: recording that the sheet is to play; may be null.
   void begin(bool paused, std::shared_ptr<sheet::RecordingSink> recording, std::unique_ptr<Playback> playback);
   void close(sheet::SinkEnd reason);
+  // Repeats the changes of a sheet that begin() has just begun, paused, steps it up to its mark, and lets it run as it
+  // did. From then on it keeps its changes in the journal. Returns the tick of the first change with another hash.
+  // kUnavailable HOST_STOPPING.
+  Result<std::optional<std::int64_t>> recover(const StoredRun& run);
+  // True if a client has changed the sheet since it was made or reset.
+  [[nodiscard]] bool is_changed() const { return changes_.is_changed(); }
+  // Returns the number of the sheet in the store; callable from any thread once the sheet runs.
+  [[nodiscard]] std::int64_t stored_sheet() const { return journal_.sheet(); }
+  // Stores the sheet, with the request that made it and its answer.
+  void store_creation(const RequestName<SheetStatus>& request, const SheetStatus& answer);
+  // Takes no more commands, deletes the sheet from the journal, and calls `done` when that is durable.
+  void remove_from_journal(std::function<void(const Status&)> done);
+  // Passes a result to `done` once all changes of the sheet so far are durable.
+  template <typename T>
+  void answer(const Callback<T>& done, Result<T> result) {
+    if (!journal_.is_on()) return done(std::move(result));
+    journal_.when_durable([done, result = std::move(result)](const Status& stored) {
+      if (!stored.ok()) return done(stored.error());
+      done(result);
+    });
+  }
   void pause();
   Status resume();
   void set_speed(double speed);
   void step(std::int64_t ticks, Callback<SheetStatus> done, std::stop_token stop);
-  Result<std::int64_t> schedule(scene::Command command, std::int64_t at_tick);
+  Result<std::int64_t> schedule(scene::Command command, std::int64_t at_tick, const RequestName<std::int64_t>& request);
   [[nodiscard]] const std::vector<ScheduledCommand>& scheduled() const { return queue_.scheduled(); }
-  Result<ScheduledCommand> cancel(std::int64_t number) { return queue_.cancel(number); }
+  Result<ScheduledCommand> cancel(std::int64_t number, const RequestName<ScheduledCommand>& request);
   void add_sink(const std::shared_ptr<sheet::SnapshotSink>& sink);
   void refresh_sink(const std::shared_ptr<sheet::SnapshotSink>& sink);
   void remove_sink(const std::shared_ptr<sheet::SnapshotSink>& sink);
@@ -102,6 +134,15 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
     std::stop_token stop;
   };
 
+  // A tick's commands and what became of them.
+  struct TickOutcome {
+    explicit TickOutcome(std::vector<PendingCommand> pending) : answers(std::move(pending)) {}
+    CommandAnswers answers;
+    sheet::TickReport report;
+    std::vector<scene::Command> commands;
+    std::vector<Result<CommandResult>> results;
+  };
+
   // Does `work`, which changes the sheet. If memory runs out in it the sheet's state is undefined, so the sheet ends.
   template <typename Work>
   void keep_or_lose(Work work) {
@@ -113,6 +154,17 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   }
   void lose();
   [[nodiscard]] Error closed_error() const;
+
+  // Gives a change to the journal.
+  void store(const SheetEvent& event, std::vector<StoredRequest> requests = {});
+  void store_run_state() { store(RunEvent{clock_.is_paused(), clock_.pace().speed()}); }
+  // Parts of recover().
+  Status advance_to(std::int64_t tick);
+  Status repeat(const SheetEvent& event, RunEvent& last);
+  Status repeat_tick(const TickEvent& tick);
+  void continue_as(const RunEvent& run);
+  // Releases what waited for the changes up to `seq`.
+  void became_durable(std::int64_t seq);
 
   // Commands.
   void announce_commands();
@@ -145,6 +197,8 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   // within the tick, this one included.
   [[nodiscard]] bool must_give_up(int polls) const;
   [[nodiscard]] TickEstimate tick_estimate() const;
+  // Gives the commands of a tick to the journal, and the answers to those with a request name.
+  void store_tick(TickOutcome& outcome, bool is_apply);
   void count_changes(const std::vector<PendingCommand>& pending, const std::vector<scene::Command>& commands,
                      const sheet::TickReport& report);
   [[nodiscard]] RunMetrics::Totals totals() const;
@@ -188,6 +242,9 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   RunRecorder recorder_;
   std::unique_ptr<Playback> playback_;  // null: the sheet never played a recording
   SnapshotSinks sinks_;
+  SheetJournal journal_;
+  HeldBack<SheetStatus> held_status_;                               // For last_status_.
+  HeldBack<std::shared_ptr<const sheet::Snapshot>> held_snapshot_;  // For sinks_.
   SceneChanges changes_;
   TickScale tick_scale_;
   const std::shared_ptr<VertexShare> vertices_;
@@ -195,6 +252,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   fem::FlagCounts flagged_ticks_{};  // Ticks with each flag since the sheet was made.
   std::optional<StepCall> step_call_;
   bool turn_posted_ = false;  // A take_turn() is posted.
+  bool is_ending_ = false;    // The sheet is being deleted from the journal, and takes no commands.
   bool changing_ = false;     // A tick or commands are in progress.
   bool repeats_now_ = false;  // The next tick begins with a Reset by the sheet itself.
   std::optional<sheet::SinkEnd> closed_;

@@ -29,8 +29,9 @@ bool SheetRunner::run_once(bool advance) {
   return run_commands(advance, std::move(pending));
 }
 
-bool SheetRunner::run_commands(bool advance, std::vector<PendingCommand> pending) {
-  CommandAnswers answers(pending);
+bool SheetRunner::run_commands(bool advance, std::vector<PendingCommand> taken) {
+  const auto outcome = std::make_shared<TickOutcome>(std::move(taken));
+  std::vector<PendingCommand>& pending = outcome->answers.pending();
   const Nanoseconds begin = context_.clock.now();
   const Nanoseconds cpu_begin = context_.clock.thread_cpu();
   const auto hash = [this] { return sheet_.state_hash(); };
@@ -48,14 +49,14 @@ bool SheetRunner::run_commands(bool advance, std::vector<PendingCommand> pending
   progress_.begin();
   const StopCondition stop = [this] { return is_interrupted(); };
   const StopCondition give_up = [this, polls = 0]() mutable { return must_give_up(++polls); };
-  const sheet::TickReport report =
-      advance ? sheet_.step(commands, &timer, &stop, &give_up) : sheet_.apply(commands, &timer);
+  sheet::TickReport report = advance ? sheet_.step(commands, &timer, &stop, &give_up) : sheet_.apply(commands, &timer);
   progress_.end();
 
   const bool interrupted = report.stats.interrupted;
   const auto is_reset = [](const scene::Command& command) { return std::holds_alternative<scene::Reset>(command); };
   if (step_call_ && std::any_of(commands.begin(), commands.end(), is_reset)) step_call_->remaining = 0;
-  std::vector<Result<CommandResult>> results = command_results(report, pending, begin, timer);
+  std::vector<Result<CommandResult>>& results = outcome->results;
+  results = command_results(report, pending, begin, timer);
   if (!pending.empty()) {
     const TickEstimate after = tick_estimate();
     for (Result<CommandResult>& result : results) {
@@ -73,7 +74,10 @@ bool SheetRunner::run_commands(bool advance, std::vector<PendingCommand> pending
   const bool is_torn = report.gave_up && !report.scheduled.empty();
   const Nanoseconds before_record = context_.clock.now() - context_.clock.thread_cpu();
   sheet::RecordedTick entry{report.tick, std::move(commands), 0};
-  if (!is_torn && !(interrupted && entry.commands.empty())) recorder_.append(entry, hash);
+  const bool is_recorded = !is_torn && !(interrupted && entry.commands.empty());
+  if (is_recorded) recorder_.append(entry, hash);
+  outcome->commands = std::move(entry.commands);
+  if (is_recorded) store_tick(*outcome, stands || interrupted);
   const Nanoseconds blocked = context_.clock.now() - context_.clock.thread_cpu() - before_record;
   const Nanoseconds cpu = context_.clock.thread_cpu() - cpu_begin;
   const Nanoseconds end = context_.clock.now();
@@ -100,10 +104,33 @@ bool SheetRunner::run_commands(bool advance, std::vector<PendingCommand> pending
                               totals()};
   metrics_.tick_done(tick, report, results);
   changing_ = false;
-  const std::shared_ptr<const CommandListener> listener = context_.listener.get();
-  answers.answer_all(id_, sheet_.config(), report, entry.commands, results,
-                     listener && *listener ? listener.get() : nullptr);
+  if (results.empty()) return !interrupted;
+  outcome->report = std::move(report);
+  journal_.when_durable(
+      [outcome, id = id_, config = sheet_.shared_config(), listener = context_.listener.get()](const Status& stored) {
+        if (!stored.ok()) return outcome->answers.refuse_all(stored.error());
+        outcome->answers.answer_all(id, *config, outcome->report, outcome->commands, outcome->results,
+                                    listener && *listener ? listener.get() : nullptr);
+      });
   return !interrupted;
+}
+
+void SheetRunner::store_tick(TickOutcome& outcome, bool is_apply) {
+  if (!journal_.is_on() || outcome.commands.empty()) return;
+  TickEvent event{std::move(outcome.commands), {}, is_apply};
+  std::vector<StoredRequest> requests;
+  const std::vector<PendingCommand>& pending = outcome.answers.pending();
+  const std::size_t num_scheduled = outcome.results.size() - pending.size();
+  for (std::size_t i = 0; i < pending.size(); ++i) {
+    if (pending[i].schedule_id.number > 0) event.settled.push_back({i, pending[i].schedule_id});
+    const Result<CommandResult>& result = outcome.results[num_scheduled + i];
+    if (!result.ok()) continue;
+    for (StoredRequest& request : journal_.answered(pending[i].request, *result))
+      requests.push_back(std::move(request));
+  }
+  SheetEvent stored_event(std::move(event));
+  store(stored_event, std::move(requests));
+  outcome.commands = std::move(std::get<TickEvent>(stored_event).commands);
 }
 
 void SheetRunner::count_changes(const std::vector<PendingCommand>& pending, const std::vector<scene::Command>& commands,
@@ -213,8 +240,9 @@ void SheetRunner::finish_step(Result<SheetStatus> result) {
   const Callback<SheetStatus> done = std::move(step_call_->done);
   step_call_.reset();
   if (playback_) playback_->next_tick();
+  store_run_state();
   publish_state();
-  done(std::move(result));
+  answer<SheetStatus>(done, std::move(result));
   commands_arrived();
 }
 

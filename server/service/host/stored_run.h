@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/core/scene/sheet_config.h"
+#include "server/service/host/sheet_event.h"
+#include "server/service/host/sheet_status.h"
+
+namespace kerf::host {
+
+// All that a journal has of a sheet, from which the sheet is made again.
+struct StoredRun {
+  struct Change {
+    std::int64_t tick = 0;  // Sheet::tick() after it.
+    std::uint64_t state_hash = 0;
+    SheetEvent event;
+  };
+
+  std::int64_t sheet = 0;  // Number of the sheet in the store.
+  std::string id;
+  scene::SheetConfig config;
+  std::vector<Change> changes;
+  std::int64_t last_seq = 0;   // Number of the last change; 0: there is none.
+  std::int64_t mark_tick = 0;  // The sheet is stepped up to this tick.
+};
+
+// A sheet that was made again.
+struct RecoveredSheet {
+  SheetStatus status;
+  bool is_changed = false;  // A client has changed it since it was made or reset.
+  // Tick of the first change after which the sheet differs from the stored hash.
+  std::optional<std::int64_t> differs_at;
+};
+
+}  // namespace kerf::host

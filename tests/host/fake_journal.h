@@ -1,0 +1,151 @@
+#pragma once
+
+#include <map>
+#include <mutex>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "server/service/host/journal.h"
+#include "server/service/host/stored_run.h"
+
+namespace kerf::host {
+
+// A journal in memory. While it is held, nothing becomes durable.
+class FakeJournal : public Journal {
+ public:
+  std::int64_t new_sheet_number() override {
+    const std::lock_guard lock(mutex_);
+    return ++last_sheet_;
+  }
+  void create(NewStoredSheet sheet, Durable durable) override {
+    add(
+        [this, sheet = std::move(sheet)] {
+          for (const StoredRequest& each : sheet.requests) requests_[each.key] = each;
+          sheets_[sheet.sheet].made = sheet;
+        },
+        std::move(durable));
+  }
+  void append(JournalEntry entry, Durable durable) override {
+    add(
+        [this, entry = std::move(entry)] {
+          for (const StoredRequest& each : entry.requests) requests_[each.key] = each;
+          sheets_[entry.sheet].entries.push_back(entry);
+        },
+        std::move(durable));
+  }
+  void remove(std::int64_t sheet, std::vector<StoredRequest> /*requests*/, Durable durable) override {
+    add([this, sheet] { sheets_.erase(sheet); }, std::move(durable));
+  }
+  void save(StoredState /*state*/, Durable durable) override {
+    add([] {}, std::move(durable));
+  }
+  void mark(std::vector<SheetMark> marks) override {
+    const std::lock_guard lock(mutex_);
+    for (const SheetMark& each : marks) {
+      if (sheets_.contains(each.sheet)) sheets_[each.sheet].mark_tick = each.tick;
+    }
+  }
+  [[nodiscard]] Status check_room(std::int64_t /*sheet*/) const override {
+    const std::lock_guard lock(mutex_);
+    return room_;
+  }
+  bool flush(std::chrono::milliseconds /*limit*/) override { return !is_held(); }
+
+  void hold() {
+    const std::lock_guard lock(mutex_);
+    is_held_ = true;
+  }
+  // Makes durable what waits, and everything to come.
+  void let_go() {
+    std::vector<Durable> durable;
+    {
+      const std::lock_guard lock(mutex_);
+      is_held_ = false;
+      for (const auto& [write, done] : waiting_) {
+        write();
+        durable.push_back(done);
+      }
+      waiting_.clear();
+    }
+    for (const Durable& done : durable) done();
+  }
+  void refuse(Status room) {
+    const std::lock_guard lock(mutex_);
+    room_ = std::move(room);
+  }
+
+  struct Kept {
+    NewStoredSheet made;
+    std::vector<JournalEntry> entries;
+    std::int64_t mark_tick = 0;
+  };
+  [[nodiscard]] std::map<std::int64_t, Kept> sheets() const {
+    const std::lock_guard lock(mutex_);
+    return sheets_;
+  }
+  [[nodiscard]] std::map<std::string, StoredRequest> requests() const {
+    const std::lock_guard lock(mutex_);
+    return requests_;
+  }
+
+  // Encode and decode by numbers of a list, so that the host's tests need no messages.
+  std::string encode(const SheetEvent& event) {
+    const std::lock_guard lock(mutex_);
+    events_.push_back(event);
+    return std::to_string(events_.size() - 1);
+  }
+  std::string encode_scene(const scene::SheetConfig& config) {
+    const std::lock_guard lock(mutex_);
+    scenes_.push_back(config);
+    return std::to_string(scenes_.size() - 1);
+  }
+  [[nodiscard]] SheetEvent decode(const JournalEntry& entry) const {
+    const std::lock_guard lock(mutex_);
+    return events_.at(std::stoul(entry.content));
+  }
+  [[nodiscard]] StoredRun run_of(const Kept& kept) const {
+    StoredRun run{kept.made.sheet, kept.made.id, scenes_.at(std::stoul(kept.made.scene)), {}, 0, kept.mark_tick};
+    for (const JournalEntry& entry : kept.entries) {
+      run.changes.push_back({entry.tick, entry.state_hash, decode(entry)});
+      run.last_seq = entry.seq;
+    }
+    return run;
+  }
+
+ private:
+  [[nodiscard]] bool is_held() const {
+    const std::lock_guard lock(mutex_);
+    return is_held_;
+  }
+  void add(std::function<void()> write, Durable durable) {
+    {
+      const std::lock_guard lock(mutex_);
+      if (is_held_) return waiting_.emplace_back(std::move(write), std::move(durable)), void();
+      write();
+    }
+    durable();
+  }
+
+  mutable std::mutex mutex_;
+  bool is_held_ = false;
+  Status room_ = Nothing{};
+  std::int64_t last_sheet_ = 0;
+  std::map<std::int64_t, Kept> sheets_;
+  std::map<std::string, StoredRequest> requests_;
+  std::vector<std::pair<std::function<void()>, Durable>> waiting_;
+  std::vector<SheetEvent> events_;
+  std::vector<scene::SheetConfig> scenes_;
+};
+
+// A host whose changes go to a FakeJournal.
+inline HostOptions with_journal(FakeJournal& journal) {
+  HostOptions options;
+  options.journal = &journal;
+  options.encode_event = [&journal](const SheetEvent& event) { return journal.encode(event); };
+  options.encode_scene = [&journal](const scene::SheetConfig& config) { return journal.encode_scene(config); };
+  options.encode_tick = [](const sheet::RecordedTick& tick) { return std::to_string(tick.tick) + " "; };
+  return options;
+}
+
+}  // namespace kerf::host

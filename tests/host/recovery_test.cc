@@ -1,0 +1,188 @@
+// Sheets that are made again from their journal.
+#include "server/service/host/stored_run.h"
+
+#include "server/base/random.h"
+#include "tests/host/fake_journal.h"
+#include "tests/host/fixture.h"
+#include "tests/support/trials.h"
+
+namespace kerf::host {
+namespace {
+
+class RecoveryTest : public HostTest {
+ protected:
+  RecoveryTest() { host_ = std::make_unique<Host>(with_journal(journal_), clock_, entropy_); }
+  ~RecoveryTest() override { host_->stop(); }
+
+  // Makes the sheet of `journal` in a host of its own, on a clock of its own.
+  struct Again {
+    test::ManualClock clock;
+    SeededEntropy entropy{2};
+    FakeJournal journal;
+    std::unique_ptr<Host> host;
+    RecoveredSheet recovered;
+    std::vector<std::string> heard;  // Numbers of scheduled commands, and "-" for others.
+
+    explicit Again(const StoredRun& run) {
+      host = std::make_unique<Host>(with_journal(journal), clock, entropy);
+      host->set_command_listener(
+          [this](const std::string&, const scene::Command&, const Result<CommandResult>&, const ScheduleId& id) {
+            heard.push_back(id.number > 0 ? std::to_string(id.number) : "-");
+          });
+      Answers<RecoveredSheet> answers;
+      host->recover(run, answers.callback());
+      host->wait_idle();
+      recovered = answers.at(0).value();
+    }
+    ~Again() { host->stop(); }
+    // It may have made the tick that is due as it begins.
+    SheetStatus step_to(std::int64_t tick) {
+      Answers<SheetStatus> answers;
+      host->pause(recovered.status.id, answers.callback());
+      host->wait_idle();
+      host->step(recovered.status.id, tick - answers.at(0)->tick, answers.callback());
+      host->wait_idle();
+      return answers.at(1).value();
+    }
+  };
+  std::unique_ptr<Again> crash() {
+    host_->wait_idle();
+    return std::make_unique<Again>(journal_.run_of(journal_.sheets().begin()->second));
+  }
+  SheetStatus step(std::int64_t ticks) {
+    Answers<SheetStatus> answers;
+    host_->pause("a", answers.callback());
+    host_->wait_idle();
+    host_->step("a", ticks, answers.callback());
+    host_->wait_idle();
+    return answers.at(1).value();
+  }
+
+  FakeJournal journal_;
+};
+
+TEST_F(RecoveryTest, ASheetContinuesWithItsCutsItsScheduleAndItsRunState) {
+  create("a", small_sheet());
+  Answers<SheetStatus> statuses;
+  Answers<std::int64_t> scheduled;
+  host_->set_speed("a", 0.5, statuses.callback());
+  ASSERT_TRUE(submit("a", scenes::line_cut({-0.1, 0.5}, {0.6, 0.5})).ok());
+  host_->schedule("a", scenes::line_cut({0.3, -0.1}, {0.3, 0.4}), 6, scheduled.callback());
+  host_->schedule("a", scenes::line_cut({0.7, -0.1}, {0.7, 0.4}), 90, scheduled.callback());
+  run_for(20 * kTick);
+  const std::unique_ptr<Again> again = crash();
+  const SheetStatus& status = again->recovered.status;
+  EXPECT_FALSE(again->recovered.differs_at);
+  EXPECT_TRUE(again->recovered.is_changed);
+  EXPECT_EQ(status.run_state, RunState::kRunning);
+  EXPECT_EQ(status.stats.speed, 0.5);
+  EXPECT_EQ(again->heard, (std::vector<std::string>{"-", "1"}));
+  Answers<std::vector<ScheduledCommand>> waiting;
+  again->host->scheduled("a", waiting.callback());
+  again->host->wait_idle();
+  ASSERT_EQ(waiting.at(0)->size(), 1U);
+  EXPECT_EQ(waiting.at(0)->at(0).id.number, 2);
+
+  const SheetStatus live = step(100);
+  const SheetStatus same = again->step_to(live.tick);
+  EXPECT_EQ(same.tick, live.tick);
+  EXPECT_EQ(same.state_hash, live.state_hash);
+  EXPECT_EQ(same.num_vertices, live.num_vertices);
+}
+
+TEST_F(RecoveryTest, ASheetIsSteppedUpToItsMark) {
+  create("a", small_sheet());
+  run_for(130 * kTick);  // Marks come each second: at 50 and 100 ticks.
+  const std::unique_ptr<Again> again = crash();
+  EXPECT_FALSE(again->recovered.is_changed);
+  EXPECT_GE(again->recovered.status.tick, 99);
+  EXPECT_LE(again->recovered.status.tick, 101);
+}
+
+TEST_F(RecoveryTest, AStepOfAPausedSheetIsNotLost) {
+  create("a", small_sheet(), true);
+  const SheetStatus stepped = step(37);
+  const std::unique_ptr<Again> again = crash();
+  EXPECT_EQ(again->recovered.status.tick, 37);
+  EXPECT_EQ(again->recovered.status.run_state, RunState::kPaused);
+  EXPECT_EQ(again->recovered.status.state_hash, stepped.state_hash);
+}
+
+TEST_F(RecoveryTest, ASheetThatSleptSleeps) {
+  create("a", at_50_hz(scenes::lying_on_floor(6)));
+  run_for(400 * kTick);
+  ASSERT_EQ(status("a").run_state, RunState::kSleeping);
+  const std::unique_ptr<Again> again = crash();
+  EXPECT_EQ(again->recovered.status.run_state, RunState::kSleeping);
+  EXPECT_EQ(again->recovered.status.tick, status("a").tick);
+}
+
+TEST_F(RecoveryTest, AHashThatDiffersIsReported) {
+  create("a", small_sheet());
+  ASSERT_TRUE(submit("a", scenes::line_cut({-0.1, 0.5}, {0.6, 0.5})).ok());
+  StoredRun run = journal_.run_of(journal_.sheets().begin()->second);
+  run.changes.at(0).state_hash ^= 1U;
+  const Again again(run);
+  EXPECT_EQ(again.recovered.differs_at, run.changes.at(0).tick);
+}
+
+scene::Command random_command(SeededRandom& random) {
+  const auto at = [&] { return Eigen::Vector2d(random.uniform(-0.1, 1.1), random.uniform(-0.1, 1.1)); };
+  switch (random.below(8)) {
+    case 0:
+      return scene::UndoCut{};
+    case 1:
+      return scene::RedoCut{};
+    case 2:
+      return scene::Grab{"x", static_cast<mesh::VertexId>(random.below(20)), Eigen::Vector3d(0.5, 0.5, 0.3), 0.0};
+    case 3:
+      return scene::Release{"x"};
+    case 4:
+      return random.below(4) == 0 ? scene::Command(scene::Reset{})
+                                  : scene::Command(scene::SetGravity{{0.0, 0.0, -3.0}});
+    default:
+      return scenes::line_cut(at(), at());
+  }
+}
+
+TEST_F(RecoveryTest, RandomRunsContinueExactly) {
+  const std::uint64_t end = test::first_seed() + static_cast<std::uint64_t>(test::num_trials({2, 8, 200}));
+  for (std::uint64_t seed = test::first_seed(); seed < end; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    SeededRandom random(seed);
+    create("a", random.below(2) == 0 ? small_sheet() : at_50_hz(scenes::draped_over_sphere(7)));
+    const auto ignore = [](const auto&) {};
+    for (int i = 0; i < 25; ++i) {
+      run_for(static_cast<std::int64_t>(random.below(6)) * kTick);
+      const SheetStatus now = status("a");
+      switch (random.below(6)) {
+        case 0:
+          host_->pause("a", ignore);
+          break;
+        case 1:
+          host_->schedule("a", random_command(random), now.tick + 1 + static_cast<std::int64_t>(random.below(9)),
+                          ignore);
+          break;
+        case 2:
+          host_->cancel("a", 1 + static_cast<std::int64_t>(random.below(5)), ignore);
+          break;
+        default:
+          host_->submit("a", random_command(random), ignore);
+      }
+      if (random.below(3) == 0) host_->resume("a", ignore);
+    }
+    run_for(2 * kTick);
+    const std::unique_ptr<Again> again = crash();
+    EXPECT_FALSE(again->recovered.differs_at);
+    const SheetStatus live = step(40);
+    const SheetStatus same = again->step_to(live.tick);
+    EXPECT_EQ(same.tick, live.tick);
+    EXPECT_EQ(same.state_hash, live.state_hash);
+    Answers<Nothing> deleted;
+    host_->delete_sheet("a", deleted.callback());
+    host_->wait_idle();
+  }
+}
+
+}  // namespace
+}  // namespace kerf::host
