@@ -29,7 +29,7 @@ struct NewStoredSheet {
 struct JournalEntry {
   std::int64_t sheet = 0;
   std::int64_t seq = 0;          // 1, 2, ... for each sheet, without a gap.
-  std::int64_t tick = 0;         // Of the sheet after the change; never decreases.
+  std::int64_t tick = 0;         // Of the sheet after the change; lower than before if it restores a saved state.
   std::uint64_t state_hash = 0;  // Of the sheet after the change, see sheet::Sheet::state_hash().
   std::string content;           // The change, encoded.
   std::vector<StoredRequest> requests;
