@@ -24,10 +24,13 @@ Status check_pages(Database& database, StoreReport& report) {
   }
 }
 
-// The oldest entry that may be the first: recovery from the second-last state needs the one after it.
+// Returns the latest number that the oldest entry may have: recovery from the second-last unnamed state needs the one
+// after that.
 std::int64_t latest_first_seq(const StoredSheet& sheet) {
   std::set<std::int64_t> seqs;
-  for (const StateInfo& state : sheet.states) seqs.insert(state.seq);
+  for (const StateInfo& state : sheet.states) {
+    if (state.name.empty()) seqs.insert(state.seq);
+  }
   return seqs.size() < 2 ? 1 : *std::next(seqs.rbegin()) + 1;
 }
 

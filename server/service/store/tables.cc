@@ -242,10 +242,12 @@ Status Tables::remove_states(const std::string& condition) {
   return database_.execute("DELETE FROM states WHERE " + condition);
 }
 
-// Removes the entries up to the second-last state: two states remain from which the sheet can be recovered.
+// Removes the entries up to the second-last unnamed state: two states remain from which the sheet can be recovered.
+// Named ones do not count, as another of that name takes their place.
 Status Tables::compact(std::int64_t sheet, Totals totals) {
   const std::string own = of_sheet(sheet);
-  const std::string second = "(SELECT DISTINCT seq FROM states WHERE " + own + " ORDER BY seq DESC LIMIT 1 OFFSET 1)";
+  const std::string second =
+      "(SELECT seq FROM states WHERE " + own + " AND name = '' ORDER BY seq DESC LIMIT 1 OFFSET 1)";
   KERF_TRY(database_.execute("DELETE FROM journal WHERE " + own + " AND seq <= " + second));
   const std::string rest = "SELECT sum(length(content)) FROM journal WHERE " + own;
   KERF_TRY_ASSIGN(totals.bytes, database_.number(rest.c_str()));
