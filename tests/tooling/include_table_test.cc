@@ -45,6 +45,7 @@ const std::vector<Group>& groups() {
       {"CLI11", {"CLI/"}},
       {"nlohmann-json", {"nlohmann/"}},
       {"pugixml", {"pugixml.hpp"}},
+      {"SQLite", {"sqlite3.h"}},
       {"minizip", {"minizip/"}},
       {"EGL", {"EGL/", "KHR/"}},
       {"OpenGL", {"GL/", "GLES"}},

@@ -30,7 +30,7 @@ struct NewStoredSheet {
 struct JournalEntry {
   std::int64_t sheet = 0;
   std::int64_t seq = 0;          // 1, 2, ... for each sheet, without a gap.
-  std::int64_t tick = 0;         // Sheet::tick() after the change.
+  std::int64_t tick = 0;         // Sheet::tick() after the change; lower than before if a state is restored.
   std::uint64_t state_hash = 0;  // Sheet::state_hash() after the change.
   std::string content;           // The change, encoded.
   std::vector<StoredRequest> requests;

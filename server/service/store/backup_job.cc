@@ -1,0 +1,87 @@
+#include "server/service/store/backup_job.h"
+
+#include <utility>
+
+#include "server/service/store/schema.h"
+
+namespace kerf::store {
+namespace {
+
+constexpr int kPagesAStep = 256;  // 1 MiB
+
+std::string part_path(const std::string& folder) {
+  return database_path(folder) + ".part";
+}
+
+}  // namespace
+
+BackupJob::BackupJob(Files& files, Database& source, Paths paths, std::function<void(Status)> done)
+    : files_(files), source_(source), paths_(std::move(paths)), done_(std::move(done)) {}
+
+BackupJob::~BackupJob() = default;
+
+Result<bool> BackupJob::advance() {
+  if (!target_ && !has_pages_) {
+    KERF_TRY(begin());
+    return false;
+  }
+  if (!has_pages_) {
+    KERF_TRY_ASSIGN(has_pages_, copy_pages());
+    return false;
+  }
+  if (!states_.empty()) {
+    KERF_TRY(copy_state());
+    return false;
+  }
+  KERF_TRY(finish());
+  return true;
+}
+
+Status BackupJob::begin() {
+  KERF_TRY(files_.make_folder(paths_.to));
+  KERF_TRY_ASSIGN(const std::vector<std::string> found, files_.list(paths_.to));
+  if (!found.empty()) {
+    return failed_precondition("FOLDER_NOT_EMPTY", "\"" + paths_.to + "\" is not empty; name a new folder");
+  }
+  KERF_TRY(files_.make_folder(states_path(paths_.to)));
+  KERF_TRY_ASSIGN(Database target, Database::open(part_path(paths_.to), paths_.vfs));
+  KERF_TRY(target.execute("PRAGMA locking_mode = EXCLUSIVE; PRAGMA journal_mode = OFF; PRAGMA synchronous = OFF"));
+  target_.emplace(std::move(target));
+  pages_.reset(sqlite3_backup_init(target_->handle(), "main", source_.handle(), "main"));
+  if (pages_ == nullptr) return target_->error(sqlite3_errcode(target_->handle()), "copy");
+  return Nothing{};
+}
+
+Result<bool> BackupJob::copy_pages() {
+  const int code = sqlite3_backup_step(pages_.get(), kPagesAStep);
+  if (code == SQLITE_OK) return false;
+  if (code != SQLITE_DONE) return target_->error(code, "copy");
+  pages_.reset();
+  target_.reset();
+  KERF_TRY_ASSIGN(states_, read_state_rows(source_));
+  return true;
+}
+
+Status BackupJob::copy_state() {
+  const StateInfo& state = states_.back();
+  if (file_ == nullptr) {
+    const std::string path = states_path(paths_.from) + "/" + file_name(state);
+    KERF_TRY_ASSIGN(std::string content, files_.read(path, static_cast<std::size_t>(state.bytes)));
+    file_ = std::make_unique<FileJob>(files_, states_path(paths_.to), file_name(state), std::move(content));
+  }
+  KERF_TRY_ASSIGN(const bool is_last, file_->advance());
+  if (!is_last) return Nothing{};
+  const bool is_same = file_->bytes() == state.bytes && file_->sum() == state.content_sum;
+  if (!is_same) return data_loss("STATE_DAMAGED", "the file of the state \"" + file_name(state) + "\" is damaged");
+  file_.reset();
+  states_.pop_back();
+  return Nothing{};
+}
+
+Status BackupJob::finish() {
+  KERF_TRY(files_.sync_file(part_path(paths_.to)));
+  KERF_TRY(files_.rename(part_path(paths_.to), database_path(paths_.to)));
+  return files_.sync_folder(paths_.to);
+}
+
+}  // namespace kerf::store

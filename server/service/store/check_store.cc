@@ -1,0 +1,142 @@
+#include "server/service/store/check_store.h"
+
+#include <algorithm>
+#include <memory>
+#include <set>
+#include <utility>
+
+#include "server/service/store/reading.h"
+#include "server/service/store/schema.h"
+
+namespace kerf::store {
+namespace {
+
+std::string named(std::int64_t sheet) {
+  return "sheet " + std::to_string(sheet);
+}
+
+Status check_pages(Database& database, StoreReport& report) {
+  KERF_TRY_ASSIGN(Statement rows, Statement::prepare(database, "PRAGMA integrity_check"));
+  while (true) {
+    KERF_TRY_ASSIGN(const bool is_row, rows.step());
+    if (!is_row) return Nothing{};
+    if (rows.bytes(0) != "ok") report.faults.emplace_back("the database is damaged: " + std::string(rows.bytes(0)));
+  }
+}
+
+// Returns the latest number that the oldest entry may have: recovery from the second-last unnamed state needs the one
+// after that.
+std::int64_t latest_first_seq(const StoredSheet& sheet) {
+  std::set<std::int64_t> seqs;
+  for (const StateInfo& state : sheet.states) {
+    if (state.name.empty()) seqs.insert(state.seq);
+  }
+  return seqs.size() < 2 ? 1 : *std::next(seqs.rbegin()) + 1;
+}
+
+Status check_sheet(Database& database, const StoredSheet& sheet, StoreReport& report) {
+  const auto fault = [&](const std::string& text) { report.faults.push_back(named(sheet.sheet) + ": " + text); };
+  if (sheet.is_damaged) fault("its row has changed since it was written");
+  if (sheet.num_damaged_states > 0) fault("the row of a state has changed since it was written");
+  if (sheet.first_seq > latest_first_seq(sheet)) {
+    fault("its oldest entry is " + std::to_string(sheet.first_seq) + ", and entry " +
+          std::to_string(latest_first_seq(sheet)) + " is needed");
+  }
+  const auto entries = read_entries(database, sheet.sheet, std::max<std::int64_t>(sheet.first_seq, 1) - 1);
+  if (!entries.ok()) {
+    if (entries.error().reason != "JOURNAL_DAMAGED") return entries.error();
+    fault(entries.error().message);
+  }
+  for (const StateInfo& state : sheet.states) {
+    if (state.seq > sheet.last_seq)
+      fault("a state follows entry " + std::to_string(state.seq) + ", which is not there");
+  }
+  return Nothing{};
+}
+
+Status check_requests(Database& database, const std::vector<StoredSheet>& sheets, StoreReport& report) {
+  KERF_TRY_ASSIGN(const KeptRequests kept, read_requests(database, SIZE_MAX, SIZE_MAX));
+  if (kept.num_damaged > 0) {
+    report.faults.push_back(std::to_string(kept.num_damaged) + " answers have changed since they were written");
+  }
+  for (const KeptRequest& one : kept.requests) {
+    const auto sheet = std::find_if(sheets.begin(), sheets.end(), [&](const auto& s) { return s.sheet == one.sheet; });
+    if (sheet != sheets.end() && one.seq > sheet->last_seq) {
+      report.faults.push_back(named(one.sheet) + ": entry " + std::to_string(one.seq) + " of request \"" +
+                              one.request.key + "\" is not there");
+    }
+  }
+  return Nothing{};
+}
+
+Status check_files(Database& database, Files& files, const std::string& folder, StoreReport& report) {
+  KERF_TRY_ASSIGN(const std::vector<std::string> names, files.list(states_path(folder)));
+  KERF_TRY_ASSIGN(const std::vector<StateInfo> states, read_state_rows(database));
+  std::set<std::string> expected;
+  for (const StateInfo& state : states) {
+    const std::string name = file_name(state);
+    expected.insert(name);
+    const auto content = files.read(states_path(folder) + "/" + name, static_cast<std::size_t>(state.bytes));
+    const bool is_whole = content.ok() && static_cast<std::int64_t>(content->size()) == state.bytes &&
+                          content_sum(*content) == state.content_sum;
+    if (!is_whole) report.faults.push_back("the file of the state \"" + name + "\" is gone or damaged");
+  }
+  std::copy_if(names.begin(), names.end(), std::back_inserter(report.orphan_files),
+               [&](const std::string& name) { return expected.count(name) == 0; });
+  return Nothing{};
+}
+
+// Keeps a log that was there, which closing the last connection would move into the database.
+Result<StoreReport> check_database(Database& database, Files& files, const std::string& folder) {
+  StoreReport report;
+  KERF_TRY(
+      database.execute("PRAGMA locking_mode = EXCLUSIVE; PRAGMA query_only = ON; PRAGMA cell_size_check = ON; "
+                       "PRAGMA temp_store = MEMORY"));
+  KERF_TRY(check_schema(database));
+  KERF_TRY(check_pages(database, report));
+  KERF_TRY_ASSIGN(const std::vector<StoredSheet> sheets, read_sheets(database));
+  for (const StoredSheet& sheet : sheets) KERF_TRY(check_sheet(database, sheet, report));
+  KERF_TRY(check_requests(database, sheets, report));
+  KERF_TRY(check_files(database, files, folder, report));
+  KERF_TRY_ASSIGN(report.info, read_info(database, files, folder));
+  return report;
+}
+
+}  // namespace
+
+Result<StoreReport> check_store(const std::string& folder, Files& files, const std::string& vfs) {
+  const std::string path = database_path(folder);
+  const Result<std::int64_t> bytes = files.size(path);
+  if (!bytes.ok())
+    return not_found("STORE_NOT_FOUND", "there is no store in \"" + folder + "\": " + bytes.error().message);
+  std::unique_ptr<FileLock> lock;
+  if (files.size(lock_path(folder)).ok()) {
+    KERF_TRY_ASSIGN(lock, files.lock(lock_path(folder)));
+  }
+  const Result<std::int64_t> journal = files.size(path + "-journal");
+  if (journal.ok() && *journal > 0) {
+    return data_loss("STORE_DAMAGED", "\"" + folder + "\" was never wholly made: its creation was interrupted");
+  }
+  const bool has_log = files.size(path + "-wal").ok();
+  KERF_TRY_ASSIGN(Database database, Database::open(path, vfs));
+  if (has_log) sqlite3_db_config(database.handle(), SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
+  return check_database(database, files, folder);
+}
+
+Result<StoreInfo> read_info(Database& database, Files& files, const std::string& folder) {
+  StoreInfo info;
+  KERF_TRY_ASSIGN(info.sheets, database.number("SELECT count(*) FROM sheets WHERE state <> 2"));
+  KERF_TRY_ASSIGN(info.quarantined, database.number("SELECT count(*) FROM sheets WHERE state = 1"));
+  KERF_TRY_ASSIGN(info.entries, database.number("SELECT count(*) FROM journal"));
+  KERF_TRY_ASSIGN(info.requests, database.number("SELECT count(*) FROM requests"));
+  KERF_TRY_ASSIGN(info.states, database.number("SELECT count(*) FROM states"));
+  KERF_TRY_ASSIGN(info.entry_bytes, database.number("SELECT sum(length(content)) FROM journal"));
+  KERF_TRY_ASSIGN(info.state_bytes, database.number("SELECT sum(bytes) FROM states"));
+  for (const std::string& path : {database_path(folder), database_path(folder) + "-wal"}) {
+    const Result<std::int64_t> bytes = files.size(path);
+    if (bytes.ok()) info.database_bytes += *bytes;
+  }
+  return info;
+}
+
+}  // namespace kerf::store

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "server/base/result.h"
+#include "server/service/store/files.h"
+#include "server/service/store/sql.h"
+
+namespace kerf::store {
+
+// Counts what a store holds.
+struct StoreInfo {
+  std::int64_t sheets = 0;  // without deleted ones
+  std::int64_t quarantined = 0;
+  std::int64_t entries = 0;
+  std::int64_t requests = 0;
+  std::int64_t states = 0;
+  std::int64_t entry_bytes = 0;     // of the contents of entries
+  std::int64_t state_bytes = 0;     // of the files of states
+  std::int64_t database_bytes = 0;  // of the database with its log
+};
+
+struct StoreReport {
+  std::vector<std::string> faults;        // A sentence each; none: the store is whole.
+  std::vector<std::string> orphan_files;  // Files of states that no row names: an end in the middle leaves them.
+  StoreInfo info;
+};
+
+// Looks at everything that a store in this folder holds, while nothing else uses it, and changes nothing. Errors:
+// kNotFound STORE_NOT_FOUND, kFailedPrecondition STORE_IN_USE, STORE_FOREIGN or STORE_NEWER, kDataLoss STORE_DAMAGED if
+// the tables cannot be read at all. `vfs` as for StoreOptions.
+Result<StoreReport> check_store(const std::string& folder, Files& files = real_files(), const std::string& vfs = {});
+
+// Reads the counts of an open store.
+Result<StoreInfo> read_info(Database& database, Files& files, const std::string& folder);
+
+}  // namespace kerf::store
