@@ -42,6 +42,8 @@ struct Arguments {
   bool allow_remote = false;
   std::vector<std::string> allowed_origins;
   std::string record_dir;
+  std::string data_dir;
+  bool fresh = false;
   int max_connections_per_address = Config().max_connections_per_address;
 };
 
@@ -112,6 +114,13 @@ void declare(CLI::App& parser, Arguments& arguments) {
       ->type_name("ORIGIN")
       ->take_all();
   parser
+      .add_option("--data", arguments.data_dir,
+                  "Folder in which sheets are kept, so that they go on after a restart; 'none': they end with kerfd")
+      ->type_name("DIR")
+      ->default_str("$XDG_DATA_HOME/kerf, or ~/.local/share/kerf");
+  parser.add_flag("--fresh", arguments.fresh,
+                  "Make the sheets of --scene anew even if they are kept and were changed");
+  parser
       .add_option(
           "--record", arguments.record_dir,
           "Folder for a recording of every sheet, for `kerf replay`; while its disk is full, recordings wait in memory")
@@ -175,6 +184,9 @@ Result<std::variant<Config, Notice>> to_config(const Arguments& arguments) {
   config.allow_remote = arguments.allow_remote;
   config.allowed_origins = arguments.allowed_origins;
   config.record_dir = arguments.record_dir;
+  config.keeps_nothing = arguments.data_dir == "none";
+  if (!config.keeps_nothing) config.data_dir = arguments.data_dir;
+  config.fresh = arguments.fresh;
   return std::variant<Config, Notice>(std::move(config));
 }
 

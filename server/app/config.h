@@ -33,6 +33,9 @@ struct Config {
   bool allow_remote = false;                  // May listen on addresses other than loopback.
   std::vector<std::string> allowed_origins;   // Origins of foreign web pages that may use this server.
   std::filesystem::path record_dir;           // Folder of recordings; empty: none.
+  std::filesystem::path data_dir;             // Folder in which sheets are kept; empty: they end with the server.
+  bool keeps_nothing = false;                 // As asked by `--data none`.
+  bool fresh = false;                         // Makes the sheets of `scenes` anew even if they are kept and changed.
   int max_connections_per_address = 128;      // 1..10,000, for gRPC and for HTTP; 0: no limit.
   api::Limits limits;                         // For requests and streams.
   ws::HttpOptions http_options;  // For HTTP; allowed_origins and limits on connections come from elsewhere.
@@ -60,6 +63,8 @@ std::shared_ptr<const CLI::App> command_line();
 // other machines can reach is refused unless --allow-remote is given.
 Result<std::variant<Config, Notice>> parse_command_line(int argc, const char* const* argv);
 
+// Returns the user's folder for kept sheets: $XDG_DATA_HOME/kerf, else $HOME/.local/share/kerf. Empty if neither is set.
+std::filesystem::path default_data_directory();
 // Returns the default folder of the built viewer. That is share/kerf/web beside the executable's folder, the place of
 // `cmake --install`, else web/dist of a source tree above the executable. Empty if neither has an index.html.
 std::filesystem::path default_web_directory(const std::filesystem::path& executable);

@@ -122,6 +122,7 @@ int main(int argc, char** argv) {
   auto config = std::get<kerf::app::Config>(std::move(parsed).value());
   std::error_code ignored;
   const std::filesystem::path executable = std::filesystem::read_symlink("/proc/self/exe", ignored);
+  if (config.data_dir.empty() && !config.keeps_nothing) config.data_dir = kerf::app::default_data_directory();
   if (config.web.empty()) config.web = kerf::app::default_web_directory(executable);
   if (config.docs.empty()) config.docs = kerf::app::default_docs_directory(executable);
 

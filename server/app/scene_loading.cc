@@ -1,9 +1,10 @@
 #include "server/app/scene_loading.h"
 
-#include <future>
-#include <memory>
+#include <algorithm>
+#include <optional>
 #include <utility>
 
+#include "server/app/wait_for.h"
 #include "server/base/disk.h"
 #include "server/service/host/host.h"
 #include "server/service/wire/scene_codec.h"
@@ -11,22 +12,15 @@
 namespace kerf::app {
 namespace {
 
-// Blocks until the call is answered; no transport listens yet, so there is nothing else to do.
-template <typename T, typename Start>
-Result<T> wait_for(const Start& start) {
-  const auto promise = std::make_shared<std::promise<Result<T>>>();
-  std::future<Result<T>> future = promise->get_future();
-  start([promise](Result<T> result) { promise->set_value(std::move(result)); });
-  return future.get();
-}
-
 Error in_file(const std::filesystem::path& file, Error error) {
   const std::string field = error.field.empty() ? "" : error.field + ": ";
   error.message = "scene " + file.string() + ": " + field + error.message;
   return error;
 }
 
-Result<std::string> load(const std::filesystem::path& file, Disk& disk, host::Host& host) {
+// Returns no id if the sheet of the file is kept, and goes on.
+Result<std::optional<std::string>> load(const std::filesystem::path& file, Disk& disk, host::Host& host,
+                                        const std::set<std::string>& kept) {
   const Result<std::string> json = disk.read_file(file.string(), wire::kMaxSceneFileBytes);
   if (!json.ok()) return in_file(file, json.error());
   const wire::FileReader read_file = [&](const std::string& path) {
@@ -36,21 +30,28 @@ Result<std::string> load(const std::filesystem::path& file, Disk& disk, host::Ho
   if (!config.ok()) return in_file(file, config.error());
   const std::string stem = file.stem().string();
   const std::string id = config->sheet_id.empty() && scene::is_valid_sheet_id(stem) ? stem : config->sheet_id;
+  if (kept.contains(id)) return std::optional<std::string>();
+  const std::vector<std::string> present = host.list();
+  if (std::find(present.begin(), present.end(), id) != present.end()) {
+    const Status deleted =
+        wait_for<Nothing>([&](host::Callback<Nothing> done) { host.delete_sheet(id, std::move(done)); });
+    if (!deleted.ok()) return in_file(file, deleted.error());
+  }
   const Result<host::SheetStatus> status = wait_for<host::SheetStatus>([&](host::Callback<host::SheetStatus> done) {
     host.create_sheet(id, std::move(config).value(), true, std::move(done));
   });
   if (!status.ok()) return in_file(file, status.error());
-  return status->id;
+  return std::optional(status->id);
 }
 
 }  // namespace
 
 Result<std::vector<std::string>> load_scenes(const std::vector<std::filesystem::path>& files, Disk& disk,
-                                             host::Host& host) {
+                                             host::Host& host, const std::set<std::string>& kept) {
   std::vector<std::string> ids;
   for (const std::filesystem::path& file : files) {
-    KERF_TRY_ASSIGN(std::string id, load(file, disk, host));
-    ids.push_back(std::move(id));
+    KERF_TRY_ASSIGN(std::optional<std::string> id, load(file, disk, host, kept));
+    if (id) ids.push_back(std::move(*id));
   }
   return ids;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -16,9 +17,10 @@ class Host;
 namespace kerf::app {
 
 // Makes one paused sheet per scene file and returns the ids, in order. A scene without sheet_id gets the file's name
-// without extension. Errors name the file in their message.
+// without extension. A sheet with that id is replaced, unless it is among `kept`: then the file is left out. Errors name
+// the file in their message.
 Result<std::vector<std::string>> load_scenes(const std::vector<std::filesystem::path>& files, Disk& disk,
-                                             host::Host& host);
+                                             host::Host& host, const std::set<std::string>& kept = {});
 
 // Starts the clocks of these sheets.
 Status resume_sheets(const std::vector<std::string>& ids, host::Host& host);

@@ -3,26 +3,34 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cstdlib>
 #include <filesystem>
 #include <limits>
 #include <optional>
+#include <set>
 #include <string>
 #include <system_error>
 #include <thread>
 #include <utility>
 
+#include <google/protobuf/struct.pb.h>
+
 #include "render/renderer.h"
 #include "server/app/connection_limits.h"
 #include "server/app/file_recording.h"
+#include "server/app/kept_sheets.h"
 #include "server/app/scene_loading.h"
 #include "server/app/version.h"
 #include "server/base/descriptors.h"
 #include "server/base/disk.h"
 #include "server/service/api/api.h"
+#include "server/service/durable/change_codec.h"
 #include "server/service/host/clock.h"
 #include "server/service/host/entropy.h"
 #include "server/service/host/host.h"
 #include "server/service/rpc/rpc_server.h"
+#include "server/service/store/sqlite_store.h"
+#include "server/service/wire/json.h"
 #include "server/service/wire/recording_codec.h"
 #include "server/service/wire/reply_codec.h"
 #include "server/service/ws/http_server.h"
@@ -32,6 +40,13 @@ namespace kerf::app {
 namespace {
 
 constexpr std::chrono::seconds kStopGrace{3};  // For each transport.
+constexpr int kExitStoreFailed = 70;           // EX_SOFTWARE of sysexits.h
+
+std::string json_string(const std::string& text) {
+  google::protobuf::Value value;
+  value.set_string_value(text);
+  return wire::to_json(value);
+}
 
 Result<ws::AssetTable> read_site(const std::filesystem::path& folder) {
   return folder.empty() ? ws::AssetTable() : ws::AssetTable::read(folder);
@@ -50,6 +65,7 @@ struct Server::Impl {
   std::atomic<int> num_recordings = 0;
   RecordingBoard recording_board;
   std::unique_ptr<render::Renderer> renderer;  // Null with --no-render.
+  std::unique_ptr<store::SqliteStore> store;   // Null with --data none.
   std::unique_ptr<host::Host> host;
   std::unique_ptr<api::Api> api;
   std::unique_ptr<rpc::RpcServer> rpc;
@@ -62,6 +78,8 @@ struct Server::Impl {
   void tell_what_is_missing() const;
   ConnectionLimits limit_connections() const;
   Status check_record_dir();
+  Status open_store();
+  Status make_sheets(std::vector<std::string>& made);
   Status listen(ws::AssetTable files);
   Status start();
   void stop();
@@ -75,6 +93,9 @@ host::HostOptions Server::Impl::host_options() {
   options.max_load = config.max_load;
   options.max_total_vertices = config.max_total_vertices;
   options.encode_tick = wire::encode_recorded_tick;
+  options.journal = store.get();
+  options.encode_event = durable::encode_change;
+  options.encode_scene = durable::encode_stored_scene;
   if (!config.record_dir.empty()) {
     options.make_recording = [this](const std::string& id) -> std::shared_ptr<sheet::RecordingSink> {
       // Numbers the files, because two sheets may have the same id, one after the other.
@@ -161,19 +182,59 @@ Status Server::Impl::check_record_dir() {
   return Nothing{};
 }
 
+Status Server::Impl::open_store() {
+  if (config.data_dir.empty()) return Nothing{};
+  std::error_code failed;
+  std::filesystem::create_directories(config.data_dir.parent_path(), failed);
+  store::StoreOptions options;
+  options.folder = config.data_dir.string();
+  options.now = [this] { return clock.now(); };
+  options.unix_us = [this] { return clock.unix_us(); };
+  options.failed = [this](const std::string& message) {
+    note("the kept sheets cannot be written any more, and nothing may be answered that could be lost: " + message);
+    std::_Exit(kExitStoreFailed);
+  };
+  auto opened = store::SqliteStore::open(std::move(options));
+  if (!opened.ok()) {
+    Error error = opened.error();
+    error.message = "--data: " + error.message;
+    return error;
+  }
+  store = std::move(opened).value();
+  return Nothing{};
+}
+
+// Makes the sheets of the store again, then those of the scenes, which are paused.
+Status Server::Impl::make_sheets(std::vector<std::string>& made) {
+  std::set<std::string> kept;
+  if (store) {
+    KERF_TRY_ASSIGN(kept, recover_sheets(*store, *host, note));
+    KERF_TRY_ASSIGN(store::KeptRequests known,
+                    store->requests(config.limits.max_remembered_requests, config.limits.max_remembered_bytes));
+    std::vector<host::StoredRequest> requests;
+    for (store::KeptRequest& each : known.requests) requests.push_back(std::move(each.request));
+    api->remember(std::move(requests));
+  }
+  if (config.fresh) kept.clear();
+  KERF_TRY_ASSIGN(made, load_scenes(config.scenes, disk, *host, kept));
+  return Nothing{};
+}
+
 Status Server::Impl::start() {
   KERF_TRY(check_record_dir());
   KERF_TRY_ASSIGN(ws::AssetTable files, read_site(config.web));
   KERF_TRY_ASSIGN(ws::AssetTable docs, read_site(config.docs));
   files.mount("/docs", std::move(docs));
+  KERF_TRY(open_store());
   host = std::make_unique<host::Host>(host_options(), clock, entropy);
-  KERF_TRY_ASSIGN(const std::vector<std::string> sheets, load_scenes(config.scenes, disk, *host));
   KERF_TRY(build_renderer());
   api::ApiOptions options;
   options.version = kVersion;
   options.instance_id = instance_id;
   options.limits = config.limits;
   api = std::make_unique<api::Api>(*host, renderer.get(), options, clock);
+  std::vector<std::string> sheets;
+  KERF_TRY(make_sheets(sheets));
   KERF_TRY(listen(std::move(files)));
   KERF_TRY(resume_sheets(sheets, *host));
   tell_what_is_missing();
@@ -215,7 +276,8 @@ std::string Server::http_url() const {
 }
 
 std::string Server::ready_line() const {
-  return R"({"grpc":")" + grpc_address() + R"(","http":")" + http_url() + R"("})";
+  const std::string data = impl_->store ? R"(,"data":)" + json_string(impl_->config.data_dir.string()) : "";
+  return R"({"grpc":")" + grpc_address() + R"(","http":")" + http_url() + '"' + data + "}";
 }
 
 void Server::stop() {

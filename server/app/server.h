@@ -23,7 +23,7 @@ class Server {
 
   [[nodiscard]] std::string grpc_address() const;  // "HOST:PORT", with the port that was bound.
   [[nodiscard]] std::string http_url() const;      // "http://HOST:PORT"
-  // {"grpc":"HOST:PORT","http":"http://HOST:PORT"}
+  // {"grpc":"HOST:PORT","http":"http://HOST:PORT","data":"DIR"}; without "data" if no sheet is kept.
   [[nodiscard]] std::string ready_line() const;
 
   // Stops the server: it reports not ready, ends streams with SERVER_STOPPING, answers accepted commands, then closes

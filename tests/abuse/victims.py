@@ -48,7 +48,7 @@ class Server:
         scenes = [self.folder / f"{name}.json" for name in VICTIMS]
         for number, file in enumerate(scenes):
             file.write_text(json.dumps(scene(number)))
-        command = [kerfd, "--listen", "127.0.0.1:0", "--http", "127.0.0.1:0", "--no-render", "--max-load", "0",
+        command = [kerfd, "--listen", "127.0.0.1:0", "--http", "127.0.0.1:0", "--data", "none", "--no-render", "--max-load", "0",
                    "--record", self.records, "--scene", *scenes]
         words = f"{limit or ':'}; exec {shlex.join(map(str, command))}"
         with (self.folder / "errors").open("w") as errors:

@@ -23,7 +23,7 @@ BROKEN = []
 def server(*options, draws=False):
     """A kerfd on free ports; gives its addresses and process id."""
     options = [*options] if draws else ["--no-render", *options]
-    process = subprocess.Popen([OPTIONS.bin / "kerfd", "--listen", "127.0.0.1:0", "--http", "127.0.0.1:0",
+    process = subprocess.Popen([OPTIONS.bin / "kerfd", "--listen", "127.0.0.1:0", "--http", "127.0.0.1:0", "--data", "none",
                                 "--max-connections-per-address", "0", *options],
                                stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
     try:

@@ -74,7 +74,7 @@ def main():
     parser.add_argument("--kerfd", type=pathlib.Path, required=True)
     parser.add_argument("--frames", type=int, default=300, help="of each measurement (default: %(default)s)")
     options = parser.parse_args()
-    process = subprocess.Popen([options.kerfd, "--listen", "127.0.0.1:0", "--http", "127.0.0.1:0"],
+    process = subprocess.Popen([options.kerfd, "--listen", "127.0.0.1:0", "--http", "127.0.0.1:0", "--data", "none"],
                                stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
     try:
         print("vertices  frames/s  skipped  CPU, us  decode, us  raw: read, us  bytes  compact: read, us  bytes")

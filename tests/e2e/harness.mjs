@@ -13,7 +13,7 @@ export const kPatienceMs = 90_000;
 
 async function launchKerfd(path, web, http, options) {
   const scene = `${root}/tests/e2e/demo.json`;
-  const usual = ['--listen', '127.0.0.1:0', '--http', http, '--max-load', '0', '--web', web, '--scene', scene];
+  const usual = ['--listen', '127.0.0.1:0', '--http', http, '--max-load', '0', '--data', 'none', '--web', web, '--scene', scene];
   const child = spawn(path, [...usual, ...options], { stdio: ['ignore', 'pipe', 'inherit'] });
   const exited = new Promise((resolve) => child.once('exit', (code, signal) => resolve(signal ?? code)));
   const line = await new Promise((resolve, reject) => {

@@ -105,7 +105,7 @@ class FakeJournal : public Journal {
     return events_.at(std::stoul(entry.content));
   }
   [[nodiscard]] StoredRun run_of(const Kept& kept) const {
-    StoredRun run{kept.made.sheet, kept.made.id, scenes_.at(std::stoul(kept.made.scene)), {}, 0, kept.mark_tick};
+    StoredRun run{kept.made.sheet, kept.made.id, kept.made.created_unix_us, scenes_.at(std::stoul(kept.made.scene)), {}, 0, kept.mark_tick};
     for (const JournalEntry& entry : kept.entries) {
       run.changes.push_back({entry.tick, entry.state_hash, decode(entry)});
       run.last_seq = entry.seq;

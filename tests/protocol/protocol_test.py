@@ -22,7 +22,7 @@ HTTP = None
 
 def setUpModule():
     global PROCESS, HTTP
-    PROCESS = subprocess.Popen([OPTIONS.kerfd, "--listen", "127.0.0.1:0", "--http", "127.0.0.1:0", "--max-load", "0"],
+    PROCESS = subprocess.Popen([OPTIONS.kerfd, "--listen", "127.0.0.1:0", "--http", "127.0.0.1:0", "--data", "none", "--max-load", "0"],
                                stdout=subprocess.PIPE, text=True)
     HTTP = json.loads(PROCESS.stdout.readline())["http"].removeprefix("http://")
 

@@ -151,6 +151,12 @@ const Limits& Api::limits() const {
   return core_->options.limits;
 }
 
+void Api::remember(std::vector<host::StoredRequest> requests) {
+  for (host::StoredRequest& each : requests) {
+    core_->requests.remember(std::move(each.key), each.body_hash, std::move(each.reply));
+  }
+}
+
 void Api::stop() {
   core_->stopping = true;
   core_->hub.stop();

@@ -15,6 +15,7 @@
 namespace kerf::host {
 class Clock;
 class Host;
+struct StoredRequest;
 }  // namespace kerf::host
 namespace kerf::render {
 class Renderer;
@@ -156,6 +157,9 @@ class Api {
   ~Api();  // stop(), and waits for pictures being drawn
   Api(const Api&) = delete;
   Api& operator=(const Api&) = delete;
+
+  // Remembers requests of the server before, newest first, so that one sent again gets its answer.
+  void remember(std::vector<host::StoredRequest> requests);
 
   // `stop` is triggered when the client leaves; the sheet is then not made.
   void create_sheet(const v1::CreateSheetRequest& request, Reply<v1::Sheet> reply, std::stop_token stop = {});

@@ -73,6 +73,7 @@ void SheetRunner::announce_commands() {
 
 void SheetRunner::begin(bool paused, std::shared_ptr<sheet::RecordingSink> recording,
                         std::unique_ptr<Playback> playback) {
+  created_unix_us_ = context_.clock.unix_us();
   recorder_.begin(std::move(recording), sheet_.config());
   playback_ = std::move(playback);
   clock_.set_due([weak = weak_from_this(), strand = strand_](std::uint64_t call) {

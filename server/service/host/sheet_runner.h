@@ -252,6 +252,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   fem::FlagCounts flagged_ticks_{};  // Ticks with each flag since the sheet was made.
   std::optional<StepCall> step_call_;
   bool turn_posted_ = false;  // A take_turn() is posted.
+  std::int64_t created_unix_us_ = 0;
   bool is_ending_ = false;    // The sheet is being deleted from the journal, and takes no commands.
   bool changing_ = false;     // A tick or commands are in progress.
   bool repeats_now_ = false;  // The next tick begins with a Reset by the sheet itself.

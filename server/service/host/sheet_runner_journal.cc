@@ -17,7 +17,7 @@ void SheetRunner::keep_in(Journal& journal, std::int64_t sheet, std::int64_t las
 
 void SheetRunner::store_creation(const RequestName<SheetStatus>& request, const SheetStatus& answer) {
   if (!journal_.is_on()) return;
-  journal_.create({0, id_, context_.options.encode_scene(sheet_.config()), context_.clock.unix_us(),
+  journal_.create({0, id_, context_.options.encode_scene(sheet_.config()), created_unix_us_,
                    journal_.answered(request, answer)});
   if (clock_.is_paused()) store_run_state();
 }

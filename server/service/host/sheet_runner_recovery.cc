@@ -10,6 +10,7 @@
 namespace kerf::host {
 
 Result<std::optional<std::int64_t>> SheetRunner::recover(const StoredRun& run) {
+  created_unix_us_ = run.created_unix_us;
   std::optional<std::int64_t> differs_at;
   RunEvent last;
   for (const StoredRun::Change& change : run.changes) {

@@ -38,6 +38,7 @@ SheetStatus SheetRunner::status() const {
 SheetStatus SheetRunner::unhashed_status() const {
   SheetStatus status;
   status.id = id_;
+  status.created_unix_us = created_unix_us_;
   status.run_state = run_state();
   status.tick = sheet_.tick();
   status.scene_tick = sheet_.scene_tick();

@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include "server/core/fem/model/tick_cost.h"
 #include "server/core/fem/step/integrator.h"
 #include "server/core/fem/step/softening.h"
 #include "server/core/scene/sheet_config.h"
@@ -37,6 +38,7 @@ struct TickEstimate {
 // Describes a sheet between two ticks.
 struct SheetStatus {
   std::string id;
+  std::int64_t created_unix_us = 0;  // us since 1970; older than the server for a sheet of its store.
   RunState run_state = RunState::kRunning;
   std::int64_t tick = 0;
   std::int32_t topology_version = 0;

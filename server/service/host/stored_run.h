@@ -21,6 +21,7 @@ struct StoredRun {
 
   std::int64_t sheet = 0;  // Number of the sheet in the store.
   std::string id;
+  std::int64_t created_unix_us = 0;  // us since 1970
   scene::SheetConfig config;
   std::vector<Change> changes;
   std::int64_t last_seq = 0;   // Number of the last change; 0: there is none.

@@ -43,7 +43,7 @@ def setUpModule(*options):
     shutil.rmtree(OPTIONS.work, ignore_errors=True)
     os.makedirs(OPTIONS.work)
     PROCESS = subprocess.Popen(
-        [OPTIONS.kerfd, "--listen", "127.0.0.1:0", "--http", "127.0.0.1:0", "--max-load", "0", *options], stdout=subprocess.PIPE, text=True)
+        [OPTIONS.kerfd, "--listen", "127.0.0.1:0", "--http", "127.0.0.1:0", "--data", "none", "--max-load", "0", *options], stdout=subprocess.PIPE, text=True)
     SERVER = json.loads(PROCESS.stdout.readline())
 
 

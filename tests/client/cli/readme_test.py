@@ -109,7 +109,7 @@ def likeness(output):
 class Readme(Case):
     def run_server(self, line):
         """Starts it on free ports, and stops it once it is ready."""
-        command = [cli_case.OPTIONS.kerfd, *shlex.split(line, comments=True)[1:], "--listen", "127.0.0.1:0", "--http", "127.0.0.1:0"]
+        command = [cli_case.OPTIONS.kerfd, *shlex.split(line, comments=True)[1:], "--listen", "127.0.0.1:0", "--http", "127.0.0.1:0", "--data", "none"]
         with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as server:
             ready = server.stdout.readline()
             server.send_signal(signal.SIGTERM)

@@ -1,0 +1,192 @@
+#!/usr/bin/env python3
+"""Kills a kerfd under load again and again, starts it on the same folder, and checks every answer that it has given.
+
+    kills.py KERFD --kills 20 --seed 0
+
+Clients cut, undo and repeat requests, each on a sheet of its own. After each kill: every answered change is there once, with
+the answer that was given; a request without an answer is repeated, and is there once as well; no sheet differs from its
+recorded hashes; the list of cuts is that of the answers. The exit status is 1 after a fault.
+"""
+import argparse
+import json
+import pathlib
+import random
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import urllib.error
+import urllib.request
+
+CLIENTS = 3
+ANSWERS_A_SHEET = 40  # Then the client deletes its sheet and makes another.
+
+
+class Faults:
+    """Faults that were found, from all threads."""
+
+    def __init__(self):
+        self.lines = []
+
+    def check(self, is_right, line):
+        if not is_right:
+            self.lines.append(line)
+
+
+class Server:
+    """A kerfd on a folder, killed or stopped by its owner."""
+
+    def __init__(self, kerfd, folder):
+        self.errors = tempfile.TemporaryFile(mode="w+")
+        self.process = subprocess.Popen(
+            [kerfd, "--listen", "127.0.0.1:0", "--http", "127.0.0.1:0", "--no-render", "--max-load", "0", "--data", folder],
+            stdout=subprocess.PIPE, stderr=self.errors, text=True)
+        line = self.process.stdout.readline()
+        if not line:
+            raise RuntimeError(f"kerfd ended at once: {self.end(signal.SIGKILL)}")
+        self.http = json.loads(line)["http"]
+
+    def end(self, how):
+        """Returns what it wrote to standard error."""
+        self.process.send_signal(how)
+        self.process.wait(timeout=60)
+        self.process.stdout.close()
+        self.errors.seek(0)
+        text = self.errors.read()
+        self.errors.close()
+        return text
+
+    def call(self, method, message):
+        """Returns the answer, or None if the server was gone before it came."""
+        request = urllib.request.Request(f"{self.http}/kerf.v1.{method}", json.dumps(message).encode(),
+                                         {"Content-Type": "application/json"})
+        try:
+            with urllib.request.urlopen(request, timeout=60) as response:
+                return json.loads(response.read())
+        except urllib.error.HTTPError as error:
+            return {"refused": json.loads(error.read() or b"{}")}
+        except (OSError, ValueError):
+            return None
+
+
+class Client:
+    """Changes one sheet at a time, one request after another, and knows what must be there."""
+
+    def __init__(self, number, seed):
+        self.number = number
+        self.random = random.Random(1000 * seed + number)
+        self.generation = 0
+        self.sheet = None
+        self.open = None  # The request without an answer: method, message.
+        self.answered = []  # Of this sheet: method, message, answer.
+        self.num_answered = 0
+        self.num_requests = 0
+
+    def next_request(self):
+        if self.sheet is None:
+            name = f"sheet-{self.number}-{self.generation}"
+            scene = {"grid": {"columns": 8, "rows": 8, "width_m": 1, "height_m": 1}, "pins": [{"corners": {}}]}
+            return "SheetService/CreateSheet", {"sheet_id": name, "scene": scene, "request_id": f"{name}-made"}
+        self.num_requests += 1
+        request_id = f"{self.number}-{self.generation}-{self.num_requests}"
+        if self.random.random() < 0.15:
+            return "CutService/UndoCut", {"parent": self.sheet, "request_id": request_id}
+        points = [{"x": self.random.random(), "y": self.random.random()} for _ in range(2)]
+        return "CutService/CreateCut", {"parent": self.sheet, "cut": {"curve": {"polyline": {"points": points}}},
+                                        "request_id": request_id}
+
+    def run(self, server, is_over):
+        """Sends requests until the server is gone."""
+        while not is_over.is_set():
+            if self.open is None:
+                self.open = self.next_request()
+            if not self.send(server):
+                return
+            if len(self.answered) > ANSWERS_A_SHEET:
+                if server.call("SheetService/DeleteSheet", {"name": self.sheet}) is None:
+                    return
+                self.begin_anew()
+
+    def begin_anew(self):
+        self.sheet, self.answered = None, []
+        self.generation += 1
+
+    def send(self, server):
+        """Sends the open request. Returns False if no answer came."""
+        method, message = self.open
+        answer = server.call(method, message)
+        if answer is None or answer.get("refused", {}).get("code") in (14, "UNAVAILABLE"):
+            return False
+        self.open = None
+        self.num_answered += 1
+        if method.endswith("CreateSheet"):
+            self.sheet = answer["name"] if "refused" not in answer else self.sheet
+        if "refused" not in answer:
+            self.answered.append((method, message, answer))
+        return True
+
+    def check(self, server, faults):
+        """Checks the sheet after a restart, the open request included."""
+        if self.open is not None:
+            faults.check(self.send(server), f"{self.open} has no answer")
+        for method, message, answer in self.answered:
+            again = server.call(method, message)
+            faults.check(again == answer, f"repeated {method} {message['request_id']}: {answer} became {again}")
+        if self.sheet is None:
+            return
+        listed = server.call("CutService/ListCuts", {"parent": self.sheet, "page_size": 1000})
+        if "refused" in listed and len(self.answered) > ANSWERS_A_SHEET:
+            return self.begin_anew()  # The deletion was answered to a client that was gone.
+        current = []
+        for method, _, answer in self.answered:
+            if method.endswith("CreateCut") and answer.get("status") == "APPLIED":
+                current.append(answer["name"])
+            elif method.endswith("UndoCut"):
+                current = [name for name in current if name not in answer.get("cuts", [])]
+        names = [each["result"]["name"] for each in listed.get("cuts", [])]
+        faults.check(names == current, f"{self.sheet}: cuts {names}, but {current} were answered")
+        return None
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("kerfd", type=pathlib.Path)
+    parser.add_argument("--kills", type=int, default=20)
+    parser.add_argument("--seed", type=int, default=0)
+    options = parser.parse_args()
+    moments = random.Random(options.seed)
+    faults = Faults()
+    clients = [Client(i, options.seed) for i in range(CLIENTS)]
+    with tempfile.TemporaryDirectory() as folder:
+        server = Server(options.kerfd, folder + "/store")
+        for kill in range(options.kills):
+            is_over = threading.Event()
+            threads = [threading.Thread(target=client.run, args=(server, is_over)) for client in clients]
+            for thread in threads:
+                thread.start()
+            time.sleep(moments.uniform(0.02, 0.5))
+            errors = server.end(signal.SIGKILL)
+            is_over.set()
+            for thread in threads:
+                thread.join()
+            server = Server(options.kerfd, folder + "/store")
+            for client in clients:
+                client.check(server, faults)
+            for line in errors.splitlines():
+                faults.check("differs" not in line and "damaged" not in line, line)
+            if faults.lines:
+                break
+            print(f"\r{kill + 1} kills, {sum(client.num_answered for client in clients)} answers", end="", file=sys.stderr)
+        print(file=sys.stderr)
+        errors = server.end(signal.SIGTERM)
+        faults.check(server.process.returncode == 0, f"kerfd ended with {server.process.returncode}: {errors}")
+    for line in faults.lines[:20]:
+        print(line)
+    print(f"{options.kills} kills, {sum(client.num_answered for client in clients)} answered, seed {options.seed}: "
+          f"{len(faults.lines)} faults")
+    return 1 if faults.lines else 0
+
+
+sys.exit(main())
