@@ -28,6 +28,7 @@
 #include "server/service/host/metrics_board.h"
 #include "server/service/host/pace.h"
 #include "server/service/host/playback.h"
+#include "server/service/host/saved_states.h"
 #include "server/service/host/shared_slot.h"
 #include "server/service/host/sheet_status.h"
 #include "server/service/host/vertex_budget.h"
@@ -83,10 +84,28 @@ class Host {
   // create_sheet() and sheet::check_order().
   void replay(std::string id, sheet::Recording recording, bool paused, Callback<SheetStatus> done,
               const std::stop_token& stop = {});
+  // Saves the state of a sheet between two ticks under a name, [a-z][a-z0-9-]{0,62}, in memory. `attach` is called on
+  // the sheet's strand; its bytes are kept with the state. Errors of SavedStates::add(); kInvalidArgument STATE_ID;
+  // kFailedPrecondition REPLAYING, STEPPING; kResourceExhausted OUT_OF_MEMORY.
+  void save_state(const std::string& id, std::string state_id, bool overwrite, std::function<std::string()> attach,
+                  Callback<SavedStateStatus> done);
+  // Brings a saved state back: mesh, motion, undo history, pins, grabs, settings, waiting commands of schedule() and
+  // counts. Pause and speed stay as they are; a sleeping sheet wakes. The sheet ticks on while the state is loaded.
+  // Queued commands are done on the restored sheet. RunStats::sheet_serial is another one then. A recording to
+  // HostOptions::make_recording ends. `restored` is called with the bytes of `attach`, on the strand, before `done`.
+  // Errors: kNotFound STATE_NOT_FOUND; kFailedPrecondition REPLAYING, STEPPING; kResourceExhausted OUT_OF_MEMORY.
+  void restore_state(const std::string& id, const std::string& state_id,
+                     std::function<void(const std::string&)> restored, Callback<SheetStatus> done);
+  // Lists the saved states of a sheet, those saved first at first.
+  void states(const std::string& id, const Callback<std::vector<SavedStateStatus>>& done) const;
+  // kNotFound STATE_NOT_FOUND
+  void delete_state(const std::string& id, const std::string& state_id, const Callback<Nothing>& done);
+
   // Returns the recording that the sheet has kept in memory, up to its present tick. Errors of KeptRecording::until().
   void recording(const std::string& id, Callback<KeptRun> done);
-  // Deletes a sheet: ends its sinks (kSheetDeleted) and the calls that wait for it (kAborted). Then calls `closed`; no
-  // sink or listener gets anything about this sheet afterwards. The name becomes free once `closed` has returned.
+  // Deletes a sheet with its states: ends its sinks (kSheetDeleted) and the calls that wait for it (kAborted). Then
+  // calls `closed`; no sink or listener gets anything about this sheet afterwards. The name becomes free once `closed`
+  // has returned.
   void delete_sheet(const std::string& id, Callback<Nothing> done, std::function<void()> closed = {});
 
   // Returns the sorted ids; sheets still being built are left out.
@@ -192,6 +211,8 @@ class Host {
   Status check_wanted(const Creation& creation) const;
   // Builds the sheet on a builder thread, then posts begin() to a worker.
   Status build_and_hand_on(const std::shared_ptr<Creation>& creation, scene::SheetConfig config);
+  // Loads the sheet of a state, on a builder thread.
+  Result<sheet::Sheet> load_sheet(const SavedState& state);
   Result<SheetStatus> begin(Creation& creation, sheet::Sheet sheet, const Workers::Strand& strand);
   void refuse(Creation& creation, const Error& error);
   void release(const std::string& id);
@@ -209,6 +230,7 @@ class Host {
   Entropy& entropy_;
   MetricsBoard board_;
   VertexBudget vertices_;
+  SavedStates states_;
   SharedSlot<CommandListener> listener_;
   SharedSlip slip_;
   mutable std::mutex mutex_;
