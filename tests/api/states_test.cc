@@ -63,6 +63,7 @@ class ApiStatesTest : public ApiCutsTest {
 TEST_F(ApiStatesTest, AStateIsSavedListedRestoredAndDeleted) {
   ASSERT_TRUE(create_sheet("a", true).ok());
   ASSERT_TRUE(step(5).ok());
+  run_for(3 * kTick);  // The sheet is paused.
   const v1::SavedState saved = save("before").value();
   EXPECT_EQ(saved.name(), "sheets/a/states/before");
   EXPECT_EQ(saved.tick(), 5);
@@ -72,7 +73,7 @@ TEST_F(ApiStatesTest, AStateIsSavedListedRestoredAndDeleted) {
   EXPECT_EQ(saved.state_hash(), get_sheet("sheets/a").state_hash());
   EXPECT_EQ(saved.continuation_hash().size(), 16U);
   EXPECT_NE(saved.continuation_hash(), saved.state_hash());
-  EXPECT_GT(saved.saved_unix_us(), 0);
+  EXPECT_EQ(saved.saved_unix_us(), clock_.unix_us());
   EXPECT_EQ(save("before").error().reason, "STATE_EXISTS");
   EXPECT_EQ(save("before").error().code, ErrorCode::kAlreadyExists);
   ASSERT_TRUE(cut(0.45).ok());
@@ -132,6 +133,7 @@ TEST_F(ApiStatesTest, ViewersSeeTheRestoredSheet) {
   ASSERT_TRUE(create_sheet("a", false).ok());
   Viewer viewer(*api_);
   viewer.start("sheets/a");
+  host_->wait_idle();
   ASSERT_TRUE(viewer.drain());
   ASSERT_TRUE(cut(0.3).ok());
   ASSERT_TRUE(save("one").ok());

@@ -1,7 +1,11 @@
 // Names of saved states, and how many there may be.
 #include "server/service/host/saved_states.h"
 
+#include <atomic>
+#include <future>
+#include <memory>
 #include <string>
+#include <utility>
 
 #include "tests/host/states_fixture.h"
 
@@ -65,6 +69,40 @@ TEST_F(FullStatesTest, AllStatesOfAServerShareItsBytes) {
   host_->delete_sheet("a", deleted.callback());
   host_->wait_idle();
   for (std::int64_t i = 1; i < room; ++i) EXPECT_TRUE(save("b", "s" + std::to_string(i)).ok());
+}
+
+// Builders wait in the integrators that they make until the gate is opened.
+class GatedStatesTest : public StatesTest {
+ protected:
+  GatedStatesTest() : GatedStatesTest(std::make_shared<std::promise<void>>()) {}
+  std::shared_ptr<std::promise<void>> gate_;
+  std::shared_ptr<std::atomic<bool>> is_shut_ = std::make_shared<std::atomic<bool>>(false);
+
+ private:
+  explicit GatedStatesTest(std::shared_ptr<std::promise<void>> gate) : gate_(std::move(gate)) {
+    HostOptions options;
+    options.make_integrator = [opened = std::shared_future<void>(gate_->get_future()),
+                               is_shut = is_shut_](const fem::IntegratorOptions& wanted) {
+      if (*is_shut) opened.wait();
+      return fem::make_integrator(wanted);
+    };
+    host_ = std::make_unique<Host>(std::move(options), clock_, entropy_);
+  }
+};
+
+TEST_F(GatedStatesTest, SixteenStatesAreLoadedAtOnce) {
+  create("a", small_sheet(), true);
+  ASSERT_TRUE(save("a", "one").ok());
+  *is_shut_ = true;
+  Answers<SheetStatus> answers;
+  for (int i = 0; i < 17; ++i) host_->restore_state("a", "one", {}, answers.callback());
+  ASSERT_EQ(answers.count(), 1U) << "the last one, at once";
+  EXPECT_EQ(answers.reason(0), "TOO_MANY_RESTORES");
+  gate_->set_value();
+  host_->wait_idle();
+  ASSERT_EQ(answers.count(), 17U);
+  for (std::size_t i = 1; i < 17; ++i) EXPECT_EQ(answers.reason(i), "done");
+  EXPECT_TRUE(restore("a", "one").ok()) << "there is room again";
 }
 
 }  // namespace

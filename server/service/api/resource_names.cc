@@ -58,7 +58,7 @@ std::string state_name(const std::string& sheet_id, const std::string& state_id)
 }
 
 Result<StateName> parse_state_name(const std::string& name) {
-  const std::size_t slash = name.find(kStates);
+  const std::size_t slash = name.rfind(kStates);  // A sheet may be called "states", too.
   if (slash != std::string::npos) {
     const Result<std::string> id = parse_sheet_name(name.substr(0, slash), "name");
     std::string state_id = name.substr(slash + kStates.size());

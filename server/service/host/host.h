@@ -93,7 +93,8 @@ class Host {
   // counts. Pause and speed stay as they are; a sleeping sheet wakes. The sheet ticks on while the state is loaded.
   // Queued commands are done on the restored sheet. RunStats::sheet_serial is another one then. A recording to
   // HostOptions::make_recording ends. `restored` is called with the bytes of `attach`, on the strand, before `done`.
-  // Errors: kNotFound STATE_NOT_FOUND; kFailedPrecondition REPLAYING, STEPPING; kResourceExhausted OUT_OF_MEMORY.
+  // Errors: kNotFound STATE_NOT_FOUND; kFailedPrecondition REPLAYING, STEPPING; kResourceExhausted OUT_OF_MEMORY,
+  // TOO_MANY_RESTORES if 16 states are being loaded.
   void restore_state(const std::string& id, const std::string& state_id,
                      std::function<void(const std::string&)> restored, Callback<SheetStatus> done);
   // Lists the saved states of a sheet, those saved first at first.
@@ -199,6 +200,8 @@ class Host {
   static constexpr Nanoseconds kReleaseDelay = std::chrono::seconds(2);
   // Limit on sheets being built at the same time; further ones wait.
   static constexpr std::size_t kMaxBuilders = 3;
+  // Limit on states being loaded or waiting for that, of all sheets.
+  static constexpr std::int32_t kMaxLoads = 16;
 
   // Builds a sheet on a builder thread. `playback`: the recording that the sheet is to play; null: none.
   void create(std::string id, scene::SheetConfig config, std::unique_ptr<Playback> playback, bool paused,
@@ -237,6 +240,7 @@ class Host {
   std::map<std::string, std::shared_ptr<SheetRunner>> sheets_;  // Null: being built or deleted. Guarded by mutex_.
   std::atomic<std::uint64_t> num_made_{0};
   std::atomic<std::int64_t> promised_bytes_{0};  // Memory that builders in progress may need, bytes.
+  std::atomic<std::int32_t> num_loads_{0};       // States being loaded or waiting for that.
   std::atomic<bool> stopping_{false};            // Set under mutex_.
   std::atomic<bool> has_closed_sheets_{false};
   Admission admission_;                   // guarded by mutex_

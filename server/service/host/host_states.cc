@@ -1,3 +1,6 @@
+#include <atomic>
+#include <cstdint>
+#include <memory>
 #include <utility>
 
 #include "server/base/catch_exceptions.h"
@@ -18,6 +21,21 @@ namespace {
 Status check_state_id(const std::string& id) {
   if (scene::is_valid_sheet_id(id)) return Nothing{};
   return invalid_argument("STATE_ID", "state_id must match [a-z][a-z0-9-]{0,62}", "state_id");
+}
+
+// Counts a load for as long as it exists.
+struct LoadPlace {
+  explicit LoadPlace(std::atomic<std::int32_t>& loads) : all(loads), number(++loads) {}
+  ~LoadPlace() { --all; }
+  LoadPlace(const LoadPlace&) = delete;
+  LoadPlace& operator=(const LoadPlace&) = delete;
+
+  std::atomic<std::int32_t>& all;
+  const std::int32_t number;  // The loads when this one began, itself included.
+};
+
+Error too_many_restores() {
+  return resource_exhausted("TOO_MANY_RESTORES", "16 saved states are being restored, the limit; try again later");
 }
 
 // Returns the state of a sheet whose run was saved just now.
@@ -61,11 +79,14 @@ void Host::restore_state(const std::string& id, const std::string& state_id,
   if (!runner) return done(missing(id));
   const Result<std::shared_ptr<const SavedState>> state = states_.find(id, state_id);
   if (!state.ok()) return done(state.error());
-  const auto load = [this, runner, state = *state, restored = std::move(restored), done]() -> Status {
+  // Held until the sheet is restored, because a loaded sheet takes memory.
+  const auto place = std::make_shared<LoadPlace>(num_loads_);
+  if (place->number > kMaxLoads) return done(too_many_restores());
+  const auto load = [this, runner, state = *state, restored = std::move(restored), done, place]() -> Status {
     KERF_TRY_ASSIGN(sheet::Sheet loaded, load_sheet(*state));
     const auto sheet = std::make_shared<sheet::Sheet>(std::move(loaded));
     runner->post(
-        [this, state, sheet, restored, done](SheetRunner& r) {
+        [this, state, sheet, restored, done, place](SheetRunner& r) {
           if (Status s = r.continue_from(state->run, std::move(*sheet), ++num_made_); !s.ok()) return done(s.error());
           if (restored) restored(state->run.attachment);
           done(r.status());
