@@ -13,6 +13,7 @@ namespace kerf::cli {
 
 void add_sheet_commands(CLI::App& app, Session& session);
 void add_recording_commands(CLI::App& sheet, Session& session);  // `kerf sheet`: record, play
+void add_state_commands(CLI::App& sheet, Session& session);      // `kerf sheet`: save, restore, states, forget
 void add_settings_commands(CLI::App& sheet, Session& session);   // `kerf sheet`: material, self-contact, speed
 void add_interaction_commands(CLI::App& sheet,
                               Session& session);  // `kerf sheet`: grab, drag, release, pins, gravity, wind

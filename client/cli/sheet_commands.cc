@@ -293,6 +293,7 @@ void add_sheet_commands(CLI::App& app, Session& session) {
   add_create(*sheet, session);
   add_settings_commands(*sheet, session);
   add_interaction_commands(*sheet, session);
+  add_state_commands(*sheet, session);
   add_recording_commands(*sheet, session);
   CLI::App* list = sheet->add_subcommand("list", "List all sheets (also: ls)");
   list->alias("ls");

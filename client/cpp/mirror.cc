@@ -74,7 +74,9 @@ std::optional<std::string> Mirror::apply(const v1::Frame& frame) {
   if (frame.sequence() != sequence_ + 1) {
     return "frame " + std::to_string(frame.sequence()) + " follows frame " + std::to_string(sequence_);
   }
-  if (frame.tick() < tick_) return "tick " + std::to_string(frame.tick()) + " after tick " + std::to_string(tick_);
+  const bool begins = !frame.epoch().empty() && frame.base_tick() < 0;
+  if (frame.tick() < tick_ && !begins)
+    return "tick " + std::to_string(frame.tick()) + " after tick " + std::to_string(tick_);
   if (frame.encoding() != v1::COMPACT && frame.encoding() != v1::RAW) return "an unknown encoding";
   if (frame.has_topology()) {
     if (auto wrong = apply_topology(frame)) return wrong;
@@ -88,6 +90,7 @@ std::optional<std::string> Mirror::apply(const v1::Frame& frame) {
   if (auto wrong = apply_strains(frame)) return wrong;
   topology_version_ = frame.topology_version();
   tick_ = frame.tick();
+  if (!frame.epoch().empty()) epoch_ = frame.epoch();
   sequence_ = frame.sequence();
   return std::nullopt;
 }

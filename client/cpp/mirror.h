@@ -16,12 +16,16 @@ namespace kerf::client {
 // client: after each frame it holds exactly the integers and triangles that the server sent.
 class Mirror {
  public:
-  // Applies the next frame of the stream. Returns the fault of a frame that cannot follow (a gap, an index out of
-  // range, an array of the wrong size). The mirror is then useless, and the stream should be reopened.
+  // Applies the next frame of the stream. A keyframe with an epoch may have any tick. Returns the fault of a frame that
+  // cannot follow (a gap, an index out of range, an array of the wrong size). The mirror is then useless, and the
+  // stream should be reopened.
   [[nodiscard]] std::optional<std::string> apply(const v1::Frame& frame);
 
   [[nodiscard]] std::int64_t tick() const { return tick_; }  // -1 before the first frame
   [[nodiscard]] std::int32_t topology_version() const { return topology_version_; }
+  // Returns kerf.v1.Frame.epoch, to which topology_version() belongs. It changes when the sheet goes back to a saved
+  // state. Empty before the first frame.
+  [[nodiscard]] const std::string& epoch() const { return epoch_; }
   [[nodiscard]] std::int32_t num_vertices() const { return static_cast<std::int32_t>(quantised_.size() / 3); }
   [[nodiscard]] std::int32_t num_slots() const { return static_cast<std::int32_t>(triangles_.size()); }
   [[nodiscard]] std::int32_t num_pieces() const { return num_pieces_; }
@@ -67,6 +71,7 @@ class Mirror {
   std::int64_t tick_ = -1;
   std::int64_t sequence_ = 0;
   std::int32_t topology_version_ = -1;
+  std::string epoch_;
   std::int32_t num_pieces_ = 0;
   v1::Box3 box_;
   std::vector<std::uint16_t> quantised_;

@@ -132,7 +132,9 @@ Result<Done> RunWriter::add(const Mirror& mirror) {
                        std::to_string(ticks_.back()) + ": start another file",
                    ""};
   }
-  if (topology_versions_.empty() || topology_versions_.back() != mirror.topology_version()) {
+  if (topology_versions_.empty() || topology_versions_.back() != mirror.topology_version() ||
+      epoch_ != mirror.epoch()) {
+    epoch_ = mirror.epoch();
     flush();
     add_topology(mirror);
   } else if (positions_.size() * sizeof(float) > kChunkBytes) {

@@ -48,6 +48,7 @@ class RunWriter {
   std::vector<std::int64_t> ticks_;
   std::vector<Chunk> chunks_;
   std::vector<std::int32_t> topology_versions_;
+  std::string epoch_;  // Epoch of the last topology.
   // These describe the chunk not yet written:
   std::size_t num_vertices_ = 0;
   std::size_t num_waiting_ = 0;   // Frames in the chunk.

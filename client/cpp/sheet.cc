@@ -147,6 +147,38 @@ Result<Done> Sheet::remove() {
   return Done{};
 }
 
+Result<v1::SavedState> Sheet::save_state(const std::string& state_id, bool overwrite, const std::string& request_id) {
+  v1::SaveStateRequest request;
+  request.set_parent(name());
+  request.set_state_id(state_id);
+  request.set_overwrite(overwrite);
+  request.set_request_id(request_id);
+  return connection_->call(&v1::SheetService::Stub::SaveState, connection_->client().sheets(), request);
+}
+
+Result<v1::Sheet> Sheet::restore_state(const std::string& state_id, const std::string& request_id) {
+  v1::RestoreStateRequest request;
+  request.set_name(name() + "/states/" + state_id);
+  request.set_request_id(request_id);
+  return connection_->call(&v1::SheetService::Stub::RestoreState, connection_->client().sheets(), request);
+}
+
+Result<std::vector<v1::SavedState>> Sheet::states() {
+  v1::ListStatesRequest request;
+  request.set_parent(name());
+  const auto reply = connection_->call(&v1::SheetService::Stub::ListStates, connection_->client().sheets(), request);
+  if (!reply) return reply.failure();
+  return std::vector<v1::SavedState>(reply->states().begin(), reply->states().end());
+}
+
+Result<Done> Sheet::delete_state(const std::string& state_id) {
+  v1::DeleteStateRequest request;
+  request.set_name(name() + "/states/" + state_id);
+  const auto reply = connection_->call(&v1::SheetService::Stub::DeleteState, connection_->client().sheets(), request);
+  if (!reply) return reply.failure();
+  return Done{};
+}
+
 Result<std::int64_t> Sheet::grab(v1::Grab grab, std::optional<Vector> target, double stiffness_npm) {
   if (target) *grab.mutable_target() = vec3(*target);
   grab.set_stiffness_npm(stiffness_npm);

@@ -84,6 +84,17 @@ class Sheet {
   Result<v1::Sheet> reset();
   Result<Done> remove();
 
+  // Saved states, by name, [a-z][a-z0-9-]{0,62}:
+  //
+  // Saves the state between two ticks in the server's memory. overwrite: replaces a state of this name, which is
+  // refused otherwise. request_id: as in cut().
+  Result<v1::SavedState> save_state(const std::string& state_id, bool overwrite = false,
+                                    const std::string& request_id = {});
+  // Brings a saved state back, bit for bit. Pause and speed stay as they are. undo() does not take it back.
+  Result<v1::Sheet> restore_state(const std::string& state_id, const std::string& request_id = {});
+  Result<std::vector<v1::SavedState>> states();  // Those saved first at first.
+  Result<Done> delete_state(const std::string& state_id);
+
   // Interaction; each call returns the tick at which it took effect.
   //
   // Ties a material point (m) or a vertex by a spring to a target in the world (m; absent: its present place).

@@ -47,6 +47,16 @@ void FileRecording::append(const sheet::RecordedTick& entry) {
   if (state_ != State::kEnded) write(wire::encode_recorded_tick(entry));
 }
 
+void FileRecording::end_early(const std::string& why) {
+  if (state_ == State::kEnded) return;
+  if (state_ == State::kPaused) try_a_last_time();
+  if (state_ == State::kWriting) ++board_.stopped;
+  state_ = State::kEnded;
+  file_.reset();
+  forget_waiting();
+  say("has ended: " + why + "; the file replays up to its last entry");
+}
+
 void FileRecording::write(std::string bytes) {
   const auto count = static_cast<std::int64_t>(bytes.size());
   waiting_bytes_ += count;

@@ -50,6 +50,7 @@ class FileRecording : public sheet::RecordingSink {
 
   void start(const scene::SheetConfig& config) override;
   void append(const sheet::RecordedTick& entry) override;
+  void end_early(const std::string& why) override;
 
  private:
   enum class State { kWriting, kPaused, kEnded };

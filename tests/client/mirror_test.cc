@@ -131,6 +131,24 @@ TEST(Mirror, AppliesAKeyframe) {
   EXPECT_DOUBLE_EQ(mirror.position(1)[2], 5 * 4.0 / 65535);
 }
 
+TEST(Mirror, BeginsAgainAtAnyTickWithAnEpoch) {
+  Mirror mirror;
+  v1::Frame first = keyframe();
+  first.set_epoch("one");
+  ASSERT_EQ(mirror.apply(first), std::nullopt);
+  EXPECT_EQ(mirror.epoch(), "one");
+  ASSERT_EQ(mirror.apply(delta()), std::nullopt);
+  EXPECT_EQ(mirror.epoch(), "one");
+  v1::Frame again = keyframe();
+  again.set_sequence(3);
+  again.set_tick(2);
+  again.set_epoch("two");
+  ASSERT_EQ(mirror.apply(again), std::nullopt);
+  EXPECT_EQ(mirror.tick(), 2);
+  EXPECT_EQ(mirror.epoch(), "two");
+  EXPECT_THAT(mirror.quantised_positions(), ElementsAre(0, 1, 2, 65535, 4, 5, 6, 7, 8, 9, 10, 11));
+}
+
 TEST(Mirror, AppliesDeltasAndPatches) {
   Mirror mirror;
   ASSERT_EQ(mirror.apply(keyframe()), std::nullopt);

@@ -81,6 +81,27 @@ TEST_F(RunWriterTest, NumPyReadsWhatTheFramesShowed) {
   EXPECT_NEAR(std::stod(numpy(path("run.npz"), of_all)), sum, 1e-5 * std::abs(sum));
 }
 
+TEST_F(RunWriterTest, AnotherTopologyOfAnEqualVersionIsWrittenToo) {
+  Sheet sheet = server_->create(grid_scene(8, 8, 1.0, 1.0), {"states", true, ""}).value();
+  ASSERT_TRUE(sheet.save_state("whole").ok());
+  ASSERT_TRUE(sheet.step(2).ok());
+  ASSERT_TRUE(sheet.cut(polyline({{0.5, -1}, {0.5, 2}})).ok());
+  ASSERT_TRUE(sheet.save_state("cut").ok());
+  ASSERT_TRUE(sheet.restore_state("whole").ok());
+  ASSERT_TRUE(sheet.cut(circle({0.5, 0.5}, 0.3)).ok());
+  const auto writer = RunWriter::open(path("states.npz")).value();
+  std::vector<std::int32_t> versions;
+  const auto on_frame = [&](const v1::Frame&, const Mirror& mirror) {
+    EXPECT_TRUE(writer->add(mirror).ok());
+    versions.push_back(mirror.topology_version());
+    return versions.size() < 2 && sheet.restore_state("cut").ok();
+  };
+  ASSERT_TRUE(sheet.watch(on_frame).ok());
+  ASSERT_TRUE(writer->close().ok());
+  EXPECT_EQ(versions, (std::vector<std::int32_t>{2, 2}));
+  EXPECT_EQ(numpy(path("states.npz"), "run['ticks'].tolist(), 'triangles_1' in run.files"), "[0, 2] True\n");
+}
+
 TEST_F(RunWriterTest, LongRunsAreWrittenAsTheyCome) {
   Sheet sheet = server_->create(grid_scene(200, 200, 1.0, 1.0), {"long", true, ""}).value();
   const auto writer = RunWriter::open(path("long.npz")).value();

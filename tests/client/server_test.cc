@@ -171,6 +171,23 @@ TEST_F(ServerTest, TimeGoesAsItIsTold) {
   EXPECT_EQ(sheet.get().failure().reason, "SHEET_NOT_FOUND");
 }
 
+TEST_F(ServerTest, GoesBackToSavedStates) {
+  Sheet sheet = make("states");
+  const v1::SavedState saved = sheet.save_state("before").value();
+  EXPECT_EQ(saved.name(), "sheets/states/states/before");
+  EXPECT_EQ(sheet.save_state("before").failure().reason, "STATE_EXISTS");
+  ASSERT_TRUE(sheet.step(5).ok());
+  EXPECT_EQ(sheet.save_state("before", true, "once").value().tick(), 5);
+  ASSERT_TRUE(sheet.step(5).ok());
+  EXPECT_EQ(sheet.save_state("before", true, "once").value().tick(), 5) << "the same request again";
+  EXPECT_EQ(sheet.restore_state("before").value().tick(), 5);
+  EXPECT_EQ(sheet.restore_state("after").failure().reason, "STATE_NOT_FOUND");
+  EXPECT_EQ(sheet.states().value().size(), 1U);
+  ASSERT_TRUE(sheet.delete_state("before").ok());
+  EXPECT_TRUE(sheet.states().value().empty());
+  EXPECT_EQ(sheet.delete_state("before").failure().reason, "STATE_NOT_FOUND");
+}
+
 // Returns the position of a vertex, m.
 Vector place(const State& state, std::size_t vertex) {
   return {state.positions[3 * vertex], state.positions[3 * vertex + 1], state.positions[3 * vertex + 2]};

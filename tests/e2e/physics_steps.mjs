@@ -230,6 +230,33 @@ export function physicsSteps(steps, browser, { url }) {
     await first.click();
     await viewer.until('Math.hypot(k.toClient(0.65, 0.5).x - 640, k.toClient(0.65, 0.5).y - 360) < 12');
     await viewer.screenshot('pieces-centred');
+  });
+
+  steps.step('a state is saved under a name, restored after a cut, and deleted', async () => {
+    await viewer.page.keyboard.press('Escape');
+    await viewer.page.focus('#canvas');
+    await viewer.page.keyboard.press('y');
+    await viewer.page.locator('#state-list-empty').waitFor();
+    await viewer.page.fill('#state-name', 'before-it');
+    await viewer.page.click('#state-form button');
+    const row = viewer.page.locator('#state-list li');
+    await row.waitFor();
+    const tick = await viewer.read('k.tick');
+    const told = await row.textContent();
+    check(told.includes('before-it') && told.includes('vertices'), `the row says ${told}`);
+    const [saved] = (await post(url, 'SheetService/ListStates', { parent: kSheet.name })).states;
+    check(saved.name === `${kSheet.name}/states/before-it` && Number(saved.tick) === tick, `saved as ${saved.name}`);
+    const curve = { polyline: { points: [{ x: 0.7, y: -0.1 }, { x: 0.7, y: 1.1 }] } };
+    await post(url, 'CutService/CreateCut', { parent: kSheet.name, cut: { curve } });
+    await post(url, 'SheetService/StepSheet', { ...kSheet, ticks: 5 });
+    await viewer.until('k.pieces === 3 && k.tick === given.tick + 5', { tick });
+    await row.locator('.open').click();
+    await viewer.until('k.pieces === 2 && k.tick === given.tick', { tick });
+    await viewer.page.getByText('The sheet went back to a saved state').waitFor();
+    await viewer.screenshot('states');
+    await row.locator('.icon').click();
+    await row.waitFor({ state: 'detached' });
+    await viewer.page.locator('#state-list-empty').waitFor();
     check(viewer.errors.length === 0, `console: ${viewer.errors.join('; ')}`);
     await viewer.page.close();
   });

@@ -109,5 +109,18 @@ TEST_F(CommandQueueTest, CancelsEachCommandOnce) {
   EXPECT_EQ(queue_.schedule(scene::SetGravity{}, 9, 0).value(), 3) << "numbers are never used twice";
 }
 
+TEST_F(CommandQueueTest, CommandsOfEarlierComeBackAndTheirNumbersAreNotGivenAgain) {
+  ASSERT_TRUE(queue_.schedule(scene::Reset{}, 8, 0).ok());
+  const std::vector<ScheduledCommand> earlier = queue_.scheduled();
+  ASSERT_EQ(queue_.last_number(), 1);
+  ASSERT_TRUE(queue_.schedule(scene::SetGravity{}, 9, 0).ok());
+  queue_.replace_scheduled(earlier, 1);
+  EXPECT_EQ(waiting(), std::vector<std::int64_t>{1});
+  EXPECT_EQ(queue_.last_number(), 2);
+  EXPECT_EQ(queue_.cancel(2).error().reason, "SCHEDULED_CUTS_SETTLED");
+  queue_.replace_scheduled(earlier, 7);
+  EXPECT_EQ(queue_.schedule(scene::SetGravity{}, 9, 0).value(), 8);
+}
+
 }  // namespace
 }  // namespace kerf::host

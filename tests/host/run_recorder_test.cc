@@ -67,6 +67,22 @@ TEST_F(RunRecorderTest, AnApplyIsPrecededByTheTickItStandsAt) {
   EXPECT_EQ(recorder_.until(5, 0).value(), "5 5! 5! ");
 }
 
+TEST_F(RunRecorderTest, ContinuesAfterEntriesOfEarlierAndEndsTheOneOfTheSink) {
+  begin(true);
+  append(2, 1);
+  const KeptEntries earlier = recorder_.kept();
+  append(3, 1);
+  prepare(4);
+  recorder_.replace(earlier, "it went back");
+  recorder_.settle(true);
+  append(3, 2);
+  EXPECT_EQ(recorder_.until(3, 0).value(), "2! 3!! ");
+  EXPECT_EQ(sink_->recording().entries.size(), 2U);
+  EXPECT_EQ(sink_.use_count(), 1);
+  recorder_.replace({"", 0, 9}, "");
+  EXPECT_EQ(recorder_.until(9, 0).error().reason, "RECORDING_TOO_LONG") << "as it was dropped then";
+}
+
 TEST_F(RunRecorderTest, AStepForgetsTheStatePrepared) {
   begin(false);
   prepare(5);

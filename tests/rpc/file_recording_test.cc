@@ -108,6 +108,32 @@ TEST_F(FileRecordingTest, AFullDiskLosesNothingOnceThereIsRoomAgain) {
   EXPECT_EQ(board_.errors, 1);
 }
 
+TEST_F(FileRecordingTest, EndsEarlyWithALineAndAWholeFile) {
+  recording_->start(config_);
+  append(3);
+  recording_->end_early("the sheet went back");
+  const std::string file_then = file();
+  EXPECT_EQ(file_then, whole());
+  append(3);
+  recording_->end_early("again");
+  EXPECT_EQ(file(), file_then);
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("a.kerf has ended: the sheet went back; the file replays up to its last")));
+  EXPECT_EQ(board_.stopped, 1);
+  recording_.reset();
+  EXPECT_EQ(board_.stopped, 0);
+  EXPECT_EQ(board_.open, 0);
+}
+
+TEST_F(FileRecordingTest, EndingEarlyOnAFullDiskTriesALastTime) {
+  start_with_room_for(1);
+  append(3);
+  disk_.set_capacity(kRoom);
+  recording_->end_early("the sheet went back");
+  EXPECT_EQ(file(), whole());
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr(" pauses: "), HasSubstr(" resumes"), HasSubstr(" has ended: ")));
+  EXPECT_EQ(board_.waiting_bytes, 0);
+}
+
 TEST_F(FileRecordingTest, TriesOnceASecond) {
   start_with_room_for(0);
   append(600, FileRecording::kRetryInterval / 60);

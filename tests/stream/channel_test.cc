@@ -138,6 +138,44 @@ TEST(Channel, VersionsThatNoPatchLeadsFromShareTheFullOne) {
   EXPECT_EQ(channel->counters().topologies, 1);
 }
 
+TEST(Channel, ASheetThatWentBackBeginsAgainForEveryReader) {
+  const auto channel = std::make_shared<Channel>(4);
+  ChangingSheet sheet(5, 60, 90);
+  const auto publish_as = [&](std::uint64_t serial, std::int64_t tick) {
+    auto snapshot = std::make_shared<sheet::Snapshot>(*sheet.snapshot());
+    snapshot->stats.sheet_serial = serial;
+    snapshot->tick = tick;
+    channel->publish(std::move(snapshot));
+  };
+  publish_as(1, 100);
+  const auto follower = subscribe(*channel, {.flow = {.window = 8}});
+  FrameMirror mirror;
+  const v1::Frame first = frame(*follower);
+  ASSERT_EQ(mirror.apply(first), std::nullopt);
+  publish_as(1, 101);
+  const v1::Frame second = frame(*follower);
+  EXPECT_EQ(second.base_tick(), 100);
+  EXPECT_TRUE(second.epoch().empty());
+  ASSERT_EQ(mirror.apply(second), std::nullopt);
+  sheet = ChangingSheet(6, 40, 50);  // Smaller, with an equal version.
+  publish_as(2, 7);
+  const v1::Frame back = frame(*follower);
+  EXPECT_EQ(back.base_tick(), -1);
+  EXPECT_EQ(back.tick(), 7);
+  EXPECT_EQ(back.topology_version(), second.topology_version());
+  EXPECT_EQ(back.topology().base_version(), -1);
+  EXPECT_FALSE(back.epoch().empty());
+  EXPECT_NE(back.epoch(), first.epoch());
+  EXPECT_EQ(back.stats().skipped(), 0);
+  ASSERT_EQ(mirror.apply(back), std::nullopt);
+  EXPECT_EQ(mirror.triangles.size(), 50U);
+  publish_as(2, 8);
+  const v1::Frame on = frame(*follower);
+  EXPECT_EQ(on.base_tick(), 7);
+  EXPECT_TRUE(on.epoch().empty());
+  EXPECT_EQ(mirror.apply(on), std::nullopt);
+}
+
 TEST(Channel, JoinerGetsTheKeyframeOfASleepingSheetAtOnce) {
   const auto channel = std::make_shared<Channel>(4);
   ChangingSheet sheet(3, 20, 30);

@@ -28,6 +28,7 @@ import { SheetChoice } from './ui/sheets/sheet_choice';
 import { SidePanels } from './ui/side_panels';
 import { SimulationControls } from './ui/simulation_controls';
 import { SlowSheet } from './ui/slow_sheet';
+import { StatePanel } from './ui/state_panel';
 import { StatisticsPanel } from './ui/statistics_panel';
 import { StatusLine } from './ui/status_line';
 import { SvgFiles } from './ui/svg_files';
@@ -130,6 +131,7 @@ export class App {
   private readonly history = new HistoryControls(this.live, this.notices);
   private readonly physics = new PhysicsPanel(this.live, this.shown, this.notices);
   private readonly pieces = new PiecePanel(this.live, this.shown);
+  private readonly states = new StatePanel(this.live, this.notices, () => (this.imageMode.isOn ? 2 : 1));
   private readonly opener = new SheetOpener({
     live: this.live,
     shown: this.shown,
@@ -190,6 +192,7 @@ export class App {
   constructor() {
     this.panels.add('pieces', this.pieces);
     this.panels.add('sheets', this.sheets);
+    this.panels.add('states', this.states);
     document.addEventListener('visibilitychange', () => {
       this.live.pageSeen();
       this.imageMode.pageSeen();
@@ -244,7 +247,7 @@ export class App {
     const { stats, arrivedMs } = frame;
     if (!stats || !this.live.isWatched) return;
     const { sheetName } = this.live;
-    this.news.saw(sheetName, copy.epoch, stats);
+    this.news.saw(sheetName, copy, stats);
     void this.slowness.saw(sheetName, stats, arrivedMs);
   }
 

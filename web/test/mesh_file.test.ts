@@ -5,6 +5,7 @@ import type { SheetArrays } from '../src/stream/sheet_copy';
 
 // Two triangles of a square that stands upright, with an empty slot between them and room at the end of each array.
 const kSheet: SheetArrays = {
+  epoch: 'one',
   tick: 7,
   topologyVersion: 2,
   numVertices: 4,

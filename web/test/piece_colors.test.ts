@@ -100,6 +100,24 @@ describe('PieceIds', () => {
     expect(ask).toHaveBeenCalledTimes(2);
   });
 
+  it('takes no answer from before versions began again', async () => {
+    const answers: ((found: PieceList) => void)[] = [];
+    const ids = new PieceIds(
+      () => {},
+      () => new Promise<PieceList>((resolve) => answers.push(resolve)),
+    );
+    ids.at('sheets/a', 2);
+    ids.reset();
+    ids.at('sheets/a', 2);
+    answers[0](list(2, [0, 1]));
+    await vi.waitFor(() => {
+      ids.at('sheets/a', 2);
+      expect(answers).toHaveLength(2);
+    });
+    answers[1](list(2, [0, 7]));
+    await vi.waitFor(() => expect(ids.at('sheets/a', 2)?.get(0)).toBe(7));
+  });
+
   it('takes no answer for another sheet, and asks again after a failure', async () => {
     vi.useFakeTimers();
     const arrived = vi.fn();

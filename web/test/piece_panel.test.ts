@@ -61,6 +61,7 @@ describe('PiecePanel', () => {
   const viewer = {
     sheetName: 'sheets/a',
     topologyVersion: 1,
+    surface: {},
     highlight: vi.fn(),
     centre: vi.fn(),
   };
@@ -109,6 +110,17 @@ describe('PiecePanel', () => {
     panel.update();
     expect([names(), numAsked]).toEqual([['Piece 2', 'Piece 1'], 1]);
     expect(rows()[0].textContent).toContain('8,000 cm²');
+  });
+
+  it('asks again where versions begin again, though the version is the same', async () => {
+    listed([1n, 0, 1]);
+    panel.opened();
+    await settled();
+    viewer.surface = {};
+    listed([3n, 0, 1]);
+    panel.update();
+    await settled();
+    expect([numAsked, names()]).toEqual([2, ['Piece 3']]);
   });
 
   it('asks again where a cut came between two pages, though no frame comes', async () => {

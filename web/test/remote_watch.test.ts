@@ -109,6 +109,26 @@ describe('RemoteWatch', () => {
     expect(requests.filter((request) => request.case === 'ack')).toHaveLength(1);
   });
 
+  it('has another copy of a sheet that goes back, with all that the worker decoded', async () => {
+    const watch = open();
+    await requested('start');
+    send(frame(1, 5));
+    send(frame(2, 9));
+    await vi.waitUntil(() => ticks.length === 2);
+    const before = watch.copy!;
+    expect([before.epoch, before.hasGoneBack]).toEqual(['one', false]);
+    send({ ...frame(1, 3), sequence: 3n, epoch: 'two' });
+    await vi.waitUntil(() => ticks.length === 3);
+    const after = watch.copy!;
+    expect(after).not.toBe(before);
+    expect([after.epoch, after.hasGoneBack, after.tick, after.topologyVersion]).toEqual(['two', true, 3, 1]);
+    expect([...after.triangles]).toEqual([0, 1, 2]);
+    expect([after.positions[0], before.tick]).toEqual([3, 9]);
+    send(frame(4, 4));
+    await vi.waitUntil(() => ticks.length === 4);
+    expect(watch.copy).toBe(after);
+  });
+
   it('gives arrays back with the acknowledgement, and frames to come are in those', async () => {
     const copyOf = vi.spyOn(SpareArrays.prototype, 'copyOf');
     const watch = open();

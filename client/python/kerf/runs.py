@@ -39,7 +39,7 @@ class RunWriter:
         self._file = zipfile.ZipFile(self._part, "w", zipfile.ZIP_STORED)
         self._ticks: List[int] = []
         self._chunks: List[Dict[str, int]] = []  # of each: its topology, its number there, its number of frames
-        self._topology_version = -1
+        self._triangles: Any = None  # of the topology written last
         self._topologies: List[int] = []  # versions of the topologies
         self._waiting: List[Frame] = []
 
@@ -48,7 +48,7 @@ class RunWriter:
         is full."""
         if self._ticks and frame.tick < self._ticks[-1]:
             raise ValueError(f"the frame of tick {frame.tick} follows that of tick {self._ticks[-1]}")
-        if frame.topology_version != self._topology_version:
+        if frame.triangles is not self._triangles:
             self._flush()
             self._add_topology(frame)
         elif self._waiting and len(self._waiting) * frame.positions.nbytes > _CHUNK_BYTES:
@@ -75,7 +75,7 @@ class RunWriter:
     def _add_topology(self, frame: Frame) -> None:
         number = len(self._topologies)
         self._topologies.append(frame.topology_version)
-        self._topology_version = frame.topology_version
+        self._triangles = frame.triangles
         self._write(f"triangles_{number}", frame.triangles)
         self._write(f"pieces_{number}", frame.pieces)
         self._write(f"material_positions_{number}", frame.material_positions)

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "server/base/result.h"
@@ -37,6 +38,8 @@ class RecordingSink {
   virtual ~RecordingSink() = default;
   virtual void start(const scene::SheetConfig& config) = 0;
   virtual void append(const RecordedTick& entry) = 0;
+  // Called last if the run continues in a way that no recording can express. `why`: a clause that says how.
+  virtual void end_early(const std::string& /*why*/) {}
 };
 
 // Keeps a recording in memory.

@@ -37,8 +37,8 @@ struct RunStats {
   double slipped_s = 0.0;              // s, time that a late sheet gave up instead of catching up
   double tick_cpu_us = 0.0;            // us, mean CPU time of recent ticks
   std::int64_t published_unix_us = 0;  // us since 1970, when the tick ended
-  std::uint64_t sheet_serial = 0;      // number among all sheets of the host; versions of different serials cannot be
-                                       // compared
+  std::uint64_t sheet_serial = 0;      // number among all sheets of the host, another one after each return to a saved
+                                       // state; versions of different serials cannot be compared
   std::int32_t settings_version = 0;   // grows when pins, gravity, wind, materials, speed or run state change
   double strained_share = 0.0;         // -, StepStats::strained_share of the last tick
   std::int64_t intersections = 0;      // after the last tick, see fem::SelfContactStats

@@ -34,6 +34,7 @@ class CreateCutsResponse;
 class CreateSheetRequest;
 class CutResult;
 class DeleteSheetRequest;
+class DeleteStateRequest;
 class DragPointRequest;
 class ExportSheetRequest;
 class ExportSheetResponse;
@@ -49,6 +50,8 @@ class ListPiecesRequest;
 class ListPiecesResponse;
 class ListSheetsRequest;
 class ListSheetsResponse;
+class ListStatesRequest;
+class ListStatesResponse;
 class PauseSheetRequest;
 class RecordingUpload;
 class RedoCutRequest;
@@ -56,7 +59,10 @@ class ReleasePointRequest;
 class RenderImageRequest;
 class RenderImageResponse;
 class ResetSheetRequest;
+class RestoreStateRequest;
 class ResumeSheetRequest;
+class SaveStateRequest;
+class SavedState;
 class ScheduledCuts;
 class ServerInfo;
 class SetSheetGravityRequest;
@@ -174,6 +180,10 @@ class Api {
   void reset_sheet(const v1::ResetSheetRequest& request, Reply<v1::Sheet> reply);
   void export_sheet(const v1::ExportSheetRequest& request, Reply<v1::ExportSheetResponse> reply);
   void get_sheet_state(const v1::GetSheetStateRequest& request, Reply<v1::SheetState> reply);
+  void save_state(const v1::SaveStateRequest& request, Reply<v1::SavedState> reply);
+  void restore_state(const v1::RestoreStateRequest& request, Reply<v1::Sheet> reply);
+  void list_states(const v1::ListStatesRequest& request, Reply<v1::ListStatesResponse> reply);
+  void delete_state(const v1::DeleteStateRequest& request, Reply<google::protobuf::Empty> reply);
   // Begin SheetService.UploadSheet and ReplayRecording; the transport then passes the bytes to the upload. Refused
   // before the first byte: kInvalidArgument with the field below `start`, kResourceExhausted TOO_MANY_UPLOADS.
   Result<std::unique_ptr<Upload>> upload_sheet(const v1::SheetUpload& start);

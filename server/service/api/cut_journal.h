@@ -6,6 +6,7 @@
 #include <map>
 #include <mutex>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "kerf/v1/cuts.pb.h"
@@ -41,6 +42,10 @@ class CutJournal {
   void go_to(const std::string& sheet, std::int64_t beginning);
   // Lists scheduled cuts that were refused.
   void refuse(const std::string& sheet, v1::ScheduledCuts cuts);
+  // Returns all that is known of a sheet, for restore() of a journal of the same build; empty if nothing is.
+  std::string save(const std::string& sheet) const;
+  // Replaces all that is known of a sheet by what save() returned.
+  void restore(const std::string& sheet, std::string_view saved);
   // Forgets all of a sheet that is being deleted.
   void forget(const std::string& sheet);
 
@@ -68,6 +73,9 @@ class CutJournal {
     std::size_t refused_bytes = 0;
   };
 
+  // Reads or writes a log, see server/base/fields.h.
+  template <class Visitor, class AnyLog>
+  static void visit_log(Visitor& visitor, AnyLog& log);
   // Forgets undone cuts that no redo can bring back any more.
   static void drop_undone(Log& log);
 

@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <string_view>
+#include <utility>
 
 #include "server/core/scene/sheet_config.h"
 
@@ -10,6 +11,7 @@ namespace {
 
 constexpr std::string_view kSheets = "sheets/";
 constexpr std::string_view kScheduled = "/scheduledCuts/";
+constexpr std::string_view kStates = "/states/";
 
 }  // namespace
 
@@ -49,6 +51,21 @@ Result<ScheduledName> parse_scheduled_name(const std::string& name) {
   return invalid_argument(
       "NAME_MALFORMED", "name must be sheets/{sheet}/scheduledCuts/{number}, as in scheduled_name of the call's answer",
       "name");
+}
+
+std::string state_name(const std::string& sheet_id, const std::string& state_id) {
+  return sheet_name(sheet_id) + std::string(kStates) + state_id;
+}
+
+Result<StateName> parse_state_name(const std::string& name) {
+  const std::size_t slash = name.rfind(kStates);  // A sheet may be called "states", too.
+  if (slash != std::string::npos) {
+    const Result<std::string> id = parse_sheet_name(name.substr(0, slash), "name");
+    std::string state_id = name.substr(slash + kStates.size());
+    if (id.ok() && scene::is_valid_sheet_id(state_id)) return StateName{*id, std::move(state_id)};
+  }
+  return invalid_argument("NAME_MALFORMED", "name must be sheets/{sheet}/states/{state}, as in SavedState.name",
+                          "name");
 }
 
 std::string cut_name(const std::string& sheet_id, std::int64_t number) {

@@ -84,6 +84,11 @@ Result<ScheduledCommand> CommandQueue::cancel(std::int64_t number) {
   return cancelled;
 }
 
+void CommandQueue::replace_scheduled(std::vector<ScheduledCommand> scheduled, std::int64_t last_number) {
+  scheduled_ = std::move(scheduled);
+  num_scheduled_ = std::max(num_scheduled_, last_number);
+}
+
 std::vector<PendingCommand> CommandQueue::pop_due(std::int64_t tick) {
   std::vector<PendingCommand> due;
   auto next = scheduled_.begin();

@@ -60,6 +60,11 @@ class CommandQueue {
   // Removes the commands scheduled for `tick` or before it and returns them in order.
   std::vector<PendingCommand> pop_due(std::int64_t tick);
   [[nodiscard]] const std::vector<ScheduledCommand>& scheduled() const { return scheduled_; }
+  // Returns the last number that schedule() has returned; 0: none.
+  [[nodiscard]] std::int64_t last_number() const { return num_scheduled_; }
+  // Replaces the scheduled commands by those that waited in this queue earlier, when its last number was `last_number`.
+  // Numbers given since then are not given again.
+  void replace_scheduled(std::vector<ScheduledCommand> scheduled, std::int64_t last_number);
 
  private:
   void push_locked(PendingCommand pending);  // mutex_ held

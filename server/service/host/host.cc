@@ -29,6 +29,7 @@ Host::Host(HostOptions options, Clock& clock, Entropy& entropy)
       clock_(clock),
       entropy_(entropy),
       vertices_(options_.max_total_vertices),
+      states_(options_.max_states_per_sheet, options_.max_state_bytes),
       admission_(options_.max_load),
       workers_({.num_threads = options_.workers, .long_work = options_.long_work}),
       builders_({.long_work = options_.long_work, .max_taken_on = kMaxBuilders - 1, .is_background = true}) {
@@ -108,6 +109,7 @@ void Host::delete_sheet(const std::string& id, Callback<Nothing> done, std::func
 }
 
 void Host::release(const std::string& id) {
+  states_.forget(id);
   {
     const std::lock_guard lock(mutex_);
     sheets_.erase(id);

@@ -28,6 +28,7 @@
 #include "server/service/host/metrics_board.h"
 #include "server/service/host/pace.h"
 #include "server/service/host/playback.h"
+#include "server/service/host/saved_states.h"
 #include "server/service/host/shared_slot.h"
 #include "server/service/host/sheet_status.h"
 #include "server/service/host/stored_run.h"
@@ -88,10 +89,29 @@ class Host {
   // as it ran. The listener receives its commands. For a host that serves no client yet. Errors of create_sheet()
   // except OVERLOADED.
   void recover(StoredRun run, Callback<RecoveredSheet> done);
+  // Saves the state of a sheet between two ticks under a name, [a-z][a-z0-9-]{0,62}, in memory. `attach` is called on
+  // the sheet's strand; its bytes are kept with the state. Errors of SavedStates::add(); kInvalidArgument STATE_ID;
+  // kFailedPrecondition REPLAYING, STEPPING; kResourceExhausted OUT_OF_MEMORY.
+  void save_state(const std::string& id, std::string state_id, bool overwrite, std::function<std::string()> attach,
+                  Callback<SavedStateStatus> done);
+  // Brings a saved state back: mesh, motion, undo history, pins, grabs, settings, waiting commands of schedule() and
+  // counts. Pause and speed stay as they are; a sleeping sheet wakes. The sheet ticks on while the state is loaded.
+  // Queued commands are done on the restored sheet. RunStats::sheet_serial is another one then. A recording to
+  // HostOptions::make_recording ends. `restored` is called with the bytes of `attach`, on the strand, before `done`.
+  // Errors: kNotFound STATE_NOT_FOUND; kFailedPrecondition REPLAYING, STEPPING; kResourceExhausted OUT_OF_MEMORY,
+  // TOO_MANY_RESTORES if 16 states are being loaded.
+  void restore_state(const std::string& id, const std::string& state_id,
+                     std::function<void(const std::string&)> restored, Callback<SheetStatus> done);
+  // Lists the saved states of a sheet, those saved first at first.
+  void states(const std::string& id, const Callback<std::vector<SavedStateStatus>>& done) const;
+  // kNotFound STATE_NOT_FOUND
+  void delete_state(const std::string& id, const std::string& state_id, const Callback<Nothing>& done);
+
   // Returns the recording that the sheet has kept in memory, up to its present tick. Errors of KeptRecording::until().
   void recording(const std::string& id, Callback<KeptRun> done);
-  // Deletes a sheet: ends its sinks (kSheetDeleted) and the calls that wait for it (kAborted). Then calls `closed`; no
-  // sink or listener gets anything about this sheet afterwards. The name becomes free once `closed` has returned.
+  // Deletes a sheet with its states: ends its sinks (kSheetDeleted) and the calls that wait for it (kAborted). Then
+  // calls `closed`; no sink or listener gets anything about this sheet afterwards. The name becomes free once `closed`
+  // has returned.
   void delete_sheet(const std::string& id, Callback<Nothing> done, std::function<void()> closed = {});
 
   // Returns the sorted ids; sheets still being built are left out.
@@ -195,6 +215,8 @@ class Host {
   static constexpr std::chrono::milliseconds kFlushLimit{3000};
   // Limit on sheets being built at the same time; further ones wait.
   static constexpr std::size_t kMaxBuilders = 3;
+  // Limit on states being loaded or waiting for that, of all sheets.
+  static constexpr std::int32_t kMaxLoads = 16;
 
   // Builds the sheet on a builder thread. `made`: without id, vertices and need.
   void create(std::string id, scene::SheetConfig config, Creation made);
@@ -208,6 +230,8 @@ class Host {
   Status build_and_hand_on(const std::shared_ptr<Creation>& creation, scene::SheetConfig config);
   // Begins the sheet and answers the creation once it is durable.
   Status begin(Creation& creation, sheet::Sheet sheet, const Workers::Strand& strand);
+  // Loads the sheet of a state, on a builder thread.
+  Result<sheet::Sheet> load_sheet(const SavedState& state);
   void refuse(Creation& creation, const Error& error);
   using Runners = std::map<std::string, std::shared_ptr<SheetRunner>>;
   // Marks the ticks of these sheets in the journal.
@@ -229,12 +253,14 @@ class Host {
   Entropy& entropy_;
   MetricsBoard board_;
   VertexBudget vertices_;
+  SavedStates states_;
   SharedSlot<CommandListener> listener_;
   SharedSlip slip_;
   mutable std::mutex mutex_;
   std::map<std::string, std::shared_ptr<SheetRunner>> sheets_;  // Null: being built. Guarded by mutex_.
   std::atomic<std::uint64_t> num_made_{0};
   std::atomic<std::int64_t> promised_bytes_{0};  // Memory that builders in progress may need, bytes.
+  std::atomic<std::int32_t> num_loads_{0};       // States being loaded or waiting for that.
   std::atomic<bool> stopping_{false};            // Set under mutex_.
   std::atomic<bool> has_closed_sheets_{false};
   Admission admission_;                   // guarded by mutex_

@@ -9,6 +9,7 @@
 #include "server/core/mesh/triangle_mesh.h"
 #include "server/service/host/errors.h"
 #include "server/service/host/host.h"
+#include "server/service/host/promised_bytes.h"
 #include "server/service/host/sheet_runner.h"
 
 // Makes the sheets of a Host: reserves, builds and begins them.
@@ -16,8 +17,6 @@ namespace kerf::host {
 
 namespace {
 
-// Bytes per vertex while a sheet is being built; up to 6,600 were measured, with a jittered grid of 700 x 700.
-constexpr std::int64_t kBytesPerVertex = 8000;
 // Number of polls of the interruption per look at the free memory, which costs more than the other checks.
 constexpr int kPollsToALook = 32;
 
@@ -46,24 +45,6 @@ std::int64_t declared_vertices(const scene::SheetConfig& config) {
   for (const scene::Component& component : config.components) sum += declared_vertices(component.mesh);
   return sum;
 }
-
-// Reserves the memory that one builder may need, so that another one does not count on it too.
-class PromisedBytes {
- public:
-  PromisedBytes(std::atomic<std::int64_t>& sum, std::int64_t bytes)
-      : sum_(sum), bytes_(bytes), in_all_(sum.fetch_add(bytes) + bytes) {}
-  ~PromisedBytes() { sum_ -= bytes_; }
-  PromisedBytes(const PromisedBytes&) = delete;
-  PromisedBytes& operator=(const PromisedBytes&) = delete;
-
-  // Returns the sum of this promise and those before it.
-  [[nodiscard]] std::int64_t in_all() const { return in_all_; }
-
- private:
-  std::atomic<std::int64_t>& sum_;
-  const std::int64_t bytes_;
-  const std::int64_t in_all_;
-};
 
 std::string random_id(std::uint64_t bits) {
   constexpr char kDigits[] = "0123456789abcdef";
@@ -196,8 +177,7 @@ Result<sheet::Sheet> Host::build(scene::SheetConfig config, const Creation& crea
   // Stored in the config and so in a recording: a cut refused here is refused in a replay too.
   config.max_vertices = std::min(config.max_vertices, options_.max_vertices_per_sheet);
   const std::int64_t declared = declared_vertices(config);
-  const std::int64_t bytes_per_vertex = kBytesPerVertex + (config.self_contact.is_on ? scene::kSelfContactBytes : 0);
-  const std::int64_t bytes = declared <= scene::kMaxVertices ? declared * bytes_per_vertex : 0;
+  const std::int64_t bytes = declared <= scene::kMaxVertices ? bytes_to_build(config, declared) : 0;
   Status wanted = check_wanted(creation);
   KERF_TRY(wanted);
   const PromisedBytes promised(promised_bytes_, bytes);

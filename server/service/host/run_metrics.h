@@ -18,12 +18,13 @@ namespace kerf::host {
 // Invariants:
 //   1. From the first set_state() to end(), HostMetrics::sheets and the gauge of the sheet's state count it, and no
 //      other gauge of states does.
-//   2. The board counts for this sheet the totals of the last tick_done() and its present sinks. It counts the
+//   2. The board counts for this sheet the totals of the last tick_done() or continue_from(), and its present sinks. It
+//   counts the
 //      sheet's need only while the sheet ticks by the clock.
 // For one thread at a time.
 class RunMetrics {
  public:
-  // Holds counts of a sheet since it was made; they never fall.
+  // Holds counts of a sheet since it was made; they fall only at continue_from().
   struct Totals {
     std::int64_t contact_phases = 0;
     std::int64_t cuts = 0;
@@ -56,6 +57,8 @@ class RunMetrics {
   void set_period(Nanoseconds period) { need_.set_period(period); }
 
   void tick_done(const Tick& tick, const sheet::TickReport& report, const std::vector<Result<CommandResult>>& results);
+  // The sheet is another one from here on, with these counts, which the board has seen already.
+  void continue_from(const Totals& totals) { totals_ = totals; }
   void commands_refused(std::int64_t count);
   void sink_added();
   void sink_removed();

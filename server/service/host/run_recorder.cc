@@ -12,4 +12,11 @@ void RunRecorder::settle(bool was_apply) {
   bare_.reset();
 }
 
+void RunRecorder::replace(KeptEntries kept, const std::string& why) {
+  kept_.replace(std::move(kept));
+  bare_.reset();
+  if (sink_) sink_->end_early(why);
+  sink_.reset();
+}
+
 }  // namespace kerf::host

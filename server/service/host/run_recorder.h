@@ -49,6 +49,10 @@ class RunRecorder {
     if (sink_) sink_->append(entry);
   }
 
+  [[nodiscard]] const KeptEntries& kept() const { return kept_.entries(); }
+  // Continues after these entries in memory. Ends the recording to the sink, which they do not continue, and says why.
+  void replace(KeptEntries kept, const std::string& why);
+
   // Returns the entries kept in memory, see KeptRecording::until().
   [[nodiscard]] Result<std::string> until(std::int64_t tick, std::uint64_t state_hash) const {
     return kept_.until(tick, state_hash);

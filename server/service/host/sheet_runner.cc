@@ -36,7 +36,8 @@ SheetRunner::SheetRunner(std::string id, sheet::Sheet sheet, Context context, Wo
       clock_(period_of(sheet_), context_.slip, context_.clock),
       metrics_(context_.board, WorkerNeed(period_of(sheet_), expected_tick(sheet_))),
       recorder_(KeptRecording(context_.options.encode_tick, context_.options.max_recording_bytes)),
-      vertices_(std::move(vertices)) {}
+      vertices_(std::move(vertices)),
+      serial_(context_.serial) {}
 
 void SheetRunner::post(std::function<void(SheetRunner&)> work, std::function<void(Error)> refuse) {
   const bool posted = strand_.post([self = shared_from_this(), work = std::move(work), refuse] {

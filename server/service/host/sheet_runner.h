@@ -29,6 +29,7 @@
 #include "server/service/host/playback.h"
 #include "server/service/host/run_metrics.h"
 #include "server/service/host/run_recorder.h"
+#include "server/service/host/saved_run.h"
 #include "server/service/host/scene_changes.h"
 #include "server/service/host/shared_slot.h"
 #include "server/service/host/sheet_event.h"
@@ -60,7 +61,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
     const std::atomic<bool>& stopping;  // The host stops: ticks due are skipped, and close() will follow.
     // Removes a sheet that close() has ended for lack of memory, and frees its name.
     std::function<void(const std::string& id)> lost;
-    std::uint64_t serial = 0;  // Number of this sheet among all that the host has made.
+    std::uint64_t serial = 0;  // Number of this sheet among all that the host has made or restored.
   };
 
   // `vertices`: the sheet's share of the host's budget.
@@ -124,6 +125,11 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   void refresh_sink(const std::shared_ptr<sheet::SnapshotSink>& sink);
   void remove_sink(const std::shared_ptr<sheet::SnapshotSink>& sink);
   [[nodiscard]] Result<KeptRun> kept_run() const;
+  // Saved states, in sheet_runner_states.cc. kFailedPrecondition REPLAYING, STEPPING; kResourceExhausted OUT_OF_MEMORY.
+  [[nodiscard]] Result<SavedRun> save_run() const;
+  // Continues from a saved run of this scene. Run state and speed stay, a sleeping sheet wakes, and a frozen one runs
+  // if the saved one did. `sheet`: loaded from run.sheet. `serial`: see Context. A refusal leaves the sheet as it is.
+  Status continue_from(const SavedRun& run, sheet::Sheet sheet, std::uint64_t serial);
   [[nodiscard]] SheetStatus status() const;
   [[nodiscard]] const sheet::Sheet& sheet() const { return sheet_; }
 
@@ -213,6 +219,9 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   void take_turn();
   void finish_step(Result<SheetStatus> result);
 
+  // Returns an error while the sheet plays a recording or is stepped.
+  [[nodiscard]] Status check_between_runs() const;
+
   // Status and snapshots.
   [[nodiscard]] RunState run_state() const;
   void publish_state();
@@ -257,6 +266,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   bool changing_ = false;     // A tick or commands are in progress.
   bool repeats_now_ = false;  // The next tick begins with a Reset by the sheet itself.
   std::optional<sheet::SinkEnd> closed_;
+  std::uint64_t serial_;  // See Context; another one after each continue_from().
   // Changes of run state and speed, and ends of replays; part of RunStats::settings_version.
   std::int32_t state_changes_ = 0;
 };

@@ -97,7 +97,7 @@ sheet::RunStats SheetRunner::run_stats() const {
   stats.slipped_s = seconds(clock_.pace().slipped());
   stats.tick_cpu_us = clock_.pace().tick_cpu_us();
   stats.published_unix_us = context_.clock.unix_us();
-  stats.sheet_serial = context_.serial;
+  stats.sheet_serial = serial_;
   stats.settings_version = sheet_.settings_version() + state_changes_;
   stats.strained_share = last_step_.strained_share;
   stats.intersections = last_step_.self_contact.intersections;

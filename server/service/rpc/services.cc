@@ -107,7 +107,9 @@ using RawSheets = RawService<
     v1::SheetService::WithRawCallbackMethod_ResumeSheet, v1::SheetService::WithRawCallbackMethod_StepSheet,
     v1::SheetService::WithRawCallbackMethod_ResetSheet, v1::SheetService::WithRawCallbackMethod_SetSheetSpeed,
     v1::SheetService::WithRawCallbackMethod_ExportSheet, v1::SheetService::WithRawCallbackMethod_GetSheetState,
-    v1::SheetService::WithRawCallbackMethod_AnalyzeSheet, v1::SheetService::WithRawCallbackMethod_UploadSheet,
+    v1::SheetService::WithRawCallbackMethod_AnalyzeSheet, v1::SheetService::WithRawCallbackMethod_SaveState,
+    v1::SheetService::WithRawCallbackMethod_RestoreState, v1::SheetService::WithRawCallbackMethod_ListStates,
+    v1::SheetService::WithRawCallbackMethod_DeleteState, v1::SheetService::WithRawCallbackMethod_UploadSheet,
     v1::SheetService::WithRawCallbackMethod_GetSheetRecording,
     v1::SheetService::WithRawCallbackMethod_ReplayRecording>::type;
 class Sheets final : public RawSheets {
@@ -125,6 +127,10 @@ class Sheets final : public RawSheets {
   KERF_UNARY(ExportSheet, export_sheet)
   KERF_UNARY(GetSheetState, get_sheet_state)
   KERF_UNARY(AnalyzeSheet, analyze_sheet)
+  KERF_UNARY(SaveState, save_state)
+  KERF_UNARY(RestoreState, restore_state)
+  KERF_UNARY(ListStates, list_states)
+  KERF_UNARY(DeleteState, delete_state)
 
   grpc::ServerReadReactor<ByteBuffer>* UploadSheet(Context* /*context*/, ByteBuffer* response) override {
     return receive_sheet(api_, timing_, response);

@@ -124,10 +124,16 @@ EncodeCounters Channel::counters() const {
   return history_.counters();
 }
 
-std::string Channel::epoch() const {
+std::string Channel::epoch_of(std::uint64_t sheet_serial) const {
+  return instance_ + '-' + std::to_string(sheet_serial);
+}
+
+std::optional<std::uint64_t> Channel::serial_of(const std::string& epoch) const {
   const std::lock_guard lock(mutex_);
   KERF_CHECK(newest_ != nullptr, "an epoch is asked for before the first snapshot");
-  return instance_ + '-' + std::to_string(newest_->stats.sheet_serial);
+  const std::uint64_t serial = newest_->stats.sheet_serial;
+  if (epoch != epoch_of(serial)) return std::nullopt;
+  return serial;
 }
 
 FramePick Channel::pick(const Viewed& viewed) {

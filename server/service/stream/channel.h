@@ -83,8 +83,10 @@ class Channel : public sheet::SnapshotSink, public std::enable_shared_from_this<
   };
   using Readers = std::vector<Entry>;
 
-  // Returns kerf.v1.Frame.epoch of the newest snapshot; one must have been published.
-  [[nodiscard]] std::string epoch() const;
+  // Returns kerf.v1.Frame.epoch of snapshots with this RunStats::sheet_serial.
+  [[nodiscard]] std::string epoch_of(std::uint64_t sheet_serial) const;
+  // Returns the serial of the newest snapshot if this is its epoch. A snapshot must have been published.
+  [[nodiscard]] std::optional<std::uint64_t> serial_of(const std::string& epoch) const;
   // Returns the parts of the newest snapshot that a subscriber needs after the frame described by `viewed`. A snapshot
   // must have been published.
   FramePick pick(const Viewed& viewed);

@@ -10,11 +10,13 @@ FramePick FrameHistory::pick(std::int64_t publication, const sheet::Snapshot& sn
   Frame& newest = frame(publication, snapshot);
   const std::int32_t version = topology_->version;
   FramePick pick;
-  pick.viewed = {publication, version, viewed.encoding, viewed.strains};
+  const std::uint64_t serial = newest.quantised.stats.sheet_serial;
+  pick.viewed = {publication, version, viewed.encoding, viewed.strains, serial};
+  pick.begins = viewed.sheet_serial != serial;
   pick.tick = newest.quantised.tick;
   bool full_topology = false;
-  if (viewed.topology_version != version) {
-    const Topology& patch = topology(viewed.topology_version, viewed.encoding);
+  if (pick.begins || viewed.topology_version != version) {
+    const Topology& patch = topology(pick.begins ? -1 : viewed.topology_version, viewed.encoding);
     pick.topology = patch.bytes;
     full_topology = patch.full;
   }

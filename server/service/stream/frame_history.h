@@ -33,6 +33,8 @@ struct Viewed {
   std::int32_t topology_version = -1;  // -1: none yet
   wire::Encoding encoding = wire::Encoding::kCompact;
   bool strains = false;  // The subscriber wants strains.
+  // RunStats::sheet_serial that `topology_version` belongs to. A frame of another serial has the full topology.
+  std::optional<std::uint64_t> sheet_serial = {};
 };
 
 // Holds the next frame of a subscriber, in bytes that others may share.
@@ -40,9 +42,10 @@ struct FramePick {
   Viewed viewed;  // State of the subscriber once this is sent.
   std::int64_t tick = 0;
   bool keyframe = false;
-  Bytes body;      // see wire::encode_raw_body, encode_keyframe_body, encode_delta_body
-  Bytes topology;  // See wire::encode_topology; null if the subscriber has the present topology.
-  Bytes strains;   // See wire::encode_strains; null if none are wanted, or the snapshot has none.
+  bool begins = false;  // The sheet has another serial than the subscriber's topology, or there was none.
+  Bytes body;           // see wire::encode_raw_body, encode_keyframe_body, encode_delta_body
+  Bytes topology;       // See wire::encode_topology; null if the subscriber has the present topology.
+  Bytes strains;        // See wire::encode_strains; null if none are wanted, or the snapshot has none.
 };
 
 // Keeps the last few quantised frames of a sheet and everything encoded from them. A subscriber gets a delta if its

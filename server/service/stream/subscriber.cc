@@ -34,12 +34,14 @@ Subscriber::Next Subscriber::next(Nanoseconds now) {
 
 Message Subscriber::take(Nanoseconds now) {
   const bool is_first = flow_.last_sequence() == 0;
-  const std::string epoch = is_first ? channel_->epoch() : std::string();
-  if (is_first && !options_.epoch.empty() && options_.epoch == epoch) {
-    viewed_.topology_version = options_.topology_version;
+  if (is_first) {
+    viewed_.sheet_serial = channel_->serial_of(options_.epoch);
+    if (viewed_.sheet_serial) viewed_.topology_version = options_.topology_version;
   }
   FramePick pick = channel_->pick(viewed_);
-  const std::int64_t skipped = viewed_.publication == 0 ? 0 : std::max<std::int64_t>(0, pick.tick - last_tick_ - 1);
+  const bool begins = is_first || pick.begins;
+  const std::string epoch = begins ? channel_->epoch_of(*pick.viewed.sheet_serial) : std::string();
+  const std::int64_t skipped = begins ? 0 : std::max<std::int64_t>(0, pick.tick - last_tick_ - 1);
   Message message;
   message.parts.push_back(std::move(pick.body));
   if (pick.topology) message.parts.push_back(std::move(pick.topology));

@@ -74,6 +74,27 @@ class Sheets(Case):
         self.refused("sheet", "speed", "set", "5", says="0.01..4")
         self.json_of("sheet", "delete", "set")
 
+    def test_saved_states(self):
+        self.json_of("sheet", "create", "states", "--grid", "9x9", "--paused")
+        self.assertIn("no saved states", kerf("sheet", "states", "states").stdout)
+        saved = self.json_of("sheet", "save", "states", "before")
+        self.assertEqual((saved["name"], saved["tick"], saved["num_vertices"]), ("sheets/states/states/before", 0, 81))
+        self.refused("sheet", "save", "states", "before", says="STATE_EXISTS")
+        self.json_of("sheet", "step", "states", "3")
+        self.assertEqual(self.json_of("sheet", "save", "states", "before", "--overwrite")["tick"], 3)
+        self.json_of("cut", "states", "--polyline", "0.4,-1 0.5,2")
+        self.assertIn("tick 3, 81 vertices", kerf("sheet", "states", "states").stdout)
+        back = self.json_of("sheet", "restore", "states", "before")
+        self.assertEqual((back["tick"], back["pieces"]), (3, 1))
+        self.assertEqual(len(self.json_of("sheet", "states", "states")["states"]), 1)
+        self.assertIn("sheets/states/states/before deleted", kerf("sheet", "forget", "states", "before").stdout)
+        self.refused("sheet", "restore", "states", "before", says="no saved state")
+        self.refused("sheet", "forget", "states", "before", says="no saved state")
+        self.refused("sheet", "save", "states", "Before", says="state_id")
+        self.refused("sheet", "save", "states", code=2, says="NAME")
+        self.refused("sheet", "save", "nobody", "before", says="nobody")
+        self.json_of("sheet", "delete", "states")
+
     def test_self_contact_of_a_running_sheet(self):
         self.json_of("sheet", "create", "folds", "--grid", "9x9", "--paused")
         self.json_of("sheet", "self-contact", "folds", "on", "--friction", "0.5")

@@ -51,6 +51,13 @@ class Examples(ExampleCase):
                 self.assertNotEqual(done.returncode, 0)
                 self.assertIn("start one with deploy/run", done.stderr)
 
+    def test_rollouts_from_one_state(self):
+        told = self.run_example("rollouts.py", "--trials", 3, "--ticks", 20)
+        self.assertIn("3 trials from tick 30", told)
+        states = re.findall(r"state ([0-9a-f]{16})$", told, re.MULTILINE)
+        self.assertEqual(len(set(states)), 4)
+        self.assertIn("again: the same bits", told)
+
     def test_sweep_agrees_with_fracture_mechanics(self):
         told = self.run_example("sweep.py", "--lengths", 3, "--columns", 21, "--out", path("sweep"))
         self.assertIn("length/width", told)

@@ -100,6 +100,18 @@ class Files(Case):
         with self.assertRaises(IndexError):
             run[3]
 
+    def test_another_topology_of_an_equal_version_is_written(self):
+        decoder = FrameDecoder()
+        first = decoder.decode(frames_test.full_frame())
+        again = frames_test.full_frame()
+        again.sequence, again.epoch = 2, "another"
+        second = decoder.decode(again)
+        writer = runs.RunWriter(path("again.npz"))
+        writer.add(first)
+        writer.add(second)
+        writer.close()
+        self.assertEqual(kerf.load_run(path("again.npz")).topology_versions, [3, 3])
+
     def test_long_runs_are_written_chunk_by_chunk(self):
         frame = FrameDecoder().decode(frames_test.full_frame())
         writer = runs.RunWriter(path("long.npz"))

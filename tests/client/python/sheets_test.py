@@ -22,6 +22,41 @@ class Sheets(Case):
             self.sheet.step()
         self.sheet.pause()
 
+    def test_saved_states(self):
+        saved = self.sheet.save_state("before")
+        with self.assertRaises(kerf.AlreadyExists):
+            self.sheet.save_state("before")
+        self.sheet.cut(kerf.circle((0.5, 0.5), 0.2))
+        self.sheet.step(3)
+        later = self.sheet.save_state("after", request_id="once")
+        self.assertEqual(self.sheet.save_state("after", request_id="once"), later)
+        self.assertEqual([state.name.rsplit("/")[-1] for state in self.sheet.states()], ["before", "after"])
+        back = self.sheet.restore_state("before")
+        self.assertEqual((back.tick, back.state_hash, back.pieces), (saved.tick, saved.state_hash, 1))
+        self.sheet.cut(kerf.circle((0.5, 0.5), 0.2))
+        self.sheet.step(3)
+        self.assertEqual(self.sheet.save_state("again").continuation_hash, later.continuation_hash)
+        for name in ("before", "after", "again"):
+            self.sheet.delete_state(name)
+        with self.assertRaises(kerf.NotFound):
+            self.sheet.restore_state("before")
+
+    def test_frames_follow_a_sheet_that_goes_back(self):
+        self.sheet.step(5)
+        self.sheet.save_state("before")
+        self.sheet.cut(kerf.circle((0.5, 0.5), 0.2))
+        self.sheet.step(3)
+        frames = self.sheet.watch()
+        late = next(frames)
+        self.sheet.restore_state("before")
+        back = next(frames)
+        frames.close()
+        self.assertLess(back.tick, late.tick)
+        self.assertTrue(back.topology_changed)
+        self.assertEqual(len(set(back.pieces.tolist())), 1)
+        exact = self.sheet.state().positions
+        self.assertLessEqual(abs(back.positions - exact).max(), back.resolution.max())
+
     def test_scenes(self):
         scene = {"grid": {"columns": 3, "rows": 4, "width_m": 1, "height_m": 2}, "pins": [{"edge": "TOP"}]}
         pathlib.Path(path("scene.json")).write_text(json.dumps(scene))

@@ -119,10 +119,10 @@ export class SheetView {
     return this.strainEnd;
   }
 
-  /** Shows the mirror's newest state; `surface` is another object after a new connection. */
+  /** Shows the mirror's newest state; `surface` is another object if it does not continue the one before. */
   update(surface: Surface): void {
     const { mirror } = surface;
-    if (surface !== this.surface) this.shownVersion = -1;
+    if (surface !== this.surface) this.shownVersion = this.coloredVersion = -1;
     this.surface = surface;
     if (!this.isDrawn && !this.mask.visible && !this.highlighted.isOn) {
       this.highlighted.object.visible = false;

@@ -43,7 +43,7 @@ export class LiveSheet implements OpenSheet {
   );
   private readonly settings = new SettingsFollower(() => this.answers.fetch());
   private clock = new FrameClock();
-  // Each connection has a new copy.
+  // Each connection has a new copy, and so has a sheet that goes back to a saved state.
   private copy: SheetCopy | undefined;
 
   /** @param wishes  called whenever a stream starts or its pace may change */
@@ -146,7 +146,7 @@ export class LiveSheet implements OpenSheet {
 
   private received(copy: SheetCopy, frame: FrameCopy): void {
     if (copy !== this.copy) {
-      // A new connection may be to a restarted server, with another clock and other settings.
+      // The settings may be others, and the clock that of a restarted server.
       this.copy = copy;
       this.clock = new FrameClock();
       this.settings.reset();

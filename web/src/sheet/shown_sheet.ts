@@ -8,7 +8,7 @@ import type { SheetCopy } from '../stream/sheet_copy';
 import type { ShownState } from './open_sheet';
 
 export interface ShownSheetEvents {
-  /** Called when frames begin to come from another connection or recording. */
+  /** Called when frames begin to come from another connection, recording or state of the sheet. */
   onSource(): void;
   /** Called when settings arrive. `before`: those before; undefined for the first settings of a sheet. */
   onSettings(sheet: Sheet, before: Sheet | undefined): void;

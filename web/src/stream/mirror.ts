@@ -99,7 +99,7 @@ export class SheetMirror {
   private readonly boxMin = [0, 0, 0];
   private readonly boxStep = [0, 0, 0];
 
-  /** Epoch from the stream's first frame; empty before it. See stream.proto. */
+  /** Epoch of the frame with which the sheet began, in this stream; empty before the first. See stream.proto. */
   epoch = '';
 
   /** Returns a mirror for another stream, which may continue from the topology of this one. The two share arrays. */

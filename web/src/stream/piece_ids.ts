@@ -33,6 +33,7 @@ async function listPieces(parent: string): Promise<PieceList | undefined> {
 export class PieceIds {
   private list: PieceList | undefined;
   private isAsking = false;
+  private numResets = 0;
   private wanted: { sheet: string; version: number } | undefined;
 
   /** @param arrived  called when at() may have a new answer */
@@ -51,8 +52,9 @@ export class PieceIds {
     return undefined;
   }
 
-  /** Forgets all ids. Call it for a new connection, whose topology versions may differ. */
+  /** Forgets all ids. Call it when topology versions begin again. */
   reset(): void {
+    this.numResets += 1;
     this.list = undefined;
     this.wanted = undefined;
   }
@@ -60,11 +62,12 @@ export class PieceIds {
   private async fetch(): Promise<void> {
     this.isAsking = true;
     const { wanted } = this;
+    const { numResets } = this;
     const list = await this.ask(wanted!.sheet).catch(() => undefined);
     // Waits before a failed call is repeated; a lost connection is reported elsewhere.
     if (!list) await new Promise((resolve) => setTimeout(resolve, kRetryMs));
     this.isAsking = false;
-    if (list && this.wanted?.sheet === wanted!.sheet) this.list = list;
+    if (list && this.wanted?.sheet === wanted!.sheet && numResets === this.numResets) this.list = list;
     if (this.wanted) this.arrived();
   }
 }

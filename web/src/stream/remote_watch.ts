@@ -9,7 +9,10 @@ import type { FromWorker, Port, ToWorker } from './watch_messages';
 export interface RemoteWatchEvents {
   /** Called for a new state; `detail` is its reason, for people, and empty when all is well. */
   onState(state: ConnectionState, detail: string): void;
-  /** Called after each frame taken into `copy`. Each connection has a new copy. */
+  /**
+   * Called after each frame taken into `copy`. Each connection has a new copy, and another one begins when the sheet
+   * goes back to a saved state.
+   */
   onFrame(copy: SheetCopy, frame: FrameCopy): void;
   onRejection(rejection: Rejection): void;
   /** @param parts  content of the file once the recording is finished, else undefined */
@@ -123,6 +126,7 @@ export class RemoteWatch {
         return this.events.onRejection(message.rejection);
       case 'frame':
         if (message.isFirst || !this.copy) this.copy = new SheetCopy();
+        else if (this.copy.epoch !== message.frame.epoch) this.copy = new SheetCopy(true);
         this.copy.take(message.frame, performance.now());
         this.hasNews = true;
         this.events.onFrame(this.copy, message.frame);

@@ -6,6 +6,8 @@ import type { Delivery } from './stream_meter';
  * A sheet as the parts of the viewer read it. Arrays may have spare room at the end; only the stated lengths are valid.
  */
 export interface SheetArrays {
+  /** Topology versions of different epochs cannot be compared. */
+  readonly epoch: string;
   /** Tick of the last frame; -1 before the first. */
   readonly tick: number;
   /** -1 before the first frame */
@@ -46,7 +48,7 @@ export function copiedBuffers({ positions, strains }: FrameCopy): ArrayBuffer[] 
 
 /** A decoded frame, as the worker sends it to the page. */
 export interface FrameCopy {
-  /** kerf.v1.Frame.epoch of the stream's first frame. */
+  /** kerf.v1.Frame.epoch of the frame with which the sheet began, in this stream. */
   epoch: string;
   tick: number;
   topologyVersion: number;
@@ -80,6 +82,9 @@ export class SheetCopy implements SheetArrays {
   pieces = new Int32Array(0);
   strains: Float32Array | undefined;
   stats: FrameStats | undefined;
+
+  /** @param hasGoneBack  true for a copy that began when the watched sheet went back to a saved state */
+  constructor(readonly hasGoneBack = false) {}
 
   private strainRoom = new Float32Array(0);
   private readonly interpolation = new Interpolation();

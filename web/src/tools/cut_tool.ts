@@ -333,7 +333,8 @@ export class CutTool implements Tool {
 
   // Text that changes with all that affects a cut besides the drawing: the triangles and, on the picture, the view.
   private get circumstances(): string {
-    return `${this.viewer.shown.surface?.mirror.topologyVersion} ${JSON.stringify(this.view)}`;
+    const mirror = this.viewer.shown.surface?.mirror;
+    return `${mirror?.epoch} ${mirror?.topologyVersion} ${JSON.stringify(this.view)}`;
   }
 
   // Lengths cut and left in turn, metres of material.

@@ -17,6 +17,8 @@ const kRetryMs = 1000;
 
 /** The sheet that is shown, for a list of its pieces. */
 export interface ShownPieces {
+  /** Another object when topology versions begin again. */
+  readonly surface: object | undefined;
   /** Undefined before the first frame. */
   readonly topologyVersion: number | undefined;
   /** Highlights the piece with this label in the frames; undefined: no piece. */
@@ -43,7 +45,7 @@ export class PiecePanel implements Panel {
   private litId: bigint | undefined;
   private isOpen = false;
   private isAsking = false;
-  private listed: { sheet: string; version: number } | undefined;
+  private listed: { sheet: string; surface: object | undefined; version: number } | undefined;
 
   constructor(
     private readonly live: Pick<OpenSheet, 'sheetName'>,
@@ -64,13 +66,14 @@ export class PiecePanel implements Panel {
   /** Updates the list. It is called with each frame, and cheap if nothing has changed. */
   update(): void {
     const { sheetName: sheet } = this.live;
-    const { topologyVersion: version } = this.shown;
+    const { surface, topologyVersion: version } = this.shown;
     if (!this.isOpen || this.isAsking || version === undefined) return;
-    if (this.listed?.sheet === sheet && this.listed.version === version) return;
+    const { listed } = this;
+    if (listed?.sheet === sheet && listed.surface === surface && listed.version === version) return;
     this.isAsking = true;
     this.fetch(sheet).then(
       (listed) => {
-        this.listed = listed === undefined ? undefined : { sheet, version: listed };
+        this.listed = listed === undefined ? undefined : { sheet, surface, version: listed };
         this.isAsking = false;
         this.error.hidden = true;
         // Asks again here, because a still sheet has no frame that would do so.

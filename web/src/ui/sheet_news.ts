@@ -2,8 +2,11 @@ import { Sheet_RunState } from '../gen/kerf/v1/sheets_pb';
 import type { Sheet } from '../gen/kerf/v1/sheets_pb';
 import type { FrameStats } from '../gen/kerf/v1/stream_pb';
 import type { NoticeKind } from '../notifier';
+import type { SheetCopy } from '../stream/sheet_copy';
 
 type SeenStats = Pick<FrameStats, 'resets' | 'resetsUndone'>;
+
+type SeenCopy = Pick<SheetCopy, 'epoch' | 'hasGoneBack'>;
 
 interface Seen {
   name: string;
@@ -21,13 +24,15 @@ export class SheetNews {
   /**
    * Takes a live frame.
    * @param name   sheets/{sheet}
-   * @param epoch  kerf.v1.Frame.epoch of the sheet's stream
+   * @param copy   the sheet as the frame left it
    */
-  saw(name: string, epoch: string, { resets, resetsUndone }: SeenStats): void {
+  saw(name: string, { epoch, hasGoneBack }: SeenCopy, { resets, resetsUndone }: SeenStats): void {
     const before = this.seen;
     this.seen = { name, epoch, resets, resetsUndone };
     if (before?.name !== name) return;
-    if (before.epoch !== epoch) {
+    if (before.epoch !== epoch && hasGoneBack) {
+      this.notify('info', 'The sheet went back to a saved state');
+    } else if (before.epoch !== epoch) {
       this.notify('warning', 'The server was restarted, or the sheet created again: it is back at its beginning');
     } else if (resets > before.resets) {
       this.notify('info', 'The sheet was reset; Undo brings back what was there');

@@ -300,6 +300,7 @@ function panelGroup(parts: KeyedParts): ShortcutGroup {
       panel('A', 'sheets', 'All sheets: open, delete, create new ones'),
       panel('M', 'physics', 'Gravity, wind, pins and material'),
       panel('J', 'pieces', 'All pieces with their sizes'),
+      panel('Y', 'states', 'Saved states: save one, go back to one'),
       { chords: ['Escape'], what: 'Close the panel', run: () => parts.panels.close() },
     ],
   };

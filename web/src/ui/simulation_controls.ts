@@ -4,8 +4,8 @@ import type { Sheet } from '../gen/kerf/v1/sheets_pb';
 import { Newest } from '../newest';
 import type { Reporter } from '../notifier';
 import type { OpenSheet, ShownState } from '../sheet/open_sheet';
-import { confirmed } from './confirmation';
 import { element, setText } from './dom';
+import { agreedForEveryone } from './for_everyone';
 import { runEndText } from './run_text';
 import { SpeedControl } from './speed_control';
 
@@ -91,12 +91,7 @@ export class SimulationControls {
   /** Resets the sheet; asks for confirmation if others watch it. */
   async reset(): Promise<void> {
     const { sheetName: name } = this.live;
-    const { getSheet, resetSheet } = SheetService.method;
-    const sheet = await this.reporter.attempt(() => call(getSheet, { name }));
-    if (!sheet) return;
-    const others = sheet.viewers - this.numStreams();
-    const question = `${others === 1 ? 'Someone else is watching' : `${others} others are watching`} this sheet. Reset it for everyone?`;
-    if (others > 0 && !(await confirmed(question, 'Reset'))) return;
-    await this.live.command(() => call(resetSheet, { name }));
+    if (!(await agreedForEveryone(name, this.numStreams(), 'Reset', this.reporter))) return;
+    await this.live.command(() => call(SheetService.method.resetSheet, { name }));
   }
 }

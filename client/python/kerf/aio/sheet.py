@@ -5,10 +5,11 @@ from __future__ import annotations
 from kerf.aio.cutting import Cutting
 from kerf.aio.interaction import Interaction
 from kerf.aio.running import Running
+from kerf.aio.states import States
 from kerf.aio.viewing import Viewing
 
 
-class Sheet(Cutting, Running, Interaction, Viewing):
+class Sheet(Cutting, Running, States, Interaction, Viewing):
     """A sheet by its name. Every method is a call to the server and raises kerf.Error if the server refuses; a refusal
     changes nothing."""
 
