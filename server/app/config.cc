@@ -118,8 +118,7 @@ void declare(CLI::App& parser, Arguments& arguments) {
                   "Folder in which sheets are kept, so that they go on after a restart; 'none': they end with kerfd")
       ->type_name("DIR")
       ->default_str("$XDG_DATA_HOME/kerf, or ~/.local/share/kerf");
-  parser.add_flag("--fresh", arguments.fresh,
-                  "Make the sheets of --scene anew even if they are kept and were changed");
+  parser.add_flag("--fresh", arguments.fresh, "Make the sheets of --scene anew even if they are kept and were changed");
   parser
       .add_option(
           "--record", arguments.record_dir,

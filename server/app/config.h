@@ -63,7 +63,8 @@ std::shared_ptr<const CLI::App> command_line();
 // other machines can reach is refused unless --allow-remote is given.
 Result<std::variant<Config, Notice>> parse_command_line(int argc, const char* const* argv);
 
-// Returns the user's folder for kept sheets: $XDG_DATA_HOME/kerf, else $HOME/.local/share/kerf. Empty if neither is set.
+// Returns the user's folder for kept sheets: $XDG_DATA_HOME/kerf, else $HOME/.local/share/kerf. Empty if neither is
+// set.
 std::filesystem::path default_data_directory();
 // Returns the default folder of the built viewer. That is share/kerf/web beside the executable's folder, the place of
 // `cmake --install`, else web/dist of a source tree above the executable. Empty if neither has an index.html.

@@ -27,10 +27,8 @@ Result<std::set<std::string>> recover_sheets(store::SqliteStore& store, host::Ho
       continue;
     }
     KERF_TRY(run);
-    const Result<host::RecoveredSheet> recovered =
-        wait_for<host::RecoveredSheet>([&](host::Callback<host::RecoveredSheet> done) {
-          host.recover(std::move(*run), std::move(done));
-        });
+    const Result<host::RecoveredSheet> recovered = wait_for<host::RecoveredSheet>(
+        [&](host::Callback<host::RecoveredSheet> done) { host.recover(std::move(*run), std::move(done)); });
     if (!recovered.ok()) {
       note(name + " is not started, and stays kept: " + recovered.error().message);
       continue;

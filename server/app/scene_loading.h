@@ -17,8 +17,8 @@ class Host;
 namespace kerf::app {
 
 // Makes one paused sheet per scene file and returns the ids, in order. A scene without sheet_id gets the file's name
-// without extension. A sheet with that id is replaced, unless it is among `kept`: then the file is left out. Errors name
-// the file in their message.
+// without extension. A sheet with that id is replaced, unless it is among `kept`: then the file is left out. Errors
+// name the file in their message.
 Result<std::vector<std::string>> load_scenes(const std::vector<std::filesystem::path>& files, Disk& disk,
                                              host::Host& host, const std::set<std::string>& kept = {});
 

@@ -25,6 +25,7 @@
 #include "server/base/disk.h"
 #include "server/service/api/api.h"
 #include "server/service/durable/change_codec.h"
+#include "server/service/durable/state_codec.h"
 #include "server/service/host/clock.h"
 #include "server/service/host/entropy.h"
 #include "server/service/host/host.h"
@@ -96,6 +97,7 @@ host::HostOptions Server::Impl::host_options() {
   options.journal = store.get();
   options.encode_event = durable::encode_change;
   options.encode_scene = durable::encode_stored_scene;
+  options.encode_state = durable::encode_state;
   if (!config.record_dir.empty()) {
     options.make_recording = [this](const std::string& id) -> std::shared_ptr<sheet::RecordingSink> {
       // Numbers the files, because two sheets may have the same id, one after the other.

@@ -37,8 +37,11 @@ class FakeJournal : public Journal {
   void remove(std::int64_t sheet, std::vector<StoredRequest> /*requests*/, Durable durable) override {
     add([this, sheet] { sheets_.erase(sheet); }, std::move(durable));
   }
-  void save(StoredState /*state*/, Durable durable) override {
-    add([] {}, std::move(durable));
+  void save(StoredState state, Durable durable) override {
+    add([this, state = std::move(state)] { sheets_[state.sheet].states[state.name] = state; }, std::move(durable));
+  }
+  void remove_state(std::int64_t sheet, std::string name, Durable durable) override {
+    add([this, sheet, name = std::move(name)] { sheets_[sheet].states.erase(name); }, std::move(durable));
   }
   void mark(std::vector<SheetMark> marks) override {
     const std::lock_guard lock(mutex_);
@@ -78,6 +81,7 @@ class FakeJournal : public Journal {
   struct Kept {
     NewStoredSheet made;
     std::vector<JournalEntry> entries;
+    std::map<std::string, StoredState> states;  // The latest of each name.
     std::int64_t mark_tick = 0;
   };
   [[nodiscard]] std::map<std::int64_t, Kept> sheets() const {
@@ -104,9 +108,29 @@ class FakeJournal : public Journal {
     const std::lock_guard lock(mutex_);
     return events_.at(std::stoul(entry.content));
   }
+  std::string encode_state(const SavedState& state) {
+    const std::lock_guard lock(mutex_);
+    saved_.push_back(state);
+    return std::to_string(saved_.size() - 1);
+  }
   [[nodiscard]] StoredRun run_of(const Kept& kept) const {
-    StoredRun run{kept.made.sheet, kept.made.id, kept.made.created_unix_us, scenes_.at(std::stoul(kept.made.scene)), {}, 0, kept.mark_tick};
+    StoredRun run;
+    run.sheet = kept.made.sheet;
+    run.id = kept.made.id;
+    run.created_unix_us = kept.made.created_unix_us;
+    run.config = scenes_.at(std::stoul(kept.made.scene));
+    run.mark_tick = kept.mark_tick;
+    for (const auto& [name, state] : kept.states) {
+      const SavedState& saved = saved_.at(std::stoul(state.content));
+      if (!name.empty()) {
+        run.named.push_back(saved);
+      } else {
+        run.state = saved;
+        run.last_seq = state.seq;
+      }
+    }
     for (const JournalEntry& entry : kept.entries) {
+      if (entry.seq <= run.last_seq) continue;
       run.changes.push_back({entry.tick, entry.state_hash, decode(entry)});
       run.last_seq = entry.seq;
     }
@@ -136,6 +160,7 @@ class FakeJournal : public Journal {
   std::vector<std::pair<std::function<void()>, Durable>> waiting_;
   std::vector<SheetEvent> events_;
   std::vector<scene::SheetConfig> scenes_;
+  std::vector<SavedState> saved_;
 };
 
 // A host whose changes go to a FakeJournal.
@@ -144,6 +169,7 @@ inline HostOptions with_journal(FakeJournal& journal) {
   options.journal = &journal;
   options.encode_event = [&journal](const SheetEvent& event) { return journal.encode(event); };
   options.encode_scene = [&journal](const scene::SheetConfig& config) { return journal.encode_scene(config); };
+  options.encode_state = [&journal](const SavedState& state) { return journal.encode_state(state); };
   options.encode_tick = [](const sheet::RecordedTick& tick) { return std::to_string(tick.tick) + " "; };
   return options;
 }

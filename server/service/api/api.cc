@@ -87,6 +87,14 @@ Api::Api(host::Host& host, render::Renderer* renderer, ApiOptions options, host:
                                                           const host::ScheduleId& schedule_id) {
     if (const auto alive = core.lock()) keep_in_journal(*alive, id, command, result, schedule_id);
   });
+  // Each state of a sheet has its list of cuts.
+  host.set_attachments({[core = std::weak_ptr(core_)](const std::string& id) {
+                          const auto alive = core.lock();
+                          return alive ? alive->journal.save(id) : std::string();
+                        },
+                        [core = std::weak_ptr(core_)](const std::string& id, const std::string& cuts) {
+                          if (const auto alive = core.lock()) alive->journal.restore(id, cuts);
+                        }});
 }
 
 Api::~Api() {

@@ -32,12 +32,11 @@ void Api::save_state(const v1::SaveStateRequest& request, Reply<v1::SavedState> 
   const Result<std::string> id = addressed_sheet(*core_, request.parent(), "parent");
   if (!id.ok()) return reply(id.error());
   idempotent<v1::SavedState>(core_, "SaveState", request, std::move(reply), [&](const Reply<v1::SavedState>& answer) {
-    core_->host.save_state(
-        *id, request.state_id(), request.overwrite(), [core = core_, id = *id] { return core->journal.save(id); },
-        [id = *id, answer](const Result<host::SavedStateStatus>& saved) {
-          if (!saved.ok()) return answer(with_field(saved.error(), "parent"));
-          answer(encode_state(id, *saved));
-        });
+    core_->host.save_state(*id, request.state_id(), request.overwrite(),
+                           [id = *id, answer](const Result<host::SavedStateStatus>& saved) {
+                             if (!saved.ok()) return answer(with_field(saved.error(), "parent"));
+                             answer(encode_state(id, *saved));
+                           });
   });
 }
 
@@ -45,10 +44,7 @@ void Api::restore_state(const v1::RestoreStateRequest& request, Reply<v1::Sheet>
   const Result<StateName> name = addressed_state(*core_, request.name());
   if (!name.ok()) return reply(name.error());
   idempotent<v1::Sheet>(core_, "RestoreState", request, std::move(reply), [&](Reply<v1::Sheet> answer) {
-    core_->host.restore_state(
-        name->sheet_id, name->state_id,
-        [core = core_, id = name->sheet_id](const std::string& cuts) { core->journal.restore(id, cuts); },
-        sheet_reply(std::move(answer), "name"));
+    core_->host.restore_state(name->sheet_id, name->state_id, sheet_reply(std::move(answer), "name"));
   });
 }
 

@@ -28,6 +28,8 @@ v1::TickChange encode_tick(const host::TickEvent& tick) {
   return message;
 }
 
+}  // namespace
+
 v1::ScheduledChange encode_scheduled(const host::ScheduledCommand& scheduled) {
   v1::ScheduledChange message;
   message.set_number(scheduled.id.number);
@@ -35,6 +37,14 @@ v1::ScheduledChange encode_scheduled(const host::ScheduledCommand& scheduled) {
   *message.mutable_command() = wire::encode_command(scheduled.command);
   return message;
 }
+
+Result<host::ScheduledCommand> decode_scheduled(const v1::ScheduledChange& message) {
+  Result<scene::Command> command = wire::decode_command(message.command());
+  if (!command.ok()) return damaged("a command is refused: " + command.error().message);
+  return host::ScheduledCommand{{message.at_tick(), message.number()}, std::move(*command)};
+}
+
+namespace {
 
 Result<host::SheetEvent> decode_tick(const v1::TickChange& message) {
   host::TickEvent tick;
@@ -63,6 +73,7 @@ std::string encode_change(const host::SheetEvent& event) {
                    message.mutable_run()->set_is_paused(run.is_paused);
                    message.mutable_run()->set_speed(run.speed);
                  },
+                 [&](const host::RestoreEvent&) { message.mutable_restore(); },
              },
              event);
   return message.SerializeAsString();
@@ -75,11 +86,11 @@ Result<host::SheetEvent> decode_change(std::string_view bytes) {
     case v1::StoredChange::kTick:
       return decode_tick(message.tick());
     case v1::StoredChange::kScheduled: {
-      const v1::ScheduledChange& scheduled = message.scheduled();
-      Result<scene::Command> command = wire::decode_command(scheduled.command());
-      if (!command.ok()) return damaged("a command is refused: " + command.error().message);
-      return host::SheetEvent(host::ScheduledCommand{{scheduled.at_tick(), scheduled.number()}, std::move(*command)});
+      KERF_TRY_ASSIGN(host::ScheduledCommand scheduled, decode_scheduled(message.scheduled()));
+      return host::SheetEvent(std::move(scheduled));
     }
+    case v1::StoredChange::kRestore:
+      return host::SheetEvent(host::RestoreEvent{});
     case v1::StoredChange::kCancelled:
       return host::SheetEvent(host::CancelEvent{message.cancelled()});
     case v1::StoredChange::kRun:

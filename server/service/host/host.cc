@@ -197,6 +197,10 @@ void Host::cancel(const std::string& id, std::int64_t number, Callback<Scheduled
   });
 }
 
+void Host::set_attachments(Attachments attachments) {
+  attachments_.set(std::move(attachments));
+}
+
 void Host::set_command_listener(CommandListener listener) {
   listener_.set(std::move(listener));
 }
@@ -295,6 +299,9 @@ void Host::stop() {
     taken.swap(sheets_);
   }
   if (options_.journal != nullptr) {  // Answers to changes that become durable in time still leave.
+    for (const auto& [id, runner] : taken) {
+      if (runner) runner->post([](SheetRunner& r) { r.save_if_due(); }, [](const Error&) {});
+    }
     workers_.wait_idle();
     mark(taken);
     options_.journal->flush(kFlushLimit);

@@ -89,23 +89,23 @@ class Host {
   // as it ran. The listener receives its commands. For a host that serves no client yet. Errors of create_sheet()
   // except OVERLOADED.
   void recover(StoredRun run, Callback<RecoveredSheet> done);
-  // Saves the state of a sheet between two ticks under a name, [a-z][a-z0-9-]{0,62}, in memory. `attach` is called on
-  // the sheet's strand; its bytes are kept with the state. Errors of SavedStates::add(); kInvalidArgument STATE_ID;
-  // kFailedPrecondition REPLAYING, STEPPING; kResourceExhausted OUT_OF_MEMORY.
-  void save_state(const std::string& id, std::string state_id, bool overwrite, std::function<std::string()> attach,
-                  Callback<SavedStateStatus> done);
+  // Sets what is kept of each sheet with its saved states, and in the journal. To be set before any sheet runs.
+  void set_attachments(Attachments attachments);
+  // Saves the state of a sheet between two ticks under a name, [a-z][a-z0-9-]{0,62}, in memory and in the journal.
+  // Errors of SavedStates::add(); kInvalidArgument STATE_ID; kFailedPrecondition REPLAYING, STEPPING;
+  // kResourceExhausted OUT_OF_MEMORY.
+  void save_state(const std::string& id, std::string state_id, bool overwrite, Callback<SavedStateStatus> done);
   // Brings a saved state back: mesh, motion, undo history, pins, grabs, settings, waiting commands of schedule() and
   // counts. Pause and speed stay as they are; a sleeping sheet wakes. The sheet ticks on while the state is loaded.
   // Queued commands are done on the restored sheet. RunStats::sheet_serial is another one then. A recording to
-  // HostOptions::make_recording ends. `restored` is called with the bytes of `attach`, on the strand, before `done`.
+  // HostOptions::make_recording ends.
   // Errors: kNotFound STATE_NOT_FOUND; kFailedPrecondition REPLAYING, STEPPING; kResourceExhausted OUT_OF_MEMORY,
   // TOO_MANY_RESTORES if 16 states are being loaded.
-  void restore_state(const std::string& id, const std::string& state_id,
-                     std::function<void(const std::string&)> restored, Callback<SheetStatus> done);
+  void restore_state(const std::string& id, const std::string& state_id, Callback<SheetStatus> done);
   // Lists the saved states of a sheet, those saved first at first.
   void states(const std::string& id, const Callback<std::vector<SavedStateStatus>>& done) const;
   // kNotFound STATE_NOT_FOUND
-  void delete_state(const std::string& id, const std::string& state_id, const Callback<Nothing>& done);
+  void delete_state(const std::string& id, const std::string& state_id, Callback<Nothing> done);
 
   // Returns the recording that the sheet has kept in memory, up to its present tick. Errors of KeptRecording::until().
   void recording(const std::string& id, Callback<KeptRun> done);
@@ -233,6 +233,8 @@ class Host {
   // Loads the sheet of a state, on a builder thread.
   Result<sheet::Sheet> load_sheet(const SavedState& state);
   void refuse(Creation& creation, const Error& error);
+  // Keeps the states that users have saved of a sheet which is made again.
+  Status keep_named(const StoredRun& run, const std::shared_ptr<const scene::SheetConfig>& config);
   using Runners = std::map<std::string, std::shared_ptr<SheetRunner>>;
   // Marks the ticks of these sheets in the journal.
   void mark(const Runners& runners);
@@ -255,6 +257,7 @@ class Host {
   VertexBudget vertices_;
   SavedStates states_;
   SharedSlot<CommandListener> listener_;
+  SharedSlot<Attachments> attachments_;
   SharedSlip slip_;
   mutable std::mutex mutex_;
   std::map<std::string, std::shared_ptr<SheetRunner>> sheets_;  // Null: being built. Guarded by mutex_.

@@ -91,11 +91,11 @@ Status Host::build_and_hand_on(const std::shared_ptr<Creation>& creation, scene:
 
 // Runs on the sheet's strand, before any work that find() could post to it.
 Status Host::begin(Creation& creation, sheet::Sheet sheet, const Workers::Strand& strand) {
-  const auto runner =
-      std::make_shared<SheetRunner>(creation.id, std::move(sheet),
-                                    SheetRunner::Context{options_, clock_, board_, listener_, slip_, stopping_,
-                                                         [this](const std::string& id) { release(id); }, ++num_made_},
-                                    strand, creation.vertices);
+  const auto runner = std::make_shared<SheetRunner>(
+      creation.id, std::move(sheet),
+      SheetRunner::Context{options_, clock_, board_, listener_, attachments_, slip_, stopping_,
+                           [this](const std::string& id) { release(id); }, ++num_made_},
+      strand, creation.vertices);
   const Status begun = catch_exceptions([&]() -> Status {
     if (stopping_) return host_stopping();
     const bool is_new = creation.stored == nullptr;
@@ -112,6 +112,7 @@ Status Host::begin(Creation& creation, sheet::Sheet sheet, const Workers::Strand
     creation.need.reset();
     SheetStatus status = runner->status();
     if (!is_new) {
+      KERF_TRY(keep_named(*creation.stored, runner->sheet().shared_config()));
       creation.recovered(RecoveredSheet{std::move(status), runner->is_changed(), differs_at});
       return Nothing{};
     }
@@ -188,8 +189,11 @@ Result<sheet::Sheet> Host::build(scene::SheetConfig config, const Creation& crea
     if (wanted.ok() && looks && !has_memory_for(0)) wanted = out_of_memory();
     return !wanted.ok();
   });
-  Result<sheet::Sheet> built =
-      catch_exceptions([&] { return sheet::Sheet::create(std::move(config), options_.make_integrator); });
+  Result<sheet::Sheet> built = catch_exceptions([&]() -> Result<sheet::Sheet> {
+    const bool is_saved = creation.stored && creation.stored->state;
+    if (!is_saved) return sheet::Sheet::create(std::move(config), options_.make_integrator);
+    return sheet::Sheet::load(std::move(config), *creation.stored->state->run.sheet, options_.make_integrator);
+  });
   KERF_TRY(wanted);
   KERF_TRY(built);
   KERF_TRY(creation.vertices->settle(built->mesh().num_vertices()));

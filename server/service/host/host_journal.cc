@@ -1,3 +1,4 @@
+#include <memory>
 #include <utility>
 
 #include "server/service/host/host.h"
@@ -14,6 +15,15 @@ void Host::recover(StoredRun run, Callback<RecoveredSheet> done) {
   std::string id = run.id;
   made.stored = std::make_shared<const StoredRun>(std::move(run));
   create(std::move(id), std::move(config), std::move(made));
+}
+
+Status Host::keep_named(const StoredRun& run, const std::shared_ptr<const scene::SheetConfig>& config) {
+  for (const SavedState& state : run.named) {
+    auto kept = std::make_shared<SavedState>(state);
+    kept->config = config;
+    KERF_TRY(states_.add(run.id, std::move(kept), true));
+  }
+  return Nothing{};
 }
 
 void Host::mark(const Runners& runners) {

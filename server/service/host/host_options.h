@@ -13,6 +13,7 @@
 #include "server/core/sheet/sheet.h"
 #include "server/service/host/clock.h"
 #include "server/service/host/journal.h"
+#include "server/service/host/saved_states.h"
 #include "server/service/host/sheet_event.h"
 
 namespace kerf::host {
@@ -44,6 +45,7 @@ struct HostOptions {
   // Encode what the journal keeps; used only with a journal.
   std::function<std::string(const SheetEvent&)> encode_event;
   std::function<std::string(const scene::SheetConfig&)> encode_scene;
+  std::function<std::string(const SavedState&)> encode_state;
   std::size_t max_recording_bytes = std::size_t{16} << 20;          // Per sheet, of the ticks that KeptRecording keeps.
   sheet::IntegratorFactory make_integrator = fem::make_integrator;  // Makes the integrators of the sheets.
 };

@@ -7,7 +7,6 @@
 #include "server/base/interruption.h"
 #include "server/base/memory_headroom.h"
 #include "server/core/mesh/triangle_mesh.h"
-#include "server/core/sheet/saved_sheet.h"
 #include "server/service/host/errors.h"
 #include "server/service/host/host.h"
 #include "server/service/host/promised_bytes.h"
@@ -38,43 +37,27 @@ Error too_many_restores() {
   return resource_exhausted("TOO_MANY_RESTORES", "16 saved states are being restored, the limit; try again later");
 }
 
-// Returns the state of a sheet whose run was saved just now.
-std::shared_ptr<const SavedState> make_state(std::string id, const sheet::Sheet& sheet, SavedRun run,
-                                             std::int64_t unix_us) {
-  auto state = std::make_shared<SavedState>();
-  const sheet::SavedHeader header = sheet::read_saved_header(*run.sheet).value();
-  state->status.id = std::move(id);
-  state->status.tick = header.tick;
-  state->status.scene_tick = sheet.scene_tick();
-  state->status.num_vertices = sheet.mesh().num_vertices();
-  state->status.num_bytes = static_cast<std::int64_t>(run.num_bytes());
-  state->status.state_hash = header.state_hash;
-  state->status.continuation_hash = header.continuation_hash;
-  state->status.saved_unix_us = unix_us;
-  state->config = sheet.shared_config();
-  state->run = std::move(run);
-  return state;
-}
-
 }  // namespace
 
-void Host::save_state(const std::string& id, std::string state_id, bool overwrite, std::function<std::string()> attach,
-                      Callback<SavedStateStatus> done) {
+void Host::save_state(const std::string& id, std::string state_id, bool overwrite, Callback<SavedStateStatus> done) {
   if (const Status valid = check_state_id(state_id); !valid.ok()) return done(valid.error());
-  const auto save = [this, id, overwrite, attach = std::move(attach)](
-                        const SheetRunner& runner, const std::string& name) -> Result<SavedStateStatus> {
+  const auto save = [this, id, overwrite, name = std::move(state_id), done](SheetRunner& runner) -> Status {
     KERF_TRY(states_.check(id, name, overwrite));
-    KERF_TRY_ASSIGN(SavedRun run, runner.save_run());
-    if (attach) run.attachment = attach();
-    const auto state = make_state(name, runner.sheet(), std::move(run), clock_.unix_us());
+    KERF_TRY_ASSIGN(SavedState saved, runner.save_state(name));
+    const auto state = std::make_shared<const SavedState>(std::move(saved));
     KERF_TRY(states_.add(id, state, overwrite));
-    return state->status;
+    runner.store_named(*state, done);
+    return Nothing{};
   };
-  on_strand(id, done, [save, name = std::move(state_id), done](SheetRunner& r) { done(save(r, name)); });
+  on_strand(id, done, [save, done](SheetRunner& r) {
+    r.when_settled([save, done, &r](const Status& settled) {
+      if (!settled.ok()) return done(settled.error());
+      if (const Status s = save(r); !s.ok()) done(s.error());
+    });
+  });
 }
 
-void Host::restore_state(const std::string& id, const std::string& state_id,
-                         std::function<void(const std::string&)> restored, Callback<SheetStatus> done) {
+void Host::restore_state(const std::string& id, const std::string& state_id, Callback<SheetStatus> done) {
   const std::shared_ptr<SheetRunner> runner = find(id);
   if (!runner) return done(missing(id));
   const Result<std::shared_ptr<const SavedState>> state = states_.find(id, state_id);
@@ -82,14 +65,13 @@ void Host::restore_state(const std::string& id, const std::string& state_id,
   // Held until the sheet is restored, because a loaded sheet takes memory.
   const auto place = std::make_shared<LoadPlace>(num_loads_);
   if (place->number > kMaxLoads) return done(too_many_restores());
-  const auto load = [this, runner, state = *state, restored = std::move(restored), done, place]() -> Status {
+  const auto load = [this, runner, state = *state, done, place]() -> Status {
     KERF_TRY_ASSIGN(sheet::Sheet loaded, load_sheet(*state));
     const auto sheet = std::make_shared<sheet::Sheet>(std::move(loaded));
     runner->post(
-        [this, state, sheet, restored, done, place](SheetRunner& r) {
+        [this, state, sheet, done, place](SheetRunner& r) {
           if (Status s = r.continue_from(state->run, std::move(*sheet), ++num_made_); !s.ok()) return done(s.error());
-          if (restored) restored(state->run.attachment);
-          done(r.status());
+          r.answer<SheetStatus>(done, r.status());
         },
         [done](Error error) { done(std::move(error)); });
     return Nothing{};
@@ -116,9 +98,11 @@ void Host::states(const std::string& id, const Callback<std::vector<SavedStateSt
   done(states_.list(id));
 }
 
-void Host::delete_state(const std::string& id, const std::string& state_id, const Callback<Nothing>& done) {
-  if (!find(id)) return done(missing(id));
-  done(states_.remove(id, state_id));
+void Host::delete_state(const std::string& id, const std::string& state_id, Callback<Nothing> done) {
+  on_strand(id, done, [this, id, state_id, done](SheetRunner& r) {
+    if (const Status removed = states_.remove(id, state_id); !removed.ok()) return done(removed.error());
+    r.remove_named(state_id, done);
+  });
 }
 
 }  // namespace kerf::host

@@ -70,7 +70,10 @@ class Journal {
   virtual void append(JournalEntry entry, Durable durable) = 0;
   // Deletes a sheet with its entries and states. Its requests stay, with `requests`.
   virtual void remove(std::int64_t sheet, std::vector<StoredRequest> requests, Durable durable) = 0;
+  // Stores a state in place of the one of its name; an unnamed one in place of that of its seq.
   virtual void save(StoredState state, Durable durable) = 0;
+  // Removes the states of this name, which are durable.
+  virtual void remove_state(std::int64_t sheet, std::string name, Durable durable) = 0;
   // Keeps the latest mark of each sheet. May be lost.
   virtual void mark(std::vector<SheetMark> marks) = 0;
   // Returns an error if no further change of the sheet can be taken now: kUnavailable STORAGE_STALLED if too much waits

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -30,6 +31,12 @@ struct SavedState {
   SavedStateStatus status;
   std::shared_ptr<const scene::SheetConfig> config;  // The scene of its sheet.
   SavedRun run;
+};
+
+// What the owner of a host keeps of each sheet beside it, such as its list of cuts. Called on the sheet's strand.
+struct Attachments {
+  std::function<std::string(const std::string& id)> save;                     // Returns it as bytes.
+  std::function<void(const std::string& id, const std::string& bytes)> load;  // Replaces it.
 };
 
 // Keeps the saved states of all sheets of a host in memory, by sheet and by name. Thread-safe.

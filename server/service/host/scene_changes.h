@@ -9,6 +9,10 @@ namespace kerf::host {
 // Tracks changes of a sheet by its clients, and counts their resets. A plain value.
 class SceneChanges {
  public:
+  SceneChanges() = default;
+  SceneChanges(bool is_changed, std::int32_t resets, std::int32_t resets_undone)
+      : is_changed_(is_changed), resets_(resets), resets_undone_(resets_undone) {}
+
   // Records a client's command that was done.
   void command_done(const scene::Command& command, const scene::CommandReply& reply);
 

@@ -32,8 +32,11 @@ struct RunEvent {
   double speed = 1.0;  // -, see Host::set_speed()
 };
 
+// A saved state was restored. A StoredState with the number of this change has it.
+struct RestoreEvent {};
+
 // A change of a sheet that its journal keeps. A ScheduledCommand was scheduled.
-using SheetEvent = std::variant<TickEvent, ScheduledCommand, CancelEvent, RunEvent>;
+using SheetEvent = std::variant<TickEvent, ScheduledCommand, CancelEvent, RunEvent, RestoreEvent>;
 
 // True if viewers are shown the event only once it is durable. What hands do, such as drags, is shown at once, since a
 // crash may lose it.

@@ -202,6 +202,7 @@ void SheetRunner::pause() {
   clock_.pause();
   metrics_.stop_ticking();
   store_run_state();
+  save_if_due();
   publish_state();
   commands_arrived();
   publish();
@@ -279,6 +280,7 @@ void SheetRunner::tick_at_deadline(std::uint64_t call) {
 // Leaves a timer for the repeat of the scene, if it has one.
 void SheetRunner::fall_asleep() {
   clock_.sleep();
+  save_if_due();
   metrics_.stop_ticking();
   metrics_.fell_asleep();
   publish_state();

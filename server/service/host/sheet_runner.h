@@ -30,6 +30,7 @@
 #include "server/service/host/run_metrics.h"
 #include "server/service/host/run_recorder.h"
 #include "server/service/host/saved_run.h"
+#include "server/service/host/saved_states.h"
 #include "server/service/host/scene_changes.h"
 #include "server/service/host/shared_slot.h"
 #include "server/service/host/sheet_event.h"
@@ -57,6 +58,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
     Clock& clock;
     MetricsBoard& board;
     const SharedSlot<CommandListener>& listener;
+    const SharedSlot<Attachments>& attachments;
     SharedSlip& slip;
     const std::atomic<bool>& stopping;  // The host stops: ticks due are skipped, and close() will follow.
     // Removes a sheet that close() has ended for lack of memory, and frees its name.
@@ -114,6 +116,14 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
       done(result);
     });
   }
+  // Calls `work` when all changes are durable and answered, or with an error if the sheet ends before.
+  void when_settled(const SheetJournal::Release& work) {
+    if (journal_.is_settled()) return work(Nothing{});
+    journal_.when_durable([this, work](const Status& stored) {
+      if (!stored.ok()) return work(stored);
+      when_settled(work);
+    });
+  }
   void pause();
   Status resume();
   void set_speed(double speed);
@@ -125,8 +135,15 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   void refresh_sink(const std::shared_ptr<sheet::SnapshotSink>& sink);
   void remove_sink(const std::shared_ptr<sheet::SnapshotSink>& sink);
   [[nodiscard]] Result<KeptRun> kept_run() const;
+  // Bytes per vertex that must be free to save a sheet, or to publish a restored one; 200 and more with undo are taken.
+  static constexpr std::int64_t kBytesPerSavedVertex = 1000;
   // Saved states, in sheet_runner_states.cc. kFailedPrecondition REPLAYING, STEPPING; kResourceExhausted OUT_OF_MEMORY.
-  [[nodiscard]] Result<SavedRun> save_run() const;
+  [[nodiscard]] Result<SavedState> save_state(std::string state_id) const;
+  // Keeps the state in the journal, or removes it there, and then answers.
+  void store_named(const SavedState& state, const Callback<SavedStateStatus>& done);
+  void remove_named(const std::string& state_id, const Callback<Nothing>& done);
+  // Saves the sheet in the journal if it is time to.
+  void save_if_due();
   // Continues from a saved run of this scene. Run state and speed stay, a sleeping sheet wakes, and a frozen one runs
   // if the saved one did. `sheet`: loaded from run.sheet. `serial`: see Context. A refusal leaves the sheet as it is.
   Status continue_from(const SavedRun& run, sheet::Sheet sheet, std::uint64_t serial);
@@ -168,9 +185,14 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   Status advance_to(std::int64_t tick);
   Status repeat(const SheetEvent& event, RunEvent& last);
   Status repeat_tick(const TickEvent& tick);
+  Status take_over(const SavedRun& run);
   void continue_as(const RunEvent& run);
-  // Releases what waited for the changes up to `seq`.
-  void became_durable(std::int64_t seq);
+  // Releases what waited for this.
+  void became_durable(SheetJournal::Kind kind, std::int64_t number);
+  // Returns the sheet as it is, with this id.
+  [[nodiscard]] SavedState make_state(std::string state_id) const;
+  // Returns the state as the journal keeps it.
+  [[nodiscard]] StoredState stored(const SavedState& state) const;
 
   // Commands.
   void announce_commands();
@@ -262,9 +284,11 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   std::optional<StepCall> step_call_;
   bool turn_posted_ = false;  // A take_turn() is posted.
   std::int64_t created_unix_us_ = 0;
-  bool is_ending_ = false;    // The sheet is being deleted from the journal, and takes no commands.
-  bool changing_ = false;     // A tick or commands are in progress.
-  bool repeats_now_ = false;  // The next tick begins with a Reset by the sheet itself.
+  Nanoseconds unsaved_cpu_{0};  // CPU time of the ticks since the sheet was last saved in the journal.
+  bool is_saving_ = false;      // It is being saved there.
+  bool is_ending_ = false;      // The sheet is being deleted from the journal, and takes no commands.
+  bool changing_ = false;       // A tick or commands are in progress.
+  bool repeats_now_ = false;    // The next tick begins with a Reset by the sheet itself.
   std::optional<sheet::SinkEnd> closed_;
   std::uint64_t serial_;  // See Context; another one after each continue_from().
   // Changes of run state and speed, and ends of replays; part of RunStats::settings_version.

@@ -13,6 +13,10 @@ Result<std::optional<std::int64_t>> SheetRunner::recover(const StoredRun& run) {
   created_unix_us_ = run.created_unix_us;
   std::optional<std::int64_t> differs_at;
   RunEvent last;
+  if (run.state) {
+    KERF_TRY(take_over(run.state->run));
+    last = {run.state->run.paused, run.state->run.speed};
+  }
   for (const StoredRun::Change& change : run.changes) {
     const auto* tick = std::get_if<TickEvent>(&change.event);
     KERF_TRY(advance_to(tick != nullptr && !tick->is_apply ? change.tick - 1 : change.tick));
@@ -25,6 +29,17 @@ Result<std::optional<std::int64_t>> SheetRunner::recover(const StoredRun& run) {
   keep_in(*context_.options.journal, run.sheet, run.last_seq);
   continue_as(last);
   return differs_at;
+}
+
+// The sheet was loaded from the run already.
+Status SheetRunner::take_over(const SavedRun& run) {
+  queue_.replace_scheduled(run.scheduled, run.last_schedule_number);
+  changes_ = run.changes;
+  flagged_ticks_ = run.flagged_ticks;
+  recorder_.replace(run.recording, "the sheet was made again from the data folder; its earlier run is in another file");
+  const auto attachments = context_.attachments.get();
+  if (attachments && attachments->load) attachments->load(id_, run.attachment);
+  return Nothing{};
 }
 
 Status SheetRunner::advance_to(std::int64_t tick) {
@@ -44,6 +59,9 @@ Status SheetRunner::repeat(const SheetEvent& event, RunEvent& last) {
                         [&](const CancelEvent& cancel) -> Status {
                           KERF_TRY(queue_.cancel(cancel.number));
                           return Nothing{};
+                        },
+                        [](const RestoreEvent&) -> Status {
+                          return data_loss("RESTORE_WITHOUT_STATE", "a state was restored here, and is not kept");
                         },
                         [&](const RunEvent& run) -> Status {
                           last = run;

@@ -86,6 +86,7 @@ bool SheetRunner::run_commands(bool advance, std::vector<PendingCommand> taken) 
   } else if (report.advanced || interrupted) {
     clock_.add_cpu(cpu);
   }
+  unsaved_cpu_ += cpu;
 
   if (report.advanced) last_step_ = report.stats;
   std::optional<fem::TickCost> cost;
@@ -104,7 +105,10 @@ bool SheetRunner::run_commands(bool advance, std::vector<PendingCommand> taken) 
                               totals()};
   metrics_.tick_done(tick, report, results);
   changing_ = false;
-  if (results.empty()) return !interrupted;
+  if (results.empty()) {
+    save_if_due();
+    return !interrupted;
+  }
   outcome->report = std::move(report);
   journal_.when_durable(
       [outcome, id = id_, config = sheet_.shared_config(), listener = context_.listener.get()](const Status& stored) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "server/core/scene/sheet_config.h"
+#include "server/service/host/saved_states.h"
 #include "server/service/host/sheet_event.h"
 #include "server/service/host/sheet_status.h"
 
@@ -23,9 +24,11 @@ struct StoredRun {
   std::string id;
   std::int64_t created_unix_us = 0;  // us since 1970
   scene::SheetConfig config;
-  std::vector<Change> changes;
-  std::int64_t last_seq = 0;   // Number of the last change; 0: there is none.
-  std::int64_t mark_tick = 0;  // The sheet is stepped up to this tick.
+  std::optional<SavedState> state;  // The sheet is loaded from it; else it is made from its scene.
+  std::vector<SavedState> named;    // States that users have saved.
+  std::vector<Change> changes;      // After `state`.
+  std::int64_t last_seq = 0;        // Number of the last change; 0: there is none.
+  std::int64_t mark_tick = 0;       // The sheet is stepped up to this tick.
 };
 
 // A sheet that was made again.

@@ -115,6 +115,10 @@ void SqliteStore::save(host::StoredState state, Durable durable) {
   impl_->queue.push(StateChange{std::move(state), std::move(durable)});
 }
 
+void SqliteStore::remove_state(std::int64_t sheet, std::string name, Durable durable) {
+  impl_->queue.push(Change{StateRemoval{sheet, std::move(name)}, std::move(durable)});
+}
+
 void SqliteStore::mark(std::vector<host::SheetMark> marks) {
   impl_->queue.mark(marks);
 }
@@ -168,6 +172,10 @@ Result<host::StoredState> SqliteStore::read_state(std::int64_t sheet, std::int64
 Result<StoreInfo> SqliteStore::info() {
   return impl_->on_thread(
       [this] { return read_info(impl_->work.tables().database(), impl_->files, impl_->options.folder); });
+}
+
+Status SqliteStore::remove_entries_after(std::int64_t sheet, std::int64_t seq) {
+  return impl_->on_thread([=, this] { return impl_->work.tables().remove_entries_after(sheet, seq); });
 }
 
 Status SqliteStore::quarantine(std::int64_t sheet, const std::string& reason) {

@@ -49,6 +49,7 @@ class SqliteStore : public host::Journal {
   void append(host::JournalEntry entry, Durable durable) override;
   void remove(std::int64_t sheet, std::vector<host::StoredRequest> requests, Durable durable) override;
   void save(host::StoredState state, Durable durable) override;
+  void remove_state(std::int64_t sheet, std::string name, Durable durable) override;
   void mark(std::vector<host::SheetMark> marks) override;
   [[nodiscard]] Status check_room(std::int64_t sheet) const override;
   bool flush(std::chrono::milliseconds limit) override;
@@ -67,6 +68,8 @@ class SqliteStore : public host::Journal {
 
   // Marks a sheet as one that is not to be recovered. It keeps all it has. Error kNotFound SHEET_NOT_FOUND.
   Status quarantine(std::int64_t sheet, const std::string& reason);
+  // Removes the entries of a sheet after `seq`, which were never answered.
+  Status remove_entries_after(std::int64_t sheet, std::int64_t seq);
   // Copies the store into a new folder, synced, while it is in use. Error kFailedPrecondition FOLDER_NOT_EMPTY. After
   // an error the folder has no database.
   Status backup(const std::string& folder);

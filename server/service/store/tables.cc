@@ -163,6 +163,10 @@ Status Tables::write(const Removal& removal, std::int64_t now_unix_us) {
   return write_requests(removal.requests, removal.sheet, 0, now_unix_us);
 }
 
+Status Tables::write(const StateRemoval& removal, std::int64_t /*now_unix_us*/) {
+  return totals_of(removal.sheet) ? remove_named(removal.sheet, removal.name) : Status(Nothing{});
+}
+
 Status Tables::write_requests(const std::vector<host::StoredRequest>& requests, std::int64_t sheet, std::int64_t seq,
                               std::int64_t now_unix_us) {
   for (const host::StoredRequest& request : requests) {
@@ -205,19 +209,7 @@ Status Tables::replace_states(const StateInfo& state) {
   if (state.name.empty()) {
     KERF_TRY(remove_states(own + " AND name = '' AND seq = " + std::to_string(state.seq)));
   } else {
-    KERF_TRY_ASSIGN(Statement same,
-                    Statement::prepare(database_, "SELECT seq FROM states WHERE " + own + " AND name = ?"));
-    same.begin(std::string_view(state.name));
-    std::vector<std::int64_t> found;
-    while (true) {
-      KERF_TRY_ASSIGN(const bool is_row, same.step());
-      if (!is_row) break;
-      found.push_back(same.integer(0));
-    }
-    for (const std::int64_t seq : found) {
-      KERF_TRY_ASSIGN(const StateInfo old, read_state_row(database_, state.sheet, seq, state.name));
-      KERF_TRY(remove_states("number = " + std::to_string(old.number)));
-    }
+    KERF_TRY(remove_named(state.sheet, state.name));
   }
   KERF_TRY(statements_->state.run(state.sheet, state.seq, std::string_view(state.name), state.number, state.tick,
                                   static_cast<std::int64_t>(state.engine), static_cast<std::int64_t>(state.state_hash),
@@ -225,6 +217,20 @@ Status Tables::replace_states(const StateInfo& state) {
                                   std::int64_t{state.content_sum}, row_sum(state)));
   return remove_states(own + " AND name = '' AND seq NOT IN (SELECT seq FROM states WHERE " + own +
                        " AND name = '' ORDER BY seq DESC LIMIT 2)");
+}
+
+Status Tables::remove_named(std::int64_t sheet, const std::string& name) {
+  KERF_TRY_ASSIGN(Statement same, Statement::prepare(database_, "SELECT number FROM states WHERE " + of_sheet(sheet) +
+                                                                    " AND name = ?"));
+  same.begin(std::string_view(name));
+  std::vector<std::int64_t> found;
+  while (true) {
+    KERF_TRY_ASSIGN(const bool is_row, same.step());
+    if (!is_row) break;
+    found.push_back(same.integer(0));
+  }
+  for (const std::int64_t number : found) KERF_TRY(remove_states("number = " + std::to_string(number)));
+  return Nothing{};
 }
 
 Status Tables::remove_states(const std::string& condition) {
@@ -253,6 +259,20 @@ Status Tables::compact(std::int64_t sheet, Totals totals) {
   KERF_TRY_ASSIGN(totals.bytes, database_.number(rest.c_str()));
   pending_.totals[sheet] = totals;
   return Nothing{};
+}
+
+Status Tables::remove_entries_after(std::int64_t sheet, std::int64_t seq) {
+  return transaction([&]() -> Status {
+    std::optional<Totals> totals = totals_of(sheet);
+    if (!totals) return Nothing{};
+    const std::string own = of_sheet(sheet);
+    KERF_TRY(database_.execute("DELETE FROM journal WHERE " + own + " AND seq > " + std::to_string(seq)));
+    const std::string rest = "SELECT coalesce(sum(length(content)), 0) FROM journal WHERE " + own;
+    KERF_TRY_ASSIGN(totals->bytes, database_.number(rest.c_str()));
+    totals->last_seq = std::min(totals->last_seq, seq);
+    pending_.totals[sheet] = totals;
+    return Nothing{};
+  });
 }
 
 Status Tables::quarantine(std::int64_t sheet, const std::string& reason) {

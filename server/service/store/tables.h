@@ -35,6 +35,8 @@ class Tables {
   // Makes a state count, whose file is whole. Then removes older states and, of a long journal, older entries.
   Status add_state(const StateInfo& state);
   Status quarantine(std::int64_t sheet, const std::string& reason);
+  // Removes the entries of a sheet after `seq`.
+  Status remove_entries_after(std::int64_t sheet, std::int64_t seq);
   // Removes what need not be kept: requests and the rows of deleted sheets.
   Status prune(std::int64_t now_unix_us);
   // Moves the log into the database, if it is long.
@@ -69,6 +71,8 @@ class Tables {
   Status write(const host::NewStoredSheet& sheet, std::int64_t now_unix_us);
   Status write(const host::JournalEntry& entry, std::int64_t now_unix_us);
   Status write(const Removal& removal, std::int64_t now_unix_us);
+  Status write(const StateRemoval& removal, std::int64_t now_unix_us);
+  Status remove_named(std::int64_t sheet, const std::string& name);
   Status write_requests(const std::vector<host::StoredRequest>& requests, std::int64_t sheet, std::int64_t seq,
                         std::int64_t now_unix_us);
   Status write_marks();

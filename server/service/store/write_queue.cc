@@ -28,6 +28,9 @@ SheetBytes sheet_bytes(const Change& change) {
                                },
                                [](const Removal& removal) {
                                  return SheetBytes{removal.sheet, bytes_of(removal.requests)};
+                               },
+                               [](const StateRemoval& removal) {
+                                 return SheetBytes{removal.sheet, removal.name.size()};
                                }},
                     change.what);
 }

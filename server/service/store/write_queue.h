@@ -25,9 +25,14 @@ struct Removal {
   std::vector<host::StoredRequest> requests;
 };
 
+struct StateRemoval {
+  std::int64_t sheet = 0;
+  std::string name;
+};
+
 // A change that waits to be written, all of it or nothing.
 struct Change {
-  std::variant<host::NewStoredSheet, host::JournalEntry, Removal> what;
+  std::variant<host::NewStoredSheet, host::JournalEntry, Removal, StateRemoval> what;
   host::Journal::Durable durable;
 };
 
