@@ -44,6 +44,7 @@ Status Tables::load() {
                                                       "VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"));
   statements_.reset(
       new Statements{std::move(entry), std::move(request), std::move(sheet), std::move(mark), std::move(state)});
+  KERF_TRY(check_keys(database_));
   KERF_TRY_ASSIGN(largest_sheet_, database_.number("SELECT max(sheet) FROM sheets"));
   KERF_TRY_ASSIGN(largest_state_, database_.number("SELECT max(number) FROM states"));
   KERF_TRY_ASSIGN(marks_, read_marks(database_));
@@ -272,7 +273,11 @@ Status Tables::prune(std::int64_t now_unix_us) {
   KERF_TRY_ASSIGN(const std::int64_t last_kept, database_.number(newest.c_str()));
   const std::int64_t before = std::min(last_kept, now_unix_us - limits_.request_us);
   const Status done = transaction([&]() -> Status {
-    KERF_TRY(database_.execute("DELETE FROM requests WHERE at < " + std::to_string(before)));
+    // Looks at each row as well, as a damaged index might name any.
+    KERF_TRY(
+        database_.execute("DELETE FROM requests WHERE key IN (SELECT key FROM requests INDEXED BY requests_at "
+                          "WHERE at < " +
+                          std::to_string(before) + ") AND +at < " + std::to_string(before)));
     return database_.execute("DELETE FROM sheets WHERE state = 2 AND sheet < (SELECT max(sheet) FROM sheets)");
   });
   if (done.ok()) num_new_requests_ = 0;
