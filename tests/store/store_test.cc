@@ -62,12 +62,13 @@ TEST(Store, KeepsWhatItWasGiven) {
   EXPECT_EQ(store->entries(1, 1)->size(), 1u);
   const auto requests = store->requests(10, 1000);
   ASSERT_EQ(requests->requests.size(), 3u);
-  EXPECT_EQ(requests->requests[0].request.key, "Create a");
-  EXPECT_EQ(requests->requests[0].seq, 0);
+  EXPECT_EQ(requests->requests[0].request.key, "Cut c");
+  EXPECT_EQ(requests->requests[0].request.reply, "");
   EXPECT_EQ(requests->requests[1].request.key, "Cut b");
   EXPECT_EQ(requests->requests[1].request.body_hash, 17u);
   EXPECT_EQ(requests->requests[1].seq, 1);
-  EXPECT_EQ(requests->requests[2].request.reply, "");
+  EXPECT_EQ(requests->requests[2].request.key, "Create a");
+  EXPECT_EQ(requests->requests[2].seq, 0);
   EXPECT_EQ(store->new_sheet_number(), 2);
 }
 

@@ -56,11 +56,11 @@ StoredSheet sheet_row(const Statement& row) {
 
 KeptRequest request_row(const Statement& row) {
   KeptRequest one;
-  one.request.key = row.bytes(0);
-  one.request.body_hash = static_cast<std::uint64_t>(row.integer(1));
-  one.sheet = row.integer(2);
-  one.seq = row.integer(3);
-  one.at_unix_us = row.integer(4);
+  one.request.body_hash = static_cast<std::uint64_t>(row.integer(0));
+  one.sheet = row.integer(1);
+  one.seq = row.integer(2);
+  one.at_unix_us = row.integer(3);
+  one.request.key = row.bytes(5);
   one.request.reply = row.bytes(6);
   return one;
 }
@@ -134,29 +134,22 @@ Result<std::vector<host::JournalEntry>> read_entries(Database& database, std::in
   }
 }
 
-// The index is read by itself: where it does not lead to a row, or twice to the same, it is damaged.
 Result<KeptRequests> read_requests(Database& database, std::size_t max_count, std::size_t max_bytes) {
-  KERF_TRY_ASSIGN(Statement keys, Statement::prepare(database,
-                                                     "SELECT key, at FROM requests INDEXED BY requests_at "
-                                                     "ORDER BY at DESC, key"));
-  KERF_TRY_ASSIGN(Statement row, Statement::prepare(database,
-                                                    "SELECT key, body_hash, sheet, seq, at, crc, reply "
-                                                    "FROM requests WHERE key = ?"));
+  KERF_TRY_ASSIGN(Statement rows, Statement::prepare(database,
+                                                     "SELECT body_hash, sheet, seq, at, crc, key, reply "
+                                                     "FROM requests ORDER BY number DESC"));
   KeptRequests kept;
   std::set<std::string> known;
   std::size_t bytes = 0;
   while (kept.requests.size() < max_count) {
-    KERF_TRY_ASSIGN(const bool is_key, keys.step());
-    if (!is_key) break;
-    row.begin(keys.bytes(0));
-    KERF_TRY_ASSIGN(const bool is_row, row.step());
-    KeptRequest one = is_row ? request_row(row) : KeptRequest{};
-    const bool is_whole = is_row && row_sum(one.request, one.sheet, one.seq, one.at_unix_us) == row.integer(5);
-    if (!is_whole || !known.insert(one.request.key).second) {
+    KERF_TRY_ASSIGN(const bool is_row, rows.step());
+    if (!is_row) break;
+    KeptRequest one = request_row(rows);
+    if (row_sum(one.request, one.sheet, one.seq, one.at_unix_us) != rows.integer(4)) {
       ++kept.num_damaged;
       continue;
     }
-    if (one.at_unix_us != keys.integer(1)) ++kept.num_damaged;
+    if (!known.insert(one.request.key).second) continue;
     bytes += one.request.key.size() + one.request.reply.size();
     if (bytes > max_bytes) break;
     kept.requests.push_back(std::move(one));

@@ -40,8 +40,8 @@ struct KeptRequest {
 };
 
 struct KeptRequests {
-  std::vector<KeptRequest> requests;  // Newest first.
-  std::int64_t num_damaged = 0;       // Left out, or not in their place.
+  std::vector<KeptRequest> requests;  // Newest first; of each key the newest alone.
+  std::int64_t num_damaged = 0;       // Left out.
 };
 
 // Read from the database of a store. Errors: kDataLoss STORE_DAMAGED, kUnavailable STORE_IO.

@@ -35,7 +35,7 @@ Tables::Tables(Database database, const KeepLimits& limits) : database_(std::mov
 Status Tables::load() {
   KERF_TRY_ASSIGN(Statement entry, Statement::prepare(database_, "INSERT INTO journal VALUES(?, ?, ?, ?, ?, ?)"));
   KERF_TRY_ASSIGN(Statement request,
-                  Statement::prepare(database_, "INSERT OR REPLACE INTO requests VALUES(?, ?, ?, ?, ?, ?, ?)"));
+                  Statement::prepare(database_, "INSERT INTO requests VALUES(NULL, ?, ?, ?, ?, ?, ?, ?)"));
   KERF_TRY_ASSIGN(Statement sheet,
                   Statement::prepare(database_, "INSERT OR REPLACE INTO sheets VALUES(?, ?, ?, ?, ?, ?, ?)"));
   KERF_TRY_ASSIGN(Statement mark, Statement::prepare(database_, "INSERT OR REPLACE INTO marks VALUES(1, ?, ?)"));
@@ -167,8 +167,8 @@ Status Tables::write(const Removal& removal, std::int64_t now_unix_us) {
 Status Tables::write_requests(const std::vector<host::StoredRequest>& requests, std::int64_t sheet, std::int64_t seq,
                               std::int64_t now_unix_us) {
   for (const host::StoredRequest& request : requests) {
-    KERF_TRY(statements_->request.run(std::string_view(request.key), static_cast<std::int64_t>(request.body_hash),
-                                      sheet, seq, now_unix_us, row_sum(request, sheet, seq, now_unix_us),
+    KERF_TRY(statements_->request.run(static_cast<std::int64_t>(request.body_hash), sheet, seq, now_unix_us,
+                                      row_sum(request, sheet, seq, now_unix_us), std::string_view(request.key),
                                       Blob{request.reply}));
     ++pending_.num_requests;
   }
@@ -268,16 +268,11 @@ Status Tables::quarantine(std::int64_t sheet, const std::string& reason) {
 }
 
 Status Tables::prune(std::int64_t now_unix_us) {
-  const std::string newest =
-      "SELECT at FROM requests ORDER BY at DESC LIMIT 1 OFFSET " + std::to_string(limits_.requests - 1);
-  KERF_TRY_ASSIGN(const std::int64_t last_kept, database_.number(newest.c_str()));
-  const std::int64_t before = std::min(last_kept, now_unix_us - limits_.request_us);
+  const std::string old = "SELECT max(number) FROM requests WHERE number <= (SELECT max(number) FROM requests) - " +
+                          std::to_string(limits_.requests) + " AND at < " +
+                          std::to_string(now_unix_us - limits_.request_us);
   const Status done = transaction([&]() -> Status {
-    // Looks at each row as well, as a damaged index might name any.
-    KERF_TRY(
-        database_.execute("DELETE FROM requests WHERE key IN (SELECT key FROM requests INDEXED BY requests_at "
-                          "WHERE at < " +
-                          std::to_string(before) + ") AND +at < " + std::to_string(before)));
+    KERF_TRY(database_.execute("DELETE FROM requests WHERE number <= (" + old + ")"));
     return database_.execute("DELETE FROM sheets WHERE state = 2 AND sheet < (SELECT max(sheet) FROM sheets)");
   });
   if (done.ok()) num_new_requests_ = 0;
