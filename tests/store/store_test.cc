@@ -135,7 +135,7 @@ TEST(Store, ARemovedSheetLeavesItsRequestsAndItsNumber) {
     EXPECT_TRUE(store->wait_until_durable().ok());
     store->mark({{sheet, 4}});
     store->remove(sheet, {request("delete")}, nullptr);
-    // What a race gives after the end of a sheet leaves its request.
+    // A change that comes too late leaves its request.
     store->append(entry(sheet, 2, "x", {request("late")}), nullptr);
     store->save(state(sheet, 2, "late"), nullptr);
     EXPECT_TRUE(store->wait_until_durable().ok());

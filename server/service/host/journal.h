@@ -20,7 +20,7 @@ struct StoredRequest {
 struct NewStoredSheet {
   std::int64_t sheet = 0;  // As returned by Journal::new_sheet_number().
   std::string id;
-  std::string scene;                 // What the sheet is made from, encoded.
+  std::string scene;                 // The source of the sheet, encoded.
   std::int64_t created_unix_us = 0;  // us since 1970
   std::vector<StoredRequest> requests;
 };
@@ -29,13 +29,13 @@ struct NewStoredSheet {
 struct JournalEntry {
   std::int64_t sheet = 0;
   std::int64_t seq = 0;          // 1, 2, ... for each sheet, without a gap.
-  std::int64_t tick = 0;         // Of the sheet after the change; lower than before if it restores a saved state.
-  std::uint64_t state_hash = 0;  // Of the sheet after the change, see sheet::Sheet::state_hash().
+  std::int64_t tick = 0;         // After the change; lower than before if that restores a saved state.
+  std::uint64_t state_hash = 0;  // After the change, see sheet::Sheet::state_hash().
   std::string content;           // The change, encoded.
   std::vector<StoredRequest> requests;
 };
 
-// A whole sheet as it was after the entry `seq`, from which it can go on without the entries before.
+// A whole sheet as it was after the entry `seq`, from which it can continue without the entries before.
 struct StoredState {
   std::int64_t sheet = 0;
   std::int64_t seq = 0;  // Number of its last entry; 0: it has none.
@@ -47,7 +47,7 @@ struct StoredState {
   std::string content;  // The state, encoded.
 };
 
-// The tick that a sheet has reached, so that it goes on there after a restart.
+// The tick that a sheet has reached, so that it continues there after a restart.
 struct SheetMark {
   std::int64_t sheet = 0;
   std::int64_t tick = 0;
@@ -55,8 +55,9 @@ struct SheetMark {
 
 // Writes changes of sheets to a place where they survive the end of the process and loss of power. Functions return at
 // once, from any thread, and write nothing themselves. Things are written in the order in which they are given, for
-// each sheet; a callback is called once on a thread of the journal, in that order, and must not block. Callbacks of a
-// journal that is destroyed are not called.
+// each sheet; a callback is called once on a thread of the journal, in that order, and must not block. The callback of
+// a state may come after those of later changes, as its file takes long. Callbacks of a journal that is destroyed are
+// not called.
 class Journal {
  public:
   using Durable = std::function<void()>;

@@ -53,7 +53,7 @@ class Tables {
     std::int64_t last_seq = 0;
     std::int64_t bytes = 0;  // of the contents of its entries
   };
-  // What a transaction changes here once it is committed.
+  // Changes of this object by a transaction, made once that is committed.
   struct Pending {
     std::map<std::int64_t, std::optional<Totals>> totals;
     std::vector<std::string> files;
