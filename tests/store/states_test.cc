@@ -122,8 +122,10 @@ TEST_F(States, EntriesAreCommittedBetweenThePiecesOfALargeState) {
       if (seq < 4) append(seq + 1);
     });
   };
+  HeldStore held(*store_);
   store_->save(state(1, 0, std::string(8'000'000, 's')), calls.add("state"));
   append(1);
+  held.release();
   while (calls.names().size() < 5) ASSERT_TRUE(store_->wait_until_durable().ok());
   EXPECT_THAT(calls.names(), ElementsAre("1", "2", "3", "4", "state"));
 }

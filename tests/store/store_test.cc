@@ -12,23 +12,6 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-// Holds the store's thread in a callback, so that what is given meanwhile is one transaction.
-class HeldStore {
- public:
-  explicit HeldStore(store::SqliteStore& store) {
-    std::promise<void> held;
-    store.remove(0, {}, [this, &held] {
-      held.set_value();
-      released_.get_future().wait();
-    });
-    held.get_future().wait();
-  }
-  void release() { released_.set_value(); }
-
- private:
-  std::promise<void> released_;
-};
-
 TEST(Store, KeepsWhatItWasGiven) {
   StoreOnLossyDisk on;
   {
