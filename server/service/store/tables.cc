@@ -32,6 +32,8 @@ Result<std::unique_ptr<Tables>> Tables::open(Files& files, const std::string& fo
 
 Tables::Tables(Database database, const KeepLimits& limits) : database_(std::move(database)), limits_(limits) {}
 
+Tables::~Tables() = default;
+
 Status Tables::load() {
   KERF_TRY_ASSIGN(Statement entry, Statement::prepare(database_, "INSERT INTO journal VALUES(?, ?, ?, ?, ?, ?)"));
   KERF_TRY_ASSIGN(Statement request,

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "server/service/store/files.h"
@@ -27,6 +29,9 @@ class Tables {
  public:
   static Result<std::unique_ptr<Tables>> open(Files& files, const std::string& folder, const std::string& vfs,
                                               const KeepLimits& limits);
+  ~Tables();
+  Tables(const Tables&) = delete;
+  Tables& operator=(const Tables&) = delete;
 
   // Writes changes and ticks by sheet. Changes of sheets that were removed leave nothing but their requests. Error
   // kInternal JOURNAL_ORDER if an entry does not follow the one before it.
