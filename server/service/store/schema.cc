@@ -65,7 +65,7 @@ Status prepare(Database& database) {
   KERF_TRY(
       database.execute("PRAGMA locking_mode = EXCLUSIVE; PRAGMA trusted_schema = OFF; "
                        "PRAGMA cell_size_check = ON; PRAGMA temp_store = MEMORY"));
-  const Status schema = check_schema(database);
+  Status schema = check_schema(database);
   const bool is_new = !schema.ok() && schema.error().reason == "STORE_EMPTY";
   if (!schema.ok() && !is_new) return schema;
   if (!is_new) {

@@ -100,7 +100,7 @@ std::optional<Tables::Totals> Tables::totals_of(std::int64_t sheet) const {
 
 Status Tables::commit(const std::vector<Change>& changes, const std::map<std::int64_t, std::int64_t>& marks,
                       std::int64_t now_unix_us) {
-  const Status done = transaction([&]() -> Status {
+  Status done = transaction([&]() -> Status {
     for (const Change& change : changes) {
       KERF_TRY(std::visit([&](const auto& what) { return write(what, now_unix_us); }, change.what));
     }
@@ -273,7 +273,7 @@ Status Tables::prune(std::int64_t now_unix_us) {
   const std::string old = "SELECT max(number) FROM requests WHERE number <= (SELECT max(number) FROM requests) - " +
                           std::to_string(limits_.requests) + " AND at < " +
                           std::to_string(now_unix_us - limits_.request_us);
-  const Status done = transaction([&]() -> Status {
+  Status done = transaction([&]() -> Status {
     KERF_TRY(database_.execute("DELETE FROM requests WHERE number <= (" + old + ")"));
     return database_.execute("DELETE FROM sheets WHERE state = 2 AND sheet < (SELECT max(sheet) FROM sheets)");
   });
