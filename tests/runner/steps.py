@@ -124,6 +124,13 @@ LONG = {
         "for seed in $(shuf -i 1000000-9999999 -n 25); do echo \"KERF_SEED=$seed: 40 sheets\"; "
         "KERF_TRIALS=many KERF_SEED=$seed build/release/bin/property_tests --gtest_brief=1 "
         "--gtest_filter='SelfContactCuts.ASheetThatFalls*' || status=1; done; exit $status", "8 minutes on one core"),
+    "power": Proof(
+        "102,900 losses of power while a store works, each before another operation of its disk: no change that was answered is "
+        "lost, doubled or changed, and the store is whole",
+        "cmake --preset release >/dev/null; cmake --build --preset release --target store_tests >/dev/null; "
+        "shuf -i 1000000-9999999 -n 49 | xargs -P 2 -I SEED sh -c 'echo \"KERF_SEED=SEED: 700 trials of three losses\"; "
+        "KERF_TRIALS=usual KERF_SEED=SEED build/release/bin/store_tests --gtest_brief=1 --gtest_filter=Power.Nothing*'",
+        "5 minutes on two cores"),
     "each-file": Proof("a second compiler (clang) takes every source by itself, as editors do",
                        f"{RUNNER}/each_file.py", "12 minutes on two cores"),
     "attacks": Proof("seventeen kinds of attack change no tick of nine sheets beside them, nor their pace; kerfd keeps its memory, "

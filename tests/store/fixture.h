@@ -3,6 +3,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <future>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -72,6 +73,23 @@ class StoreOnLossyDisk {
   LossyVfs vfs_{disk};
   std::mutex mutex_;
   std::vector<std::string> failures_;
+};
+
+// Holds the store's thread in a callback, so that what is given meanwhile is one transaction.
+class HeldStore {
+ public:
+  explicit HeldStore(store::SqliteStore& store) {
+    std::promise<void> held;
+    store.remove(0, {}, [this, &held] {
+      held.set_value();
+      released_.get_future().wait();
+    });
+    held.get_future().wait();
+  }
+  void release() { released_.set_value(); }
+
+ private:
+  std::promise<void> released_;
 };
 
 // Lists what was called back, in order.

@@ -124,6 +124,7 @@ Status LossyDisk::make_folder(const std::string&) {
 }
 
 Result<std::unique_ptr<store::FileLock>> LossyDisk::lock(const std::string& path) {
+  if (open(path, true, nullptr) == nullptr) return no_power(path);
   const std::lock_guard guard(mutex_);
   if (!locked_.insert(path).second) return failed_precondition("STORE_IN_USE", "\"" + path + "\" is locked");
   return std::unique_ptr<store::FileLock>(std::make_unique<Lock>(*this, path));

@@ -67,7 +67,7 @@ class LossyDisk : public store::Files {
 
   // Faults, each until it is taken back.
   void set_capacity(std::size_t bytes);
-  void fail_syncs(bool fails);  // What they should have synced is never on the disk.
+  void fail_syncs(bool fails);  // Then nothing that waited is ever on the disk.
   void hang(bool hangs);        // Operations wait.
   void ignore_folder_syncs();   // As a program that forgets them.
   void ignore_log_syncs();      // As `synchronous = NORMAL` of SQLite.

@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
 
-// Holds the store's thread in the last callback of a group until the next group is given, so that each group is one
+// Holds the store's thread in the last callback of a group until the next group is given. So each group is one
 // transaction in every run.
 class Gate {
  public:

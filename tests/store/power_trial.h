@@ -17,9 +17,9 @@ struct PowerRun {
   std::vector<std::string> losses;  // promises that were broken, a sentence each
 };
 
-// Runs a random workload on a store, lets power fail before the disk's operation `power_ends` of it, opens what is
-// left, and compares it with what was answered. Does this three times, each on what the time before left; the later
-// losses come at random operations. The same arguments do the same.
+// Runs a random workload on a store, and lets power fail before the disk's operation `power_ends`. Opens what is left
+// and compares it with what was answered. Does this three times, each on what the time before left; the later losses
+// come at random operations. The same arguments do the same.
 PowerRun run_power_trial(std::uint64_t seed, std::int64_t power_ends, PowerFault fault = PowerFault::kNone);
 
 }  // namespace kerf::test

@@ -56,8 +56,9 @@ struct SheetMark {
 
 // Writes changes of sheets to a place where they survive the end of the process and loss of power. Functions return at
 // once, from any thread, and write nothing themselves. Things are written in the order in which they are given, for
-// each sheet; a callback is called once on a thread of the journal, in that order, and must not block. Callbacks of a
-// journal that is destroyed are not called.
+// each sheet; a callback is called once on a thread of the journal, in that order, and must not block. The callback of
+// a state may come after those of later changes, as its file takes long. Callbacks of a journal that is destroyed are
+// not called.
 class Journal {
  public:
   using Durable = std::function<void()>;

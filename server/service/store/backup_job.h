@@ -25,6 +25,8 @@ class BackupJob {
   };
   BackupJob(Files& files, Database& source, Paths paths, std::function<void(Status)> done);
   ~BackupJob();
+  BackupJob(const BackupJob&) = delete;
+  BackupJob& operator=(const BackupJob&) = delete;
   // Makes one step. Returns true if that was the last.
   Result<bool> advance();
   void call_done(const Status& status) const { done_(status); }

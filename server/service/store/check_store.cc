@@ -94,6 +94,7 @@ Result<StoreReport> check_database(Database& database, Files& files, const std::
                        "PRAGMA temp_store = MEMORY"));
   KERF_TRY(check_schema(database));
   KERF_TRY(check_pages(database, report));
+  if (const Status keys = check_keys(database); !keys.ok()) report.faults.push_back(keys.error().message);
   KERF_TRY_ASSIGN(const std::vector<StoredSheet> sheets, read_sheets(database));
   for (const StoredSheet& sheet : sheets) KERF_TRY(check_sheet(database, sheet, report));
   KERF_TRY(check_requests(database, sheets, report));

@@ -1,6 +1,7 @@
 #include "server/service/store/reading.h"
 
 #include <algorithm>
+#include <set>
 #include <utility>
 
 #include "server/base/crc32c.h"
@@ -51,6 +52,17 @@ StoredSheet sheet_row(const Statement& row) {
   sheet.is_damaged =
       sheet_sum(sheet.sheet, state, sheet.created_unix_us, sheet.id, sheet.reason, sheet.scene) != row.integer(3);
   return sheet;
+}
+
+KeptRequest request_row(const Statement& row) {
+  KeptRequest one;
+  one.request.body_hash = static_cast<std::uint64_t>(row.integer(0));
+  one.sheet = row.integer(1);
+  one.seq = row.integer(2);
+  one.at_unix_us = row.integer(3);
+  one.request.key = row.bytes(5);
+  one.request.reply = row.bytes(6);
+  return one;
 }
 
 // Adds the ends of each sheet's journal and its states.
@@ -124,24 +136,20 @@ Result<std::vector<host::JournalEntry>> read_entries(Database& database, std::in
 
 Result<KeptRequests> read_requests(Database& database, std::size_t max_count, std::size_t max_bytes) {
   KERF_TRY_ASSIGN(Statement rows, Statement::prepare(database,
-                                                     "SELECT key, body_hash, sheet, seq, at, crc, reply "
-                                                     "FROM requests ORDER BY at DESC, key"));
+                                                     "SELECT body_hash, sheet, seq, at, crc, key, reply "
+                                                     "FROM requests ORDER BY number DESC"));
   KeptRequests kept;
+  std::set<std::string> known;
   std::size_t bytes = 0;
   while (kept.requests.size() < max_count) {
     KERF_TRY_ASSIGN(const bool is_row, rows.step());
     if (!is_row) break;
-    KeptRequest one;
-    one.request.key = rows.bytes(0);
-    one.request.body_hash = static_cast<std::uint64_t>(rows.integer(1));
-    one.sheet = rows.integer(2);
-    one.seq = rows.integer(3);
-    one.at_unix_us = rows.integer(4);
-    one.request.reply = rows.bytes(6);
-    if (row_sum(one.request, one.sheet, one.seq, one.at_unix_us) != rows.integer(5)) {
+    KeptRequest one = request_row(rows);
+    if (row_sum(one.request, one.sheet, one.seq, one.at_unix_us) != rows.integer(4)) {
       ++kept.num_damaged;
       continue;
     }
+    if (!known.insert(one.request.key).second) continue;
     bytes += one.request.key.size() + one.request.reply.size();
     if (bytes > max_bytes) break;
     kept.requests.push_back(std::move(one));
@@ -188,6 +196,33 @@ Result<std::map<std::int64_t, std::int64_t>> read_marks(Database& database) {
   };
   for (std::size_t at = 0; at < packed.size(); at += 16) marks[number_at(at)] = number_at(at + 8);
   return marks;
+}
+
+Status check_keys(Database& database) {
+  std::set<std::int64_t> sheets;
+  KERF_TRY_ASSIGN(Statement numbers, Statement::prepare(database, "SELECT sheet FROM sheets WHERE state <> 2"));
+  while (true) {
+    KERF_TRY_ASSIGN(const bool is_row, numbers.step());
+    if (!is_row) break;
+    sheets.insert(numbers.integer(0));
+  }
+  for (const std::string table : {"journal", "states"}) {
+    KERF_TRY_ASSIGN(Statement keys, Statement::prepare(database, "SELECT sheet, seq FROM " + table));
+    std::pair<std::int64_t, std::int64_t> last{0, 0};
+    while (true) {
+      KERF_TRY_ASSIGN(const bool is_row, keys.step());
+      if (!is_row) break;
+      const std::pair<std::int64_t, std::int64_t> key{keys.integer(0), keys.integer(1)};
+      const bool is_after = table == "journal" ? key > last && key.second > 0 : key >= last;
+      if (!is_after || sheets.count(key.first) == 0) {
+        return data_loss("STORE_DAMAGED", "the table " + table + " has a row for entry " + std::to_string(key.second) +
+                                              " of sheet " + std::to_string(key.first) +
+                                              ", which does not belong there");
+      }
+      last = key;
+    }
+  }
+  return Nothing{};
 }
 
 std::string packed_marks(const std::map<std::int64_t, std::int64_t>& marks) {

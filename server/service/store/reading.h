@@ -40,7 +40,7 @@ struct KeptRequest {
 };
 
 struct KeptRequests {
-  std::vector<KeptRequest> requests;  // Newest first.
+  std::vector<KeptRequest> requests;  // Newest first; of each key the newest alone.
   std::int64_t num_damaged = 0;       // Left out.
 };
 
@@ -57,6 +57,10 @@ Result<StateInfo> read_state_row(Database& database, std::int64_t sheet, std::in
 Result<std::vector<StateInfo>> read_state_rows(Database& database);
 // Returns ticks by sheet. A damaged row has none, as marks may be lost.
 Result<std::map<std::int64_t, std::int64_t>> read_marks(Database& database);
+
+// Checks that entries and states are in the order of their keys, and of sheets that are there. A changed key would hide
+// the last entry of a sheet. Error kDataLoss STORE_DAMAGED.
+Status check_keys(Database& database);
 
 std::string packed_marks(const std::map<std::int64_t, std::int64_t>& marks);
 std::int64_t sheet_sum(std::int64_t sheet, std::int64_t state, std::int64_t created, std::string_view id,

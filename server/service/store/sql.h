@@ -18,6 +18,8 @@ class Database {
   static Result<Database> open(const std::string& path, const std::string& vfs);
   Database(Database&& other) noexcept;
   Database& operator=(Database&&) = delete;
+  Database(const Database&) = delete;
+  Database& operator=(const Database&) = delete;
   ~Database();
 
   // Runs statements that give no rows.
@@ -46,6 +48,8 @@ class Statement {
   static Result<Statement> prepare(Database& database, std::string_view sql);
   Statement(Statement&& other) noexcept;
   Statement& operator=(Statement&&) = delete;
+  Statement(const Statement&) = delete;
+  Statement& operator=(const Statement&) = delete;
   ~Statement();
 
   // Begins once more, with these parameters. Texts and blobs must stay until the last row was read.

@@ -174,8 +174,8 @@ void StoreThread::fail(const Error& error) {
     backups_.front()->call_done(error);
     backups_.pop_front();
   }
-  queue_.fail(error.message);
   if (options_.failed) options_.failed(error.reason + ": " + error.message);
+  queue_.fail(error.message);
 }
 
 }  // namespace kerf::store

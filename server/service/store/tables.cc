@@ -32,10 +32,12 @@ Result<std::unique_ptr<Tables>> Tables::open(Files& files, const std::string& fo
 
 Tables::Tables(Database database, const KeepLimits& limits) : database_(std::move(database)), limits_(limits) {}
 
+Tables::~Tables() = default;
+
 Status Tables::load() {
   KERF_TRY_ASSIGN(Statement entry, Statement::prepare(database_, "INSERT INTO journal VALUES(?, ?, ?, ?, ?, ?)"));
   KERF_TRY_ASSIGN(Statement request,
-                  Statement::prepare(database_, "INSERT OR REPLACE INTO requests VALUES(?, ?, ?, ?, ?, ?, ?)"));
+                  Statement::prepare(database_, "INSERT INTO requests VALUES(NULL, ?, ?, ?, ?, ?, ?, ?)"));
   KERF_TRY_ASSIGN(Statement sheet,
                   Statement::prepare(database_, "INSERT OR REPLACE INTO sheets VALUES(?, ?, ?, ?, ?, ?, ?)"));
   KERF_TRY_ASSIGN(Statement mark, Statement::prepare(database_, "INSERT OR REPLACE INTO marks VALUES(1, ?, ?)"));
@@ -44,6 +46,7 @@ Status Tables::load() {
                                                       "VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"));
   statements_.reset(
       new Statements{std::move(entry), std::move(request), std::move(sheet), std::move(mark), std::move(state)});
+  KERF_TRY(check_keys(database_));
   KERF_TRY_ASSIGN(largest_sheet_, database_.number("SELECT max(sheet) FROM sheets"));
   KERF_TRY_ASSIGN(largest_state_, database_.number("SELECT max(number) FROM states"));
   KERF_TRY_ASSIGN(marks_, read_marks(database_));
@@ -97,7 +100,7 @@ std::optional<Tables::Totals> Tables::totals_of(std::int64_t sheet) const {
 
 Status Tables::commit(const std::vector<Change>& changes, const std::map<std::int64_t, std::int64_t>& marks,
                       std::int64_t now_unix_us) {
-  const Status done = transaction([&]() -> Status {
+  Status done = transaction([&]() -> Status {
     for (const Change& change : changes) {
       KERF_TRY(std::visit([&](const auto& what) { return write(what, now_unix_us); }, change.what));
     }
@@ -170,8 +173,8 @@ Status Tables::write(const StateRemoval& removal, std::int64_t /*now_unix_us*/) 
 Status Tables::write_requests(const std::vector<host::StoredRequest>& requests, std::int64_t sheet, std::int64_t seq,
                               std::int64_t now_unix_us) {
   for (const host::StoredRequest& request : requests) {
-    KERF_TRY(statements_->request.run(std::string_view(request.key), static_cast<std::int64_t>(request.body_hash),
-                                      sheet, seq, now_unix_us, row_sum(request, sheet, seq, now_unix_us),
+    KERF_TRY(statements_->request.run(static_cast<std::int64_t>(request.body_hash), sheet, seq, now_unix_us,
+                                      row_sum(request, sheet, seq, now_unix_us), std::string_view(request.key),
                                       Blob{request.reply}));
     ++pending_.num_requests;
   }
@@ -287,12 +290,11 @@ Status Tables::quarantine(std::int64_t sheet, const std::string& reason) {
 }
 
 Status Tables::prune(std::int64_t now_unix_us) {
-  const std::string newest =
-      "SELECT at FROM requests ORDER BY at DESC LIMIT 1 OFFSET " + std::to_string(limits_.requests - 1);
-  KERF_TRY_ASSIGN(const std::int64_t last_kept, database_.number(newest.c_str()));
-  const std::int64_t before = std::min(last_kept, now_unix_us - limits_.request_us);
-  const Status done = transaction([&]() -> Status {
-    KERF_TRY(database_.execute("DELETE FROM requests WHERE at < " + std::to_string(before)));
+  const std::string old = "SELECT max(number) FROM requests WHERE number <= (SELECT max(number) FROM requests) - " +
+                          std::to_string(limits_.requests) + " AND at < " +
+                          std::to_string(now_unix_us - limits_.request_us);
+  Status done = transaction([&]() -> Status {
+    KERF_TRY(database_.execute("DELETE FROM requests WHERE number <= (" + old + ")"));
     return database_.execute("DELETE FROM sheets WHERE state = 2 AND sheet < (SELECT max(sheet) FROM sheets)");
   });
   if (done.ok()) num_new_requests_ = 0;

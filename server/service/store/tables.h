@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "server/service/store/files.h"
@@ -27,6 +29,9 @@ class Tables {
  public:
   static Result<std::unique_ptr<Tables>> open(Files& files, const std::string& folder, const std::string& vfs,
                                               const KeepLimits& limits);
+  ~Tables();
+  Tables(const Tables&) = delete;
+  Tables& operator=(const Tables&) = delete;
 
   // Writes changes and ticks by sheet. Changes of sheets that were removed leave nothing but their requests. Error
   // kInternal JOURNAL_ORDER if an entry does not follow the one before it.
@@ -55,7 +60,7 @@ class Tables {
     std::int64_t last_seq = 0;
     std::int64_t bytes = 0;  // of the contents of its entries
   };
-  // What a transaction changes here once it is committed.
+  // Changes of this object by a transaction, made once that is committed.
   struct Pending {
     std::map<std::int64_t, std::optional<Totals>> totals;
     std::vector<std::string> files;
