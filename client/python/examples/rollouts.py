@@ -20,10 +20,11 @@ def rollout(sheet: kerf.Sheet, height_m: float, ticks: int) -> Tuple[float, str]
     """Goes back to the saved state, cuts a slit at this height, 0..1, and pulls. Returns the lowest z, m, and the state
     hash."""
     sheet.restore_state("start")
-    sheet.cut(kerf.polyline([(0.5 - _SLIT_M / 2, height_m), (0.5 + _SLIT_M / 2, height_m)]))
+    sheet.cut(kerf.polyline((0.5 - _SLIT_M / 2, height_m), (0.5 + _SLIT_M / 2, height_m)))
     with sheet.holding((0.5, 0.02), (0.5, 0.0, -0.5), stiffness_npm=_PULL_N_PER_M):
         sheet.step(ticks)
-        state = sheet.state()
+    # Reads the state once the hand has let go: its name, which the hash includes, is new each time.
+    state = sheet.state()
     return float(state.positions[:, 2].min()), state.state_hash
 
 
@@ -40,7 +41,7 @@ def main() -> None:
     outcomes: List[Tuple[float, float, str]] = []
     progress = Progress(options.trials, "trials")
     with kerf.connect(options.server) as server:
-        with server.temporary_sheet(grid=(25, 25), pins=["TOP"], paused=True) as sheet:
+        with server.temporary_sheet(grid=(25, 25), pins=["top"], paused=True) as sheet:
             sheet.step(30)
             saved = sheet.save_state("start")
             for height in heights:

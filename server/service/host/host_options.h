@@ -34,7 +34,7 @@ struct HostOptions {
   std::int32_t max_queued_commands = 64;                      // Per sheet, >= 1.
   std::int32_t max_scheduled_commands = 64;  // Per sheet: commands of schedule() that wait for their tick, >= 1.
   std::int32_t max_states_per_sheet = 16;    // Saved states of one sheet, >= 1.
-  std::int64_t max_state_bytes = std::int64_t{256} << 20;  // Of the saved states of all sheets together, >= 0.
+  std::int64_t max_state_bytes = std::int64_t{256} << 20;  // Bytes of the saved states of all sheets, >= 0.
   std::int32_t max_step_ticks = 100'000;                   // Per call of step().
   // Returns the destination of a new sheet's recording; null, or a null result: it is not recorded.
   std::function<std::shared_ptr<sheet::RecordingSink>(const std::string& id)> make_recording;

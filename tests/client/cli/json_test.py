@@ -23,6 +23,7 @@ CALLS = {
     "run": "run {work}/small.json --record {work}/small.rec",
     "sheet create": "sheet create made --grid 4x4",
     "sheet delete": "sheet delete made",
+    "sheet forget": "sheet forget still before",
     "sheet get": "sheet get still",
     "sheet list": "sheet list",
     "sheet material": "sheet material still denim",
@@ -37,15 +38,18 @@ CALLS = {
     "sheet play": "sheet play {work}/still.rec --id played",
     "sheet record": "sheet record still --out {work}/still.rec",
     "sheet reset": "sheet reset still",
+    "sheet restore": "sheet restore still before",
     "sheet resume": "sheet resume live",
+    "sheet save": "sheet save still before",
     "sheet speed": "sheet speed live 0.5",
+    "sheet states": "sheet states still",
     "sheet step": "sheet step still 2",
     "undo": "undo still",
     "watch": "watch live --frames 1",
 }
 # The rest may have any order.
 FIRST = ["sheet pause", "analyze", "cut", "cuts", "undo", "redo", "run", "sheet create", "sheet record",
-         "sheet grab", "sheet drag"]
+         "sheet save", "sheet restore", "sheet grab", "sheet drag"]
 
 
 def commands(*before):

@@ -46,14 +46,18 @@ class States(SheetPart):
         """Lists the saved states, those saved first at first.
 
         >>> saved = await sheet.save_state("before")
-        >>> [state.name for state in await sheet.states()]
-        ['sheets/demo/states/before']
+        >>> [state.name.rsplit("/")[-1] for state in await sheet.states()]
+        ['before']
         """
         request = sheets_pb2.ListStatesRequest(parent=self.name)
         return list((await self._call(self._server.sheet_service.ListStates, request)).states)
 
     async def delete_state(self, state_id: str) -> None:
-        """Deletes a saved state; the sheet stays as it is. Raises NotFound if there is no such state."""
+        """Deletes a saved state; the sheet stays as it is. Raises NotFound if there is no such state.
+
+        >>> saved = await sheet.save_state("before")
+        >>> await sheet.delete_state("before")
+        """
         request = sheets_pb2.DeleteStateRequest(name=self._state_name(state_id))
         await self._call(self._server.sheet_service.DeleteState, request)
 
