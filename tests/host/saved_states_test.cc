@@ -95,7 +95,7 @@ TEST_F(GatedStatesTest, SixteenStatesAreLoadedAtOnce) {
   ASSERT_TRUE(save("a", "one").ok());
   *is_shut_ = true;
   Answers<SheetStatus> answers;
-  for (int i = 0; i < 17; ++i) host_->restore_state("a", "one", {}, answers.callback());
+  for (int i = 0; i < 17; ++i) host_->restore_state("a", "one", answers.callback());
   ASSERT_EQ(answers.count(), 1U) << "the last one, at once";
   EXPECT_EQ(answers.reason(0), "TOO_MANY_RESTORES");
   gate_->set_value();

@@ -23,20 +23,22 @@ inline void PrintTo(const Hashes& hashes, std::ostream* out) {
 
 class StatesTest : public HostTest {
  protected:
-  explicit StatesTest(HostOptions options = {}) : HostTest(std::move(options)) {}
+  explicit StatesTest(HostOptions options = {}) : HostTest(std::move(options)) {
+    host_->set_attachments({[this](const std::string&) { return attachment_; },
+                            [this](const std::string&, const std::string& bytes) { attachments_.push_back(bytes); }});
+  }
 
   Result<SavedStateStatus> save(const std::string& id, const std::string& state, bool overwrite = false,
                                 const std::string& attachment = {}) {
     Answers<SavedStateStatus> answers;
-    host_->save_state(
-        id, state, overwrite, [attachment] { return attachment; }, answers.callback());
+    attachment_ = attachment;
+    host_->save_state(id, state, overwrite, answers.callback());
     host_->wait_idle();
     return answers.at(0);
   }
   Result<SheetStatus> restore(const std::string& id, const std::string& state) {
     Answers<SheetStatus> answers;
-    host_->restore_state(
-        id, state, [this](const std::string& attachment) { attachments_.push_back(attachment); }, answers.callback());
+    host_->restore_state(id, state, answers.callback());
     host_->wait_idle();
     return answers.at(0);
   }
@@ -48,6 +50,7 @@ class StatesTest : public HostTest {
   std::string forget(const std::string& id, const std::string& state) {
     Answers<Nothing> answers;
     host_->delete_state(id, state, answers.callback());
+    host_->wait_idle();
     return answers.reason(0);
   }
   Hashes hashes(const std::string& id) {
@@ -106,6 +109,7 @@ class StatesTest : public HostTest {
     return seen;
   }
 
+  std::string attachment_;                // Saved with the next state.
   std::vector<std::string> attachments_;
 };
 

@@ -167,7 +167,7 @@ TEST_F(StatesTest, ASheetThatPlaysOrIsSteppedRefuses) {
   Answers<SheetStatus> stepped;
   host_->step("a", 1000, stepped.callback());
   Answers<SavedStateStatus> saved;
-  host_->save_state("a", "two", false, {}, saved.callback());
+  host_->save_state("a", "two", false, saved.callback());
   host_->wait_idle();
   EXPECT_EQ(saved.reason(0), "STEPPING");
   sheet::Recorder recorder;

@@ -7,6 +7,7 @@
 #include "server/base/catch_exceptions.h"
 #include "server/base/memory_release.h"
 #include "server/service/host/errors.h"
+#include "server/service/host/host_strand.h"
 #include "server/service/host/sheet_runner.h"
 
 namespace kerf::host {
@@ -70,13 +71,6 @@ std::shared_ptr<SheetRunner> Host::find(const std::string& id) const {
 Error Host::missing(const std::string& id) const {
   const std::lock_guard lock(mutex_);
   return stopping_ ? host_stopping() : no_sheet(id);
-}
-
-template <typename T>
-void Host::on_strand(const std::string& id, const Callback<T>& done, std::function<void(SheetRunner&)> work) {
-  const std::shared_ptr<SheetRunner> runner = find(id);
-  if (!runner) return done(missing(id));
-  runner->post(std::move(work), [done](Error error) { done(std::move(error)); });
 }
 
 void Host::recording(const std::string& id, Callback<KeptRun> done) {

@@ -101,7 +101,8 @@ class Host {
   // HostOptions::make_recording ends.
   // Errors: kNotFound STATE_NOT_FOUND; kFailedPrecondition REPLAYING, STEPPING; kResourceExhausted OUT_OF_MEMORY,
   // TOO_MANY_RESTORES if 16 states are being loaded.
-  void restore_state(const std::string& id, const std::string& state_id, Callback<SheetStatus> done);
+  void restore_state(const std::string& id, const std::string& state_id, Callback<SheetStatus> done,
+                     RequestName<SheetStatus> request = nullptr);
   // Lists the saved states of a sheet, those saved first at first.
   void states(const std::string& id, const Callback<std::vector<SavedStateStatus>>& done) const;
   // kNotFound STATE_NOT_FOUND

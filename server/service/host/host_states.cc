@@ -9,6 +9,7 @@
 #include "server/core/mesh/triangle_mesh.h"
 #include "server/service/host/errors.h"
 #include "server/service/host/host.h"
+#include "server/service/host/host_strand.h"
 #include "server/service/host/promised_bytes.h"
 #include "server/service/host/sheet_runner.h"
 
@@ -57,7 +58,8 @@ void Host::save_state(const std::string& id, std::string state_id, bool overwrit
   });
 }
 
-void Host::restore_state(const std::string& id, const std::string& state_id, Callback<SheetStatus> done) {
+void Host::restore_state(const std::string& id, const std::string& state_id, Callback<SheetStatus> done,
+                         RequestName<SheetStatus> request) {
   const std::shared_ptr<SheetRunner> runner = find(id);
   if (!runner) return done(missing(id));
   const Result<std::shared_ptr<const SavedState>> state = states_.find(id, state_id);
@@ -65,12 +67,13 @@ void Host::restore_state(const std::string& id, const std::string& state_id, Cal
   // Held until the sheet is restored, because a loaded sheet takes memory.
   const auto place = std::make_shared<LoadPlace>(num_loads_);
   if (place->number > kMaxLoads) return done(too_many_restores());
-  const auto load = [this, runner, state = *state, done, place]() -> Status {
+  const auto load = [this, runner, state = *state, done, place, request = std::move(request)]() -> Status {
     KERF_TRY_ASSIGN(sheet::Sheet loaded, load_sheet(*state));
     const auto sheet = std::make_shared<sheet::Sheet>(std::move(loaded));
     runner->post(
-        [this, state, sheet, done, place](SheetRunner& r) {
-          if (Status s = r.continue_from(state->run, std::move(*sheet), ++num_made_); !s.ok()) return done(s.error());
+        [this, state, sheet, done, place, request](SheetRunner& r) {
+          const Status s = r.continue_from(state->run, std::move(*sheet), ++num_made_, request);
+          if (!s.ok()) return done(s.error());
           r.answer<SheetStatus>(done, r.status());
         },
         [done](Error error) { done(std::move(error)); });

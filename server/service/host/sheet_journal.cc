@@ -40,10 +40,11 @@ void SheetJournal::save(StoredState state, Journal::Durable done) {
   journal_->save(std::move(state), std::move(done));
 }
 
-void SheetJournal::write_restore(std::int64_t tick, std::uint64_t state_hash, StoredState state) {
+void SheetJournal::write_restore(std::int64_t tick, std::uint64_t state_hash, StoredState state,
+                                 std::vector<StoredRequest> requests) {
   if (!is_on()) return;
   restores_.push_back(last_ + 1);
-  write(RestoreEvent{}, tick, state_hash, {});
+  write(RestoreEvent{}, tick, state_hash, std::move(requests));
   save(std::move(state), report(Kind::kRestore, last_));
 }
 

@@ -49,7 +49,8 @@ class SheetJournal {
   // Stores the state that the sheet is in, between two changes. `done`: called on a thread of the journal.
   void save(StoredState state, Journal::Durable done);
   // Stores that the sheet continues from `state`: the change is durable once the state is, and later ones not before.
-  void write_restore(std::int64_t tick, std::uint64_t state_hash, StoredState state);
+  void write_restore(std::int64_t tick, std::uint64_t state_hash, StoredState state,
+                     std::vector<StoredRequest> requests);
   // Stores the state that the sheet is in under a name, or removes the states of a name. `release` is called once that
   // is durable.
   void save_named(StoredState state, Release release);

@@ -146,7 +146,8 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   void save_if_due();
   // Continues from a saved run of this scene. Run state and speed stay, a sleeping sheet wakes, and a frozen one runs
   // if the saved one did. `sheet`: loaded from run.sheet. `serial`: see Context. A refusal leaves the sheet as it is.
-  Status continue_from(const SavedRun& run, sheet::Sheet sheet, std::uint64_t serial);
+  Status continue_from(const SavedRun& run, sheet::Sheet sheet, std::uint64_t serial,
+                       const RequestName<SheetStatus>& request);
   [[nodiscard]] SheetStatus status() const;
   [[nodiscard]] const sheet::Sheet& sheet() const { return sheet_; }
 

@@ -66,7 +66,8 @@ void SheetRunner::remove_named(const std::string& state_id, const Callback<Nothi
   journal_.remove_named(state_id, done);
 }
 
-Status SheetRunner::continue_from(const SavedRun& run, sheet::Sheet sheet, std::uint64_t serial) {
+Status SheetRunner::continue_from(const SavedRun& run, sheet::Sheet sheet, std::uint64_t serial,
+                                  const RequestName<SheetStatus>& request) {
   KERF_TRY(check_between_runs());
   // Copied first, so that a lack of memory leaves the sheet as it is.
   std::vector<ScheduledCommand> scheduled = run.scheduled;
@@ -86,7 +87,10 @@ Status SheetRunner::continue_from(const SavedRun& run, sheet::Sheet sheet, std::
   metrics_.continue_from(totals());
   const auto attachments = context_.attachments.get();
   if (attachments && attachments->load) attachments->load(id_, run.attachment);
-  if (journal_.is_on()) journal_.write_restore(sheet_.tick(), sheet_.state_hash(), stored(make_state("")));
+  if (journal_.is_on()) {
+    journal_.write_restore(sheet_.tick(), sheet_.state_hash(), stored(make_state("")),
+                           journal_.answered(request, status()));
+  }
   if (clock_.is_sleeping()) clock_.wake();
   publish_state();
   publish_status();
