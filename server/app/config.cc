@@ -19,7 +19,8 @@ namespace {
 
 constexpr const char* kDescription =
     "Kerf: steps finite-element sheets in real time, takes cuts over gRPC and streams them to viewers.\n"
-    "When ready it prints one line on standard output: {\"grpc\":\"HOST:PORT\",\"http\":\"http://HOST:PORT\"}\n"
+    "When ready it prints one line on standard output: "
+    "{\"grpc\":\"HOST:PORT\",\"http\":\"http://HOST:PORT\",\"data\":\"DIR\"}\n"
     "SIGTERM or SIGINT (Ctrl-C) stops it cleanly.";
 
 constexpr int kMostSheets = 100'000;
@@ -43,6 +44,8 @@ struct Arguments {
   std::vector<std::string> allowed_origins;
   std::string record_dir;
   std::string data_dir;
+  std::string check_store;
+  double max_replay_s = Config().max_replay_s;
   bool fresh = false;
   int max_connections_per_address = Config().max_connections_per_address;
 };
@@ -118,6 +121,19 @@ void declare(CLI::App& parser, Arguments& arguments) {
                   "Folder in which sheets are kept, so that they go on after a restart; 'none': they end with kerfd")
       ->type_name("DIR")
       ->default_str("$XDG_DATA_HOME/kerf, or ~/.local/share/kerf");
+  parser
+      .add_option(
+          "--max-replay-s", arguments.max_replay_s,
+          "Seconds of computation that a restart may have to repeat for each kept sheet, 0.01..3600; less makes "
+          "restarts faster and saves sheets more often")
+      ->type_name("S")
+      ->capture_default_str();
+  parser
+      .add_option(
+          "--check-store", arguments.check_store,
+          "Check everything that is kept in this folder, change nothing, print what is wrong, and exit with 1 if "
+          "anything is")
+      ->type_name("DIR");
   parser.add_flag("--fresh", arguments.fresh, "Make the sheets of --scene anew even if they are kept and were changed");
   parser
       .add_option(
@@ -186,6 +202,12 @@ Result<std::variant<Config, Notice>> to_config(const Arguments& arguments) {
   config.keeps_nothing = arguments.data_dir == "none";
   if (!config.keeps_nothing) config.data_dir = arguments.data_dir;
   config.fresh = arguments.fresh;
+  if (!(arguments.max_replay_s >= 0.01 && arguments.max_replay_s <= 3600.0)) {
+    return invalid_argument("MAX_REPLAY_OUT_OF_RANGE",
+                            "--max-replay-s: " + std::to_string(arguments.max_replay_s) + " is not in 0.01..3600",
+                            "--max-replay-s");
+  }
+  config.max_replay_s = arguments.max_replay_s;
   return std::variant<Config, Notice>(std::move(config));
 }
 
@@ -249,6 +271,7 @@ Result<std::variant<Config, Notice>> parse_command_line(int argc, const char* co
   } catch (const CLI::ParseError& error) {
     return invalid_argument("BAD_COMMAND_LINE", std::string(error.what()) + " (kerfd --help lists the options)");
   }
+  if (!arguments.check_store.empty()) return check_kept_sheets(arguments.check_store);
   if (arguments.list_render_devices) return std::variant<Config, Notice>(Notice{render_device_table()});
   return to_config(arguments);
 }

@@ -35,7 +35,8 @@ struct Config {
   std::filesystem::path record_dir;           // Folder of recordings; empty: none.
   std::filesystem::path data_dir;             // Folder in which sheets are kept; empty: they end with the server.
   bool keeps_nothing = false;                 // As asked by `--data none`.
-  bool fresh = false;                         // Makes the sheets of `scenes` anew even if they are kept and changed.
+  double max_replay_s = 2.0;                  // See host::HostOptions::max_unsaved_cpu; 0.01..3600.
+  bool fresh = false;                         // Replaces kept sheets of `scenes` even if clients changed them.
   int max_connections_per_address = 128;      // 1..10,000, for gRPC and for HTTP; 0: no limit.
   api::Limits limits;                         // For requests and streams.
   ws::HttpOptions http_options;  // For HTTP; allowed_origins and limits on connections come from elsewhere.
@@ -54,6 +55,7 @@ std::int64_t default_total_vertices(std::int64_t memory);
 // Holds the text printed by --help and --version.
 struct Notice {
   std::string text;
+  int status = 0;  // with which the program ends
 };
 
 // Returns the options of kerfd, for its manual.
@@ -63,6 +65,9 @@ std::shared_ptr<const CLI::App> command_line();
 // other machines can reach is refused unless --allow-remote is given.
 Result<std::variant<Config, Notice>> parse_command_line(int argc, const char* const* argv);
 
+// Returns what --check-store prints of a folder of kept sheets. Errors: kInvalidArgument, with the reason of
+// store::check_store().
+Result<std::variant<Config, Notice>> check_kept_sheets(const std::string& folder);
 // Returns the user's folder for kept sheets: $XDG_DATA_HOME/kerf, else $HOME/.local/share/kerf. Empty if neither is
 // set.
 std::filesystem::path default_data_directory();

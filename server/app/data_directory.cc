@@ -1,6 +1,9 @@
 #include <cstdlib>
+#include <string>
+#include <utility>
 
 #include "server/app/config.h"
+#include "server/service/store/check_store.h"
 
 namespace kerf::app {
 
@@ -11,6 +14,24 @@ std::filesystem::path default_data_directory() {
   const char* home = std::getenv("HOME");  // NOLINT(concurrency-mt-unsafe): as above
   if (home == nullptr || *home == '\0') return {};
   return std::filesystem::path(home) / ".local" / "share" / "kerf";
+}
+
+Result<std::variant<Config, Notice>> check_kept_sheets(const std::string& folder) {
+  const Result<store::StoreReport> report = store::check_store(folder);
+  if (!report.ok()) {
+    return invalid_argument(report.error().reason, "--check-store: " + report.error().message, "--check-store");
+  }
+  const store::StoreInfo& info = report->info;
+  Notice notice;
+  for (const std::string& fault : report->faults) notice.text += "fault: " + fault + "\n";
+  for (const std::string& file : report->orphan_files) {
+    notice.text += "left over: " + file + ", which nothing names; it may be deleted\n";
+  }
+  notice.text += std::to_string(info.sheets) + " sheets, " + std::to_string(info.quarantined) + " set aside, " +
+                 std::to_string(info.entries) + " changes, " + std::to_string(info.states) + " states, " +
+                 std::to_string(info.requests) + " answers; " + std::to_string(report->faults.size()) + " faults\n";
+  notice.status = report->faults.empty() ? 0 : 1;
+  return std::variant<Config, Notice>(std::move(notice));
 }
 
 }  // namespace kerf::app

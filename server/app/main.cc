@@ -117,7 +117,7 @@ int main(int argc, char** argv) {
   }
   if (const auto* notice = std::get_if<kerf::app::Notice>(&*parsed)) {
     std::cout << notice->text;
-    return EXIT_SUCCESS;
+    return notice->status;
   }
   auto config = std::get<kerf::app::Config>(std::move(parsed).value());
   std::error_code ignored;

@@ -18,7 +18,7 @@ Error in_file(const std::filesystem::path& file, Error error) {
   return error;
 }
 
-// Returns no id if the sheet of the file is kept, and goes on.
+// Returns no id if the sheet of the file is among those kept.
 Result<std::optional<std::string>> load(const std::filesystem::path& file, Disk& disk, host::Host& host,
                                         const std::set<std::string>& kept) {
   const Result<std::string> json = disk.read_file(file.string(), wire::kMaxSceneFileBytes);

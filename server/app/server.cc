@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <limits>
@@ -98,6 +99,7 @@ host::HostOptions Server::Impl::host_options() {
   options.encode_event = durable::encode_change;
   options.encode_scene = durable::encode_stored_scene;
   options.encode_state = durable::encode_state;
+  options.max_unsaved_cpu = host::Nanoseconds(std::llround(1e9 * config.max_replay_s));
   if (!config.record_dir.empty()) {
     options.make_recording = [this](const std::string& id) -> std::shared_ptr<sheet::RecordingSink> {
       // Numbers the files, because two sheets may have the same id, one after the other.

@@ -21,6 +21,7 @@ import urllib.error
 import urllib.request
 
 CLIENTS = 3
+EXPECTED = ("NOTHING_TO_UNDO", "STATE_NOT_FOUND")  # Refusals that random requests may get.
 ANSWERS_A_SHEET = 40  # Then the client deletes its sheet and makes another.
 
 
@@ -41,7 +42,8 @@ class Server:
     def __init__(self, kerfd, folder):
         self.errors = tempfile.TemporaryFile(mode="w+")
         self.process = subprocess.Popen(
-            [kerfd, "--listen", "127.0.0.1:0", "--http", "127.0.0.1:0", "--no-render", "--max-load", "0", "--data", folder],
+            [kerfd, "--listen", "127.0.0.1:0", "--http", "127.0.0.1:0", "--no-render", "--max-load", "0", "--data", folder,
+             "--max-replay-s", "0.02"],
             stdout=subprocess.PIPE, stderr=self.errors, text=True)
         line = self.process.stdout.readline()
         if not line:
@@ -74,23 +76,29 @@ class Server:
 class Client:
     """Changes one sheet at a time, one request after another, and knows what must be there."""
 
-    def __init__(self, number, seed):
+    def __init__(self, number, seed, faults):
+        self.faults = faults
+        self.num_changes = 0
         self.number = number
         self.random = random.Random(1000 * seed + number)
         self.generation = 0
         self.sheet = None
         self.open = None  # The request without an answer: method, message.
-        self.answered = []  # Of this sheet: method, message, answer.
-        self.num_answered = 0
+        self.answered = []  # Requests of this sheet, each with its method and answer.
+        self.kept = None  # The cuts of the saved state.
         self.num_requests = 0
 
     def next_request(self):
         if self.sheet is None:
             name = f"sheet-{self.number}-{self.generation}"
-            scene = {"grid": {"columns": 8, "rows": 8, "width_m": 1, "height_m": 1}, "pins": [{"corners": {}}]}
+            scene = {"grid": {"columns": 8, "rows": 8, "width_m": 1, "height_m": 1}, "pins": [{"edge": "TOP"}]}
             return "SheetService/CreateSheet", {"sheet_id": name, "scene": scene, "request_id": f"{name}-made"}
         self.num_requests += 1
         request_id = f"{self.number}-{self.generation}-{self.num_requests}"
+        if self.random.random() < 0.1:
+            return "SheetService/SaveState", {"parent": self.sheet, "state_id": "kept", "overwrite": True, "request_id": request_id}
+        if self.random.random() < 0.1 and self.kept is not None:
+            return "SheetService/RestoreState", {"name": f"{self.sheet}/states/kept", "request_id": request_id}
         if self.random.random() < 0.15:
             return "CutService/UndoCut", {"parent": self.sheet, "request_id": request_id}
         points = [{"x": self.random.random(), "y": self.random.random()} for _ in range(2)]
@@ -110,7 +118,7 @@ class Client:
                 self.begin_anew()
 
     def begin_anew(self):
-        self.sheet, self.answered = None, []
+        self.sheet, self.answered, self.kept = None, [], None
         self.generation += 1
 
     def send(self, server):
@@ -120,18 +128,39 @@ class Client:
         if answer is None or answer.get("refused", {}).get("code") in (14, "UNAVAILABLE"):
             return False
         self.open = None
-        self.num_answered += 1
         if method.endswith("CreateSheet"):
             self.sheet = answer["name"] if "refused" not in answer else self.sheet
+        reason = json.dumps(answer.get("refused", ""))
+        if "refused" in answer and not any(word in reason for word in EXPECTED):
+            self.faults.check(False, f"{method} {message}: {reason}")
         if "refused" not in answer:
+            self.num_changes += 1
             self.answered.append((method, message, answer))
+            if method.endswith("SaveState"):
+                self.kept = self.cuts()
         return True
+
+    def cuts(self):
+        """Returns the names of the cuts that the answers leave."""
+        cuts, kept = [], []
+        for method, _, answer in self.answered:
+            if method.endswith("CreateCut") and answer.get("status") == "APPLIED":
+                cuts.append(answer["name"])
+            elif method.endswith("UndoCut"):
+                cuts = [name for name in cuts if name not in answer.get("cuts", [])]
+            elif method.endswith("SaveState"):
+                kept = list(cuts)
+            elif method.endswith("RestoreState"):
+                cuts = list(kept)
+        return cuts
 
     def check(self, server, faults):
         """Checks the sheet after a restart, the open request included."""
         if self.open is not None:
             faults.check(self.send(server), f"{self.open} has no answer")
         for method, message, answer in self.answered:
+            if method.endswith("SaveState"):
+                continue  # Its answer is remembered until the server ends.
             again = server.call(method, message)
             faults.check(again == answer, f"repeated {method} {message['request_id']}: {answer} became {again}")
         if self.sheet is None:
@@ -139,12 +168,7 @@ class Client:
         listed = server.call("CutService/ListCuts", {"parent": self.sheet, "page_size": 1000})
         if "refused" in listed and len(self.answered) > ANSWERS_A_SHEET:
             return self.begin_anew()  # The deletion was answered to a client that was gone.
-        current = []
-        for method, _, answer in self.answered:
-            if method.endswith("CreateCut") and answer.get("status") == "APPLIED":
-                current.append(answer["name"])
-            elif method.endswith("UndoCut"):
-                current = [name for name in current if name not in answer.get("cuts", [])]
+        current = self.cuts()
         names = [each["result"]["name"] for each in listed.get("cuts", [])]
         faults.check(names == current, f"{self.sheet}: cuts {names}, but {current} were answered")
         return None
@@ -158,7 +182,7 @@ def main():
     options = parser.parse_args()
     moments = random.Random(options.seed)
     faults = Faults()
-    clients = [Client(i, options.seed) for i in range(CLIENTS)]
+    clients = [Client(i, options.seed, faults) for i in range(CLIENTS)]
     with tempfile.TemporaryDirectory() as folder:
         server = Server(options.kerfd, folder + "/store")
         for kill in range(options.kills):
@@ -178,13 +202,16 @@ def main():
                 faults.check("differs" not in line and "damaged" not in line, line)
             if faults.lines:
                 break
-            print(f"\r{kill + 1} kills, {sum(client.num_answered for client in clients)} answers", end="", file=sys.stderr)
+            print(f"\r{kill + 1} kills, {sum(client.num_changes for client in clients)} changes", end="", file=sys.stderr)
         print(file=sys.stderr)
         errors = server.end(signal.SIGTERM)
         faults.check(server.process.returncode == 0, f"kerfd ended with {server.process.returncode}: {errors}")
+        checked = subprocess.run([options.kerfd, "--check-store", folder + "/store"], capture_output=True, text=True, check=False)
+        faults.check(checked.returncode == 0 and "; 0 faults" in checked.stdout, checked.stdout + checked.stderr)
     for line in faults.lines[:20]:
         print(line)
-    print(f"{options.kills} kills, {sum(client.num_answered for client in clients)} answered, seed {options.seed}: "
+    print(checked.stdout, end="")
+    print(f"{options.kills} kills, {sum(client.num_changes for client in clients)} changes answered, seed {options.seed}: "
           f"{len(faults.lines)} faults")
     return 1 if faults.lines else 0
 

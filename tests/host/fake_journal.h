@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <map>
 #include <mutex>
 #include <string>
@@ -30,7 +31,9 @@ class FakeJournal : public Journal {
     add(
         [this, entry = std::move(entry)] {
           for (const StoredRequest& each : entry.requests) requests_[each.key] = each;
-          sheets_[entry.sheet].entries.push_back(entry);
+          Kept& kept = sheets_[entry.sheet];
+          kept.entries.push_back(entry);
+          kept.mark_tick = std::min(kept.mark_tick, entry.tick);  // A restore may have gone back.
         },
         std::move(durable));
   }
@@ -38,7 +41,8 @@ class FakeJournal : public Journal {
     add([this, sheet] { sheets_.erase(sheet); }, std::move(durable));
   }
   void save(StoredState state, Durable durable) override {
-    add([this, state = std::move(state)] { sheets_[state.sheet].states[state.name] = state; }, std::move(durable));
+    add([this, state = std::move(state)] { sheets_[state.sheet].states[state.name] = state; }, std::move(durable),
+        true);
   }
   void remove_state(std::int64_t sheet, std::string name, Durable durable) override {
     add([this, sheet, name = std::move(name)] { sheets_[sheet].states.erase(name); }, std::move(durable));
@@ -59,12 +63,18 @@ class FakeJournal : public Journal {
     const std::lock_guard lock(mutex_);
     is_held_ = true;
   }
+  // The same for states alone.
+  void hold_states() {
+    const std::lock_guard lock(mutex_);
+    holds_states_ = true;
+  }
   // Makes durable what waits, and everything to come.
   void let_go() {
     std::vector<Durable> durable;
     {
       const std::lock_guard lock(mutex_);
       is_held_ = false;
+      holds_states_ = false;
       for (const auto& [write, done] : waiting_) {
         write();
         durable.push_back(done);
@@ -142,10 +152,11 @@ class FakeJournal : public Journal {
     const std::lock_guard lock(mutex_);
     return is_held_;
   }
-  void add(std::function<void()> write, Durable durable) {
+  void add(std::function<void()> write, Durable durable, bool is_state = false) {
     {
       const std::lock_guard lock(mutex_);
-      if (is_held_) return waiting_.emplace_back(std::move(write), std::move(durable)), void();
+      if (is_held_ || (is_state && holds_states_))
+        return waiting_.emplace_back(std::move(write), std::move(durable)), void();
       write();
     }
     durable();
@@ -153,6 +164,7 @@ class FakeJournal : public Journal {
 
   mutable std::mutex mutex_;
   bool is_held_ = false;
+  bool holds_states_ = false;
   Status room_ = Nothing{};
   std::int64_t last_sheet_ = 0;
   std::map<std::int64_t, Kept> sheets_;

@@ -11,8 +11,16 @@ namespace {
 
 class RecoveryTest : public HostTest {
  protected:
-  RecoveryTest() { host_ = std::make_unique<Host>(with_journal(journal_), clock_, entropy_); }
+  RecoveryTest() { begin(with_journal(journal_)); }
   ~RecoveryTest() override { host_->stop(); }
+
+  void begin(HostOptions options) { host_ = std::make_unique<Host>(std::move(options), clock_, entropy_); }
+  // Lets the journal get the sheet's state after each tick.
+  void save_always() {
+    HostOptions options = with_journal(journal_);
+    options.max_unsaved_cpu = 0ns;
+    begin(std::move(options));
+  }
 
   // Makes the sheet of `journal` in a host of its own, on a clock of its own.
   struct Again {
@@ -32,6 +40,7 @@ class RecoveryTest : public HostTest {
       Answers<RecoveredSheet> answers;
       host->recover(run, answers.callback());
       host->wait_idle();
+      if (!answers.at(0).ok()) ADD_FAILURE() << answers.at(0).error().message;
       recovered = answers.at(0).value();
     }
     ~Again() { host->stop(); }
@@ -40,9 +49,11 @@ class RecoveryTest : public HostTest {
       Answers<SheetStatus> answers;
       host->pause(recovered.status.id, answers.callback());
       host->wait_idle();
+      if (answers.at(0)->tick == tick) return *answers.at(0);
       host->step(recovered.status.id, tick - answers.at(0)->tick, answers.callback());
       host->wait_idle();
-      return answers.at(1).value();
+      EXPECT_EQ(answers.reason(1), "done") << "from tick " << answers.at(0)->tick << " to " << tick;
+      return answers.at(1).ok() ? *answers.at(1) : SheetStatus();
     }
   };
   std::unique_ptr<Again> crash() {
@@ -145,17 +156,62 @@ scene::Command random_command(SeededRandom& random) {
   }
 }
 
+TEST_F(RecoveryTest, ASheetIsMadeFromItsLastStateAndTheChangesAfterIt) {
+  save_always();
+  create("a", small_sheet());
+  ASSERT_TRUE(submit("a", scenes::line_cut({-0.1, 0.5}, {0.6, 0.5})).ok());
+  run_for(5 * kTick);
+  journal_.hold_states();
+  ASSERT_TRUE(submit("a", scenes::line_cut({0.3, -0.1}, {0.3, 0.4})).ok());
+  run_for(5 * kTick);
+  const StoredRun run = journal_.run_of(journal_.sheets().begin()->second);
+  ASSERT_TRUE(run.state);
+  EXPECT_EQ(run.changes.size(), 1U);
+  Again again(run);
+  EXPECT_FALSE(again.recovered.differs_at);
+  EXPECT_EQ(again.heard.size(), 1U) << "the cut before is in the attachment";
+  const SheetStatus live = step(30);
+  EXPECT_EQ(again.step_to(live.tick).state_hash, live.state_hash);
+}
+
+TEST_F(RecoveryTest, ARestoreIsShownOnceItsStateIsDurable) {
+  create("a", small_sheet());
+  Answers<SavedStateStatus> saved;
+  host_->save_state("a", "before", false, saved.callback());
+  ASSERT_TRUE(submit("a", scenes::line_cut({-0.1, 0.5}, {0.6, 0.5})).ok());
+  const std::int32_t cut = status("a").num_vertices;
+  journal_.hold_states();
+  Answers<SheetStatus> restored;
+  host_->restore_state("a", "before", restored.callback());
+  run_for(5 * kTick);
+  EXPECT_EQ(restored.count(), 0U);
+  EXPECT_EQ(host_->statuses({"a"}).at(0).num_vertices, cut);
+  journal_.let_go();
+  host_->wait_idle();
+  ASSERT_EQ(restored.reason(0), "done");
+  EXPECT_LT(restored.at(0)->num_vertices, cut);
+  const std::unique_ptr<Again> again = crash();
+  EXPECT_LT(again->recovered.status.num_vertices, cut);
+  Answers<std::vector<SavedStateStatus>> named;
+  again->host->states("a", named.callback());
+  ASSERT_EQ(named.at(0)->size(), 1U) << "named states outlive the server";
+  EXPECT_EQ(named.at(0)->at(0).id, "before");
+  const SheetStatus live = step(30);
+  EXPECT_EQ(again->step_to(live.tick).state_hash, live.state_hash);
+}
+
 TEST_F(RecoveryTest, RandomRunsContinueExactly) {
   const std::uint64_t end = test::first_seed() + static_cast<std::uint64_t>(test::num_trials({2, 8, 200}));
   for (std::uint64_t seed = test::first_seed(); seed < end; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     SeededRandom random(seed);
+    if (seed % 3 == 0) save_always();
     create("a", random.below(2) == 0 ? small_sheet() : at_50_hz(scenes::draped_over_sphere(7)));
     const auto ignore = [](const auto&) {};
     for (int i = 0; i < 25; ++i) {
       run_for(static_cast<std::int64_t>(random.below(6)) * kTick);
       const SheetStatus now = status("a");
-      switch (random.below(6)) {
+      switch (random.below(8)) {
         case 0:
           host_->pause("a", ignore);
           break;
@@ -165,6 +221,12 @@ TEST_F(RecoveryTest, RandomRunsContinueExactly) {
           break;
         case 2:
           host_->cancel("a", 1 + static_cast<std::int64_t>(random.below(5)), ignore);
+          break;
+        case 3:
+          host_->save_state("a", "s", true, ignore);
+          break;
+        case 4:
+          if (seed % 2 == 0) host_->restore_state("a", "s", ignore);
           break;
         default:
           host_->submit("a", random_command(random), ignore);

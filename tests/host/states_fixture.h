@@ -109,7 +109,7 @@ class StatesTest : public HostTest {
     return seen;
   }
 
-  std::string attachment_;                // Saved with the next state.
+  std::string attachment_;  // Saved with the next state.
   std::vector<std::string> attachments_;
 };
 

@@ -45,7 +45,7 @@ void Api::restore_state(const v1::RestoreStateRequest& request, Reply<v1::Sheet>
   if (!name.ok()) return reply(name.error());
   idempotent<v1::Sheet>(core_, "RestoreState", request, std::move(reply), [&](Reply<v1::Sheet> answer) {
     core_->host.restore_state(name->sheet_id, name->state_id, sheet_reply(std::move(answer), "name"),
-                               key_of("RestoreState", request).answered_by<host::SheetStatus>(encode_sheet));
+                              key_of("RestoreState", request).answered_by<host::SheetStatus>(encode_sheet));
   });
 }
 

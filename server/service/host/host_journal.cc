@@ -31,7 +31,7 @@ void Host::mark(const Runners& runners) {
   for (const auto& [id, runner] : runners) {
     if (!runner) continue;
     // A sheet without a status is not stored yet.
-    if (const auto status = runner->last_status()) marks.push_back({runner->stored_sheet(), status->tick});
+    if (runner->last_status()) marks.push_back({runner->stored_sheet(), runner->reached_tick()});
   }
   if (!marks.empty()) options_.journal->mark(std::move(marks));
 }

@@ -33,7 +33,7 @@ struct SavedState {
   SavedRun run;
 };
 
-// What the owner of a host keeps of each sheet beside it, such as its list of cuts. Called on the sheet's strand.
+// Saves and loads what the owner of a host keeps of each sheet, such as its list of cuts. Called on the sheet's strand.
 struct Attachments {
   std::function<std::string(const std::string& id)> save;                     // Returns it as bytes.
   std::function<void(const std::string& id, const std::string& bytes)> load;  // Replaces it.

@@ -61,9 +61,9 @@ class SheetJournal {
   void when_durable(Release release);
   // Calls the releases of all changes up to `seq`, or up to the one before a restore whose state is not durable yet.
   void became_durable(std::int64_t seq);
-  // The state of the restore with this number is durable.
+  // Calls the releases that waited for the state of the restore with this number.
   void restore_became_durable(std::int64_t seq);
-  // What save_named() or remove_named() has numbered so is durable.
+  // Calls the release of save_named() or remove_named() with this number.
   void named_became_durable(std::int64_t number);
   // Passes `error` to all that wait.
   void give_up(const Error& error);

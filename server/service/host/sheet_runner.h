@@ -103,6 +103,8 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   [[nodiscard]] bool is_changed() const { return changes_.is_changed(); }
   // Returns the number of the sheet in the store; callable from any thread once the sheet runs.
   [[nodiscard]] std::int64_t stored_sheet() const { return journal_.sheet(); }
+  // Returns the tick of the sheet, from any thread; the last status may show an earlier one.
+  [[nodiscard]] std::int64_t reached_tick() const { return reached_tick_; }
   // Stores the sheet, with the request that made it and its answer.
   void store_creation(const RequestName<SheetStatus>& request, const SheetStatus& answer);
   // Takes no more commands, deletes the sheet from the journal, and calls `done` when that is durable.
@@ -266,6 +268,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   std::atomic<int> pauses_waiting_{0};
   std::atomic<bool> closing_{false};  // Interrupts any tick.
   SharedSlot<SheetStatus> last_status_;
+  std::atomic<std::int64_t> reached_tick_{0};
 
   // The following are used on the strand only.
   sheet::Sheet sheet_;
@@ -286,6 +289,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   bool turn_posted_ = false;  // A take_turn() is posted.
   std::int64_t created_unix_us_ = 0;
   Nanoseconds unsaved_cpu_{0};  // CPU time of the ticks since the sheet was last saved in the journal.
+  bool is_unsaved_ = false;     // It was stepped or changed since.
   bool is_saving_ = false;      // It is being saved there.
   bool is_ending_ = false;      // The sheet is being deleted from the journal, and takes no commands.
   bool changing_ = false;       // A tick or commands are in progress.

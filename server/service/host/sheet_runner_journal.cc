@@ -8,16 +8,6 @@
 // Keeps the changes of a SheetRunner in a journal, and releases what waited until they were durable.
 namespace kerf::host {
 
-namespace {
-
-// CPU time of ticks that a restart may have to repeat: of a sheet that runs, of one that rests, and at the server's
-// end.
-constexpr Nanoseconds kDebt = std::chrono::seconds(2);
-constexpr Nanoseconds kIdleDebt = std::chrono::milliseconds(250);
-constexpr Nanoseconds kEndDebt = std::chrono::milliseconds(50);
-
-}  // namespace
-
 void SheetRunner::keep_in(Journal& journal, std::int64_t sheet, std::int64_t last_seq) {
   journal_ = SheetJournal(journal, sheet, last_seq, context_.options.encode_event,
                           [weak = weak_from_this(), strand = strand_](SheetJournal::Kind kind, std::int64_t number) {
@@ -53,11 +43,14 @@ void SheetRunner::became_durable(SheetJournal::Kind kind, std::int64_t number) {
 // Saves the sheet if repeating what it did since the last time would take long. Only between changes that are durable:
 // what the attachment holds waits for them.
 void SheetRunner::save_if_due() {
-  const bool is_idle = clock_.is_paused() || clock_.is_sleeping();
-  const Nanoseconds due = context_.stopping ? kEndDebt : is_idle ? kIdleDebt : kDebt;
-  if (!journal_.is_on() || closed_ || is_ending_ || is_saving_ || unsaved_cpu_ < due || !journal_.is_settled()) return;
+  const bool is_idle = context_.stopping || clock_.is_paused() || clock_.is_sleeping();
+  const Nanoseconds due = context_.options.max_unsaved_cpu / (is_idle ? 8 : 1);
+  if (!journal_.is_on() || closed_ || is_ending_ || is_saving_ || !is_unsaved_ || unsaved_cpu_ < due ||
+      !journal_.is_settled())
+    return;
   if (!has_memory_for(kBytesPerSavedVertex * sheet_.mesh().num_vertices())) return;
   is_saving_ = true;
+  is_unsaved_ = false;
   unsaved_cpu_ = Nanoseconds{0};
   journal_.save(stored(make_state("")), [weak = weak_from_this(), strand = strand_] {
     strand.post([weak] {

@@ -87,6 +87,7 @@ bool SheetRunner::run_commands(bool advance, std::vector<PendingCommand> taken) 
     clock_.add_cpu(cpu);
   }
   unsaved_cpu_ += cpu;
+  is_unsaved_ = true;
 
   if (report.advanced) last_step_ = report.stats;
   std::optional<fem::TickCost> cost;
