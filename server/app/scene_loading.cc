@@ -1,6 +1,5 @@
 #include "server/app/scene_loading.h"
 
-#include <algorithm>
 #include <optional>
 #include <utility>
 
@@ -18,9 +17,9 @@ Error in_file(const std::filesystem::path& file, Error error) {
   return error;
 }
 
-// Returns no id if the sheet of the file is among those kept.
+// Returns no id if the sheet of the file is among those kept. `replaced`: sheets that a file may replace.
 Result<std::optional<std::string>> load(const std::filesystem::path& file, Disk& disk, host::Host& host,
-                                        const std::set<std::string>& kept) {
+                                        const std::set<std::string>& kept, std::set<std::string>& replaced) {
   const Result<std::string> json = disk.read_file(file.string(), wire::kMaxSceneFileBytes);
   if (!json.ok()) return in_file(file, json.error());
   const wire::FileReader read_file = [&](const std::string& path) {
@@ -31,8 +30,7 @@ Result<std::optional<std::string>> load(const std::filesystem::path& file, Disk&
   const std::string stem = file.stem().string();
   const std::string id = config->sheet_id.empty() && scene::is_valid_sheet_id(stem) ? stem : config->sheet_id;
   if (kept.contains(id)) return std::optional<std::string>();
-  const std::vector<std::string> present = host.list();
-  if (std::find(present.begin(), present.end(), id) != present.end()) {
+  if (replaced.erase(id) > 0) {
     const Status deleted =
         wait_for<Nothing>([&](host::Callback<Nothing> done) { host.delete_sheet(id, std::move(done)); });
     if (!deleted.ok()) return in_file(file, deleted.error());
@@ -48,9 +46,11 @@ Result<std::optional<std::string>> load(const std::filesystem::path& file, Disk&
 
 Result<std::vector<std::string>> load_scenes(const std::vector<std::filesystem::path>& files, Disk& disk,
                                              host::Host& host, const std::set<std::string>& kept) {
+  const std::vector<std::string> present = host.list();
+  std::set<std::string> replaced(present.begin(), present.end());
   std::vector<std::string> ids;
   for (const std::filesystem::path& file : files) {
-    KERF_TRY_ASSIGN(std::optional<std::string> id, load(file, disk, host, kept));
+    KERF_TRY_ASSIGN(std::optional<std::string> id, load(file, disk, host, kept, replaced));
     if (id) ids.push_back(std::move(*id));
   }
   return ids;

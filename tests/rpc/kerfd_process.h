@@ -40,7 +40,7 @@ class Kerfd {
     posix_spawn_file_actions_adddup2(&actions, out[1], STDOUT_FILENO);
     posix_spawn_file_actions_adddup2(&actions, err[1], STDERR_FILENO);
     if (std::find(arguments.begin(), arguments.end(), "--data") == arguments.end()) {
-      arguments.insert(arguments.end(), {"--data", "none"});
+      arguments.insert(arguments.begin(), {"--data", "none"});
     }
     std::string program = KERFD_PATH;
     arguments.insert(arguments.begin(), program);

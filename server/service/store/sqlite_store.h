@@ -68,7 +68,7 @@ class SqliteStore : public host::Journal {
 
   // Marks a sheet as one that is not to be recovered. It keeps all it has. Error kNotFound SHEET_NOT_FOUND.
   Status quarantine(std::int64_t sheet, const std::string& reason);
-  // Removes the entries of a sheet after `seq`, which were never answered.
+  // Removes the entries of a sheet after `seq` with their requests, which were never answered.
   Status remove_entries_after(std::int64_t sheet, std::int64_t seq);
   // Copies the store into a new folder, synced, while it is in use. Error kFailedPrecondition FOLDER_NOT_EMPTY. After
   // an error the folder has no database.

@@ -269,7 +269,9 @@ Status Tables::remove_entries_after(std::int64_t sheet, std::int64_t seq) {
     std::optional<Totals> totals = totals_of(sheet);
     if (!totals) return Nothing{};
     const std::string own = of_sheet(sheet);
-    KERF_TRY(database_.execute("DELETE FROM journal WHERE " + own + " AND seq > " + std::to_string(seq)));
+    const std::string late = own + " AND seq > " + std::to_string(seq);
+    KERF_TRY(database_.execute("DELETE FROM journal WHERE " + late));
+    KERF_TRY(database_.execute("DELETE FROM requests WHERE " + late));
     const std::string rest = "SELECT coalesce(sum(length(content)), 0) FROM journal WHERE " + own;
     KERF_TRY_ASSIGN(totals->bytes, database_.number(rest.c_str()));
     totals->last_seq = std::min(totals->last_seq, seq);
