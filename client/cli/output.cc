@@ -1,8 +1,10 @@
 #include "client/cli/output.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <cstdio>
+#include <ctime>
 #include <functional>
 #include <string>
 #include <utility>
@@ -277,11 +279,21 @@ void print(const Session& session, const v1::InteractionResponse& response) {
   }
 }
 
+std::string time_of(std::int64_t unix_us) {
+  const std::time_t seconds = unix_us / 1'000'000;
+  std::tm parts{};
+  localtime_r(&seconds, &parts);
+  std::array<char, 32> text{};
+  std::strftime(text.data(), text.size(), "%Y-%m-%d %H:%M:%S", &parts);
+  return text.data();
+}
+
 std::string describe(const v1::Sheet& sheet, bool verbose) {
   std::string text =
-      format("%-20s %-8s tick %-8lld %6d vertices %6d triangles %3d %s  x%.2f real time", sheet.name().c_str(),
-             name_of(sheet.run_state()), static_cast<long long>(sheet.tick()), sheet.num_vertices(),
-             sheet.num_triangles(), sheet.pieces(), sheet.pieces() == 1 ? "piece" : "pieces", sheet.real_time_factor());
+      format("%-20s %-8s tick %-8lld %6d vertices %6d triangles %3d %s  since %s  x%.2f real time",
+             sheet.name().c_str(), name_of(sheet.run_state()), static_cast<long long>(sheet.tick()),
+             sheet.num_vertices(), sheet.num_triangles(), sheet.pieces(), sheet.pieces() == 1 ? "piece" : "pieces",
+             time_of(sheet.created_unix_us()).c_str(), sheet.real_time_factor());
   if (sheet.strained_share() > 0.0) {
     text += format("\n  %.2g %% of the area is beyond its strain limit", 100.0 * sheet.strained_share());
   }

@@ -74,6 +74,8 @@ void print(const Session& session, const v1::CutResult& result);
 void print(const Session& session, const v1::InteractionResponse& response);
 
 // Return texts for people. `verbose` adds lines with the server's measurements and counts.
+// Returns the local date and time of a moment (us since 1970).
+std::string time_of(std::int64_t unix_us);
 std::string describe(const v1::Sheet& sheet, bool verbose);
 std::string describe(const v1::CutResult& result, bool verbose);
 std::string describe(const v1::Piece& piece);

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstdio>
-#include <ctime>
 #include <memory>
 #include <string>
 
@@ -13,6 +12,7 @@
 #include "client/cli/app.h"
 #include "client/cli/arguments.h"
 #include "client/cli/commands.h"
+#include "client/cli/output.h"
 #include "client/cpp/client.h"
 
 namespace kerf::cli {
@@ -25,16 +25,6 @@ struct StateArguments {
 
   [[nodiscard]] std::string name() const { return "sheets/" + id + "/states/" + state; }
 };
-
-// Returns the local date and time of a moment (us since 1970).
-std::string time_of(std::int64_t unix_us) {
-  const std::time_t seconds = unix_us / 1'000'000;
-  std::tm parts{};
-  localtime_r(&seconds, &parts);
-  std::array<char, 32> text{};
-  std::strftime(text.data(), text.size(), "%Y-%m-%d %H:%M:%S", &parts);
-  return text.data();
-}
 
 std::string describe(const v1::SavedState& state) {
   std::array<char, 64> size{};

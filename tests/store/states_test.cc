@@ -79,6 +79,18 @@ TEST_F(States, TheLastTwoAndAllNamedOnesAreKept) {
   EXPECT_THAT(on_.check()->faults, IsEmpty());
 }
 
+TEST_F(States, ANamedOneIsRemoved) {
+  open();
+  save(3, "first", "mine");
+  save(4, "second");
+  store_->remove_state(1, "mine", calls_.add("removed"));
+  store_->remove_state(1, "yours", calls_.add("nothing removed"));
+  ASSERT_TRUE(store_->wait_until_durable().ok());
+  EXPECT_THAT(described(sheet()), ElementsAre("4"));
+  open();
+  EXPECT_THAT(described(sheet()), ElementsAre("4"));
+}
+
 TEST_F(States, EntriesAreKeptUpToALimit) {
   open(500);
   save(2, "a");

@@ -160,6 +160,25 @@ TEST(Store, AnEntryTakesALaterMarkBack) {
   EXPECT_EQ((*store->sheets())[0].mark, 31);
 }
 
+TEST(Store, EntriesAfterANumberAreRemovedWithTheirRequests) {
+  StoreOnLossyDisk on;
+  std::unique_ptr<store::SqliteStore> store = on.open();
+  ASSERT_EQ(store->new_sheet_number(), 1);
+  store->create(new_sheet(1), nullptr);
+  store->append(entry(1, 1, {}, {request("kept")}), nullptr);
+  store->append(entry(1, 2, {}, {request("gone")}), nullptr);
+  ASSERT_TRUE(store->wait_until_durable().ok());
+  ASSERT_TRUE(store->remove_entries_after(1, 1).ok());
+  const auto requests = store->requests(10, 1000);
+  ASSERT_EQ(requests->requests.size(), 1U);
+  EXPECT_EQ(requests->requests[0].request.key, "kept");
+  store->append(entry(1, 2, "another change"), nullptr);
+  ASSERT_TRUE(store->wait_until_durable().ok());
+  EXPECT_EQ(store->entries(1, 1)->at(0).content, "another change");
+  store.reset();
+  EXPECT_TRUE(on.check()->faults.empty());
+}
+
 TEST(Store, AnEntryThatDoesNotFollowEndsTheStore) {
   StoreOnLossyDisk on;
   const auto store = on.open();

@@ -47,6 +47,13 @@ TEST(ErrorCodec, StatusHasTheStandardDetails) {
   EXPECT_THAT(error_to_json(full), HasSubstr("\"reason\":\"QUEUE_FULL\""));
   EXPECT_THAT(error_to_json(full), HasSubstr("\"retry_delay\":\"0.100s\""));
 
+  const Error stalled{ErrorCode::kUnavailable, "STORAGE_STALLED", "too much waits to be written", {}};
+  ASSERT_TRUE(status.ParseFromString(encode_status(stalled)));
+  EXPECT_EQ(status.details_size(), 2) << "the disk may be back soon";
+  const Error stopping{ErrorCode::kUnavailable, "SERVER_STOPPING", "the server is stopping", {}};
+  ASSERT_TRUE(status.ParseFromString(encode_status(stopping)));
+  EXPECT_EQ(status.details_size(), 1);
+
   const Error never{ErrorCode::kResourceExhausted, "CUT_ELEMENT_BUDGET", "more triangles than allowed", {}};
   ASSERT_TRUE(status.ParseFromString(encode_status(never)));
   EXPECT_EQ(status.details_size(), 1) << "the same cut will be refused again";

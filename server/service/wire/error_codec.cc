@@ -67,6 +67,7 @@ google::rpc::Status to_status(const Error& error) {
 bool passes_by_itself(const Error& error) {
   static const std::set<std::string_view> reasons = {"OVERLOADED",
                                                      "QUEUE_FULL",
+                                                     "STORAGE_FULL",
                                                      "TOO_MANY_ANALYSES",
                                                      "TOO_MANY_CONNECTIONS",
                                                      "TOO_MANY_FILES",
@@ -78,6 +79,7 @@ bool passes_by_itself(const Error& error) {
                                                      "TOO_MANY_SUBSCRIBERS",
                                                      "TOO_MANY_IMAGE_STREAMS",
                                                      "TOO_MANY_VERTICES_IN_ALL"};
+  if (error.code == ErrorCode::kUnavailable) return error.reason == "STORAGE_STALLED";
   return error.code == ErrorCode::kResourceExhausted && reasons.contains(error.reason);
 }
 
