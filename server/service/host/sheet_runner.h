@@ -289,6 +289,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   bool turn_posted_ = false;  // A take_turn() is posted.
   std::int64_t created_unix_us_ = 0;
   Nanoseconds unsaved_cpu_{0};  // CPU time of the ticks since the sheet was last saved in the journal.
+  Nanoseconds saving_cpu_{0};   // CPU time that saving it took the last time.
   bool is_unsaved_ = false;     // It was stepped or changed since.
   bool is_saving_ = false;      // It is being saved there.
   bool is_ending_ = false;      // The sheet is being deleted from the journal, and takes no commands.

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <utility>
 
 #include "server/base/memory_headroom.h"
@@ -7,6 +8,12 @@
 
 // Keeps the changes of a SheetRunner in a journal, and releases what waited until they were durable.
 namespace kerf::host {
+
+namespace {
+
+constexpr int kSavingShare = 20;  // CPU time of ticks over that of saving, at least: large sheets are saved less often.
+
+}  // namespace
 
 void SheetRunner::keep_in(Journal& journal, std::int64_t sheet, std::int64_t last_seq) {
   journal_ = SheetJournal(journal, sheet, last_seq, context_.options.encode_event,
@@ -44,11 +51,12 @@ void SheetRunner::became_durable(SheetJournal::Kind kind, std::int64_t number) {
 // what the attachment holds waits for them.
 void SheetRunner::save_if_due() {
   const bool is_idle = context_.stopping || clock_.is_paused() || clock_.is_sleeping();
-  const Nanoseconds due = context_.options.max_unsaved_cpu / (is_idle ? 8 : 1);
-  if (!journal_.is_on() || closed_ || is_ending_ || is_saving_ || !is_unsaved_ || unsaved_cpu_ < due ||
-      !journal_.is_settled())
-    return;
+  const Nanoseconds limit = context_.options.max_unsaved_cpu / (is_idle ? 8 : 1);
+  const Nanoseconds due = std::max(limit, kSavingShare * saving_cpu_);
+  const bool may_save = journal_.is_settled() && !closed_ && !is_ending_ && !is_saving_;
+  if (!journal_.is_on() || !may_save || !is_unsaved_ || unsaved_cpu_ < due) return;
   if (!has_memory_for(kBytesPerSavedVertex * sheet_.mesh().num_vertices())) return;
+  const Nanoseconds begin = context_.clock.thread_cpu();
   is_saving_ = true;
   is_unsaved_ = false;
   unsaved_cpu_ = Nanoseconds{0};
@@ -60,6 +68,7 @@ void SheetRunner::save_if_due() {
       self->keep_or_lose([&] { self->save_if_due(); });
     });
   });
+  saving_cpu_ = context_.clock.thread_cpu() - begin;
 }
 
 StoredState SheetRunner::stored(const SavedState& state) const {
