@@ -22,8 +22,8 @@ std::string_view status_name(ErrorCode code);  // "INVALID_ARGUMENT"
 // passes_by_itself().
 std::string encode_status(const Error& error);
 
-// True if the error reports a limit on things in use at the same time, such as sheets or uploads, or a disk that is
-// full or late. The same request may be accepted soon.
+// True if the error reports a limit on things in use at the same time, such as sheets or uploads. It is also true for a
+// disk that is full or late. The same request may be accepted soon.
 bool passes_by_itself(const Error& error);
 
 // Returns the message of encode_status() as JSON:
