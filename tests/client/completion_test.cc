@@ -40,7 +40,7 @@ class CompletionTest : public testing::Test {
 };
 
 TEST_F(CompletionTest, OffersWhatBeginsWithTheLastWord) {
-  EXPECT_THAT(offered({"sheet", "re"}), ElementsAre("release", "record", "resume", "reset"));
+  EXPECT_THAT(offered({"sheet", "re"}), ElementsAre("release", "restore", "record", "resume", "reset"));
   EXPECT_THAT(offered({"cut", "a", "--bez"}), ElementsAre("--bezier"));
   EXPECT_THAT(offered({}), Contains("sheet"));
   EXPECT_THAT(offered({"sheet", "create", "a", "--pin", "t"}), ElementsAre("top"));
