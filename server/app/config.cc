@@ -134,7 +134,7 @@ void declare(CLI::App& parser, Arguments& arguments) {
           "Check everything that is kept in this folder, change nothing, print what is wrong, and exit with 1 if "
           "anything is")
       ->type_name("DIR");
-  parser.add_flag("--fresh", arguments.fresh, "Make the sheets of --scene anew even if they are kept and were changed");
+  parser.add_flag("--fresh", arguments.fresh, "Replace kept sheets by those of --scene, even if clients changed them");
   parser
       .add_option(
           "--record", arguments.record_dir,
