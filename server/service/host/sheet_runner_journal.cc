@@ -51,10 +51,12 @@ void SheetRunner::became_durable(SheetJournal::Kind kind, std::int64_t number) {
 // what the attachment holds waits for them.
 void SheetRunner::save_if_due() {
   const bool is_idle = context_.stopping || clock_.is_paused() || clock_.is_sleeping();
-  const Nanoseconds limit = context_.options.max_unsaved_cpu / (is_idle ? 8 : 1);
-  const Nanoseconds due = std::max(limit, kSavingShare * saving_cpu_);
+  const Nanoseconds least = kSavingShare * saving_cpu_;
   const bool may_save = journal_.is_settled() && !closed_ && !is_ending_ && !is_saving_;
-  if (!journal_.is_on() || !may_save || !is_unsaved_ || unsaved_cpu_ < due) return;
+  if (!journal_.is_on() || !may_save || !is_unsaved_ || unsaved_cpu_ < least) return;
+  // A restart repeats the sheets one after another, so those of a worker share the limit.
+  const std::int32_t sheets_a_worker = std::max(context_.board.read().sheets / context_.options.workers, 1);
+  if (unsaved_cpu_ < context_.options.max_unsaved_cpu / ((is_idle ? 8 : 1) * sheets_a_worker)) return;
   if (!has_memory_for(kBytesPerSavedVertex * sheet_.mesh().num_vertices())) return;
   const Nanoseconds begin = context_.clock.thread_cpu();
   is_saving_ = true;
