@@ -110,6 +110,11 @@ std::string measurements(const v1::Sheet& sheet) {
   }
   if (sheet.linear_iterations() > 0) text += format("\n  linear residual %.2g", sheet.linear_residual());
   if (!sheet.state_hash().empty()) text += "\n  state hash " + sheet.state_hash();
+  if (sheet.has_resimulated_from_tick()) {
+    text += format(
+        "\n  since the restart it moves unlike before, from tick %lld on: another build or processor computes it",
+        static_cast<long long>(sheet.resimulated_from_tick()));
+  }
   if (sheet.intersections() > 0) {
     text += format("\n  %lld %s", static_cast<long long>(sheet.intersections()),
                    sheet.intersections() == 1 ? "intersection" : "intersections");

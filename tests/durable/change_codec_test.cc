@@ -17,6 +17,7 @@ TEST(ChangeCodec, KeepsATickWithItsCommandsInOrder) {
   const host::TickEvent tick{
       {scenes::line_cut({0.0, 0.5}, {1.0, 0.5}), scene::Drag{"x", {1.0, 2.0, 3.0}}, scene::Reset{true}},
       {{1, {40, 7}}},
+      {1},
       true};
   const auto got = std::get<host::TickEvent>(sent(tick));
   ASSERT_EQ(got.commands.size(), 3U);
@@ -27,6 +28,7 @@ TEST(ChangeCodec, KeepsATickWithItsCommandsInOrder) {
   EXPECT_EQ(got.settled[0].index, 1U);
   EXPECT_EQ(got.settled[0].id.at_tick, 40);
   EXPECT_EQ(got.settled[0].id.number, 7);
+  EXPECT_EQ(got.of_streams, std::vector<std::size_t>{1});
   EXPECT_TRUE(got.is_apply);
   EXPECT_FALSE(std::get<host::TickEvent>(sent(host::TickEvent{})).is_apply);
 }

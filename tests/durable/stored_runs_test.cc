@@ -35,6 +35,7 @@ class StoredRuns : public testing::Test {
     state.run.changes = host::SceneChanges(true, 4, 2);
     state.run.speed = 0.5;
     state.run.attachment = "cuts";
+    state.run.stream_grabs = {"hand"};
     store_->save({1, last_, tick, 0, 0, 0, name, encode_state(state)}, nullptr);
   }
   Result<host::StoredRun> run() {
@@ -49,7 +50,7 @@ class StoredRuns : public testing::Test {
 
 TEST_F(StoredRuns, WithoutAStateHaveAllChanges) {
   append(3, host::RunEvent{true, 1.0});
-  append(8, host::TickEvent{{scene::UndoCut{}}, {}, false});
+  append(8, host::TickEvent{{scene::UndoCut{}}, {}, {}, false});
   store_->mark({{1, 40}});
   const host::StoredRun found = run().value();
   EXPECT_EQ(found.id, "a");
@@ -92,6 +93,7 @@ TEST_F(StoredRuns, HaveTheNewestStateTheNamedOnesAndTheChangesAfterIt) {
   EXPECT_EQ(found.state->run.scheduled.at(0).id.number, 3);
   EXPECT_EQ(found.state->run.changes.resets(), 4);
   EXPECT_EQ(found.state->run.attachment, "cuts");
+  EXPECT_EQ(found.state->run.stream_grabs, std::vector<std::string>{"hand"});
   ASSERT_EQ(found.named.size(), 1U);
   EXPECT_EQ(found.named[0].status.id, "mine");
   ASSERT_EQ(found.changes.size(), 1U);

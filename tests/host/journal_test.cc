@@ -47,6 +47,37 @@ TEST_F(JournalTest, ACutIsAnsweredAndShownOnceItIsDurable) {
   EXPECT_EQ(read.at(0)->tick, answers.at(0)->reply.tick + 9) << "time has passed meanwhile";
 }
 
+TEST_F(JournalTest, ViewersLearnThatAChangeWaits) {
+  for (const bool is_paused : {false, true}) {
+    SCOPED_TRACE(is_paused);
+    create("a", small_sheet(), is_paused);
+    const auto sink = std::make_shared<RecordingSnapshots>();
+    host_->add_sink("a", sink, [](const auto&) {});
+    run_for(2 * kTick);
+    const auto before = sink->snapshots();
+    journal_.hold();
+    host_->submit("a", cut(), [](const auto&) {});
+    run_for(1300ms);
+    std::vector<std::int32_t> told;
+    for (const auto& snapshot : sink->snapshots()) {
+      EXPECT_EQ(snapshot->positions.cols(), before.back()->positions.cols());
+      EXPECT_LE(snapshot->tick, before.back()->tick);
+      if (snapshot->stats.unconfirmed_ms > 0) told.push_back(snapshot->stats.unconfirmed_ms);
+    }
+    EXPECT_EQ(told, (std::vector<std::int32_t>{250, 500, 750, 1000, 1250}));
+    journal_.let_go();
+    run_for(1300ms);
+    EXPECT_EQ(sink->snapshots().back()->stats.unconfirmed_ms, 0);
+    EXPECT_GT(sink->snapshots().back()->positions.cols(), before.back()->positions.cols());
+    const auto after = sink->snapshots().size();
+    run_for(1300ms);
+    EXPECT_EQ(sink->snapshots().size(), after + (is_paused ? 0 : 65)) << "nothing is repeated that does not wait";
+    Answers<Nothing> deleted;
+    host_->delete_sheet("a", deleted.callback());
+    host_->wait_idle();
+  }
+}
+
 TEST_F(JournalTest, WhatHandsDoIsShownAtOnceAndAnsweredOnceItIsDurable) {
   create("a", small_sheet());
   const auto sink = std::make_shared<RecordingSnapshots>();

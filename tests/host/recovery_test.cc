@@ -122,6 +122,63 @@ TEST_F(RecoveryTest, AStepOfAPausedSheetIsNotLost) {
   EXPECT_EQ(again->recovered.status.state_hash, stepped.state_hash);
 }
 
+scene::Command grab(const char* id, mesh::VertexId vertex) {
+  return scene::Grab{id, vertex, Eigen::Vector3d(0.5, 0.5, 0.3), 0.0};
+}
+
+// Returns the ids of the grabs of the sheet "a".
+std::vector<std::string> grabs_of(Host& host) {
+  std::vector<std::string> ids;
+  host.inspect(
+      "a",
+      [&](const sheet::Sheet& sheet) {
+        for (const sheet::GrabState& grab : sheet.grabs()) ids.push_back(grab.grab_id);
+      },
+      [](const auto&) {});
+  host.wait_idle();
+  return ids;
+}
+
+TEST_F(RecoveryTest, GrabsOfStreamsAreReleasedAndOthersAreKept) {
+  for (const bool is_saved : {false, true}) {
+    SCOPED_TRACE(is_saved);
+    if (is_saved) save_always();
+    create("a", small_sheet());
+    const auto ignore = [](const auto&) {};
+    host_->submit("a", grab("hand", 3), ignore, nullptr, true);
+    host_->submit("a", grab("script", 5), ignore);
+    host_->submit("a", grab("gone", 7), ignore, nullptr, true);
+    run_for(3 * kTick);
+    host_->release_grab("a", "gone");
+    run_for(3 * kTick);
+    const std::unique_ptr<Again> again = crash();
+    again->clock.move_to(again->clock.now() + 3 * kTick);
+    EXPECT_EQ(grabs_of(*again->host), std::vector<std::string>{"script"});
+    const std::unique_ptr<Again> later =
+        std::make_unique<Again>(again->journal.run_of(again->journal.sheets().begin()->second));
+    EXPECT_EQ(grabs_of(*later->host), std::vector<std::string>{"script"}) << "the release is journaled";
+    Answers<Nothing> deleted;
+    host_->delete_sheet("a", deleted.callback());
+    host_->wait_idle();
+  }
+}
+
+TEST_F(RecoveryTest, ARestoredStateHasNoHandsOfStreams) {
+  create("a", small_sheet());
+  const auto ignore = [](const auto&) {};
+  host_->submit("a", grab("hand", 3), ignore, nullptr, true);
+  host_->submit("a", grab("script", 5), ignore);
+  run_for(3 * kTick);
+  host_->save_state("a", "s", false, ignore);
+  run_for(3 * kTick);
+  host_->release_grab("a", "hand");
+  run_for(3 * kTick);
+  host_->restore_state("a", "s", ignore);
+  host_->wait_idle();
+  run_for(3 * kTick);
+  EXPECT_EQ(grabs_of(*host_), std::vector<std::string>{"script"});
+}
+
 TEST_F(RecoveryTest, ASheetThatSleptSleeps) {
   create("a", at_50_hz(scenes::lying_on_floor(6)));
   run_for(400 * kTick);
@@ -138,6 +195,7 @@ TEST_F(RecoveryTest, AHashThatDiffersIsReported) {
   run.changes.at(0).state_hash ^= 1U;
   const Again again(run);
   EXPECT_EQ(again.recovered.differs_at, run.changes.at(0).tick);
+  EXPECT_EQ(again.host->statuses({"a"}).at(0).resimulated_from_tick, run.changes.at(0).tick);
 }
 
 scene::Command random_command(SeededRandom& random) {

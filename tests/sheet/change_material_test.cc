@@ -21,9 +21,10 @@ scene::SetMaterial in_part(fem::Material material, std::int32_t part) {
   return {std::move(material), part};
 }
 
-// Wool whose right half is denim, with a spot of silk in the middle.
+// Wool whose right half is denim, with a spot of silk in the middle. Ticks are short: foil takes many steps.
 scene::SheetConfig three_materials() {
   scene::SheetConfig config = scenes::hanging(11);
+  config.tick_rate_hz = 480.0;
   config.material = preset("wool");
   config.materials = {{scene::MaterialBox{{0.5, 0.0}, {1.0, 1.0}}, preset("denim")},
                       {scene::MaterialBox{{0.3, 0.3}, {0.7, 0.7}}, preset("silk")}};

@@ -232,6 +232,7 @@ TEST(FrameEncoder, HeadMergesWithSharedStats) {
   snapshot.stats.overruns = 11;
   snapshot.stats.paused = true;
   snapshot.stats.intersections = 12;
+  snapshot.stats.unconfirmed_ms = 1300;
   const std::string body = encode_raw_body(quantise_frame(snapshot, std::nullopt));
   v1::WatchResponse response;
   ASSERT_TRUE(response.ParseFromString(encode_frame_head(9, 4, "abc-1", body.size()) + body));
@@ -242,6 +243,7 @@ TEST(FrameEncoder, HeadMergesWithSharedStats) {
   EXPECT_EQ(response.frame().stats().overruns(), 11);
   EXPECT_TRUE(response.frame().stats().paused());
   EXPECT_EQ(response.frame().stats().intersections(), 12);
+  EXPECT_EQ(response.frame().stats().unconfirmed_ms(), 1300);
   EXPECT_EQ(response.frame().stats().pieces(), 3);
 }
 

@@ -38,6 +38,20 @@ describe('StatusLine', () => {
     expect(page['status-intersecting'].hidden).toBe(true);
   });
 
+  it('says how long changes wait to be stored, while some do', () => {
+    const page: Record<string, { textContent: string; dataset: object; hidden?: boolean }> = {};
+    vi.stubGlobal('document', { getElementById: (id: string) => (page[id] ??= { textContent: '', dataset: {} }) });
+    const status = new StatusLine();
+    const update = (stats: object) => {
+      status.update({ tick: 1, numVertices: 4, numPieces: 1, stats: create(FrameStatsSchema, stats) }, 17, 0);
+    };
+    update({ unconfirmedMs: 1250 });
+    expect(page['status-unconfirmed'].hidden).toBe(false);
+    expect(page['status-unconfirmed-time'].textContent).toBe('1.3 s');
+    update({});
+    expect(page['status-unconfirmed'].hidden).toBe(true);
+  });
+
   it('says in words that the sheet does not move, and how often its view is drawn', () => {
     const page: Record<string, { textContent: string; dataset: object }> = {};
     vi.stubGlobal('document', { getElementById: (id: string) => (page[id] ??= { textContent: '', dataset: {} }) });

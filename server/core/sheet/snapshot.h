@@ -47,6 +47,8 @@ struct RunStats {
   bool paused = false;
   bool sleeping = false;
   bool failed = false;  // frozen, see Sheet::frozen()
+  std::int32_t unconfirmed_ms =
+      0;  // ms for which changes have waited to be durable, and so are not shown; 0: none wait
 };
 
 // A sheet after one tick. Immutable.

@@ -137,6 +137,7 @@ v1::Sheet encode_sheet(const host::SheetStatus& status) {
   v1::Sheet sheet;
   sheet.set_name(sheet_name(status.id));
   sheet.set_created_unix_us(status.created_unix_us);
+  if (status.resimulated_from_tick) sheet.set_resimulated_from_tick(*status.resimulated_from_tick);
   sheet.set_run_state(encode_run_state(status.run_state));
   sheet.set_tick(status.tick);
   sheet.set_topology_version(status.topology_version);

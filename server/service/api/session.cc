@@ -249,10 +249,12 @@ void Session::set_frame_rate(const v1::WatchPace& pace) {
 
 void Session::submit(const std::string& grab_id, Result<scene::Command> command) {
   if (!command.ok()) return reject(grab_id, command.error());
-  core_->host.submit(sheet_id_, *command,
-                     [self = shared_from_this(), grab_id, command = *command](Result<host::CommandResult> result) {
-                       self->answered(grab_id, command, result.ok() ? Status(Nothing{}) : Status(result.error()));
-                     });
+  core_->host.submit(
+      sheet_id_, *command,
+      [self = shared_from_this(), grab_id, command = *command](Result<host::CommandResult> result) {
+        self->answered(grab_id, command, result.ok() ? Status(Nothing{}) : Status(result.error()));
+      },
+      nullptr, true);
 }
 
 void Session::answered(const std::string& grab_id, const scene::Command& command, const Status& status) {

@@ -24,6 +24,7 @@ v1::TickChange encode_tick(const host::TickEvent& tick) {
     each.set_number(settled.id.number);
     each.set_at_tick(settled.id.at_tick);
   }
+  for (const std::size_t index : tick.of_streams) message.add_of_streams(static_cast<std::int32_t>(index));
   message.set_is_apply(tick.is_apply);
   return message;
 }
@@ -53,9 +54,14 @@ Result<host::SheetEvent> decode_tick(const v1::TickChange& message) {
     if (!command.ok()) return damaged("a command is refused: " + command.error().message);
     tick.commands.push_back(std::move(*command));
   }
+  const auto is_command = [&](std::int32_t index) { return index >= 0 && index < message.commands_size(); };
   for (const v1::SettledCommand& settled : message.settled()) {
-    if (settled.index() < 0 || settled.index() >= message.commands_size()) return damaged("it has no such command");
+    if (!is_command(settled.index())) return damaged("it has no such command");
     tick.settled.push_back({static_cast<std::size_t>(settled.index()), {settled.at_tick(), settled.number()}});
+  }
+  for (const std::int32_t index : message.of_streams()) {
+    if (!is_command(index)) return damaged("it has no such command");
+    tick.of_streams.push_back(static_cast<std::size_t>(index));
   }
   tick.is_apply = message.is_apply();
   return host::SheetEvent(std::move(tick));

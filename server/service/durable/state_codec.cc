@@ -24,6 +24,7 @@ std::string encode_state(const host::SavedState& state) {
   message.set_recording_given_up_at(run.recording.given_up_at);
   message.set_is_paused(run.paused);
   message.set_speed(run.speed);
+  message.mutable_stream_grabs()->Add(run.stream_grabs.begin(), run.stream_grabs.end());
   message.set_attachment(run.attachment);
   message.set_name(state.status.id);
   message.set_tick(state.status.tick);
@@ -56,6 +57,7 @@ Result<host::SavedState> decode_state(std::string_view bytes) {
                    message.recording_given_up_at()};
   run.paused = message.is_paused();
   run.speed = message.speed();
+  run.stream_grabs.assign(message.stream_grabs().begin(), message.stream_grabs().end());
   run.attachment = std::move(*message.mutable_attachment());
   state.status.id = message.name();
   state.status.tick = message.tick();

@@ -10,13 +10,13 @@ CommandQueue::CommandQueue(std::int32_t max_queued, std::int32_t max_scheduled, 
     : max_queued_(max_queued), max_scheduled_(max_scheduled), board_(board) {}
 
 Status CommandQueue::push(scene::Command command, Callback<CommandResult>& done, Nanoseconds now,
-                          RequestName<CommandResult> request) {
+                          RequestName<CommandResult> request, bool is_of_stream) {
   const std::lock_guard lock(mutex_);
   if (queued_.size() >= static_cast<std::size_t>(max_queued_)) {
     return resource_exhausted("QUEUE_FULL", "the sheet has " + std::to_string(max_queued_) +
                                                 " commands waiting, its limit; try again after a tick");
   }
-  push_locked({std::move(command), std::move(done), now, {}, false, std::move(request)});
+  push_locked({std::move(command), std::move(done), now, {}, false, std::move(request), is_of_stream});
   return Nothing{};
 }
 

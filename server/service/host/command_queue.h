@@ -22,6 +22,7 @@ struct PendingCommand {
   ScheduleId schedule_id{};      // Zeros for a command that was never scheduled.
   bool is_repeat = false;        // A Reset by the sheet itself, to repeat its scene.
   RequestName<CommandResult> request{};
+  bool is_of_stream = false;  // See Host::submit().
 };
 
 // Holds the waiting commands of one sheet. Queued commands wait for the next tick boundary, scheduled ones for a given
@@ -43,7 +44,7 @@ class CommandQueue {
   // Queues a command at time `now`. If the queue is full, returns kResourceExhausted QUEUE_FULL and leaves `done`
   // unmoved, so that the caller can still call it.
   Status push(scene::Command command, Callback<CommandResult>& done, Nanoseconds now,
-              RequestName<CommandResult> request = nullptr);
+              RequestName<CommandResult> request = nullptr, bool is_of_stream = false);
   // Queues a Release of a grab even if the queue is full. Neither a caller nor the listener gets its outcome.
   void push_release(std::string grab_id, Nanoseconds now);
   // Removes all queued commands and returns them in the order they came.

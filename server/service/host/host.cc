@@ -159,9 +159,10 @@ std::vector<SheetStatus> Host::statuses(const std::vector<std::string>& ids) con
 }
 
 void Host::submit(const std::string& id, scene::Command command, Callback<CommandResult> done,
-                  RequestName<CommandResult> request) {
+                  RequestName<CommandResult> request, bool is_of_stream) {
   const std::shared_ptr<SheetRunner> runner = find(id);
-  const Status accepted = runner ? runner->enqueue(std::move(command), done, std::move(request)) : Status(missing(id));
+  const Status accepted =
+      runner ? runner->enqueue(std::move(command), done, std::move(request), is_of_stream) : Status(missing(id));
   if (accepted.ok()) return;
   board_.update([](HostMetrics& m) { ++m.commands_refused; });
   done(accepted.error());

@@ -131,9 +131,10 @@ class Host {
   // done at once, without advancing time. `done` receives kResourceExhausted QUEUE_FULL within this call, or the
   // sheet's own errors once the command is due. scene::validate() must accept the command, as it accepts every command
   // decoded by wire. The sheet refuses any other command when it is due, but a recording of that command cannot be
-  // read.
+  // read. `is_of_stream`: a Grab ends with a connection, whose owner calls release_grab(). If a crash comes first, the
+  // grab is released as the sheet is recovered. So it is as a state is restored.
   void submit(const std::string& id, scene::Command command, Callback<CommandResult> done,
-              RequestName<CommandResult> request = nullptr);
+              RequestName<CommandResult> request = nullptr, bool is_of_stream = false);
   // Schedules a command for the start of tick `at_tick`, before commands queued at that time. Commands scheduled for
   // one tick run in the order in which they were scheduled. `done` receives the command's number once it is scheduled;
   // the listener receives its outcome. A sheet with a scheduled command does not fall asleep, and a Reset does not

@@ -23,8 +23,9 @@ struct SavedRun {
   fem::FlagCounts flagged_ticks{};
   KeptEntries recording;  // The run that led here.
   bool paused = false;
-  double speed = 1.0;      // -, see Host::set_speed()
-  std::string attachment;  // Bytes of the caller, who alone reads them.
+  double speed = 1.0;                     // -, see Host::set_speed()
+  std::vector<std::string> stream_grabs;  // Grabs that end with their streams.
+  std::string attachment;                 // Bytes of the caller, who alone reads them.
 
   // Returns the memory that it takes, bytes, counted by sizes and never by capacities.
   [[nodiscard]] std::size_t num_bytes() const {

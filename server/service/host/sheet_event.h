@@ -20,6 +20,8 @@ struct SettledCommand {
 struct TickEvent {
   std::vector<scene::Command> commands;
   std::vector<SettledCommand> settled;
+  // Those of grabs that end with their stream, and so with the process: indices into `commands`.
+  std::vector<std::size_t> of_streams;
   bool is_apply = false;  // Time stood still; else a tick followed the commands.
 };
 

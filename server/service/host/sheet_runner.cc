@@ -36,6 +36,7 @@ SheetRunner::SheetRunner(std::string id, sheet::Sheet sheet, Context context, Wo
       clock_(period_of(sheet_), context_.slip, context_.clock),
       metrics_(context_.board, WorkerNeed(period_of(sheet_), expected_tick(sheet_))),
       recorder_(KeptRecording(context_.options.encode_tick, context_.options.max_recording_bytes)),
+      held_timer_(context_.clock),
       vertices_(std::move(vertices)),
       unsaved_(context_.unsaved),
       serial_(context_.serial) {}
@@ -54,9 +55,10 @@ void SheetRunner::post(std::function<void(SheetRunner&)> work, std::function<voi
   if (!posted) refuse(host_stopping());
 }
 
-Status SheetRunner::enqueue(scene::Command command, Callback<CommandResult>& done, RequestName<CommandResult> request) {
+Status SheetRunner::enqueue(scene::Command command, Callback<CommandResult>& done, RequestName<CommandResult> request,
+                            bool is_of_stream) {
   KERF_TRY(journal_.check_room());
-  KERF_TRY(queue_.push(std::move(command), done, context_.clock.now(), std::move(request)));
+  KERF_TRY(queue_.push(std::move(command), done, context_.clock.now(), std::move(request), is_of_stream));
   announce_commands();
   return Nothing{};
 }
@@ -107,6 +109,7 @@ void SheetRunner::close(sheet::SinkEnd reason) {
     }
   };
   stop_clock();
+  held_timer_.stop();
   for (PendingCommand& pending : queue_.take_queued()) attempt([&] { pending.done(closed_error()); });
   if (step_call_) attempt([&] { finish_step(closed_error()); });
   attempt([&] { journal_.give_up(closed_error()); });
@@ -315,7 +318,9 @@ void SheetRunner::refresh_sink(const std::shared_ptr<sheet::SnapshotSink>& sink)
 }
 
 void SheetRunner::remove_sink(const std::shared_ptr<sheet::SnapshotSink>& sink) {
-  if (sinks_.remove(sink)) metrics_.sink_removed();
+  if (!sinks_.remove(sink)) return;
+  metrics_.sink_removed();
+  if (sinks_.is_empty()) shown_.reset();
 }
 
 }  // namespace kerf::host

@@ -6,6 +6,7 @@
 #include <memory>
 #include <new>
 #include <optional>
+#include <set>
 #include <stop_token>
 #include <string>
 #include <utility>
@@ -43,6 +44,7 @@
 #include "server/service/host/tick_scale.h"
 #include "server/service/host/unsaved_work.h"
 #include "server/service/host/vertex_budget.h"
+#include "server/service/host/wake_timer.h"
 #include "server/service/host/workers.h"
 
 namespace kerf::host {
@@ -78,7 +80,8 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
 
   // Queues a command, from any thread. On kResourceExhausted QUEUE_FULL `done` is left unmoved.
   // The same for errors of Journal::check_room().
-  Status enqueue(scene::Command command, Callback<CommandResult>& done, RequestName<CommandResult> request);
+  Status enqueue(scene::Command command, Callback<CommandResult>& done, RequestName<CommandResult> request,
+                 bool is_of_stream);
   // Queues a release, from any thread, even if the queue is full.
   void release_grab(std::string grab_id);
   // Returns the last status without state hash, from any thread, after begin().
@@ -195,6 +198,8 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   void continue_as(const RunEvent& run);
   // Releases what waited for this.
   void became_durable(SheetJournal::Kind kind, std::int64_t number);
+  // Releases the grabs of streams, which have not held them since the sheet was as it is now.
+  void release_stream_grabs();
   // Returns the sheet as it is, with this id.
   [[nodiscard]] SavedState make_state(std::string state_id) const;
   // Returns the state as the journal keeps it.
@@ -260,6 +265,11 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   [[nodiscard]] sheet::RunStats run_stats() const;
   void publish();
   void publish_to(sheet::SnapshotSink& sink);
+  void show(std::shared_ptr<const sheet::Snapshot> snapshot);
+  // Keeps a snapshot from the sinks until the last edit is durable, and tells them now and then that one waits.
+  void hold_back(std::shared_ptr<const sheet::Snapshot> snapshot);
+  void tell_unconfirmed_at(Nanoseconds time);
+  void tell_unconfirmed();
 
   const std::string id_;
   const Context context_;
@@ -285,7 +295,11 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   SheetJournal journal_;
   HeldBack<SheetStatus> held_status_;                               // For last_status_.
   HeldBack<std::shared_ptr<const sheet::Snapshot>> held_snapshot_;  // For sinks_.
+  std::optional<Nanoseconds> held_since_;                           // Time of the first edit that is held back.
+  WakeTimer held_timer_;
+  std::shared_ptr<const sheet::Snapshot> shown_;  // The last that sinks got; null without a journal.
   SceneChanges changes_;
+  std::set<std::string> stream_grabs_;  // Grabs that end with their streams; those of a sheet that was reset, too.
   TickScale tick_scale_;
   const std::shared_ptr<VertexShare> vertices_;
   fem::StepStats last_step_;         // Statistics of the last tick that advanced time.
@@ -293,6 +307,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   std::optional<StepCall> step_call_;
   bool turn_posted_ = false;  // A take_turn() is posted.
   std::int64_t created_unix_us_ = 0;
+  std::optional<std::int64_t> resimulated_from_tick_;
   UnsavedShare unsaved_;       // CPU time of the ticks since the sheet was last saved in the journal.
   Nanoseconds saving_cpu_{0};  // CPU time that saving it took the last time.
   bool is_unsaved_ = false;    // It was stepped or changed since.

@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <chrono>
+#include <memory>
 #include <utility>
 
 #include "server/base/memory_headroom.h"
@@ -12,7 +14,8 @@ namespace kerf::host {
 namespace {
 
 constexpr int kSavingShare = 20;  // CPU time of ticks over that of saving, at least: large sheets are saved less often.
-constexpr int kIdleShare = 64;    // Divides the limit for sheets that are paused or asleep.
+constexpr Nanoseconds kTellPeriod = std::chrono::milliseconds(250);  // Between frames that say that changes wait.
+constexpr int kIdleShare = 64;  // Divides the limit for sheets that are paused or asleep.
 
 }  // namespace
 
@@ -44,8 +47,44 @@ void SheetRunner::became_durable(SheetJournal::Kind kind, std::int64_t number) {
   if (kind == SheetJournal::Kind::kRestore) journal_.restore_became_durable(number);
   if (kind == SheetJournal::Kind::kChange) journal_.became_durable(number);
   if (auto status = held_status_.take(journal_.durable())) last_status_.set(std::move(*status));
-  if (auto snapshot = held_snapshot_.take(journal_.durable())) sinks_.publish(*snapshot);
+  if (auto snapshot = held_snapshot_.take(journal_.durable())) {
+    held_since_.reset();
+    if (journal_.holds_back()) held_since_ = context_.clock.now();  // A later edit is.
+    show(std::move(*snapshot));
+  }
   save_if_due();
+}
+
+void SheetRunner::hold_back(std::shared_ptr<const sheet::Snapshot> snapshot) {
+  held_snapshot_.add(journal_.last_edit(), std::move(snapshot));
+  if (held_since_) return;
+  held_since_ = context_.clock.now();
+  tell_unconfirmed_at(*held_since_ + kTellPeriod);
+}
+
+void SheetRunner::tell_unconfirmed_at(Nanoseconds time) {
+  held_timer_.wake_at(time, [weak = weak_from_this(), strand = strand_] {
+    strand.post([weak] {
+      const auto self = weak.lock();
+      if (self) self->keep_or_lose([&] { self->tell_unconfirmed(); });
+    });
+  });
+}
+
+// Repeats the last snapshot that sinks got, which differs in what it says of the wait.
+void SheetRunner::tell_unconfirmed() {
+  held_timer_.fired();
+  if (closed_ || !held_since_) return;
+  const Nanoseconds now = context_.clock.now();
+  const Nanoseconds waited = now - *held_since_;
+  if (waited < kTellPeriod) return tell_unconfirmed_at(*held_since_ + kTellPeriod);
+  if (shown_ && sinks_.want_snapshot()) {
+    sheet::Snapshot told = *shown_;
+    told.stats.unconfirmed_ms =
+        static_cast<std::int32_t>(std::chrono::duration_cast<std::chrono::milliseconds>(waited).count());
+    sinks_.publish(std::make_shared<const sheet::Snapshot>(std::move(told)));
+  }
+  tell_unconfirmed_at(now + kTellPeriod);
 }
 
 // Saves the sheet if repeating what it did since the last time would take long. Only between changes that are durable:

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cstddef>
 #include <utility>
 #include <variant>
 
@@ -26,6 +27,7 @@ Result<std::optional<std::int64_t>> SheetRunner::recover(const StoredRun& run) {
     }
   }
   KERF_TRY(advance_to(run.mark_tick));
+  resimulated_from_tick_ = differs_at;
   keep_in(*context_.options.journal, run.sheet, run.last_seq);
   continue_as(last);
   return differs_at;
@@ -36,6 +38,7 @@ Status SheetRunner::take_over(const SavedRun& run) {
   queue_.replace_scheduled(run.scheduled, run.last_schedule_number);
   changes_ = run.changes;
   flagged_ticks_ = run.flagged_ticks;
+  stream_grabs_ = {run.stream_grabs.begin(), run.stream_grabs.end()};
   recorder_.replace(run.recording, "the sheet was made again from the data folder; its earlier run is in another file");
   const auto attachments = context_.attachments.get();
   if (attachments && attachments->load) attachments->load(id_, run.attachment);
@@ -82,6 +85,7 @@ Status SheetRunner::repeat_tick(const TickEvent& tick) {
     pending[settled.index].schedule_id = settled.id;
     KERF_TRY(queue_.cancel(settled.id.number));
   }
+  for (const std::size_t index : tick.of_streams) pending[index].is_of_stream = true;
   return run_commands(!tick.is_apply, std::move(pending)) ? Status(Nothing{}) : Status(host_stopping());
 }
 
@@ -98,6 +102,7 @@ void SheetRunner::continue_as(const RunEvent& run) {
 }
 
 void SheetRunner::start_recovered() {
+  release_stream_grabs();
   if (run_state() == RunState::kRunning && !clock_.has_timer()) start_clock();
 }
 

@@ -45,6 +45,7 @@ SavedState SheetRunner::make_state(std::string state_id) const {
   run.recording = recorder_.kept();
   run.paused = clock_.is_paused();
   run.speed = clock_.pace().speed();
+  run.stream_grabs.assign(stream_grabs_.begin(), stream_grabs_.end());
   const auto attachments = context_.attachments.get();
   if (attachments && attachments->save) run.attachment = attachments->save(id_);
   const sheet::SavedHeader header = sheet::read_saved_header(*run.sheet).value();
@@ -88,6 +89,7 @@ Status SheetRunner::continue_from(const SavedRun& run, sheet::Sheet sheet, std::
   queue_.replace_scheduled(std::move(scheduled), run.last_schedule_number);
   changes_ = run.changes;
   flagged_ticks_ = run.flagged_ticks;
+  stream_grabs_ = {run.stream_grabs.begin(), run.stream_grabs.end()};
   recorder_.replace(std::move(recording), "the sheet went back to a saved state, which a recording cannot express");
   last_step_ = {};
   repeats_now_ = false;
@@ -104,7 +106,18 @@ Status SheetRunner::continue_from(const SavedRun& run, sheet::Sheet sheet, std::
   publish_status();
   if (run_state() == RunState::kRunning) start_clock();
   publish();
+  release_stream_grabs();
   return Nothing{};
+}
+
+void SheetRunner::release_stream_grabs() {
+  bool is_any = false;
+  for (const sheet::GrabState& grab : sheet_.grabs()) {
+    if (!stream_grabs_.contains(grab.grab_id)) continue;
+    queue_.push_release(grab.grab_id, context_.clock.now());
+    is_any = true;
+  }
+  if (is_any) commands_arrived();
 }
 
 }  // namespace kerf::host

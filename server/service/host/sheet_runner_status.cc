@@ -12,7 +12,8 @@ void SheetRunner::publish_to(sheet::SnapshotSink& sink) {
   if (!sink.wants_snapshot()) return;
   metrics_.snapshot_built();
   std::shared_ptr<const sheet::Snapshot> snapshot = sheet_.snapshot(run_stats(), sink.wants_strains());
-  if (journal_.holds_back()) return held_snapshot_.add(journal_.last_edit(), std::move(snapshot));
+  if (journal_.holds_back()) return hold_back(std::move(snapshot));
+  shown_ = snapshot;
   sink.publish(std::move(snapshot));
 }
 
@@ -20,7 +21,12 @@ void SheetRunner::publish() {
   if (!sinks_.want_snapshot()) return;
   std::shared_ptr<const sheet::Snapshot> snapshot = sheet_.snapshot(run_stats(), sinks_.want_strains());
   metrics_.snapshot_built();
-  if (journal_.holds_back()) return held_snapshot_.add(journal_.last_edit(), std::move(snapshot));
+  if (journal_.holds_back()) return hold_back(std::move(snapshot));
+  show(std::move(snapshot));
+}
+
+void SheetRunner::show(std::shared_ptr<const sheet::Snapshot> snapshot) {
+  if (journal_.is_on()) shown_ = snapshot;
   sinks_.publish(snapshot);
 }
 
@@ -39,6 +45,7 @@ SheetStatus SheetRunner::unhashed_status() const {
   SheetStatus status;
   status.id = id_;
   status.created_unix_us = created_unix_us_;
+  status.resimulated_from_tick = resimulated_from_tick_;
   status.run_state = run_state();
   status.tick = sheet_.tick();
   status.scene_tick = sheet_.scene_tick();

@@ -122,12 +122,13 @@ bool SheetRunner::run_commands(bool advance, std::vector<PendingCommand> taken) 
 
 void SheetRunner::store_tick(TickOutcome& outcome, bool is_apply) {
   if (!journal_.is_on() || outcome.commands.empty()) return;
-  TickEvent event{std::move(outcome.commands), {}, is_apply};
+  TickEvent event{std::move(outcome.commands), {}, {}, is_apply};
   std::vector<StoredRequest> requests;
   const std::vector<PendingCommand>& pending = outcome.answers.pending();
   const std::size_t num_scheduled = outcome.results.size() - pending.size();
   for (std::size_t i = 0; i < pending.size(); ++i) {
     if (pending[i].schedule_id.number > 0) event.settled.push_back({i, pending[i].schedule_id});
+    if (pending[i].is_of_stream) event.of_streams.push_back(i);
     const Result<CommandResult>& result = outcome.results[num_scheduled + i];
     if (!result.ok()) continue;
     for (StoredRequest& request : journal_.answered(pending[i].request, *result))
@@ -142,7 +143,12 @@ void SheetRunner::count_changes(const std::vector<PendingCommand>& pending, cons
                                 const sheet::TickReport& report) {
   for (std::size_t i = 0; i < commands.size(); ++i) {
     const Result<scene::CommandReply>& reply = report.replies[i];
-    if (reply.ok() && !pending[i].is_repeat) changes_.command_done(commands[i], *reply);
+    if (!reply.ok()) continue;
+    if (!pending[i].is_repeat) changes_.command_done(commands[i], *reply);
+    const auto* const grab = std::get_if<scene::Grab>(&commands[i]);
+    const auto* const release = std::get_if<scene::Release>(&commands[i]);
+    if (grab != nullptr && pending[i].is_of_stream) stream_grabs_.insert(grab->grab_id);
+    if (release != nullptr) stream_grabs_.erase(release->grab_id);
   }
 }
 

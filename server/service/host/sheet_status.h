@@ -39,6 +39,8 @@ struct TickEstimate {
 struct SheetStatus {
   std::string id;
   std::int64_t created_unix_us = 0;  // us since 1970; older than the server for a sheet of its store.
+  // Tick from which on a recovered sheet differs from what it was.
+  std::optional<std::int64_t> resimulated_from_tick;
   RunState run_state = RunState::kRunning;
   std::int64_t tick = 0;
   std::int32_t topology_version = 0;

@@ -15,6 +15,7 @@ class SnapshotSinks {
   void add(std::shared_ptr<sheet::SnapshotSink> sink) { sinks_.push_back(std::move(sink)); }
   // Returns false if it was not added.
   bool remove(const std::shared_ptr<sheet::SnapshotSink>& sink);
+  [[nodiscard]] bool is_empty() const { return sinks_.empty(); }
   [[nodiscard]] bool contains(const std::shared_ptr<sheet::SnapshotSink>& sink) const;
   // Returns the number of viewers that all sinks together feed.
   [[nodiscard]] std::int32_t num_viewers() const;

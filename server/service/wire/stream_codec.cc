@@ -32,6 +32,7 @@ void encode_stats(const sheet::RunStats& stats, const sheet::Topology& topology,
   message.set_intersections(stats.intersections);
   message.set_resets(stats.resets);
   message.set_resets_undone(stats.resets_undone);
+  message.set_unconfirmed_ms(stats.unconfirmed_ms);
 }
 
 void encode_end(EndReason reason, v1::Ended& message) {

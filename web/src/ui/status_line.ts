@@ -10,8 +10,8 @@ const kMostPictures = 480;
 const kNothing = '–';
 
 /**
- * Shows tick, real-time factor, vertices, pieces, frame age and drawn frames per second. Pairs of triangles that pass
- * through each other are shown while there are any.
+ * Shows tick, real-time factor, vertices, pieces, frame age and drawn frames per second. Shows pairs of triangles that
+ * pass through each other, and how long changes have waited to be stored, while there are any.
  */
 export class StatusLine {
   private readonly tick = element('status-tick');
@@ -20,6 +20,8 @@ export class StatusLine {
   private readonly pieces = element('status-pieces');
   private readonly intersecting = element('status-intersecting');
   private readonly intersections = element('status-intersections');
+  private readonly unconfirmed = element('status-unconfirmed');
+  private readonly unconfirmedTime = element('status-unconfirmed-time');
   private readonly age = element('status-age');
   private readonly fps = element('status-fps');
   private readonly pictures = new SampleWindow(kFpsWindowMs, kMostPictures);
@@ -46,6 +48,8 @@ export class StatusLine {
     this.realTime.dataset.level = isBehind(stats) ? 'warn' : '';
     this.intersecting.hidden = !stats?.intersections;
     setText(this.intersections, stats?.intersections.toLocaleString('en') ?? kNothing);
+    this.unconfirmed.hidden = !stats?.unconfirmedMs;
+    setText(this.unconfirmedTime, ageText(stats?.unconfirmedMs));
     setText(this.age, still ? kCurrent : ageText(sheet && ageMs));
   }
 }
