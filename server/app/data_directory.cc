@@ -22,15 +22,17 @@ Result<std::variant<Config, Notice>> check_kept_sheets(const std::string& folder
     return invalid_argument(report.error().reason, "--check-store: " + report.error().message, "--check-store");
   }
   const store::StoreInfo& info = report->info;
+  const std::size_t num_faults = report->faults.size() + report->known_faults.size();
   Notice notice;
   for (const std::string& fault : report->faults) notice.text += "fault: " + fault + "\n";
+  for (const std::string& fault : report->known_faults) notice.text += "fault of a sheet set aside: " + fault + "\n";
   for (const std::string& file : report->orphan_files) {
     notice.text += "left over: " + file + ", which nothing names; it may be deleted\n";
   }
-  notice.text += std::to_string(info.sheets) + " sheets, " + std::to_string(info.quarantined) + " set aside, " +
+  notice.text += std::to_string(info.sheets) + " sheets, " + std::to_string(info.quarantined.size()) + " set aside, " +
                  std::to_string(info.entries) + " changes, " + std::to_string(info.states) + " states, " +
-                 std::to_string(info.requests) + " answers; " + std::to_string(report->faults.size()) + " faults\n";
-  notice.status = report->faults.empty() ? 0 : 1;
+                 std::to_string(info.requests) + " answers; " + std::to_string(num_faults) + " faults\n";
+  notice.status = num_faults == 0 ? 0 : 1;
   return std::variant<Config, Notice>(std::move(notice));
 }
 

@@ -37,6 +37,7 @@ class StoreThread {
   void commit();
   void advance_files();
   void advance_backup();
+  void end_stopped_backups();
   void advance_state();
   void remove_obsolete_files();
   void leave_full_disk();
