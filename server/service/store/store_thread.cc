@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <iterator>
+#include <new>
 #include <utility>
 
+#include "server/base/catch_exceptions.h"
 #include "server/service/store/schema.h"
 
 namespace kerf::store {
@@ -103,15 +105,21 @@ void StoreThread::advance_files() {
     return;
   }
   if (!obsolete_files_.empty()) remove_obsolete_files();
-  if (!state_ && !states_.empty()) {
-    state_.emplace(files_, options_.folder, std::move(states_.front()), tables_->next_state_number());
-    states_.pop_front();
-  }
+  if (!state_ && !states_.empty()) begin_state();
   if (state_) advance_state();
 }
 
+void StoreThread::begin_state() {
+  try {
+    state_.emplace(files_, options_.folder, states_.front(), tables_->next_state_number());
+    states_.pop_front();
+  } catch (const std::bad_alloc&) {
+    waits_for_room_ = true;  // Tries once more after a while.
+  }
+}
+
 void StoreThread::advance_backup() {
-  const Result<bool> is_last = backups_.front()->advance();
+  const Result<bool> is_last = catch_exceptions([this] { return backups_.front()->advance(); });  // no memory
   if (is_last.ok() && !*is_last) return;
   const std::unique_ptr<BackupJob> job = std::move(backups_.front());
   backups_.pop_front();
