@@ -124,10 +124,9 @@ void declare(CLI::App& parser, Arguments& arguments) {
       ->type_name("DIR")
       ->default_str("$XDG_DATA_HOME/kerf, or ~/.local/share/kerf");
   parser
-      .add_option(
-          "--max-replay-s", arguments.max_replay_s,
-          "Seconds of computation that a restart may have to repeat on each worker, 0.01..3600; less makes "
-          "restarts faster and saves sheets more often")
+      .add_option("--max-replay-s", arguments.max_replay_s,
+                  "Seconds of computation that a restart may have to repeat on each worker, 0.01..3600; less makes "
+                  "restarts faster and saves sheets more often")
       ->type_name("S")
       ->capture_default_str();
   parser
