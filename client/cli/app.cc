@@ -85,6 +85,7 @@ std::unique_ptr<CLI::App> make_app(Session& session) {
   add_analyze_command(app, session);
   add_offline_commands(app, session);
   add_load_command(app, session);
+  add_store_commands(app, session);
   add_shell_commands(app, session);
   return made;
 }

@@ -30,6 +30,7 @@ Client::Client(std::shared_ptr<grpc::Channel> channel)
       interaction_(v1::InteractionService::NewStub(channel_)),
       stream_(v1::StreamService::NewStub(channel_)),
       render_(v1::RenderService::NewStub(channel_)),
-      server_(v1::ServerService::NewStub(channel_)) {}
+      server_(v1::ServerService::NewStub(channel_)),
+      store_(v1::StoreService::NewStub(channel_)) {}
 
 }  // namespace kerf::client

@@ -13,6 +13,7 @@
 #include "kerf/v1/render.grpc.pb.h"
 #include "kerf/v1/server.grpc.pb.h"
 #include "kerf/v1/sheets.grpc.pb.h"
+#include "kerf/v1/store_service.grpc.pb.h"
 #include "kerf/v1/stream.grpc.pb.h"
 
 namespace kerf::client {
@@ -54,6 +55,7 @@ class Client {
   [[nodiscard]] v1::StreamService::Stub& stream() { return *stream_; }
   [[nodiscard]] v1::RenderService::Stub& render() { return *render_; }
   [[nodiscard]] v1::ServerService::Stub& server() { return *server_; }
+  [[nodiscard]] v1::StoreService::Stub& store() { return *store_; }
 
  private:
   std::shared_ptr<grpc::Channel> channel_;
@@ -63,6 +65,7 @@ class Client {
   std::unique_ptr<v1::StreamService::Stub> stream_;
   std::unique_ptr<v1::RenderService::Stub> render_;
   std::unique_ptr<v1::ServerService::Stub> server_;
+  std::unique_ptr<v1::StoreService::Stub> store_;
 };
 
 }  // namespace kerf::client

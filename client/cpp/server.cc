@@ -22,6 +22,20 @@ Result<v1::ServerInfo> Server::info() {
   return connection_->call(&v1::ServerService::Stub::GetServerInfo, client().server(), v1::GetServerInfoRequest());
 }
 
+Result<v1::StoreInfo> Server::store_info() {
+  return connection_->call(&v1::StoreService::Stub::GetStoreInfo, client().store(), v1::GetStoreInfoRequest());
+}
+
+Result<v1::PruneStoreResponse> Server::prune_store() {
+  return connection_->call(&v1::StoreService::Stub::PruneStore, client().store(), v1::PruneStoreRequest());
+}
+
+Result<v1::StoreBackup> Server::backup_store(const std::string& backup_id) {
+  v1::BackupStoreRequest request;
+  request.set_backup_id(backup_id);
+  return connection_->call(&v1::StoreService::Stub::BackupStore, client().store(), request);
+}
+
 Result<Sheet> Server::create(const v1::Scene& scene, const CreateOptions& options) {
   v1::CreateSheetRequest request;
   *request.mutable_scene() = scene;

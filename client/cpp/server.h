@@ -42,6 +42,12 @@ class Server {
   // Refers to an existing sheet, without a call to the server.
   [[nodiscard]] Sheet sheet(const std::string& id) const;
 
+  // The store of a server with a data folder; else FAILED_PRECONDITION NO_STORE.
+  Result<v1::StoreInfo> store_info();  // Counts, sheets that were set aside, backups.
+  Result<v1::PruneStoreResponse> prune_store();
+  // Copies the store into a folder of this id, [a-z0-9][a-z0-9-]{0,62}, in the server's folder of backups.
+  Result<v1::StoreBackup> backup_store(const std::string& backup_id);
+
   // Returns the client with all stubs, for calls that have no method here.
   [[nodiscard]] Client& client();
 

@@ -44,7 +44,9 @@ struct Arguments {
   std::vector<std::string> allowed_origins;
   std::string record_dir;
   std::string data_dir;
+  std::string backups_dir;
   std::string check_store;
+  std::string restore_store;
   double max_replay_s = Config().max_replay_s;
   bool fresh = false;
   int max_connections_per_address = Config().max_connections_per_address;
@@ -133,6 +135,16 @@ void declare(CLI::App& parser, Arguments& arguments) {
           "Check everything that is kept in this folder, change nothing, print what is wrong, and exit with 1 if "
           "anything is")
       ->type_name("DIR");
+  parser
+      .add_option("--backups", arguments.backups_dir,
+                  "Folder for backups that clients ask for; one folder for each server (default: backups in the folder "
+                  "of --data)")
+      ->type_name("DIR");
+  parser
+      .add_option(
+          "--restore-store", arguments.restore_store,
+          "Make the folder of --data, which must be missing or empty, from this backup, print what it has, and exit")
+      ->type_name("BACKUP");
   parser.add_flag("--fresh", arguments.fresh, "Replace kept sheets by those of --scene, even if clients changed them");
   parser
       .add_option(
@@ -200,6 +212,11 @@ Result<std::variant<Config, Notice>> to_config(const Arguments& arguments) {
   config.record_dir = arguments.record_dir;
   config.keeps_nothing = arguments.data_dir == "none";
   if (!config.keeps_nothing) config.data_dir = arguments.data_dir;
+  config.backups_dir = arguments.backups_dir;
+  if (config.keeps_nothing && !config.backups_dir.empty()) {
+    return invalid_argument("BACKUPS_WITHOUT_DATA",
+                            "--backups: with --data none there is nothing to back up; give --data DIR", "--backups");
+  }
   config.fresh = arguments.fresh;
   if (!(arguments.max_replay_s >= 0.01 && arguments.max_replay_s <= 3600.0)) {
     return invalid_argument("MAX_REPLAY_OUT_OF_RANGE",
@@ -271,6 +288,13 @@ Result<std::variant<Config, Notice>> parse_command_line(int argc, const char* co
     return invalid_argument("BAD_COMMAND_LINE", std::string(error.what()) + " (kerfd --help lists the options)");
   }
   if (!arguments.check_store.empty()) return check_kept_sheets(arguments.check_store);
+  if (!arguments.restore_store.empty()) {
+    if (arguments.data_dir.empty() || arguments.data_dir == "none") {
+      return invalid_argument("RESTORE_NEEDS_DATA",
+                              "--restore-store: give --data DIR as well, a folder that is missing or empty", "--data");
+    }
+    return restore_kept_sheets(arguments.restore_store, arguments.data_dir);
+  }
   if (arguments.list_render_devices) return std::variant<Config, Notice>(Notice{render_device_table()});
   return to_config(arguments);
 }

@@ -34,6 +34,7 @@ struct Config {
   std::vector<std::string> allowed_origins;   // Origins of foreign web pages that may use this server.
   std::filesystem::path record_dir;           // Folder of recordings; empty: none.
   std::filesystem::path data_dir;             // Folder in which sheets are kept; empty: they end with the server.
+  std::filesystem::path backups_dir;          // Folder of the backups of `data_dir`; empty: "backups" in that.
   bool keeps_nothing = false;                 // As asked by `--data none`.
   double max_replay_s = 2.0;                  // See host::HostOptions::max_unsaved_cpu; 0.01..3600.
   bool fresh = false;                         // Replaces kept sheets of `scenes` even if clients changed them.
@@ -68,6 +69,9 @@ Result<std::variant<Config, Notice>> parse_command_line(int argc, const char* co
 // Returns what --check-store prints of a folder of kept sheets. Errors: kInvalidArgument, with the reason of
 // store::check_store().
 Result<std::variant<Config, Notice>> check_kept_sheets(const std::string& folder);
+// Makes a folder of kept sheets from a backup, and returns what --restore-store prints. `folder` must be missing or
+// empty. Errors: kInvalidArgument, with the reason of store::restore_store(); nothing is made then.
+Result<std::variant<Config, Notice>> restore_kept_sheets(const std::string& backup, const std::string& folder);
 // Returns the user's folder for kept sheets: $XDG_DATA_HOME/kerf, else $HOME/.local/share/kerf. Empty if neither is
 // set.
 std::filesystem::path default_data_directory();

@@ -1,9 +1,11 @@
 #include <cstdlib>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include "server/app/config.h"
 #include "server/service/store/check_store.h"
+#include "server/service/store/restore_store.h"
 
 namespace kerf::app {
 
@@ -16,21 +18,45 @@ std::filesystem::path default_data_directory() {
   return std::filesystem::path(home) / ".local" / "share" / "kerf";
 }
 
+namespace {
+
+std::string counts_of(const store::StoreInfo& info) {
+  return std::to_string(info.sheets) + " sheets, " + std::to_string(info.quarantined.size()) + " set aside, " +
+         std::to_string(info.entries) + " changes, " + std::to_string(info.states) + " states, " +
+         std::to_string(info.requests) + " answers";
+}
+
+}  // namespace
+
+Result<std::variant<Config, Notice>> restore_kept_sheets(const std::string& backup, const std::string& folder) {
+  // Without a slash at its end or a link in it, so that the new folder lies beside it.
+  std::error_code unknown;
+  std::filesystem::path target = std::filesystem::weakly_canonical(folder, unknown);
+  if (unknown) target = folder;
+  if (target.filename().empty()) target = target.parent_path();
+  const Result<store::StoreInfo> restored = store::restore_store(backup, target.string());
+  if (!restored.ok()) {
+    return invalid_argument(restored.error().reason, "--restore-store: " + restored.error().message, "--restore-store");
+  }
+  return std::variant<Config, Notice>(
+      Notice{"restored " + counts_of(*restored) + " into \"" + target.string() + "\"\n"});
+}
+
 Result<std::variant<Config, Notice>> check_kept_sheets(const std::string& folder) {
   const Result<store::StoreReport> report = store::check_store(folder);
   if (!report.ok()) {
     return invalid_argument(report.error().reason, "--check-store: " + report.error().message, "--check-store");
   }
   const store::StoreInfo& info = report->info;
+  const std::size_t num_faults = report->faults.size() + report->known_faults.size();
   Notice notice;
   for (const std::string& fault : report->faults) notice.text += "fault: " + fault + "\n";
+  for (const std::string& fault : report->known_faults) notice.text += "fault of a sheet set aside: " + fault + "\n";
   for (const std::string& file : report->orphan_files) {
     notice.text += "left over: " + file + ", which nothing names; it may be deleted\n";
   }
-  notice.text += std::to_string(info.sheets) + " sheets, " + std::to_string(info.quarantined) + " set aside, " +
-                 std::to_string(info.entries) + " changes, " + std::to_string(info.states) + " states, " +
-                 std::to_string(info.requests) + " answers; " + std::to_string(report->faults.size()) + " faults\n";
-  notice.status = report->faults.empty() ? 0 : 1;
+  notice.text += counts_of(info) + "; " + std::to_string(num_faults) + " faults\n";
+  notice.status = num_faults == 0 ? 0 : 1;
   return std::variant<Config, Notice>(std::move(notice));
 }
 

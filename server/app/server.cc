@@ -21,6 +21,7 @@
 #include "server/app/file_recording.h"
 #include "server/app/kept_sheets.h"
 #include "server/app/scene_loading.h"
+#include "server/app/store_keeper.h"
 #include "server/app/version.h"
 #include "server/base/descriptors.h"
 #include "server/base/disk.h"
@@ -68,6 +69,7 @@ struct Server::Impl {
   RecordingBoard recording_board;
   std::unique_ptr<render::Renderer> renderer;  // Null with --no-render.
   std::unique_ptr<store::SqliteStore> store;   // Null with --data none.
+  std::unique_ptr<StoreKeeper> keeper;         // Null with --data none.
   std::unique_ptr<host::Host> host;
   std::unique_ptr<api::Api> api;
   std::unique_ptr<rpc::RpcServer> rpc;
@@ -205,6 +207,8 @@ Status Server::Impl::open_store() {
     return error;
   }
   store = std::move(opened).value();
+  keeper = std::make_unique<StoreKeeper>(*store, config.data_dir,
+                                         config.backups_dir.empty() ? config.data_dir / "backups" : config.backups_dir);
   return Nothing{};
 }
 
@@ -236,6 +240,7 @@ Status Server::Impl::start() {
   options.version = kVersion;
   options.instance_id = instance_id;
   options.limits = config.limits;
+  options.store = keeper.get();
   api = std::make_unique<api::Api>(*host, renderer.get(), options, clock);
   std::vector<std::string> sheets;
   KERF_TRY(make_sheets(sheets));

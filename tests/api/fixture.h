@@ -37,11 +37,12 @@ class ApiTest : public host::HostTest {
     return options;
   }
 
-  void make_api(const Limits& limits, render::Renderer* renderer) {
+  void make_api(const Limits& limits, render::Renderer* renderer, KeptStore* store = nullptr) {
     ApiOptions options;
     options.version = "1.2.3";
     options.instance_id = "instance";
     options.limits = limits;
+    options.store = store;
     api_ = std::make_unique<Api>(*host_, renderer, std::move(options), clock_);
   }
 

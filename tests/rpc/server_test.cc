@@ -156,7 +156,8 @@ TEST_F(RpcServerTest, BytesThatAreNoMessageAreRefused) {
              "SetSheetMaterial", "SetSheetSelfContact"}},
            {"StreamService", {"Watch"}},
            {"RenderService", {"RenderImage"}},
-           {"ServerService", {"GetServerInfo"}}}) {
+           {"ServerService", {"GetServerInfo"}},
+           {"StoreService", {"GetStoreInfo", "PruneStore", "BackupStore"}}}) {
     for (const std::string& method : methods) {
       std::string response;
       const grpc::Status status = exchange(channel, "/kerf.v1." + service + "/" + method, truncated, response);
@@ -228,7 +229,7 @@ TEST_F(RpcServerTest, ReflectionListsTheServices) {
   EXPECT_TRUE(status.ok()) << status.error_message();
   for (const char* name :
        {"kerf.v1.SheetService", "kerf.v1.CutService", "kerf.v1.InteractionService", "kerf.v1.StreamService",
-        "kerf.v1.RenderService", "kerf.v1.ServerService", "grpc.health.v1.Health"}) {
+        "kerf.v1.RenderService", "kerf.v1.ServerService", "kerf.v1.StoreService", "grpc.health.v1.Health"}) {
     EXPECT_NE(response.find(name), std::string::npos) << name;
   }
 }

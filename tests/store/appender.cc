@@ -54,7 +54,7 @@ int append(const std::string& folder) {
       std::fflush(stdout);
       room.release();
     });
-    if (seq % 50 == 0) store.save({sheet, seq, seq, 1, 2, 3, {}, std::string(3'000'000, 's')}, nullptr);
+    if (seq % 50 == 0) store.save({sheet, seq, seq, 1, 2, 3, {}, std::string(3'000'000, 's'), nullptr}, nullptr);
   }
 }
 

@@ -1,5 +1,7 @@
 // Backups of a store that is in use.
 
+#include <stop_token>
+
 #include "tests/store/fixture.h"
 #include "tests/support/temporary_folder.h"
 
@@ -76,6 +78,73 @@ TEST(Backup, WithADamagedStateIsRefused) {
   EXPECT_EQ(store->backup("/copy").error().reason, "STATE_DAMAGED");
   EXPECT_FALSE(on.disk.size("/copy/kerf.db").ok());
   EXPECT_THAT(on.failures(), IsEmpty());
+}
+
+TEST(Backup, AppearsWholeOrNotAtAll) {
+  bool is_made = false;
+  for (std::int64_t operations = 1; !is_made; ++operations) {
+    StoreOnLossyDisk on;
+    {
+      const auto store = on.open();
+      store->create(new_sheet(store->new_sheet_number()), nullptr);
+      store->save(state(1, 0, "state"), nullptr);
+      ASSERT_TRUE(store->wait_until_durable().ok());
+      on.disk.lose_power_after(operations);
+      is_made = store->backup("/copy").ok();
+    }
+    SeededRandom random(static_cast<std::uint64_t>(operations));
+    on.disk.restart(random);
+    const auto report = store::check_store("/copy", on.disk, on.options().vfs);
+    if (!report.ok()) {
+      EXPECT_EQ(report.error().reason, "STORE_NOT_FOUND") << operations;
+      EXPECT_FALSE(is_made) << operations;
+      continue;
+    }
+    EXPECT_THAT(report->faults, IsEmpty()) << operations;
+    EXPECT_EQ(report->info.states, 1) << operations;
+    ASSERT_LT(operations, 1000);
+  }
+}
+
+TEST(Backup, ThatIsStoppedLeavesNothing) {
+  StoreOnLossyDisk on;
+  const auto store = on.open();
+  store->create(new_sheet(store->new_sheet_number()), nullptr);
+  store->save(state(1, 0, std::string(5'000'000, 's')), nullptr);
+  ASSERT_TRUE(store->wait_until_durable().ok());
+  std::stop_source stop;
+  // Each callback gives the next entry, until one finds that the copy has begun.
+  std::function<void(std::int64_t)> append = [&](std::int64_t seq) {
+    store->append(entry(1, seq, "x"), [&, seq] {
+      if (on.disk.size("/copy.part/kerf.db").ok()) {
+        stop.request_stop();
+      } else {
+        append(seq + 1);
+      }
+    });
+  };
+  append(1);
+  const Status outcome = store->backup("/copy", stop.get_token());
+  ASSERT_FALSE(outcome.ok());
+  EXPECT_EQ(outcome.error().reason, "BACKUP_STOPPED");
+  for (const auto& [path, content] : on.disk.contents()) EXPECT_NE(path.compare(0, 5, "/copy"), 0) << path;
+  EXPECT_TRUE(store->backup("/copy").ok()) << "the next is made";
+}
+
+TEST(Backup, ReplacesWhatAnInterruptedOneLeft) {
+  StoreOnLossyDisk on;
+  auto contents = on.disk.contents();
+  contents["/copy.part/kerf.db"] = "torn";
+  contents["/copy.part/states/9-9-9.state"] = "torn";
+  on.disk.set_contents(contents);
+  const auto store = on.open();
+  store->create(new_sheet(store->new_sheet_number()), nullptr);
+  ASSERT_TRUE(store->backup("/copy").ok());
+  const auto report = store::check_store("/copy", on.disk, on.options().vfs);
+  ASSERT_TRUE(report.ok()) << report.error().message;
+  EXPECT_THAT(report->faults, IsEmpty());
+  EXPECT_THAT(report->orphan_files, IsEmpty());
+  EXPECT_EQ(report->info.sheets, 1);
 }
 
 TEST(Backup, OfRealFiles) {

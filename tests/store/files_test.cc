@@ -40,6 +40,24 @@ TEST(StoreFiles, NamesAndContents) {
   EXPECT_THAT(*files.list(made + "/none"), IsEmpty());
 }
 
+TEST(StoreFiles, FoldersAreRenamedAndRemovedWhole) {
+  const TemporaryFolder folder;
+  store::Files& files = store::real_files();
+  const std::string from = folder / "from";
+  const std::string to = folder / "to";
+  for (const std::string& path : {from, from + "/inner", to}) ASSERT_TRUE(files.make_folder(path).ok());
+  ASSERT_TRUE(files.create(from + "/inner/a").ok());
+  ASSERT_TRUE(files.rename_folder(from, to).ok()) << "an empty folder may have the name";
+  EXPECT_THAT(*files.list(to + "/inner"), ElementsAre("a"));
+  EXPECT_THAT(*files.list(from), IsEmpty());
+  ASSERT_TRUE(files.make_folder(from).ok());
+  EXPECT_FALSE(files.rename_folder(from, to).ok()) << "it is not empty";
+  EXPECT_THAT(*files.list(to + "/inner"), ElementsAre("a"));
+  ASSERT_TRUE(files.remove_folder(to).ok());
+  ASSERT_TRUE(files.remove_folder(to).ok()) << "it is gone";
+  EXPECT_THAT(*files.list(folder / ""), ElementsAre("from"));
+}
+
 TEST(StoreFiles, AReserveTakesBlocks) {
   const TemporaryFolder folder;
   const std::string path = folder / "reserve";

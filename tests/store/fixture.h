@@ -32,7 +32,7 @@ inline host::NewStoredSheet new_sheet(std::int64_t sheet, std::vector<host::Stor
   return {sheet, "sheet-" + std::to_string(sheet), "scene of " + std::to_string(sheet), 1'000'000, std::move(requests)};
 }
 inline host::StoredState state(std::int64_t sheet, std::int64_t seq, std::string content, std::string name = {}) {
-  return {sheet, seq, 10 * seq + 5, 77, 78, 79, std::move(name), std::move(content)};
+  return {sheet, seq, 10 * seq + 5, 77, 78, 79, std::move(name), std::move(content), nullptr};
 }
 
 // A store on a disk in memory, with times that tests move.

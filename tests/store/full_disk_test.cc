@@ -2,6 +2,8 @@
 
 #include <condition_variable>
 #include <mutex>
+#include <stop_token>
+#include <thread>
 
 #include "tests/store/fixture.h"
 
@@ -115,6 +117,22 @@ TEST_F(FullDisk, AStoreOpensOnIt) {
   const auto store = StoreOnLossyDisk::open(options);
   EXPECT_EQ((*store->sheets())[0].last_seq, 1);
   EXPECT_EQ(store->check_room(sheet_).error().reason, "STORAGE_FULL");
+}
+
+TEST_F(FullDisk, ABackupThatIsStoppedDoesNotWaitForRoom) {
+  open(0);
+  fill(0);
+  store_->append(entry(sheet_, 1, std::string(20'000, 'x')), nullptr);
+  wait_for_attempts(2);
+  std::stop_source stop;
+  Status outcome = Nothing{};
+  std::thread backup([&] { outcome = store_->backup("/copy", stop.get_token()); });
+  wait_for_attempts(2);
+  stop.request_stop();
+  backup.join();
+  ASSERT_FALSE(outcome.ok());
+  EXPECT_EQ(outcome.error().reason, "BACKUP_STOPPED");
+  EXPECT_THAT(on_.failures(), IsEmpty());
 }
 
 }  // namespace

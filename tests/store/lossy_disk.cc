@@ -170,6 +170,37 @@ Status LossyDisk::rename(const std::string& from, const std::string& to) {
   return Nothing{};
 }
 
+// All of it has the new name for sure, or nothing has: the folder around it is synced.
+Status LossyDisk::rename_folder(const std::string& from, const std::string& to) {
+  std::unique_lock lock(mutex_);
+  if (!begin(lock)) return no_power(from);
+  const std::string below = from + "/";
+  const auto renamed = [&](const std::string& path) {
+    return path.compare(0, below.size(), below) == 0 ? to + "/" + path.substr(below.size()) : path;
+  };
+  for (Names* const names : {&names_, &durable_names_}) {
+    Names moved;
+    for (const auto& [path, node] : *names) moved[renamed(path)] = node;
+    *names = std::move(moved);
+  }
+  for (NameChange& change : pending_names_) {
+    change.name = renamed(change.name);
+    change.to = renamed(change.to);
+  }
+  return Nothing{};
+}
+
+Status LossyDisk::remove_folder(const std::string& path) {
+  std::unique_lock lock(mutex_);
+  if (!begin(lock)) return no_power(path);
+  std::vector<std::string> found;
+  for (const auto& [name, node] : names_) {
+    if (name.compare(0, path.size() + 1, path + "/") == 0) found.push_back(name);
+  }
+  for (const std::string& name : found) change_name({NameChange::Kind::kUnlink, name, {}, nullptr});
+  return Nothing{};
+}
+
 Status LossyDisk::remove(const std::string& path) {
   std::unique_lock lock(mutex_);
   if (!begin(lock)) return no_power(path);

@@ -44,6 +44,8 @@ class LossyDisk : public store::Files {
   Result<std::string> read(const std::string& path, std::size_t max_bytes) override;
   Result<std::unique_ptr<AppendFile>> create(const std::string& path) override;
   Status rename(const std::string& from, const std::string& to) override;
+  Status rename_folder(const std::string& from, const std::string& to) override;
+  Status remove_folder(const std::string& path) override;
   Status remove(const std::string& path) override;
   Status reserve(const std::string& path, std::int64_t bytes) override;
   Status sync_file(const std::string& path) override;

@@ -220,16 +220,29 @@ TEST(Store, OldRequestsBeyondANumberAreRemoved) {
     EXPECT_TRUE(store->wait_until_durable().ok());
     on.unix_us += 1'000'000;
   }
-  EXPECT_TRUE(store->prune().ok());
+  EXPECT_EQ(store->prune()->requests, 0);
   EXPECT_EQ(store->requests(10, 1000)->requests.size(), 3u) << "all are younger than a day";
   on.unix_us += std::int64_t{24} * 3600 * 1'000'000;
-  EXPECT_TRUE(store->prune().ok());
+  EXPECT_EQ(store->prune()->requests, 1);
   const auto kept = store->requests(10, 1000);
   ASSERT_EQ(kept->requests.size(), 2u);
   EXPECT_EQ(kept->requests[0].request.key, "r3");
   EXPECT_EQ(kept->requests[1].request.key, "r2");
   EXPECT_EQ(store->requests(1, 1000)->requests.size(), 1u);
   EXPECT_EQ(store->requests(10, 9)->requests.size(), 1u);  // "r3" and "done" are 6 bytes
+}
+
+TEST(Store, RowsOfDeletedSheetsArePruned) {
+  StoreOnLossyDisk on;
+  const auto store = on.open();
+  for (int i = 0; i < 3; ++i) {
+    const std::int64_t sheet = store->new_sheet_number();
+    store->create(new_sheet(sheet), nullptr);
+    store->remove(sheet, {}, nullptr);
+  }
+  ASSERT_TRUE(store->wait_until_durable().ok());
+  EXPECT_EQ(store->prune()->sheets, 2) << "that of the largest number stays";
+  EXPECT_EQ(store->prune()->sheets, 0);
 }
 
 TEST(Store, ASheetIsQuarantinedAlone) {
@@ -249,7 +262,11 @@ TEST(Store, ASheetIsQuarantinedAlone) {
   EXPECT_EQ((*sheets)[0].scene, "scene of 1");
   EXPECT_EQ((*sheets)[0].last_seq, 1);
   EXPECT_FALSE((*sheets)[1].is_quarantined);
-  EXPECT_EQ(store->info()->quarantined, 1);
+  const std::vector<store::QuarantinedSheet> aside = store->info()->quarantined;
+  ASSERT_EQ(aside.size(), 1u);
+  EXPECT_EQ(aside[0].sheet, 1);
+  EXPECT_EQ(aside[0].id, "sheet-1");
+  EXPECT_EQ(aside[0].reason, "entry 1 does not replay");
   EXPECT_TRUE(on.failures().empty());
 }
 

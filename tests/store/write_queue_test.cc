@@ -58,6 +58,8 @@ TEST(WriteQueue, BoundsBytesAndTheWhole) {
   EXPECT_THAT(queue.check_room(3).error().message, HasSubstr("3 changes with 101 bytes"));
   const store::WriteQueue::Taken taken = queue.take(std::nullopt);
   EXPECT_FALSE(queue.check_room(3).ok()) << "taken, and not durable";
+  EXPECT_EQ(queue.waiting().changes, 3u);
+  EXPECT_EQ(queue.waiting().bytes, 101u);
   queue.give_room(taken.changes);
   EXPECT_TRUE(queue.check_room(1).ok());
   queue.push(store::Change{entry(4, 1, std::string(250, 'x')), nullptr});

@@ -8,6 +8,7 @@
 #include "kerf/v1/render.pb.h"
 #include "kerf/v1/server.pb.h"
 #include "kerf/v1/sheets.pb.h"
+#include "kerf/v1/store_service.pb.h"
 #include "render/video.h"
 #include "server/base/catch_exceptions.h"
 #include "server/service/api/core.h"
@@ -73,6 +74,9 @@ std::vector<Method> json_methods(Api& api) {
       json_method("/kerf.v1.InteractionService/SetSheetSelfContact", api, &Api::set_sheet_self_contact),
       json_method("/kerf.v1.RenderService/RenderImage", api, &Api::render_image),
       json_method("/kerf.v1.ServerService/GetServerInfo", api, &Api::get_server_info),
+      json_method("/kerf.v1.StoreService/GetStoreInfo", api, &Api::get_store_info),
+      json_method("/kerf.v1.StoreService/PruneStore", api, &Api::prune_store),
+      json_method("/kerf.v1.StoreService/BackupStore", api, &Api::backup_store),
   };
   std::sort(methods.begin(), methods.end(), [](const Method& a, const Method& b) { return a.path < b.path; });
   return methods;
@@ -103,6 +107,7 @@ Api::~Api() {
   core_->picture_worker.stop();
   core_->file_worker.stop();
   core_->analysis_worker.stop();
+  core_->store_worker.stop();
 }
 
 void Api::get_server_info(const v1::GetServerInfoRequest& /*request*/, Reply<v1::ServerInfo> reply) {
@@ -177,6 +182,8 @@ void Api::stop() {
   // Refuses waiting pictures and files: the transports wait for every answer, and making them all could outlast a stop.
   core_->picture_worker.close();
   core_->file_worker.close();
+  core_->stop_backup.request_stop();
+  core_->store_worker.close();
   core_->streams.notify_stop();
 }
 

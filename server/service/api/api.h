@@ -27,6 +27,7 @@ class Empty;
 namespace kerf::v1 {
 class AnalyzeSheetRequest;
 class AnalyzeSheetResponse;
+class BackupStoreRequest;
 class CancelScheduledCutsRequest;
 class CreateCutRequest;
 class CreateCutsRequest;
@@ -42,6 +43,7 @@ class GetServerInfoRequest;
 class GetSheetRecordingRequest;
 class GetSheetRequest;
 class GetSheetStateRequest;
+class GetStoreInfoRequest;
 class GrabPointRequest;
 class InteractionResponse;
 class ListCutsRequest;
@@ -53,6 +55,8 @@ class ListSheetsResponse;
 class ListStatesRequest;
 class ListStatesResponse;
 class PauseSheetRequest;
+class PruneStoreRequest;
+class PruneStoreResponse;
 class RecordingUpload;
 class RedoCutRequest;
 class ReleasePointRequest;
@@ -75,6 +79,8 @@ class Sheet;
 class SheetState;
 class SheetUpload;
 class StepSheetRequest;
+class StoreBackup;
+class StoreInfo;
 class SubscribeRequest;
 class UndoCutRequest;
 class UndoResult;
@@ -86,6 +92,7 @@ class WatchImagesStart;
 namespace kerf::api {
 
 class ImageSession;
+class KeptStore;
 class Upload;
 class UploadRoom;
 class WatchSession;
@@ -109,6 +116,7 @@ struct Limits {
   std::size_t max_waiting_pictures = 16;                     // RenderImage calls waiting behind the one in progress.
   // ExportSheet calls and recordings, up and down, waiting behind the one in progress.
   std::size_t max_waiting_files = 16;
+  std::size_t max_waiting_store_calls = 16;                           // Calls of StoreService waiting behind others.
   std::int64_t max_mesh_upload_bytes = std::int64_t{64} << 20;        // Mesh file of UploadSheet.
   std::int64_t max_recording_upload_bytes = std::int64_t{128} << 20;  // File of ReplayRecording.
   std::int64_t max_recorded_ticks = std::int64_t{4} << 20;     // Entries of that file: 19 h at 60 Hz with one per tick.
@@ -125,6 +133,7 @@ struct ApiOptions {
   std::string version = "0.0.0";  // Reported by GetServerInfo.
   std::string instance_id;        // Reported by GetServerInfo; different at each start of the server.
   Limits limits;
+  KeptStore* store = nullptr;  // Outlives the Api. nullptr: the server keeps nothing.
 };
 
 // Counts the work done for streams of frames so far.
@@ -219,6 +228,12 @@ class Api {
 
   void render_image(const v1::RenderImageRequest& request, Reply<v1::RenderImageResponse> reply);
   void get_server_info(const v1::GetServerInfoRequest& request, Reply<v1::ServerInfo> reply);
+
+  // Without ApiOptions::store these are kFailedPrecondition NO_STORE.
+  void get_store_info(const v1::GetStoreInfoRequest& request, Reply<v1::StoreInfo> reply);
+  void prune_store(const v1::PruneStoreRequest& request, Reply<v1::PruneStoreResponse> reply);
+  // It is made even if its caller leaves; stop() gives it up. One at a time: kResourceExhausted BACKUP_UNDER_WAY.
+  void backup_store(const v1::BackupStoreRequest& request, Reply<v1::StoreBackup> reply);
 
   // Returns a new stream of StreamService.Watch.
   std::shared_ptr<WatchSession> watch();

@@ -25,6 +25,9 @@
 
 namespace kerf::api {
 
+// Threads that wait for the store: one for a backup, the other for calls beside it.
+inline constexpr std::size_t kStoreThreads = 2;
+
 // Threads of the picture studio: one draws or waits for the graphics device while the other encodes.
 inline constexpr std::size_t kStudioThreads = 2;
 
@@ -41,7 +44,8 @@ struct ApiCore {
         studio(the_renderer, pictures, the_clock, kStudioThreads),
         picture_worker(options.limits.max_waiting_pictures),
         file_worker(options.limits.max_waiting_files),
-        analysis_worker(options.limits.max_waiting_analyses) {}
+        analysis_worker(options.limits.max_waiting_analyses),
+        store_worker(options.limits.max_waiting_store_calls, kStoreThreads) {}
 
   host::Host& host;
   render::Renderer* const renderer;  // May be null.
@@ -62,6 +66,9 @@ struct ApiCore {
       picture_worker;  // Draws single pictures. Stopped by ~Api, so that it never ends on its own thread.
   picture::BackgroundWorker file_worker;      // Encodes exports and recordings. Stopped by ~Api.
   picture::BackgroundWorker analysis_worker;  // Runs analyses. Stopped by ~Api.
+  std::atomic<bool> is_backing_up{false};
+  std::stop_source stop_backup;
+  picture::BackgroundWorker store_worker;  // Waits for the store. Stopped by ~Api.
 
   OpenStreams streams;
 };

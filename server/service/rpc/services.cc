@@ -13,6 +13,7 @@
 #include "kerf/v1/render.grpc.pb.h"
 #include "kerf/v1/server.grpc.pb.h"
 #include "kerf/v1/sheets.grpc.pb.h"
+#include "kerf/v1/store_service.grpc.pb.h"
 #include "kerf/v1/stream.grpc.pb.h"
 #include "server/service/api/api.h"
 #include "server/service/api/image_session.h"
@@ -218,6 +219,20 @@ class ServerInformation final : public RawServerInformation {
   api::Api& api_;
 };
 
+using RawStore = RawService<v1::StoreService::Service, v1::StoreService::WithRawCallbackMethod_GetStoreInfo,
+                            v1::StoreService::WithRawCallbackMethod_PruneStore,
+                            v1::StoreService::WithRawCallbackMethod_BackupStore>::type;
+class Store final : public RawStore {
+ public:
+  explicit Store(api::Api& api) : api_(api) {}
+  KERF_UNARY(GetStoreInfo, get_store_info)
+  KERF_UNARY(PruneStore, prune_store)
+  KERF_UNARY(BackupStore, backup_store)
+
+ private:
+  api::Api& api_;
+};
+
 #undef KERF_UNARY
 
 }  // namespace
@@ -230,6 +245,7 @@ std::vector<NamedService> make_services(api::Api& api, TransferTiming timing, St
   services.push_back({v1::StreamService::service_full_name(), make_stream_service(api, hosting)});
   services.push_back({v1::RenderService::service_full_name(), std::make_unique<Render>(api, hosting)});
   services.push_back({v1::ServerService::service_full_name(), std::make_unique<ServerInformation>(api)});
+  services.push_back({v1::StoreService::service_full_name(), std::make_unique<Store>(api)});
   return services;
 }
 

@@ -9,18 +9,30 @@ namespace {
 
 constexpr int kPagesAStep = 256;  // 1 MiB
 
-std::string part_path(const std::string& folder) {
-  return database_path(folder) + ".part";
-}
-
 }  // namespace
 
-BackupJob::BackupJob(Files& files, Database& source, Paths paths, std::function<void(Status)> done)
-    : files_(files), source_(source), paths_(std::move(paths)), done_(std::move(done)) {}
+BackupJob::BackupJob(Files& files, Database& source, Paths paths, std::stop_token stop,
+                     std::function<void(Status)> done)
+    : files_(files),
+      source_(source),
+      paths_(std::move(paths)),
+      part_(paths_.to + ".part"),
+      stop_(std::move(stop)),
+      done_(std::move(done)) {}
 
 BackupJob::~BackupJob() = default;
 
+void BackupJob::end(const Status& status) {
+  pages_.reset();
+  target_.reset();
+  file_.reset();
+  if (!status.ok() && has_begun_) (void)files_.remove_folder(part_);  // what stays is removed by the next of its name
+  done_(status);
+}
+
 Result<bool> BackupJob::advance() {
+  if (is_stopped())
+    return aborted("BACKUP_STOPPED", "the copy was given up, as the program ends; nothing of it is left");
   if (!target_ && !has_pages_) {
     KERF_TRY(begin());
     return false;
@@ -38,13 +50,15 @@ Result<bool> BackupJob::advance() {
 }
 
 Status BackupJob::begin() {
-  KERF_TRY(files_.make_folder(paths_.to));
   KERF_TRY_ASSIGN(const std::vector<std::string> found, files_.list(paths_.to));
   if (!found.empty()) {
     return failed_precondition("FOLDER_NOT_EMPTY", "\"" + paths_.to + "\" is not empty; name a new folder");
   }
-  KERF_TRY(files_.make_folder(states_path(paths_.to)));
-  KERF_TRY_ASSIGN(Database target, Database::open(part_path(paths_.to), paths_.vfs));
+  KERF_TRY(files_.remove_folder(part_));
+  has_begun_ = true;
+  KERF_TRY(files_.make_folder(part_));
+  KERF_TRY(files_.make_folder(states_path(part_)));
+  KERF_TRY_ASSIGN(Database target, Database::open(database_path(part_), paths_.vfs));
   KERF_TRY(target.execute("PRAGMA locking_mode = EXCLUSIVE; PRAGMA journal_mode = OFF; PRAGMA synchronous = OFF"));
   target_.emplace(std::move(target));
   pages_.reset(sqlite3_backup_init(target_->handle(), "main", source_.handle(), "main"));
@@ -67,7 +81,7 @@ Status BackupJob::copy_state() {
   if (file_ == nullptr) {
     const std::string path = states_path(paths_.from) + "/" + file_name(state);
     KERF_TRY_ASSIGN(std::string content, files_.read(path, static_cast<std::size_t>(state.bytes)));
-    file_ = std::make_unique<FileJob>(files_, states_path(paths_.to), file_name(state), std::move(content));
+    file_ = std::make_unique<FileJob>(files_, states_path(part_), file_name(state), std::move(content));
   }
   KERF_TRY_ASSIGN(const bool is_last, file_->advance());
   if (!is_last) return Nothing{};
@@ -79,9 +93,9 @@ Status BackupJob::copy_state() {
 }
 
 Status BackupJob::finish() {
-  KERF_TRY(files_.sync_file(part_path(paths_.to)));
-  KERF_TRY(files_.rename(part_path(paths_.to), database_path(paths_.to)));
-  return files_.sync_folder(paths_.to);
+  KERF_TRY(files_.sync_file(database_path(part_)));
+  KERF_TRY(files_.sync_folder(part_));
+  return files_.rename_folder(part_, paths_.to);
 }
 
 }  // namespace kerf::store

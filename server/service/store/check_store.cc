@@ -35,7 +35,8 @@ std::int64_t latest_first_seq(const StoredSheet& sheet) {
 }
 
 Status check_sheet(Database& database, const StoredSheet& sheet, StoreReport& report) {
-  const auto fault = [&](const std::string& text) { report.faults.push_back(named(sheet.sheet) + ": " + text); };
+  std::vector<std::string>& faults = sheet.is_quarantined && !sheet.is_damaged ? report.known_faults : report.faults;
+  const auto fault = [&](const std::string& text) { faults.push_back(named(sheet.sheet) + ": " + text); };
   if (sheet.is_damaged) fault("its row has changed since it was written");
   if (sheet.num_damaged_states > 0) fault("the row of a state has changed since it was written");
   if (sheet.first_seq > latest_first_seq(sheet)) {
@@ -86,13 +87,8 @@ Status check_files(Database& database, Files& files, const std::string& folder, 
   return Nothing{};
 }
 
-// Keeps a log that was there, which closing the last connection would move into the database.
 Result<StoreReport> check_database(Database& database, Files& files, const std::string& folder) {
   StoreReport report;
-  KERF_TRY(
-      database.execute("PRAGMA locking_mode = EXCLUSIVE; PRAGMA query_only = ON; PRAGMA cell_size_check = ON; "
-                       "PRAGMA temp_store = MEMORY"));
-  KERF_TRY(check_schema(database));
   KERF_TRY(check_pages(database, report));
   if (const Status keys = check_keys(database); !keys.ok()) report.faults.push_back(keys.error().message);
   KERF_TRY_ASSIGN(const std::vector<StoredSheet> sheets, read_sheets(database));
@@ -106,28 +102,17 @@ Result<StoreReport> check_database(Database& database, Files& files, const std::
 }  // namespace
 
 Result<StoreReport> check_store(const std::string& folder, Files& files, const std::string& vfs) {
-  const std::string path = database_path(folder);
-  const Result<std::int64_t> bytes = files.size(path);
-  if (!bytes.ok())
-    return not_found("STORE_NOT_FOUND", "there is no store in \"" + folder + "\": " + bytes.error().message);
   std::unique_ptr<FileLock> lock;
   if (files.size(lock_path(folder)).ok()) {
     KERF_TRY_ASSIGN(lock, files.lock(lock_path(folder)));
   }
-  const Result<std::int64_t> journal = files.size(path + "-journal");
-  if (journal.ok() && *journal > 0) {
-    return data_loss("STORE_DAMAGED", "\"" + folder + "\" was never wholly made: its creation was interrupted");
-  }
-  const bool has_log = files.size(path + "-wal").ok();
-  KERF_TRY_ASSIGN(Database database, Database::open(path, vfs));
-  if (has_log) sqlite3_db_config(database.handle(), SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
+  KERF_TRY_ASSIGN(Database database, open_to_read(files, folder, vfs));
   return check_database(database, files, folder);
 }
 
 Result<StoreInfo> read_info(Database& database, Files& files, const std::string& folder) {
   StoreInfo info;
   KERF_TRY_ASSIGN(info.sheets, database.number("SELECT count(*) FROM sheets WHERE state <> 2"));
-  KERF_TRY_ASSIGN(info.quarantined, database.number("SELECT count(*) FROM sheets WHERE state = 1"));
   KERF_TRY_ASSIGN(info.entries, database.number("SELECT count(*) FROM journal"));
   KERF_TRY_ASSIGN(info.requests, database.number("SELECT count(*) FROM requests"));
   KERF_TRY_ASSIGN(info.states, database.number("SELECT count(*) FROM states"));
@@ -137,7 +122,14 @@ Result<StoreInfo> read_info(Database& database, Files& files, const std::string&
     const Result<std::int64_t> bytes = files.size(path);
     if (bytes.ok()) info.database_bytes += *bytes;
   }
-  return info;
+  KERF_TRY_ASSIGN(Statement set_aside,
+                  Statement::prepare(database, "SELECT sheet, id, reason FROM sheets WHERE state = 1 ORDER BY sheet"));
+  while (true) {
+    KERF_TRY_ASSIGN(const bool is_row, set_aside.step());
+    if (!is_row) return info;
+    info.quarantined.push_back(
+        {set_aside.integer(0), std::string(set_aside.bytes(1)), std::string(set_aside.bytes(2))});
+  }
 }
 
 }  // namespace kerf::store

@@ -10,20 +10,28 @@
 
 namespace kerf::store {
 
+// A sheet that is kept and not recovered.
+struct QuarantinedSheet {
+  std::int64_t sheet = 0;
+  std::string id;
+  std::string reason;
+};
+
 // Counts what a store holds.
 struct StoreInfo {
   std::int64_t sheets = 0;  // without deleted ones
-  std::int64_t quarantined = 0;
   std::int64_t entries = 0;
   std::int64_t requests = 0;
   std::int64_t states = 0;
-  std::int64_t entry_bytes = 0;     // of the contents of entries
-  std::int64_t state_bytes = 0;     // of the files of states
-  std::int64_t database_bytes = 0;  // of the database with its log
+  std::int64_t entry_bytes = 0;               // of the contents of entries
+  std::int64_t state_bytes = 0;               // of the files of states
+  std::int64_t database_bytes = 0;            // of the database with its log
+  std::vector<QuarantinedSheet> quarantined;  // By number; `sheets` counts them, too.
 };
 
 struct StoreReport {
   std::vector<std::string> faults;        // A sentence each; none: the store is whole.
+  std::vector<std::string> known_faults;  // Like `faults`, of sheets that are quarantined.
   std::vector<std::string> orphan_files;  // Files of states that no row names: an end in the middle leaves them.
   StoreInfo info;
 };

@@ -51,6 +51,11 @@ Status sync_path(const std::string& path, int flags) {
   return Nothing{};
 }
 
+std::string folder_around(const std::string& path) {
+  const std::string parent = std::filesystem::path(path).parent_path().string();
+  return parent.empty() ? "." : parent;
+}
+
 class RealFiles : public Files {
  public:
   Status make_folder(const std::string& path) override {
@@ -58,8 +63,7 @@ class RealFiles : public Files {
       if (errno == EEXIST && std::filesystem::is_directory(path)) return Nothing{};
       return file_error("make the folder", path, errno);
     }
-    const std::string parent = std::filesystem::path(path).parent_path().string();
-    return sync_folder(parent.empty() ? "." : parent);
+    return sync_folder(folder_around(path));
   }
   Result<std::unique_ptr<FileLock>> lock(const std::string& path) override {
     auto file = std::make_unique<OpenFile>(path, O_RDWR | O_CREAT);
@@ -100,6 +104,16 @@ class RealFiles : public Files {
   Result<std::unique_ptr<AppendFile>> create(const std::string& path) override { return disk_.create_file(path); }
   Status rename(const std::string& from, const std::string& to) override {
     if (::rename(from.c_str(), to.c_str()) != 0) return file_error("rename", from, errno);
+    return Nothing{};
+  }
+  Status rename_folder(const std::string& from, const std::string& to) override {
+    KERF_TRY(rename(from, to));
+    return sync_folder(folder_around(to));
+  }
+  Status remove_folder(const std::string& path) override {
+    std::error_code broken;
+    std::filesystem::remove_all(path, broken);
+    if (broken) return file_error("remove", path, broken.value());
     return Nothing{};
   }
   Status remove(const std::string& path) override {

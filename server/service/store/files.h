@@ -36,6 +36,11 @@ class Files {
   virtual Result<std::unique_ptr<AppendFile>> create(const std::string& path) = 0;
   // Gives a file another name, in place of any file that has it.
   virtual Status rename(const std::string& from, const std::string& to) = 0;
+  // Gives a folder with all it has another name, which no folder has or one that is empty, and syncs the folder around
+  // it.
+  virtual Status rename_folder(const std::string& from, const std::string& to) = 0;
+  // Removes a folder with all it has, or does nothing if there is none.
+  virtual Status remove_folder(const std::string& path) = 0;
   // Removes a file, or does nothing if there is none.
   virtual Status remove(const std::string& path) = 0;
   // Makes a file whose `bytes` are taken from the disk, and syncs it.

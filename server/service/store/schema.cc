@@ -111,6 +111,26 @@ Status check_schema(Database& database) {
   return Nothing{};
 }
 
+Result<Database> open_to_read(Files& files, const std::string& folder, const std::string& vfs) {
+  const std::string path = database_path(folder);
+  const Result<std::int64_t> bytes = files.size(path);
+  if (!bytes.ok()) {
+    return not_found("STORE_NOT_FOUND", "there is no store in \"" + folder + "\": " + bytes.error().message);
+  }
+  const Result<std::int64_t> journal = files.size(path + "-journal");
+  if (journal.ok() && *journal > 0) {
+    return data_loss("STORE_DAMAGED", "\"" + folder + "\" was never wholly made: its creation was interrupted");
+  }
+  const bool has_log = files.size(path + "-wal").ok();
+  KERF_TRY_ASSIGN(Database database, Database::open(path, vfs));
+  if (has_log) sqlite3_db_config(database.handle(), SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
+  KERF_TRY(
+      database.execute("PRAGMA locking_mode = EXCLUSIVE; PRAGMA query_only = ON; PRAGMA cell_size_check = ON; "
+                       "PRAGMA temp_store = MEMORY"));
+  KERF_TRY(check_schema(database));
+  return database;
+}
+
 Result<Database> open_database(Files& files, const std::string& folder, const std::string& vfs) {
   KERF_TRY(check_remains(files, folder));
   KERF_TRY_ASSIGN(Database database, Database::open(database_path(folder), vfs));

@@ -29,6 +29,11 @@ inline std::string states_path(const std::string& folder) {
 // Errors: kFailedPrecondition STORE_FOREIGN or STORE_NEWER, kDataLoss STORE_DAMAGED; the file is then as it was.
 Result<Database> open_database(Files& files, const std::string& folder, const std::string& vfs);
 
+// Opens the database of a store that nothing uses, for reading alone. A log stays, which closing the last connection
+// would move into the database. Errors: kNotFound STORE_NOT_FOUND; kDataLoss STORE_DAMAGED if it was never wholly made;
+// those of check_schema().
+Result<Database> open_to_read(Files& files, const std::string& folder, const std::string& vfs);
+
 // Checks that the tables are those of this version. Errors as above; kNotFound STORE_EMPTY if there are no tables.
 Status check_schema(Database& database);
 

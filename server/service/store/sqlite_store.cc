@@ -82,7 +82,7 @@ Result<std::unique_ptr<SqliteStore>> SqliteStore::open(StoreOptions options) {
   KERF_TRY_ASSIGN(std::unique_ptr<FileLock> lock, files.lock(lock_path(options.folder)));
   KERF_TRY_ASSIGN(std::unique_ptr<Tables> tables, open_tables(files, options));
   KERF_TRY(remove_orphans(files, options.folder, tables->database()));
-  const Status pruned = tables->prune(options.unix_us());
+  const Result<Pruned> pruned = tables->prune(options.unix_us());
   if (!pruned.ok() && pruned.error().reason != "STORAGE_FULL") return pruned.error();
   auto impl = std::make_unique<Impl>(std::move(options), files, std::move(lock), std::move(tables));
   const Status reserved = impl->work.make_reserve();
@@ -182,7 +182,11 @@ Status SqliteStore::quarantine(std::int64_t sheet, const std::string& reason) {
   return impl_->on_thread([&] { return impl_->work.tables().quarantine(sheet, reason); });
 }
 
-Status SqliteStore::backup(const std::string& folder) {
+Waiting SqliteStore::waiting() const {
+  return impl_->queue.waiting();
+}
+
+Status SqliteStore::backup(const std::string& folder, const std::stop_token& stop) {
   std::promise<Status> promise;
   impl_->queue.push([&] {
     if (impl_->work.has_failed()) {
@@ -191,12 +195,13 @@ Status SqliteStore::backup(const std::string& folder) {
     }
     impl_->work.add(std::make_unique<BackupJob>(impl_->files, impl_->work.tables().database(),
                                                 BackupJob::Paths{impl_->options.folder, folder, impl_->options.vfs},
+                                                stop,
                                                 [&promise](Status status) { promise.set_value(std::move(status)); }));
   });
   return promise.get_future().get();
 }
 
-Status SqliteStore::prune() {
+Result<Pruned> SqliteStore::prune() {
   return impl_->on_thread([this] { return impl_->work.tables().prune(impl_->options.unix_us()); });
 }
 

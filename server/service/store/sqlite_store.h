@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -65,16 +66,20 @@ class SqliteStore : public host::Journal {
   // STATE_DAMAGED.
   Result<host::StoredState> read_state(std::int64_t sheet, std::int64_t seq, const std::string& name = {});
   Result<StoreInfo> info();
+  // Counts what is given and not yet durable, without waiting.
+  [[nodiscard]] Waiting waiting() const;
 
   // Marks a sheet as one that is not to be recovered. It keeps all it has. Error kNotFound SHEET_NOT_FOUND.
   Status quarantine(std::int64_t sheet, const std::string& reason);
   // Removes the entries of a sheet after `seq` with their requests, which were never answered.
   Status remove_entries_after(std::int64_t sheet, std::int64_t seq);
-  // Copies the store into a new folder, synced, while it is in use. Error kFailedPrecondition FOLDER_NOT_EMPTY. After
-  // an error the folder has no database.
-  Status backup(const std::string& folder);
-  // Removes answers that need not be kept any more. The store does this by itself, too, now and then.
-  Status prune();
+  // Copies the store into a new folder while it is in use. The folder has its name only once the copy is whole and
+  // synced; until then it is called FOLDER.part. Errors: kFailedPrecondition FOLDER_NOT_EMPTY; kAborted BACKUP_STOPPED
+  // soon after `stop` is triggered, also while the disk is full.
+  Status backup(const std::string& folder, const std::stop_token& stop = {});
+  // Removes answers that need not be kept any more, and rows that deleted sheets have left. The store does this by
+  // itself, too, now and then.
+  Result<Pruned> prune();
 
  private:
   struct Impl;

@@ -5,6 +5,7 @@
 #include <new>
 #include <utility>
 
+#include "server/base/catch_exceptions.h"
 #include "server/service/store/schema.h"
 
 namespace kerf::store {
@@ -51,6 +52,7 @@ void StoreThread::run() {
     waits_for_room_ = false;
     if (!has_failed_) commit();
     for (const auto& task : tasks) task();
+    end_stopped_backups();
     if (!has_failed_ && batch_.num_given == 0) advance_files();
     if (!has_failed_ && queue_.is_full()) leave_full_disk();
   }
@@ -90,7 +92,9 @@ void StoreThread::commit() {
   }
   queue_.count_done(done.num_given, 0);
   if (!is_done(tables_->checkpoint())) return;
-  if (tables_->has_many_new_requests()) (void)is_done(tables_->prune(options_.unix_us()));
+  if (!tables_->has_many_new_requests()) return;
+  const Result<Pruned> pruned = tables_->prune(options_.unix_us());
+  (void)is_done(pruned.ok() ? Status(Nothing{}) : Status(pruned.error()));
 }
 
 // A backup copies the files of states, so these stay as they are until it is done.
@@ -115,11 +119,24 @@ void StoreThread::begin_state() {
 }
 
 void StoreThread::advance_backup() {
-  const Result<bool> is_last = backups_.front()->advance();
+  const Result<bool> is_last = catch_exceptions([this] { return backups_.front()->advance(); });  // no memory
   if (is_last.ok() && !*is_last) return;
   const std::unique_ptr<BackupJob> job = std::move(backups_.front());
   backups_.pop_front();
-  job->call_done(is_last.ok() ? Status(Nothing{}) : Status(is_last.error()));
+  job->end(is_last.ok() ? Status(Nothing{}) : Status(is_last.error()));
+}
+
+// A full disk keeps backups from advancing; one that is stopped does not wait for room.
+void StoreThread::end_stopped_backups() {
+  for (auto job = backups_.begin(); job != backups_.end();) {
+    if (!(*job)->is_stopped()) {
+      ++job;
+      continue;
+    }
+    const Result<bool> stopped = (*job)->advance();
+    (*job)->end(stopped.error());
+    job = backups_.erase(job);
+  }
 }
 
 void StoreThread::advance_state() {
@@ -178,7 +195,7 @@ void StoreThread::fail(const Error& error) {
   // The next opening moves the log into the database, from what is on the disk then.
   sqlite3_db_config(tables_->database().handle(), SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
   while (!backups_.empty()) {
-    backups_.front()->call_done(error);
+    backups_.front()->end(error);
     backups_.pop_front();
   }
   if (options_.failed) options_.failed(error.reason + ": " + error.message);

@@ -37,6 +37,7 @@ class StoreThread {
   void commit();
   void advance_files();
   void advance_backup();
+  void end_stopped_backups();
   // Encodes the next state, unless memory for that is lacking.
   void begin_state();
   void advance_state();

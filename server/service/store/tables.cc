@@ -291,16 +291,21 @@ Status Tables::quarantine(std::int64_t sheet, const std::string& reason) {
   });
 }
 
-Status Tables::prune(std::int64_t now_unix_us) {
+Result<Pruned> Tables::prune(std::int64_t now_unix_us) {
+  Pruned pruned;
   const std::string old = "SELECT max(number) FROM requests WHERE number <= (SELECT max(number) FROM requests) - " +
                           std::to_string(limits_.requests) + " AND at < " +
                           std::to_string(now_unix_us - limits_.request_us);
-  Status done = transaction([&]() -> Status {
+  const Status done = transaction([&]() -> Status {
     KERF_TRY(database_.execute("DELETE FROM requests WHERE number <= (" + old + ")"));
-    return database_.execute("DELETE FROM sheets WHERE state = 2 AND sheet < (SELECT max(sheet) FROM sheets)");
+    pruned.requests = sqlite3_changes64(database_.handle());
+    KERF_TRY(database_.execute("DELETE FROM sheets WHERE state = 2 AND sheet < (SELECT max(sheet) FROM sheets)"));
+    pruned.sheets = sqlite3_changes64(database_.handle());
+    return Nothing{};
   });
-  if (done.ok()) num_new_requests_ = 0;
-  return done;
+  KERF_TRY(done);
+  num_new_requests_ = 0;
+  return pruned;
 }
 
 Status Tables::checkpoint() {

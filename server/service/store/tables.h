@@ -23,6 +23,12 @@ struct KeepLimits {
   std::int64_t request_us = std::int64_t{24} * 3600 * 1'000'000;  // younger ones are kept, too
 };
 
+// Counts what Tables::prune() removed.
+struct Pruned {
+  std::int64_t requests = 0;
+  std::int64_t sheets = 0;  // Rows that deleted sheets had left.
+};
+
 // Writes the tables of a store, for one thread. Each function that changes them is one transaction: after an error,
 // they are as they were, and the function can be called once more.
 class Tables {
@@ -43,7 +49,7 @@ class Tables {
   // Removes the entries of a sheet after `seq`, with their requests.
   Status remove_entries_after(std::int64_t sheet, std::int64_t seq);
   // Removes what need not be kept: requests and the rows of deleted sheets.
-  Status prune(std::int64_t now_unix_us);
+  Result<Pruned> prune(std::int64_t now_unix_us);
   // Moves the log into the database, if it is long.
   Status checkpoint();
 

@@ -108,6 +108,11 @@ Status WriteQueue::check_room(std::int64_t sheet) const {
   return Nothing{};
 }
 
+Waiting WriteQueue::waiting() const {
+  const std::lock_guard lock(mutex_);
+  return all_;
+}
+
 bool WriteQueue::has_work() const {
   return is_stopping_ || next_.num_given > 0 || !next_.states.empty() || !next_.tasks.empty();
 }

@@ -50,6 +50,12 @@ struct QueueLimits {
   std::chrono::nanoseconds wait = std::chrono::seconds(1);  // of the oldest
 };
 
+// Counts what is given and not yet durable.
+struct Waiting {
+  std::size_t changes = 0;
+  std::size_t bytes = 0;
+};
+
 // Hands changes, states, marks and tasks from all threads to the thread of a store. Thread-safe.
 class WriteQueue {
  public:
@@ -72,6 +78,7 @@ class WriteQueue {
   // An entry that is pushed later takes the mark of its sheet back to its own tick, if that is lower.
   void mark(const std::vector<host::SheetMark>& marks);
   [[nodiscard]] Status check_room(std::int64_t sheet) const;
+  [[nodiscard]] Waiting waiting() const;
 
   // Returns all that waits. If that is nothing, waits for up to `patience`, or without end if there is none.
   Taken take(std::optional<std::chrono::nanoseconds> patience);
@@ -90,11 +97,6 @@ class WriteQueue {
   [[nodiscard]] bool is_stopping() const { return is_stopping_; }
 
  private:
-  struct Waiting {
-    std::size_t changes = 0;
-    std::size_t bytes = 0;
-  };
-
   [[nodiscard]] bool has_work() const;
 
   const QueueLimits limits_;

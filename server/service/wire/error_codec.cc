@@ -65,7 +65,8 @@ google::rpc::Status to_status(const Error& error) {
 }  // namespace
 
 bool passes_by_itself(const Error& error) {
-  static const std::set<std::string_view> reasons = {"OVERLOADED",
+  static const std::set<std::string_view> reasons = {"BACKUP_UNDER_WAY",
+                                                     "OVERLOADED",
                                                      "QUEUE_FULL",
                                                      "STORAGE_FULL",
                                                      "TOO_MANY_ANALYSES",
@@ -75,6 +76,7 @@ bool passes_by_itself(const Error& error) {
                                                      "TOO_MANY_RECORDINGS",
                                                      "TOO_MANY_SCHEDULED",
                                                      "TOO_MANY_SHEETS",
+                                                     "TOO_MANY_STORE_CALLS",
                                                      "TOO_MANY_UPLOADS",
                                                      "TOO_MANY_SUBSCRIBERS",
                                                      "TOO_MANY_IMAGE_STREAMS",

@@ -38,12 +38,13 @@ def kerf(*arguments, server=True, timeout=120, stdout=subprocess.PIPE):
 
 
 def setUpModule(*options):
-    """options: more of kerfd's."""
+    """options: more of kerfd's. Without --data nothing is kept."""
     global SERVER, PROCESS
     shutil.rmtree(OPTIONS.work, ignore_errors=True)
     os.makedirs(OPTIONS.work)
+    kept = () if "--data" in options else ("--data", "none")
     PROCESS = subprocess.Popen(
-        [OPTIONS.kerfd, "--listen", "127.0.0.1:0", "--http", "127.0.0.1:0", "--data", "none", "--max-load", "0", *options], stdout=subprocess.PIPE, text=True)
+        [OPTIONS.kerfd, "--listen", "127.0.0.1:0", "--http", "127.0.0.1:0", "--max-load", "0", *kept, *options], stdout=subprocess.PIPE, text=True)
     SERVER = json.loads(PROCESS.stdout.readline())
 
 

@@ -4,7 +4,7 @@ import json
 import pathlib
 
 import cli_case
-from cli_case import Case, kerf, main, path, scene_file, setUpModule, tearDownModule
+from cli_case import Case, kerf, main, path, scene_file, tearDownModule
 
 # Calls each command; a new one has to be added. {work} is the test's folder.
 CALLS = {
@@ -44,12 +44,19 @@ CALLS = {
     "sheet speed": "sheet speed live 0.5",
     "sheet states": "sheet states still",
     "sheet step": "sheet step still 2",
+    "store backup": "store backup monday",
+    "store info": "store info",
+    "store prune": "store prune",
     "undo": "undo still",
     "watch": "watch live --frames 1",
 }
 # The rest may have any order.
 FIRST = ["sheet pause", "analyze", "cut", "cuts", "undo", "redo", "run", "sheet create", "sheet record",
          "sheet save", "sheet restore", "sheet grab", "sheet drag"]
+
+
+def setUpModule():
+    cli_case.setUpModule("--data", path("data"))
 
 
 def commands(*before):

@@ -36,7 +36,7 @@ AFTER_CUTS = ("kerf cut", "kerf undo", "kerf pieces")
 
 
 def setUpModule():
-    cli_case.setUpModule("--scene", str(ROOT / "deploy/scenes/demo.json"))
+    cli_case.setUpModule("--scene", str(ROOT / "deploy/scenes/demo.json"), "--data", path("data"))
     for folder in ("deploy", "tests", "proto"):
         os.symlink(ROOT / folder, path(folder))
 

@@ -82,9 +82,10 @@ class Surfaces(unittest.TestCase):
 
 class Documentation(Case):
     def test_everything_public_is_documented(self):
-        # Drawn from files, or the counterpart of what has an example.
+        # Drawn from files, the counterpart of what has an example, or calls for which the server has to keep sheets.
         without_example = {"svg_file", "load_cuts", "load_run", "view_of_matrices", "Sheet.drag", "Sheet.release",
-                           "Sheet.delete", "Sheet.watch_images", "Server.close", "Server.replay"}
+                           "Sheet.delete", "Sheet.watch_images", "Server.close", "Server.replay", "Server.store_info",
+                           "Server.prune_store", "Server.backup_store"}
         for name in kerf.__all__:
             value = getattr(kerf, name)
             if inspect.isfunction(value):

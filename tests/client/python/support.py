@@ -33,8 +33,9 @@ def begin(options):
 
 
 def start_server(listen="127.0.0.1:0", *options):
+    kept = () if "--data" in options else ("--data", "none")
     process = subprocess.Popen(
-        [OPTIONS.kerfd, "--listen", listen, "--http", "127.0.0.1:0", "--data", "none", "--max-load", "0", *options], stdout=subprocess.PIPE, text=True)
+        [OPTIONS.kerfd, "--listen", listen, "--http", "127.0.0.1:0", "--max-load", "0", *kept, *options], stdout=subprocess.PIPE, text=True)
     ready = json.loads(process.stdout.readline())
     process.http = ready["http"]
     return process, ready["grpc"]

@@ -16,7 +16,7 @@ from kerf.aio.transport import call_sending
 from kerf.errors import NotFound
 from kerf.files import chunks_of
 from kerf.scenes import AnyScene, SheetOptions, as_scene, scene_with, take_large_mesh
-from kerf.v1 import server_pb2, sheets_pb2
+from kerf.v1 import server_pb2, sheets_pb2, store_service_pb2
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -44,6 +44,28 @@ class Server(Connection):
         True
         """
         return await self.call(self.server_service.GetServerInfo, server_pb2.GetServerInfoRequest())
+
+    async def store_info(self) -> store_service_pb2.StoreInfo:
+        """Counts what the server keeps in its data folder, and names the sheets that were set aside, with the reasons,
+        and the backups. Raises FailedPrecondition if it keeps nothing.
+        """
+        return await self.call(self.store_service.GetStoreInfo, store_service_pb2.GetStoreInfoRequest())
+
+    async def prune_store(self) -> store_service_pb2.PruneStoreResponse:
+        """Removes old answers and rows of deleted sheets from the store, as the server does by itself now and then.
+        Raises FailedPrecondition if it keeps nothing.
+        """
+        return await self.call(self.store_service.PruneStore, store_service_pb2.PruneStoreRequest())
+
+    async def backup_store(self, backup_id: str) -> store_service_pb2.StoreBackup:
+        """Copies the store into a folder of this name, [a-z0-9][a-z0-9-]{0,62}, in the server's folder of backups. The
+        server continues meanwhile. `kerfd --restore-store` makes a data folder of it.
+
+        Raises AlreadyExists, ResourceExhausted (16 backups, another one under way, a full disk), and
+        FailedPrecondition if the server keeps nothing.
+        """
+        request = store_service_pb2.BackupStoreRequest(backup_id=backup_id)
+        return await self.call(self.store_service.BackupStore, request)
 
     def sheet(self, sheet_id: str) -> Sheet:
         """Returns an existing sheet by its id, without a call to the server.

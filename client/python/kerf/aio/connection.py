@@ -11,6 +11,7 @@ from kerf.v1 import (
     render_pb2_grpc,
     server_pb2_grpc,
     sheets_pb2_grpc,
+    store_service_pb2_grpc,
     stream_pb2_grpc,
 )
 
@@ -32,6 +33,7 @@ class Connection:
         self.render_service = render_pb2_grpc.RenderServiceStub(self._channel)
         self.stream_service = stream_pb2_grpc.StreamServiceStub(self._channel)
         self.server_service = server_pb2_grpc.ServerServiceStub(self._channel)
+        self.store_service = store_service_pb2_grpc.StoreServiceStub(self._channel)
 
     async def __aenter__(self) -> Self:
         return self
