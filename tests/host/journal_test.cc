@@ -194,6 +194,40 @@ TEST_F(JournalTest, ChangesAreRefusedBeforeTheyAreDoneIfThereIsNoRoom) {
   EXPECT_EQ(entries().size(), 1U) << "hands are let go nevertheless";
 }
 
+TEST_F(JournalTest, SavedStatesAreListedOnceTheyAreDurable) {
+  create("a", small_sheet());
+  const auto ignore = [](const auto&) {};
+  Answers<std::vector<SavedStateStatus>> listed;
+  const auto list = [&] {
+    host_->states("a", listed.callback());
+    host_->wait_idle();
+  };
+  list();
+  journal_.hold_states();
+  host_->save_state("a", "first", false, ignore);
+  host_->save_state("a", "second", false, ignore);
+  list();
+  EXPECT_EQ(listed.count(), 1U);
+  journal_.let_go();
+  host_->wait_idle();
+  ASSERT_EQ(listed.count(), 2U);
+  EXPECT_EQ(listed.at(1)->size(), 2U);
+  journal_.hold();
+  host_->delete_state("a", "first", ignore);
+  list();
+  EXPECT_EQ(listed.count(), 2U) << "a crash may bring it back";
+  journal_.let_go();
+  host_->wait_idle();
+  ASSERT_EQ(listed.count(), 3U);
+  EXPECT_EQ(listed.at(2)->size(), 1U);
+  journal_.hold_states();
+  host_->save_state("a", "third", false, ignore);
+  list();
+  host_->delete_sheet("a", ignore);
+  host_->wait_idle();
+  EXPECT_EQ(listed.reason(3), "SHEET_DELETED");
+}
+
 TEST_F(JournalTest, CallsThatWaitGetTheEndOfTheServer) {
   create("a", small_sheet());
   journal_.hold();

@@ -255,6 +255,7 @@ TEST_F(RecoveryTest, ARestoreIsShownOnceItsStateIsDurable) {
   EXPECT_LT(again->recovered.status.num_vertices, cut);
   Answers<std::vector<SavedStateStatus>> named;
   again->host->states("a", named.callback());
+  again->host->wait_idle();
   ASSERT_EQ(named.at(0)->size(), 1U) << "named states outlive the server";
   EXPECT_EQ(named.at(0)->at(0).id, "before");
   const SheetStatus live = step(30);

@@ -45,6 +45,7 @@ class StatesTest : public HostTest {
   std::vector<SavedStateStatus> states(const std::string& id) {
     Answers<std::vector<SavedStateStatus>> answers;
     host_->states(id, answers.callback());
+    host_->wait_idle();
     return answers.at(0).value();
   }
   std::string forget(const std::string& id, const std::string& state) {

@@ -107,7 +107,7 @@ class Host {
   void restore_state(const std::string& id, const std::string& state_id, Callback<SheetStatus> done,
                      RequestName<SheetStatus> request = nullptr);
   // Lists the saved states of a sheet, those saved first at first.
-  void states(const std::string& id, const Callback<std::vector<SavedStateStatus>>& done) const;
+  void states(const std::string& id, Callback<std::vector<SavedStateStatus>> done);
   // kNotFound STATE_NOT_FOUND
   void delete_state(const std::string& id, const std::string& state_id, Callback<Nothing> done);
 

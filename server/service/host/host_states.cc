@@ -96,9 +96,8 @@ Result<sheet::Sheet> Host::load_sheet(const SavedState& state) {
   return loaded;
 }
 
-void Host::states(const std::string& id, const Callback<std::vector<SavedStateStatus>>& done) const {
-  if (!find(id)) return done(missing(id));
-  done(states_.list(id));
+void Host::states(const std::string& id, Callback<std::vector<SavedStateStatus>> done) {
+  on_strand(id, done, [this, id, done](SheetRunner& r) { r.answer_states(states_.list(id), done); });
 }
 
 void Host::delete_state(const std::string& id, const std::string& state_id, Callback<Nothing> done) {

@@ -84,12 +84,22 @@ void SheetJournal::restore_became_durable(std::int64_t seq) {
   became_durable(written_);
 }
 
+void SheetJournal::when_named_durable(Release release) {
+  if (named_.empty()) return release(Nothing{});
+  waiting_named_.push_back({last_named_, std::move(release)});
+}
+
 void SheetJournal::named_became_durable(std::int64_t number) {
   const auto found = named_.find(number);
   if (found == named_.end()) return;
   const Release release = std::move(found->second);
   named_.erase(found);
   release(Nothing{});
+  while (!waiting_named_.empty() && (named_.empty() || named_.begin()->first > waiting_named_.front().seq)) {
+    const Release next = std::move(waiting_named_.front().release);
+    waiting_named_.pop_front();
+    next(Nothing{});
+  }
 }
 
 void SheetJournal::give_up(const Error& error) {
@@ -99,6 +109,9 @@ void SheetJournal::give_up(const Error& error) {
   std::map<std::int64_t, Release> named;
   named.swap(named_);
   for (auto& [number, release] : named) release(error);
+  std::deque<Waiting> waiting_named;
+  waiting_named.swap(waiting_named_);
+  for (Waiting& each : waiting_named) each.release(error);
 }
 
 Status SheetJournal::check_room() const {

@@ -55,6 +55,8 @@ class SheetJournal {
   // is durable.
   void save_named(StoredState state, Release release);
   void remove_named(const std::string& name, Release release);
+  // Calls `release` once all that save_named() and remove_named() were given so far is durable; at once if it is.
+  void when_named_durable(Release release);
   // Deletes the sheet from the store; nothing may be written after it.
   void remove();
   // Calls `release` once all changes so far are durable, after those of earlier calls; at once if they are.
@@ -95,6 +97,7 @@ class SheetJournal {
   std::int64_t written_ = 0;  // Number of the last change that is durable in the store, restores aside.
   std::int64_t last_named_ = 0;
   std::map<std::int64_t, Release> named_;  // By the numbers of save_named() and remove_named().
+  std::deque<Waiting> waiting_named_;      // In order; `seq` is a number of `named_`.
   std::deque<std::int64_t> restores_;      // Numbers of restores whose states are not durable yet.
   std::deque<Waiting> waiting_;            // In order of their numbers.
 };

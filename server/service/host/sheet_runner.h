@@ -150,6 +150,8 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   // Keeps the state in the journal, or removes it there, and then answers.
   void store_named(const std::shared_ptr<const SavedState>& state, const Callback<SavedStateStatus>& done);
   void remove_named(const std::string& state_id, const Callback<Nothing>& done);
+  // Passes a list of the states to `done` once the states and removals that it shows are durable.
+  void answer_states(std::vector<SavedStateStatus> states, const Callback<std::vector<SavedStateStatus>>& done);
   // Saves the sheet in the journal if it is time to.
   void save_if_due();
   // Continues from a saved run of this scene. Run state and speed stay, a sleeping sheet wakes, and a frozen one runs

@@ -74,6 +74,14 @@ void SheetRunner::remove_named(const std::string& state_id, const Callback<Nothi
   journal_.remove_named(state_id, done);
 }
 
+void SheetRunner::answer_states(std::vector<SavedStateStatus> states,
+                                const Callback<std::vector<SavedStateStatus>>& done) {
+  journal_.when_named_durable([states = std::move(states), done](const Status& stored) {
+    if (!stored.ok()) return done(stored.error());
+    done(states);
+  });
+}
+
 Status SheetRunner::continue_from(const SavedRun& run, sheet::Sheet sheet, std::uint64_t serial,
                                   const RequestName<SheetStatus>& request) {
   KERF_TRY(check_between_runs());
