@@ -3,8 +3,13 @@
 #include <optional>
 #include <utility>
 
+#include <google/protobuf/empty.pb.h>
+
+#include "kerf/v1/sheets.pb.h"
 #include "server/app/wait_for.h"
 #include "server/base/disk.h"
+#include "server/service/api/api.h"
+#include "server/service/api/resource_names.h"
 #include "server/service/host/host.h"
 #include "server/service/wire/scene_codec.h"
 
@@ -18,7 +23,7 @@ Error in_file(const std::filesystem::path& file, Error error) {
 }
 
 // Returns no id if the sheet of the file is among those kept. `replaced`: sheets that a file may replace.
-Result<std::optional<std::string>> load(const std::filesystem::path& file, Disk& disk, host::Host& host,
+Result<std::optional<std::string>> load(const std::filesystem::path& file, Disk& disk, host::Host& host, api::Api& api,
                                         const std::set<std::string>& kept, std::set<std::string>& replaced) {
   const Result<std::string> json = disk.read_file(file.string(), wire::kMaxSceneFileBytes);
   if (!json.ok()) return in_file(file, json.error());
@@ -31,8 +36,10 @@ Result<std::optional<std::string>> load(const std::filesystem::path& file, Disk&
   const std::string id = config->sheet_id.empty() && scene::is_valid_sheet_id(stem) ? stem : config->sheet_id;
   if (kept.contains(id)) return std::optional<std::string>();
   if (replaced.erase(id) > 0) {
-    const Status deleted =
-        wait_for<Nothing>([&](host::Callback<Nothing> done) { host.delete_sheet(id, std::move(done)); });
+    v1::DeleteSheetRequest request;
+    request.set_name(api::sheet_name(id));
+    const auto deleted = wait_for<google::protobuf::Empty>(
+        [&](api::Reply<google::protobuf::Empty> done) { api.delete_sheet(request, std::move(done)); });
     if (!deleted.ok()) return in_file(file, deleted.error());
   }
   const Result<host::SheetStatus> status = wait_for<host::SheetStatus>([&](host::Callback<host::SheetStatus> done) {
@@ -45,12 +52,12 @@ Result<std::optional<std::string>> load(const std::filesystem::path& file, Disk&
 }  // namespace
 
 Result<std::vector<std::string>> load_scenes(const std::vector<std::filesystem::path>& files, Disk& disk,
-                                             host::Host& host, const std::set<std::string>& kept) {
+                                             host::Host& host, api::Api& api, const std::set<std::string>& kept) {
   const std::vector<std::string> present = host.list();
   std::set<std::string> replaced(present.begin(), present.end());
   std::vector<std::string> ids;
   for (const std::filesystem::path& file : files) {
-    KERF_TRY_ASSIGN(std::optional<std::string> id, load(file, disk, host, kept, replaced));
+    KERF_TRY_ASSIGN(std::optional<std::string> id, load(file, disk, host, api, kept, replaced));
     if (id) ids.push_back(std::move(*id));
   }
   return ids;

@@ -10,6 +10,9 @@
 namespace kerf {
 class Disk;
 }  // namespace kerf
+namespace kerf::api {
+class Api;
+}  // namespace kerf::api
 namespace kerf::host {
 class Host;
 }  // namespace kerf::host
@@ -20,7 +23,7 @@ namespace kerf::app {
 // without extension. A sheet with that id is replaced, unless it is among `kept`: then the file is left out. Errors
 // name the file in their message.
 Result<std::vector<std::string>> load_scenes(const std::vector<std::filesystem::path>& files, Disk& disk,
-                                             host::Host& host, const std::set<std::string>& kept = {});
+                                             host::Host& host, api::Api& api, const std::set<std::string>& kept);
 
 // Starts the clocks of these sheets.
 Status resume_sheets(const std::vector<std::string>& ids, host::Host& host);

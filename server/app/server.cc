@@ -220,7 +220,7 @@ Status Server::Impl::make_sheets(std::vector<std::string>& made) {
     api->remember(std::move(requests));
   }
   if (config.fresh) kept.clear();
-  KERF_TRY_ASSIGN(made, load_scenes(config.scenes, disk, *host, kept));
+  KERF_TRY_ASSIGN(made, load_scenes(config.scenes, disk, *host, *api, kept));
   return Nothing{};
 }
 
