@@ -4,20 +4,15 @@
     start_test.py --kerfd KERFD --kerf KERF
 """
 
-import argparse
 import contextlib
 import hashlib
 import json
 import pathlib
-import signal
 import sqlite3
 import subprocess
-import tempfile
-import unittest
 
-from server import LISTEN, Server, line_cut, reason, scene
-
-OPTIONS = None
+from kept_case import OPTIONS, Case, main
+from server import LISTEN, reason, scene
 
 
 def contents(folder):
@@ -37,56 +32,6 @@ def change_bytes(folder, table, column, sheet_id):
             database.execute(f"UPDATE {table} SET {column} = ? WHERE sheet = ? AND {key} = ?", (changed, sheet, number))
         database.commit()
     return len(rows)
-
-
-class Case(unittest.TestCase):
-    def setUp(self):
-        self.folder = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory()))
-        self.store = self.folder / "store"
-        self.running = []
-
-    def tearDown(self):
-        for server in self.running:
-            server.end(signal.SIGKILL)
-
-    def start(self, *options, environment=None, data=True):
-        data_options = ("--data", str(self.store)) if data else ()
-        server = Server(OPTIONS.kerfd, *data_options, *map(str, options), environment=environment)
-        self.running.append(server)
-        return server
-
-    def stop(self, server):
-        """Ends a server in order and returns the text of standard error."""
-        self.running.remove(server)
-        text = server.end()
-        self.assertEqual(server.process.returncode, 0, text)
-        return text
-
-    def done(self, server, method, message):
-        answer = server.call(method, message)
-        self.assertNotIn("refused", answer)
-        return answer
-
-    def make(self, server, name, side=8):
-        return self.done(server, "SheetService/CreateSheet", {"sheet_id": name, "scene": scene(side)})
-
-    def cut(self, server, name, height=0.4):
-        answer = self.done(server, "CutService/CreateCut", line_cut(f"sheets/{name}", (-1, height), (2, height)))
-        self.assertEqual(answer["status"], "APPLIED")
-        return answer["name"]
-
-    def cuts(self, server, name):
-        listed = self.done(server, "CutService/ListCuts", {"parent": f"sheets/{name}"})
-        return [each["result"]["name"] for each in listed.get("cuts", [])]
-
-    def get(self, server, name):
-        return server.call("SheetService/GetSheet", {"name": f"sheets/{name}"})
-
-    def names(self, server):
-        return [each["name"] for each in self.done(server, "SheetService/ListSheets", {}).get("sheets", [])]
-
-    def run_kerfd(self, *arguments):
-        return subprocess.run([OPTIONS.kerfd, *map(str, arguments)], capture_output=True, text=True, timeout=60, check=False)
 
 
 class Folder(Case):
@@ -116,8 +61,7 @@ class Folder(Case):
         self.assertIn(f"is used by process {first.process.pid};", second.stderr)
         self.assertEqual(contents(self.store / "states"), before)
         later = self.cut(first, "a", 0.6)
-        self.running.remove(first)
-        first.end(signal.SIGKILL)
+        self.kill(first)
         self.assertIn(later, self.cuts(self.start(), "a"))
 
 
@@ -160,12 +104,11 @@ class Continuing(Case):
         self.stop(server)
         server = self.start()
         self.assertEqual(self.listed_by_kerf(server), made)
-        self.running.remove(server)
-        server.end(signal.SIGKILL)
+        self.kill(server)
         self.assertEqual(self.listed_by_kerf(self.start()), made)
 
     def listed_by_kerf(self, server):
-        command = [OPTIONS.kerf, "--server", server.ready["grpc"], "--json", "sheet", "list"]
+        command = [OPTIONS["kerf"], "--server", server.ready["grpc"], "--json", "sheet", "list"]
         listed = json.loads(subprocess.run(command, capture_output=True, text=True, timeout=60, check=True).stdout)
         return [(sheet["name"], sheet["created_unix_us"]) for sheet in listed["sheets"]]
 
@@ -226,8 +169,7 @@ class Damage(Case):
         server = self.start()
         self.make(server, "a")
         self.cut(server, "a")
-        self.running.remove(server)
-        server.end(signal.SIGKILL)
+        self.kill(server)
         before = contents(self.store)
         self.assertIn("kerf.db-wal", before)
         killed = self.run_kerfd("--check-store", self.store)
@@ -242,8 +184,4 @@ class Damage(Case):
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--kerfd", required=True)
-    parser.add_argument("--kerf", required=True)
-    OPTIONS, rest = parser.parse_known_args()
-    unittest.main(argv=["start_test.py", *rest])
+    main(__doc__)
