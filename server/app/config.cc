@@ -124,7 +124,7 @@ void declare(CLI::App& parser, Arguments& arguments) {
   parser
       .add_option(
           "--max-replay-s", arguments.max_replay_s,
-          "Seconds of computation that a restart may have to repeat for each kept sheet, 0.01..3600; less makes "
+          "Seconds of computation that a restart may have to repeat on each worker, 0.01..3600; less makes "
           "restarts faster and saves sheets more often")
       ->type_name("S")
       ->capture_default_str();

@@ -1,45 +1,142 @@
 #include "server/app/kept_sheets.h"
 
+#include <condition_variable>
+#include <cstddef>
+#include <deque>
+#include <memory>
+#include <mutex>
 #include <utility>
 #include <vector>
 
-#include "server/app/wait_for.h"
 #include "server/service/durable/stored_runs.h"
 #include "server/service/host/host.h"
 #include "server/service/store/sqlite_store.h"
 
 namespace kerf::app {
 
-Result<std::set<std::string>> recover_sheets(store::SqliteStore& store, host::Host& host,
-                                             const std::function<void(std::string_view line)>& note) {
-  std::set<std::string> changed;
-  KERF_TRY_ASSIGN(const std::vector<store::StoredSheet> sheets, store.sheets());
-  for (const store::StoredSheet& stored : sheets) {
-    const std::string name = "the kept sheet \"" + stored.id + "\"";
-    if (stored.is_quarantined) {
-      note(name + " is set aside: " + stored.reason);
-      continue;
+namespace {
+
+std::string name_of(const store::StoredSheet& stored) {
+  return "the kept sheet \"" + stored.id + "\"";
+}
+
+// Recovers sheets side by side. The host answers on its threads, and the thread that waits takes the results.
+class Recoveries {
+ public:
+  explicit Recoveries(host::Host& host) : host_(host) {}
+
+  struct Done {
+    const store::StoredSheet* stored;
+    durable::Beginning beginning;
+    Result<host::RecoveredSheet> result;
+  };
+  void start(const store::StoredSheet& stored, durable::Beginning beginning, host::StoredRun run) {
+    ++num_running_;
+    host_.recover(std::move(run), [answers = answers_, &stored, beginning](Result<host::RecoveredSheet> result) {
+      const std::lock_guard lock(answers->mutex);
+      answers->done.push_back({&stored, beginning, std::move(result)});
+      answers->has_come.notify_one();
+    });
+  }
+  // Waits for one of those that were started.
+  Done wait() {
+    std::unique_lock lock(answers_->mutex);
+    answers_->has_come.wait(lock, [this] { return !answers_->done.empty(); });
+    Done done = std::move(answers_->done.front());
+    answers_->done.pop_front();
+    --num_running_;
+    return done;
+  }
+  [[nodiscard]] std::size_t num_running() const { return num_running_; }
+
+ private:
+  struct Answers {
+    std::mutex mutex;
+    std::condition_variable has_come;
+    std::deque<Done> done;
+  };
+
+  host::Host& host_;
+  std::size_t num_running_ = 0;
+  std::shared_ptr<Answers> answers_ = std::make_shared<Answers>();
+};
+
+class KeptSheets {
+ public:
+  KeptSheets(store::SqliteStore& store, host::Host& host, const std::function<void(std::string_view line)>& note)
+      : store_(store),
+        note_(note),
+        recoveries_(host),
+        num_at_once_(2 * static_cast<std::size_t>(host.options().workers)) {}
+
+  Result<std::set<std::string>> recover() {
+    KERF_TRY_ASSIGN(const std::vector<store::StoredSheet> sheets, store_.sheets());
+    Status status = Nothing{};
+    for (const store::StoredSheet& stored : sheets) {
+      while (status.ok() && recoveries_.num_running() >= num_at_once_) status = finish(recoveries_.wait());
+      if (status.ok()) status = start(stored);
+      if (!status.ok()) break;
     }
-    Result<host::StoredRun> run = durable::read_run(store, stored);
+    while (recoveries_.num_running() > 0) {  // They refer to `sheets`.
+      const Recoveries::Done done = recoveries_.wait();
+      if (status.ok()) status = finish(done);
+    }
+    KERF_TRY(status);
+    return std::move(changed_);
+  }
+
+ private:
+  Status start(const store::StoredSheet& stored) {
+    if (stored.is_quarantined) {
+      note_(name_of(stored) + " is set aside: " + stored.reason);
+      return Nothing{};
+    }
+    Result<host::StoredRun> run = durable::read_run(store_, stored);
     if (!run.ok() && run.error().code == ErrorCode::kDataLoss) {
-      KERF_TRY(store.quarantine(stored.sheet, run.error().message));
-      note(name + " is damaged and set aside: " + run.error().message);
-      continue;
+      KERF_TRY(store_.quarantine(stored.sheet, run.error().message));
+      note_(name_of(stored) + " is damaged and set aside: " + run.error().message);
+      return Nothing{};
     }
     KERF_TRY(run);
-    const Result<host::RecoveredSheet> recovered = wait_for<host::RecoveredSheet>(
-        [&](host::Callback<host::RecoveredSheet> done) { host.recover(std::move(*run), std::move(done)); });
-    if (!recovered.ok()) {
-      note(name + " is not started, and stays kept: " + recovered.error().message);
-      continue;
-    }
-    if (recovered->differs_at) {
-      note(name + " differs from what it was, from tick " + std::to_string(*recovered->differs_at) +
-           " on: it was computed again, by another build or processor");
-    }
-    if (recovered->is_changed) changed.insert(stored.id);
+    recoveries_.start(stored, durable::Beginning::kNewestState, std::move(*run));
+    return Nothing{};
   }
-  return changed;
+
+  Status finish(const Recoveries::Done& done) {
+    const store::StoredSheet& stored = *done.stored;
+    if (done.result.ok()) {
+      if (done.result->differs_at) {
+        note_(name_of(stored) + " differs from what it was, from tick " + std::to_string(*done.result->differs_at) +
+              " on: it was computed again, by another build or processor");
+      }
+      if (done.result->is_changed) changed_.insert(stored.id);
+      return Nothing{};
+    }
+    const Error& error = done.result.error();
+    // A state that this build cannot load is not needed if the store has the whole run.
+    if (error.reason.starts_with("SAVED_SHEET") && done.beginning == durable::Beginning::kNewestState) {
+      Result<host::StoredRun> run = durable::read_run(store_, stored, durable::Beginning::kScene);
+      if (run.ok()) {
+        recoveries_.start(stored, durable::Beginning::kScene, std::move(*run));
+        return Nothing{};
+      }
+    }
+    note_(name_of(stored) + " is not started, and stays kept: " + error.message);
+    return Nothing{};
+  }
+
+  store::SqliteStore& store_;
+  const std::function<void(std::string_view line)>& note_;
+  Recoveries recoveries_;
+  const std::size_t num_at_once_;  // Enough to keep all threads busy; each takes the memory of a stored run.
+  std::set<std::string> changed_;
+};
+
+}  // namespace
+
+Result<std::set<std::string>> recover_sheets(store::SqliteStore& store, host::Host& host,
+                                             const std::function<void(std::string_view line)>& note) {
+  return KeptSheets(store, host, note).recover();
 }
 
 }  // namespace kerf::app

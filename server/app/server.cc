@@ -241,6 +241,7 @@ Status Server::Impl::start() {
   KERF_TRY(make_sheets(sheets));
   KERF_TRY(listen(std::move(files)));
   KERF_TRY(resume_sheets(sheets, *host));
+  host->start_recovered();
   tell_what_is_missing();
   return Nothing{};
 }

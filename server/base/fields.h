@@ -175,6 +175,8 @@ class FieldWriter {
   }
   [[nodiscard]] bool failed() const { return false; }
   [[nodiscard]] const std::string& bytes() const { return bytes_; }
+  // Forgets what was written, and keeps the memory.
+  void clear() { bytes_.clear(); }
 
  private:
   std::string bytes_;

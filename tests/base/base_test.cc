@@ -99,6 +99,21 @@ TEST(Crc32c, HasThePublishedValues) {
   EXPECT_EQ(crc32c(std::string(rising.rbegin(), rising.rend())), 0x113fdb5cU);
 }
 
+// Divides bit by bit, as the polynomial is defined.
+TEST(Crc32c, IsTheRemainderAtEveryLengthAndAlignment) {
+  const std::string bytes = std::string(3, char{0}) + "x\xff\x80 any text of some fifty bytes, and zeros before it";
+  for (std::size_t at = 0; at < 9; ++at) {
+    for (std::size_t count = 0; count <= bytes.size() - at; ++count) {
+      std::uint32_t rest = ~0U;
+      for (const char byte : bytes.substr(at, count)) {
+        rest ^= static_cast<unsigned char>(byte);
+        for (int bit = 0; bit < 8; ++bit) rest = (rest >> 1U) ^ ((rest & 1U) != 0 ? 0x82f63b78U : 0U);
+      }
+      ASSERT_EQ(crc32c(std::string_view(bytes).substr(at, count)), ~rest) << at << " " << count;
+    }
+  }
+}
+
 std::uint64_t hash_of(const std::vector<double>& values) {
   StateHash hash;
   hash.add_span(std::span<const double>(values));

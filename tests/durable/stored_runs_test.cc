@@ -61,6 +61,26 @@ TEST_F(StoredRuns, WithoutAStateHaveAllChanges) {
   EXPECT_EQ(found.mark_tick, 40);
 }
 
+TEST_F(StoredRuns, BeginWithTheSceneIfAllChangesAreThere) {
+  append(3, host::RunEvent{true, 1.0});
+  save(5, "mine");
+  save(6);
+  append(8, host::RunEvent{false, 1.0});
+  ASSERT_TRUE(run().ok());
+  const host::StoredRun found = read_run(*store_, store_->sheets()->at(0), Beginning::kScene).value();
+  EXPECT_FALSE(found.state);
+  EXPECT_EQ(found.named.size(), 1U);
+  ASSERT_EQ(found.changes.size(), 2U);
+  EXPECT_EQ(found.changes[0].tick, 3);
+  EXPECT_EQ(found.last_seq, 2);
+  EXPECT_EQ(found.mark_tick, 8);
+  // Without its changes the sheet must not begin with them missing.
+  ASSERT_TRUE(store_->remove_entries_after(1, 0).ok());
+  const auto none = read_run(*store_, store_->sheets()->at(0), Beginning::kScene);
+  ASSERT_FALSE(none.ok());
+  EXPECT_EQ(none.error().reason, "JOURNAL_DAMAGED");
+}
+
 TEST_F(StoredRuns, HaveTheNewestStateTheNamedOnesAndTheChangesAfterIt) {
   append(3, host::RunEvent{true, 1.0});
   save(5, "mine");

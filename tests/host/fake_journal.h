@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/service/host/host_options.h"
 #include "server/service/host/journal.h"
 #include "server/service/host/stored_run.h"
 
@@ -41,6 +42,7 @@ class FakeJournal : public Journal {
     add([this, sheet] { sheets_.erase(sheet); }, std::move(durable));
   }
   void save(StoredState state, Durable durable) override {
+    state.content = state.encode();
     add([this, state = std::move(state)] { sheets_[state.sheet].states[state.name] = state; }, std::move(durable),
         true);
   }

@@ -113,7 +113,8 @@ void Sheet::save(const std::function<void(std::string_view)>& sink) const {
   SavedHeader header;
   header.num_sections = std::tuple_size_v<decltype(sections)>;
   header.engine = engine_hash();
-  header.scene = scene_hash(impl_->moving.initial());
+  if (!impl_->scene) impl_->scene = scene_hash(impl_->moving.initial());
+  header.scene = *impl_->scene;
   header.tick = tick();
   header.state_hash = state_hash();
   header.continuation_hash = continuation_hash();
@@ -123,8 +124,9 @@ void Sheet::save(const std::function<void(std::string_view)>& sink) const {
   visit(first, header_sum);
   sink(first.bytes());
   std::uint32_t number = 0;
+  FieldWriter content;
   const auto write = [&](const auto& section) {
-    FieldWriter content;
+    content.clear();
     visit(content, section);
     FieldWriter prefix;
     visit(prefix, number);
@@ -148,7 +150,8 @@ Result<Sheet> Sheet::load(scene::SheetConfig config, std::string_view saved, Int
                   split(saved.substr(kHeaderBytes + sizeof(std::uint32_t)), header.num_sections));
   KERF_TRY_ASSIGN(Sheet sheet, create(std::move(config), std::move(make_integrator)));
   Impl& impl = *sheet.impl_;
-  if (scene_hash(impl.moving.initial()) != header.scene) {
+  impl.scene = scene_hash(impl.moving.initial());
+  if (impl.scene != header.scene) {
     return failed_precondition("SAVED_SHEET_OF_ANOTHER_SCENE",
                                "the saved sheet was made from another scene, or this build makes another sheet of it");
   }

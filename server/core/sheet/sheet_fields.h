@@ -201,7 +201,7 @@ struct kerf::Fields<kerf::sheet::MovingSheet> {
 template <>
 struct kerf::Fields<kerf::sheet::Sheet::Impl> {
   static auto of(auto& of) {  // viewers get the topology in full
-    auto& [clock, moving, cuts, topology, topology_version, settings_version, beginning, last_beginning] = of;
+    auto& [clock, moving, cuts, topology, topology_version, settings_version, beginning, last_beginning, scene] = of;
     return std::tie(clock, moving, cuts, topology_version, settings_version, beginning, last_beginning);
   }
 };

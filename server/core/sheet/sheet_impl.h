@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -66,6 +67,7 @@ struct Sheet::Impl {
   std::int32_t settings_version = 0;
   std::int64_t beginning = 0;  // see CommandReply::beginning
   std::int64_t last_beginning = 0;
+  std::optional<std::uint64_t> scene;  // scene_hash(), once it was asked for.
 };
 
 }  // namespace kerf::sheet

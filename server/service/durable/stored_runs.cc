@@ -18,9 +18,10 @@ Result<host::SavedState> read_state(store::SqliteStore& store, const store::Stat
 }
 
 // Reads the newest state that is whole, and those that users have saved.
-void read_states(store::SqliteStore& store, const store::StoredSheet& sheet, host::StoredRun& run) {
+void read_states(store::SqliteStore& store, const store::StoredSheet& sheet, Beginning beginning,
+                 host::StoredRun& run) {
   for (const store::StateInfo& info : sheet.states) {
-    if (info.name.empty() && run.state) continue;
+    if (info.name.empty() && (run.state || beginning == Beginning::kScene)) continue;
     Result<host::SavedState> state = read_state(store, info);
     if (!state.ok()) continue;
     if (!info.name.empty()) {
@@ -42,14 +43,14 @@ bool has_state_from(const store::StoredSheet& sheet, std::int64_t seq) {
 
 }  // namespace
 
-Result<host::StoredRun> read_run(store::SqliteStore& store, const store::StoredSheet& sheet) {
+Result<host::StoredRun> read_run(store::SqliteStore& store, const store::StoredSheet& sheet, Beginning beginning) {
   if (sheet.is_damaged) return data_loss("STORED_SHEET_DAMAGED", "its row in the store is damaged");
   host::StoredRun run;
   run.sheet = sheet.sheet;
   run.id = sheet.id;
   run.created_unix_us = sheet.created_unix_us;
   KERF_TRY_ASSIGN(run.config, decode_stored_scene(sheet.scene));
-  read_states(store, sheet, run);
+  read_states(store, sheet, beginning, run);
   KERF_TRY_ASSIGN(const std::vector<host::JournalEntry> entries, store.entries(sheet.sheet, run.last_seq));
   for (const host::JournalEntry& entry : entries) {
     KERF_TRY_ASSIGN(host::SheetEvent event, decode_change(entry.content));
@@ -65,6 +66,10 @@ Result<host::StoredRun> read_run(store::SqliteStore& store, const store::StoredS
     run.changes.push_back({entry.tick, entry.state_hash, std::move(event)});
     run.last_seq = entry.seq;
     run.mark_tick = entry.tick;
+  }
+  const auto is_later = [&run](const store::StateInfo& info) { return info.seq > run.last_seq; };
+  if (std::any_of(sheet.states.begin(), sheet.states.end(), is_later)) {
+    return data_loss("JOURNAL_DAMAGED", "changes before its newest state are gone");
   }
   run.mark_tick = std::max(run.mark_tick, sheet.mark.value_or(0));
   return run;

@@ -32,6 +32,7 @@
 #include "server/service/host/shared_slot.h"
 #include "server/service/host/sheet_status.h"
 #include "server/service/host/stored_run.h"
+#include "server/service/host/unsaved_work.h"
 #include "server/service/host/vertex_budget.h"
 #include "server/service/host/workers.h"
 
@@ -85,10 +86,12 @@ class Host {
   // create_sheet() and sheet::check_order().
   void replay(std::string id, sheet::Recording recording, bool paused, Callback<SheetStatus> done,
               const std::stop_token& stop = {});
-  // Makes a sheet of the journal again: builds it, repeats its changes, steps it up to its mark, and lets it continue
-  // as it ran. The listener receives its commands. For a host that serves no client yet. Errors of create_sheet()
-  // except OVERLOADED.
+  // Makes a sheet of the journal again: builds it, repeats its changes, and steps it up to its mark. The listener
+  // receives its commands. For a host that serves no client yet. Errors of create_sheet() except OVERLOADED.
   void recover(StoredRun run, Callback<RecoveredSheet> done);
+  // Lets the recovered sheets continue as they ran. Until then they stand, so that none takes time from the recovery of
+  // the others.
+  void start_recovered();
   // Sets what is kept of each sheet with its saved states, and in the journal. To be set before any sheet runs.
   void set_attachments(Attachments attachments);
   // Saves the state of a sheet between two ticks under a name, [a-z][a-z0-9-]{0,62}, in memory and in the journal.
@@ -260,6 +263,7 @@ class Host {
   SharedSlot<CommandListener> listener_;
   SharedSlot<Attachments> attachments_;
   SharedSlip slip_;
+  UnsavedWork unsaved_;
   mutable std::mutex mutex_;
   std::map<std::string, std::shared_ptr<SheetRunner>> sheets_;  // Null: being built. Guarded by mutex_.
   std::atomic<std::uint64_t> num_made_{0};

@@ -93,7 +93,7 @@ Status Host::build_and_hand_on(const std::shared_ptr<Creation>& creation, scene:
 Status Host::begin(Creation& creation, sheet::Sheet sheet, const Workers::Strand& strand) {
   const auto runner = std::make_shared<SheetRunner>(
       creation.id, std::move(sheet),
-      SheetRunner::Context{options_, clock_, board_, listener_, attachments_, slip_, stopping_,
+      SheetRunner::Context{options_, clock_, board_, listener_, attachments_, slip_, unsaved_, stopping_,
                            [this](const std::string& id) { release(id); }, ++num_made_},
       strand, creation.vertices);
   const Status begun = catch_exceptions([&]() -> Status {

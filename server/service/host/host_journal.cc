@@ -17,6 +17,17 @@ void Host::recover(StoredRun run, Callback<RecoveredSheet> done) {
   create(std::move(id), std::move(config), std::move(made));
 }
 
+void Host::start_recovered() {
+  Runners runners;
+  {
+    const std::lock_guard lock(mutex_);
+    runners = sheets_;
+  }
+  for (const auto& [id, runner] : runners) {
+    if (runner) runner->post([](SheetRunner& r) { r.start_recovered(); }, [](const Error&) {});
+  }
+}
+
 Status Host::keep_named(const StoredRun& run, const std::shared_ptr<const scene::SheetConfig>& config) {
   for (const SavedState& state : run.named) {
     auto kept = std::make_shared<SavedState>(state);

@@ -46,8 +46,8 @@ struct HostOptions {
   std::function<std::string(const SheetEvent&)> encode_event;
   std::function<std::string(const scene::SheetConfig&)> encode_scene;
   std::function<std::string(const SavedState&)> encode_state;
-  // CPU time of a sheet's ticks after which the journal gets its state, so that a restart repeats no more; >= 0. An
-  // eighth of it for a sheet that is paused or asleep.
+  // CPU time of ticks that a restart repeats at most, for each worker; >= 0. The journal gets the state of a sheet that
+  // exceeds it, or of those with the most if all together do. A 64th of it for a sheet that is paused or asleep.
   Nanoseconds max_unsaved_cpu = std::chrono::seconds(2);
   std::size_t max_recording_bytes = std::size_t{16} << 20;          // Per sheet, of the ticks that KeptRecording keeps.
   sheet::IntegratorFactory make_integrator = fem::make_integrator;  // Makes the integrators of the sheets.

@@ -47,7 +47,7 @@ void Host::save_state(const std::string& id, std::string state_id, bool overwrit
     KERF_TRY_ASSIGN(SavedState saved, runner.save_state(name));
     const auto state = std::make_shared<const SavedState>(std::move(saved));
     KERF_TRY(states_.add(id, state, overwrite));
-    runner.store_named(*state, done);
+    runner.store_named(state, done);
     return Nothing{};
   };
   on_strand(id, done, [save, done](SheetRunner& r) {

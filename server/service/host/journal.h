@@ -45,7 +45,9 @@ struct StoredState {
   std::uint64_t state_hash = 0;
   std::uint64_t continuation_hash = 0;
   std::string name;     // Given by a user; empty: the store may delete it when it is old.
-  std::string content;  // The state, encoded.
+  std::string content;  // The state, encoded; empty if `encode` gives it.
+  // Returns the content, once, on a thread of the journal.
+  std::function<std::string()> encode;
 };
 
 // The tick that a sheet has reached, where it continues after a restart.

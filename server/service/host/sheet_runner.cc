@@ -37,6 +37,7 @@ SheetRunner::SheetRunner(std::string id, sheet::Sheet sheet, Context context, Wo
       metrics_(context_.board, WorkerNeed(period_of(sheet_), expected_tick(sheet_))),
       recorder_(KeptRecording(context_.options.encode_tick, context_.options.max_recording_bytes)),
       vertices_(std::move(vertices)),
+      unsaved_(context_.unsaved),
       serial_(context_.serial) {}
 
 void SheetRunner::post(std::function<void(SheetRunner&)> work, std::function<void(Error)> refuse) {
@@ -112,6 +113,7 @@ void SheetRunner::close(sheet::SinkEnd reason) {
   metrics_.end();
   for (const auto& sink : sinks_.take()) attempt([&] { sink->ended(reason); });
   recorder_.end();
+  unsaved_.clear();
   vertices_->set(0);
 }
 

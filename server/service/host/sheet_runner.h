@@ -41,6 +41,7 @@
 #include "server/service/host/tick_clock.h"
 #include "server/service/host/tick_progress.h"
 #include "server/service/host/tick_scale.h"
+#include "server/service/host/unsaved_work.h"
 #include "server/service/host/vertex_budget.h"
 #include "server/service/host/workers.h"
 
@@ -60,6 +61,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
     const SharedSlot<CommandListener>& listener;
     const SharedSlot<Attachments>& attachments;
     SharedSlip& slip;
+    UnsavedWork& unsaved;
     const std::atomic<bool>& stopping;  // The host stops: ticks due are skipped, and close() will follow.
     // Removes a sheet that close() has ended for lack of memory, and frees its name.
     std::function<void(const std::string& id)> lost;
@@ -95,10 +97,11 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   // `playback`: recording that the sheet is to play; may be null.
   void begin(bool paused, std::shared_ptr<sheet::RecordingSink> recording, std::unique_ptr<Playback> playback);
   void close(sheet::SinkEnd reason);
-  // Repeats the changes of a sheet that begin() has just begun, paused, steps it up to its mark, and lets it run as it
-  // did. From then on it keeps its changes in the journal. Returns the tick of the first change with another hash.
-  // kUnavailable HOST_STOPPING.
+  // Repeats the changes of a sheet that begin() has just begun, paused, steps it up to its mark, and gives it its run
+  // state. From then on it keeps its changes in the journal; it ticks after start_recovered(). Returns the tick of the
+  // first change with another hash. kUnavailable HOST_STOPPING.
   Result<std::optional<std::int64_t>> recover(const StoredRun& run);
+  void start_recovered();
   // True if a client has changed the sheet since it was made or reset.
   [[nodiscard]] bool is_changed() const { return changes_.is_changed(); }
   // Returns the number of the sheet in the store; callable from any thread once the sheet runs.
@@ -142,7 +145,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   // Saved states, in sheet_runner_states.cc. kFailedPrecondition REPLAYING, STEPPING; kResourceExhausted OUT_OF_MEMORY.
   [[nodiscard]] Result<SavedState> save_state(std::string state_id) const;
   // Keeps the state in the journal, or removes it there, and then answers.
-  void store_named(const SavedState& state, const Callback<SavedStateStatus>& done);
+  void store_named(const std::shared_ptr<const SavedState>& state, const Callback<SavedStateStatus>& done);
   void remove_named(const std::string& state_id, const Callback<Nothing>& done);
   // Saves the sheet in the journal if it is time to.
   void save_if_due();
@@ -195,7 +198,9 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   // Returns the sheet as it is, with this id.
   [[nodiscard]] SavedState make_state(std::string state_id) const;
   // Returns the state as the journal keeps it.
-  [[nodiscard]] StoredState stored(const SavedState& state) const;
+  [[nodiscard]] StoredState stored(std::shared_ptr<const SavedState> state) const;
+  // True if repeating what the sheet did since it was saved would take too long.
+  [[nodiscard]] bool is_save_due() const;
 
   // Commands.
   void announce_commands();
@@ -288,13 +293,13 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   std::optional<StepCall> step_call_;
   bool turn_posted_ = false;  // A take_turn() is posted.
   std::int64_t created_unix_us_ = 0;
-  Nanoseconds unsaved_cpu_{0};  // CPU time of the ticks since the sheet was last saved in the journal.
-  Nanoseconds saving_cpu_{0};   // CPU time that saving it took the last time.
-  bool is_unsaved_ = false;     // It was stepped or changed since.
-  bool is_saving_ = false;      // It is being saved there.
-  bool is_ending_ = false;      // The sheet is being deleted from the journal, and takes no commands.
-  bool changing_ = false;       // A tick or commands are in progress.
-  bool repeats_now_ = false;    // The next tick begins with a Reset by the sheet itself.
+  UnsavedShare unsaved_;       // CPU time of the ticks since the sheet was last saved in the journal.
+  Nanoseconds saving_cpu_{0};  // CPU time that saving it took the last time.
+  bool is_unsaved_ = false;    // It was stepped or changed since.
+  bool is_saving_ = false;     // It is being saved there.
+  bool is_ending_ = false;     // The sheet is being deleted from the journal, and takes no commands.
+  bool changing_ = false;      // A tick or commands are in progress.
+  bool repeats_now_ = false;   // The next tick begins with a Reset by the sheet itself.
   std::optional<sheet::SinkEnd> closed_;
   std::uint64_t serial_;  // See Context; another one after each continue_from().
   // Changes of run state and speed, and ends of replays; part of RunStats::settings_version.

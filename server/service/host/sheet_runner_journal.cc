@@ -12,6 +12,7 @@ namespace kerf::host {
 namespace {
 
 constexpr int kSavingShare = 20;  // CPU time of ticks over that of saving, at least: large sheets are saved less often.
+constexpr int kIdleShare = 64;    // Divides the limit for sheets that are paused or asleep.
 
 }  // namespace
 
@@ -50,37 +51,44 @@ void SheetRunner::became_durable(SheetJournal::Kind kind, std::int64_t number) {
 // Saves the sheet if repeating what it did since the last time would take long. Only between changes that are durable:
 // what the attachment holds waits for them.
 void SheetRunner::save_if_due() {
-  const bool is_idle = context_.stopping || clock_.is_paused() || clock_.is_sleeping();
-  const Nanoseconds least = kSavingShare * saving_cpu_;
-  const bool may_save = journal_.is_settled() && !closed_ && !is_ending_ && !is_saving_;
-  if (!journal_.is_on() || !may_save || !is_unsaved_ || unsaved_cpu_ < least) return;
-  // A restart repeats the sheets one after another, so those of a worker share the limit.
-  const std::int32_t sheets_a_worker = std::max(context_.board.read().sheets / context_.options.workers, 1);
-  if (unsaved_cpu_ < context_.options.max_unsaved_cpu / ((is_idle ? 8 : 1) * sheets_a_worker)) return;
+  const bool may_save = journal_.is_on() && !closed_ && !is_ending_ && !is_saving_;
+  if (!may_save || !is_unsaved_ || !is_save_due() || !journal_.is_settled()) return;
   if (!has_memory_for(kBytesPerSavedVertex * sheet_.mesh().num_vertices())) return;
   const Nanoseconds begin = context_.clock.thread_cpu();
   is_saving_ = true;
   is_unsaved_ = false;
-  unsaved_cpu_ = Nanoseconds{0};
-  journal_.save(stored(make_state("")), [weak = weak_from_this(), strand = strand_] {
-    strand.post([weak] {
-      const auto self = weak.lock();
-      if (!self) return;
-      self->is_saving_ = false;
-      self->keep_or_lose([&] { self->save_if_due(); });
-    });
-  });
+  unsaved_.clear();
+  journal_.save(stored(std::make_shared<const SavedState>(make_state(""))),
+                [weak = weak_from_this(), strand = strand_] {
+                  strand.post([weak] {
+                    const auto self = weak.lock();
+                    if (!self) return;
+                    self->is_saving_ = false;
+                    self->keep_or_lose([&] { self->save_if_due(); });
+                  });
+                });
   saving_cpu_ = context_.clock.thread_cpu() - begin;
 }
 
-StoredState SheetRunner::stored(const SavedState& state) const {
+// A restart repeats the sheets side by side, so all of them share the limits of the workers.
+bool SheetRunner::is_save_due() const {
+  const HostOptions& options = context_.options;
+  const bool is_idle = context_.stopping || clock_.is_paused() || clock_.is_sleeping();
+  const Nanoseconds own = unsaved_.value();
+  if (own < kSavingShare * saving_cpu_) return false;
+  if (own >= options.max_unsaved_cpu / (is_idle ? kIdleShare : 1)) return true;
+  return context_.unsaved.total() > options.workers * options.max_unsaved_cpu && own >= context_.unsaved.mean();
+}
+
+// The journal encodes the state on a thread of its own.
+StoredState SheetRunner::stored(std::shared_ptr<const SavedState> state) const {
   StoredState stored;
-  stored.tick = state.status.tick;
-  stored.engine = sheet::read_saved_header(*state.run.sheet).value().engine;
-  stored.state_hash = state.status.state_hash;
-  stored.continuation_hash = state.status.continuation_hash;
-  stored.name = state.status.id;
-  stored.content = context_.options.encode_state(state);
+  stored.tick = state->status.tick;
+  stored.engine = sheet::read_saved_header(*state->run.sheet).value().engine;
+  stored.state_hash = state->status.state_hash;
+  stored.continuation_hash = state->status.continuation_hash;
+  stored.name = state->status.id;
+  stored.encode = [encode = context_.options.encode_state, state = std::move(state)] { return encode(*state); };
   return stored;
 }
 

@@ -85,20 +85,20 @@ Status SheetRunner::repeat_tick(const TickEvent& tick) {
   return run_commands(!tick.is_apply, std::move(pending)) ? Status(Nothing{}) : Status(host_stopping());
 }
 
-// Lets the sheet run as it did; begin() has paused it.
+// Gives the sheet the run state that it had; begin() has paused it.
 void SheetRunner::continue_as(const RunEvent& run) {
   clock_.set_speed(run.speed);
   metrics_.set_period(clock_.pace().period());
   if (!run.is_paused) {
     clock_.resume();
-    if (!sheet_.frozen() && sheet_.at_rest() && queue_.scheduled().empty()) {
-      fall_asleep();
-    } else if (!sheet_.frozen()) {
-      start_clock();
-    }
+    if (!sheet_.frozen() && sheet_.at_rest() && queue_.scheduled().empty()) fall_asleep();
   }
   publish_state();
   publish_status();
+}
+
+void SheetRunner::start_recovered() {
+  if (run_state() == RunState::kRunning && !clock_.has_timer()) start_clock();
 }
 
 }  // namespace kerf::host

@@ -12,6 +12,12 @@
 // Saves the run of a SheetRunner, and continues from a saved one.
 namespace kerf::host {
 
+namespace {
+
+constexpr std::size_t kUsualBytesPerSavedVertex = 200;  // without what undo needs
+
+}  // namespace
+
 Status SheetRunner::check_between_runs() const {
   if (is_playing()) return replaying();
   if (step_call_) return failed_precondition("STEPPING", "the sheet is being stepped; try again when that is done");
@@ -26,8 +32,9 @@ Result<SavedState> SheetRunner::save_state(std::string state_id) const {
 
 SavedState SheetRunner::make_state(std::string state_id) const {
   std::string bytes;
+  bytes.reserve(kUsualBytesPerSavedVertex * static_cast<std::size_t>(sheet_.mesh().num_vertices()));
   sheet_.save([&](std::string_view part) { bytes += part; });
-  bytes.shrink_to_fit();
+  if (!state_id.empty()) bytes.shrink_to_fit();  // Others are gone once they are stored.
   SavedState state;
   SavedRun& run = state.run;
   run.sheet = std::make_shared<const std::string>(std::move(bytes));
@@ -53,9 +60,9 @@ SavedState SheetRunner::make_state(std::string state_id) const {
   return state;
 }
 
-void SheetRunner::store_named(const SavedState& state, const Callback<SavedStateStatus>& done) {
-  if (!journal_.is_on()) return done(state.status);
-  journal_.save_named(stored(state), [status = state.status, done](const Status& saved) {
+void SheetRunner::store_named(const std::shared_ptr<const SavedState>& state, const Callback<SavedStateStatus>& done) {
+  if (!journal_.is_on()) return done(state->status);
+  journal_.save_named(stored(state), [status = state->status, done](const Status& saved) {
     if (!saved.ok()) return done(saved.error());
     done(status);
   });
@@ -88,7 +95,8 @@ Status SheetRunner::continue_from(const SavedRun& run, sheet::Sheet sheet, std::
   const auto attachments = context_.attachments.get();
   if (attachments && attachments->load) attachments->load(id_, run.attachment);
   if (journal_.is_on()) {
-    journal_.write_restore(sheet_.tick(), sheet_.state_hash(), stored(make_state("")),
+    journal_.write_restore(sheet_.tick(), sheet_.state_hash(),
+                           stored(std::make_shared<const SavedState>(make_state(""))),
                            journal_.answered(request, status()));
   }
   if (clock_.is_sleeping()) clock_.wake();

@@ -86,7 +86,7 @@ bool SheetRunner::run_commands(bool advance, std::vector<PendingCommand> taken) 
   } else if (report.advanced || interrupted) {
     clock_.add_cpu(cpu);
   }
-  unsaved_cpu_ += cpu;
+  if (context_.options.journal != nullptr) unsaved_.add(cpu);
   is_unsaved_ = true;
 
   if (report.advanced) last_step_ = report.stats;

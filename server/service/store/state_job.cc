@@ -55,10 +55,11 @@ void FileJob::restart() {
   sums_ = PieceSums();
 }
 
-StateJob::StateJob(Files& files, const std::string& folder, StateChange change, std::int64_t number)
+StateJob::StateJob(Files& files, const std::string& folder, StateChange& change, std::int64_t number)
     : info_(info_of(change.state, number)),
-      durable_(std::move(change.durable)),
-      file_(files, states_path(folder), file_name(info_), std::move(change.state.content)) {}
+      file_(files, states_path(folder), file_name(info_),
+            change.state.encode ? change.state.encode() : std::move(change.state.content)),
+      durable_(std::move(change.durable)) {}
 
 StateInfo StateJob::info() const {
   StateInfo info = info_;

@@ -37,7 +37,8 @@ class FileJob {
 // Writes the file of a state.
 class StateJob {
  public:
-  StateJob(Files& files, const std::string& folder, StateChange change, std::int64_t number);
+  // Encodes the content of the state; throws std::bad_alloc before it takes anything from `change`.
+  StateJob(Files& files, const std::string& folder, StateChange& change, std::int64_t number);
   Result<bool> advance() { return file_.advance(); }
   void restart() { file_.restart(); }
   // Valid after the last step.
@@ -48,8 +49,8 @@ class StateJob {
 
  private:
   StateInfo info_;
-  host::Journal::Durable durable_;
   FileJob file_;
+  host::Journal::Durable durable_;
 };
 
 }  // namespace kerf::store

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <new>
 #include <utility>
 
 #include "server/service/store/schema.h"
@@ -100,11 +101,17 @@ void StoreThread::advance_files() {
     return;
   }
   if (!obsolete_files_.empty()) remove_obsolete_files();
-  if (!state_ && !states_.empty()) {
-    state_.emplace(files_, options_.folder, std::move(states_.front()), tables_->next_state_number());
-    states_.pop_front();
-  }
+  if (!state_ && !states_.empty()) begin_state();
   if (state_) advance_state();
+}
+
+void StoreThread::begin_state() {
+  try {
+    state_.emplace(files_, options_.folder, states_.front(), tables_->next_state_number());
+    states_.pop_front();
+  } catch (const std::bad_alloc&) {
+    waits_for_room_ = true;  // Tries once more after a while.
+  }
 }
 
 void StoreThread::advance_backup() {

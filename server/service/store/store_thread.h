@@ -37,6 +37,8 @@ class StoreThread {
   void commit();
   void advance_files();
   void advance_backup();
+  // Encodes the next state, unless memory for that is lacking.
+  void begin_state();
   void advance_state();
   void remove_obsolete_files();
   void leave_full_disk();
@@ -57,7 +59,7 @@ class StoreThread {
   std::deque<std::unique_ptr<BackupJob>> backups_;
   std::vector<std::string> obsolete_files_;
   bool has_reserve_ = false;
-  bool waits_for_room_ = false;  // The last attempt met a full disk.
+  bool waits_for_room_ = false;  // The last attempt met a full disk, or too little memory.
   bool has_failed_ = false;
 };
 
