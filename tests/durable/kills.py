@@ -17,8 +17,8 @@ import sys
 import tempfile
 import threading
 import time
-import urllib.error
-import urllib.request
+
+from server import Server, line_cut, scene
 
 CLIENTS = 3
 EXPECTED = ("NOTHING_TO_UNDO", "STATE_NOT_FOUND")  # Refusals that random requests may get.
@@ -34,43 +34,6 @@ class Faults:
     def check(self, is_right, line):
         if not is_right:
             self.lines.append(line)
-
-
-class Server:
-    """A kerfd on a folder, killed or stopped by its owner."""
-
-    def __init__(self, kerfd, folder):
-        self.errors = tempfile.TemporaryFile(mode="w+")
-        self.process = subprocess.Popen(
-            [kerfd, "--listen", "127.0.0.1:0", "--http", "127.0.0.1:0", "--no-render", "--max-load", "0", "--data", folder,
-             "--max-replay-s", "0.02"],
-            stdout=subprocess.PIPE, stderr=self.errors, text=True)
-        line = self.process.stdout.readline()
-        if not line:
-            raise RuntimeError(f"kerfd ended at once: {self.end(signal.SIGKILL)}")
-        self.http = json.loads(line)["http"]
-
-    def end(self, how):
-        """Returns what it wrote to standard error."""
-        self.process.send_signal(how)
-        self.process.wait(timeout=60)
-        self.process.stdout.close()
-        self.errors.seek(0)
-        text = self.errors.read()
-        self.errors.close()
-        return text
-
-    def call(self, method, message):
-        """Returns the answer, or None if the server was gone before it came."""
-        request = urllib.request.Request(f"{self.http}/kerf.v1.{method}", json.dumps(message).encode(),
-                                         {"Content-Type": "application/json"})
-        try:
-            with urllib.request.urlopen(request, timeout=60) as response:
-                return json.loads(response.read())
-        except urllib.error.HTTPError as error:
-            return {"refused": json.loads(error.read() or b"{}")}
-        except (OSError, ValueError):
-            return None
 
 
 class Client:
@@ -91,8 +54,7 @@ class Client:
     def next_request(self):
         if self.sheet is None:
             name = f"sheet-{self.number}-{self.generation}"
-            scene = {"grid": {"columns": 8, "rows": 8, "width_m": 1, "height_m": 1}, "pins": [{"edge": "TOP"}]}
-            return "SheetService/CreateSheet", {"sheet_id": name, "scene": scene, "request_id": f"{name}-made"}
+            return "SheetService/CreateSheet", {"sheet_id": name, "scene": scene(), "request_id": f"{name}-made"}
         self.num_requests += 1
         request_id = f"{self.number}-{self.generation}-{self.num_requests}"
         if self.random.random() < 0.1:
@@ -101,9 +63,8 @@ class Client:
             return "SheetService/RestoreState", {"name": f"{self.sheet}/states/kept", "request_id": request_id}
         if self.random.random() < 0.15:
             return "CutService/UndoCut", {"parent": self.sheet, "request_id": request_id}
-        points = [{"x": self.random.random(), "y": self.random.random()} for _ in range(2)]
-        return "CutService/CreateCut", {"parent": self.sheet, "cut": {"curve": {"polyline": {"points": points}}},
-                                        "request_id": request_id}
+        begin, end = [(self.random.random(), self.random.random()) for _ in range(2)]
+        return "CutService/CreateCut", line_cut(self.sheet, begin, end, request_id=request_id)
 
     def run(self, server, is_over):
         """Sends requests until the server is gone."""
@@ -174,6 +135,12 @@ class Client:
         return None
 
 
+def check_notes(errors, faults):
+    """Checks that no sheet was found damaged, different or impossible to start."""
+    for line in errors.splitlines():
+        faults.check("the kept sheet" not in line, line)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("kerfd", type=pathlib.Path)
@@ -184,7 +151,8 @@ def main():
     faults = Faults()
     clients = [Client(i, options.seed, faults) for i in range(CLIENTS)]
     with tempfile.TemporaryDirectory() as folder:
-        server = Server(options.kerfd, folder + "/store")
+        command = (options.kerfd, "--data", folder + "/store", "--max-replay-s", "0.02")
+        server = Server(*command)
         for kill in range(options.kills):
             is_over = threading.Event()
             threads = [threading.Thread(target=client.run, args=(server, is_over)) for client in clients]
@@ -195,16 +163,16 @@ def main():
             is_over.set()
             for thread in threads:
                 thread.join()
-            server = Server(options.kerfd, folder + "/store")
+            server = Server(*command)
             for client in clients:
                 client.check(server, faults)
-            for line in errors.splitlines():
-                faults.check("differs" not in line and "damaged" not in line, line)
+            check_notes(errors, faults)
             if faults.lines:
                 break
             print(f"\r{kill + 1} kills, {sum(client.num_changes for client in clients)} changes", end="", file=sys.stderr)
         print(file=sys.stderr)
         errors = server.end(signal.SIGTERM)
+        check_notes(errors, faults)
         faults.check(server.process.returncode == 0, f"kerfd ended with {server.process.returncode}: {errors}")
         checked = subprocess.run([options.kerfd, "--check-store", folder + "/store"], capture_output=True, text=True, check=False)
         faults.check(checked.returncode == 0 and "; 0 faults" in checked.stdout, checked.stdout + checked.stderr)

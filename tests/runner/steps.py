@@ -131,6 +131,12 @@ LONG = {
         "shuf -i 1000000-9999999 -n 49 | xargs -P 2 -I SEED sh -c 'echo \"KERF_SEED=SEED: 700 trials of three losses\"; "
         "KERF_TRIALS=usual KERF_SEED=SEED build/release/bin/store_tests --gtest_brief=1 --gtest_filter=Power.Nothing*'",
         "5 minutes on two cores"),
+    "kills": Proof(
+        "a kerfd under load is killed 1,000 times: every answered change is there once, with its answer, and no sheet differs",
+        "cmake --preset release >/dev/null; cmake --build --preset release --target kerfd >/dev/null; status=0; "
+        "for seed in $(shuf -i 1000000-9999999 -n 20); do echo \"seed $seed\"; "
+        "tests/durable/kills.py build/release/bin/kerfd --kills 50 --seed $seed || status=1; done; exit $status",
+        "10 minutes on two cores"),
     "each-file": Proof("a second compiler (clang) takes every source by itself, as editors do",
                        f"{RUNNER}/each_file.py", "12 minutes on two cores"),
     "attacks": Proof("seventeen kinds of attack change no tick of nine sheets beside them, nor their pace; kerfd keeps its memory, "

@@ -59,12 +59,11 @@ std::string CutJournal::save(const std::string& sheet) const {
 }
 
 void CutJournal::restore(const std::string& sheet, std::string_view saved) {
+  if (saved.empty()) return forget(sheet);
   Log log;
-  if (!saved.empty()) {
-    FieldReader reader(saved);
-    visit_log(reader, log);
-    KERF_CHECK(reader.is_done(), "a log of cuts is read that save() did not write");
-  }
+  FieldReader reader(saved);
+  visit_log(reader, log);
+  KERF_CHECK(reader.is_done(), "a log of cuts is read that save() did not write");
   const std::lock_guard lock(mutex_);
   logs_[sheet] = std::move(log);
 }

@@ -80,6 +80,9 @@ void SheetRunner::begin(bool paused, std::shared_ptr<sheet::RecordingSink> recor
   created_unix_us_ = context_.clock.unix_us();
   recorder_.begin(std::move(recording), sheet_.config());
   playback_ = std::move(playback);
+  // An earlier sheet of this name may have been lost, or replaced.
+  const auto attachments = context_.attachments.get();
+  if (attachments && attachments->load) attachments->load(id_, {});
   clock_.set_due([weak = weak_from_this(), strand = strand_](std::uint64_t call) {
     strand.post([weak, call] {
       if (const auto self = weak.lock()) self->keep_or_lose([&] { self->tick_at_deadline(call); });

@@ -1,0 +1,187 @@
+#!/usr/bin/env python3
+"""Tests the start of kerfd on kept sheets: which folder, which sheets, damage to one of them, a second kerfd.
+
+    start_test.py --kerfd KERFD --kerf KERF
+"""
+
+import contextlib
+import hashlib
+import json
+import pathlib
+import sqlite3
+import subprocess
+
+from kept_case import OPTIONS, Case, main
+from server import LISTEN, reason, scene
+
+
+def contents(folder):
+    """Returns the sums of all files of a folder. The lock is left out, as it names the process that looks."""
+    return {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in pathlib.Path(folder).rglob("*")
+            if path.is_file() and path.name != "lock"}
+
+
+def change_bytes(folder, table, column, sheet_id):
+    """Flips the bits of the last byte of a column in all rows of a sheet."""
+    with contextlib.closing(sqlite3.connect(folder / "kerf.db")) as database:
+        sheet, = database.execute("SELECT sheet FROM sheets WHERE id = ?", (sheet_id,)).fetchone()
+        key = "seq" if table == "journal" else "sheet"
+        rows = database.execute(f"SELECT {key}, {column} FROM {table} WHERE sheet = ?", (sheet,)).fetchall()
+        for number, content in rows:
+            changed = content[:-1] + bytes([content[-1] ^ 0xff])
+            database.execute(f"UPDATE {table} SET {column} = ? WHERE sheet = ? AND {key} = ?", (changed, sheet, number))
+        database.commit()
+    return len(rows)
+
+
+class Folder(Case):
+    def test_without_a_name_it_is_the_data_folder_of_the_user(self):
+        home, data = self.folder / "home", self.folder / "data"
+        for given, expected in (("", home / ".local/share/kerf"), (data, data / "kerf"), ("data", home / ".local/share/kerf")):
+            server = self.start(environment={"HOME": str(home), "XDG_DATA_HOME": str(given)}, data=False)
+            self.assertEqual(server.ready["data"], str(expected))
+            self.assertEqual(expected.stat().st_mode & 0o777, 0o700)
+            self.assertTrue((expected / "kerf.db").is_file())
+            self.stop(server)
+
+    def test_none_keeps_nothing(self):
+        server = self.start("--data", "none", environment={"HOME": str(self.folder), "XDG_DATA_HOME": ""}, data=False)
+        self.assertNotIn("data", server.ready)
+        self.make(server, "a")
+        self.stop(server)
+        self.assertEqual(contents(self.folder), {})
+
+    def test_a_second_kerfd_is_refused_and_does_no_harm(self):
+        first = self.start()
+        self.make(first, "a")
+        self.cut(first, "a")
+        before = contents(self.store / "states")
+        second = self.run_kerfd(*LISTEN, "--data", self.store)
+        self.assertEqual((second.returncode, second.stdout), (2, ""))
+        self.assertIn(f"is used by process {first.process.pid};", second.stderr)
+        self.assertEqual(contents(self.store / "states"), before)
+        later = self.cut(first, "a", 0.6)
+        self.kill(first)
+        self.assertIn(later, self.cuts(self.start(), "a"))
+
+
+class Continuing(Case):
+    def write_scene(self, side):
+        path = self.folder / "scene.json"
+        path.write_text(json.dumps(scene(side, sheet_id="stage")))
+        return path
+
+    def vertices(self, server):
+        return self.get(server, "stage")["num_vertices"]
+
+    def test_a_scene_that_no_client_has_changed_is_made_from_its_file(self):
+        server = self.start("--scene", self.write_scene(8))
+        created = self.get(server, "stage")["created_unix_us"]
+        self.stop(server)
+        server = self.start("--scene", self.write_scene(9))
+        self.assertEqual((self.names(server), self.vertices(server)), (["sheets/stage"], 81))
+        self.assertNotEqual(self.get(server, "stage")["created_unix_us"], created)
+
+    def test_a_changed_scene_continues_unless_it_is_to_be_fresh(self):
+        server = self.start("--scene", self.write_scene(8))
+        cut = self.cut(server, "stage")
+        changed = self.get(server, "stage")
+        self.stop(server)
+        server = self.start("--scene", self.write_scene(9))
+        self.assertEqual(self.cuts(server, "stage"), [cut])
+        for field in ("created_unix_us", "num_vertices", "pieces"):
+            self.assertEqual(self.get(server, "stage")[field], changed[field])
+        self.stop(server)
+        server = self.start("--scene", self.write_scene(9), "--fresh")
+        self.assertEqual((self.cuts(server, "stage"), self.vertices(server)), ([], 81))
+        self.stop(server)
+        self.assertEqual(self.vertices(self.start()), 81)
+
+    def test_a_sheet_keeps_the_time_of_its_making(self):
+        server = self.start()
+        self.make(server, "a")
+        made = self.listed_by_kerf(server)
+        self.stop(server)
+        server = self.start()
+        self.assertEqual(self.listed_by_kerf(server), made)
+        self.kill(server)
+        self.assertEqual(self.listed_by_kerf(self.start()), made)
+
+    def listed_by_kerf(self, server):
+        command = [OPTIONS["kerf"], "--server", server.ready["grpc"], "--json", "sheet", "list"]
+        listed = json.loads(subprocess.run(command, capture_output=True, text=True, timeout=60, check=True).stdout)
+        return [(sheet["name"], sheet["created_unix_us"]) for sheet in listed["sheets"]]
+
+
+class Damage(Case):
+    def fill(self, names="abc"):
+        """Makes sheets, cuts each and ends kerfd."""
+        server = self.start()
+        for name in names:
+            self.make(server, name)
+            self.cut(server, name)
+        self.stop(server)
+
+    def test_a_damaged_sheet_is_set_aside_and_all_others_start(self):
+        for table, column in (("journal", "content"), ("sheets", "scene")):
+            with self.subTest(table):
+                self.store = self.folder / table
+                self.fill()
+                self.assertGreater(change_bytes(self.store, table, column, "b"), 0)
+                for words in ("is damaged and set aside", "is set aside"):
+                    server = self.start()
+                    self.assertEqual(self.names(server), ["sheets/a", "sheets/c"])
+                    self.assertEqual([len(self.cuts(server, name)) for name in "ac"], [1, 1])
+                    self.assertEqual(reason(self.get(server, "b")), "SHEET_NOT_FOUND")
+                    self.assertIn(f'kerfd: the kept sheet "b" {words}: ', self.stop(server))
+
+    def test_the_name_of_a_sheet_that_is_set_aside_is_free(self):
+        self.fill()
+        change_bytes(self.store, "journal", "content", "b")
+        server = self.start()
+        self.make(server, "b", 9)
+        self.stop(server)
+        server = self.start()
+        self.assertEqual((self.names(server), self.get(server, "b")["num_vertices"]), (["sheets/a", "sheets/b", "sheets/c"], 81))
+        self.assertIn('the kept sheet "b" is set aside', self.stop(server))
+
+    def test_a_check_finds_damage_and_changes_nothing(self):
+        self.fill()
+        good = self.run_kerfd("--check-store", self.store)
+        self.assertEqual((good.returncode, good.stderr), (0, ""))
+        self.assertRegex(good.stdout, r"^3 sheets, 0 set aside, \d+ changes, \d+ states, \d+ answers; 0 faults\n$")
+        change_bytes(self.store, "journal", "content", "b")
+        before = contents(self.store)
+        bad = self.run_kerfd("--check-store", self.store)
+        self.assertEqual(bad.returncode, 1)
+        self.assertRegex(bad.stdout, r"(?m)^fault: sheet 2: entry \d+ of sheet 2 ")
+        self.assertRegex(bad.stdout, r"; [1-9]\d* faults\n$")
+        self.assertEqual(contents(self.store), before)
+        server = self.start()
+        in_use = self.run_kerfd("--check-store", self.store)
+        self.assertEqual((in_use.returncode, in_use.stdout), (2, ""))
+        self.assertIn(f"is used by process {server.process.pid};", in_use.stderr)
+        self.stop(server)
+        aside = self.run_kerfd("--check-store", self.store)
+        self.assertRegex(aside.stdout, r"(?m)^3 sheets, 1 set aside, ")
+
+    def test_a_check_after_a_kill_changes_nothing(self):
+        server = self.start()
+        self.make(server, "a")
+        self.cut(server, "a")
+        self.kill(server)
+        before = contents(self.store)
+        self.assertIn("kerf.db-wal", before)
+        killed = self.run_kerfd("--check-store", self.store)
+        self.assertRegex(killed.stdout, r"^1 sheets, 0 set aside, 1 changes, .*; 0 faults\n$")
+        self.assertEqual(contents(self.store), before)
+
+    def test_no_store_is_no_good_store(self):
+        none = self.run_kerfd("--check-store", self.folder / "none")
+        self.assertEqual((none.returncode, none.stdout), (2, ""))
+        self.assertIn("--check-store: ", none.stderr)
+        self.assertEqual(contents(self.folder), {})
+
+
+if __name__ == "__main__":
+    main(__doc__)
