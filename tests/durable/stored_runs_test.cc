@@ -36,7 +36,7 @@ class StoredRuns : public testing::Test {
     state.run.speed = 0.5;
     state.run.attachment = "cuts";
     state.run.stream_grabs = {"hand"};
-    store_->save({1, last_, tick, 0, 0, 0, name, encode_state(state)}, nullptr);
+    store_->save({1, last_, tick, 0, 0, 0, name, encode_state(state), {}}, nullptr);
   }
   Result<host::StoredRun> run() {
     EXPECT_TRUE(store_->wait_until_durable().ok());

@@ -138,7 +138,7 @@ TEST_F(StatesTest, CountsAndChangesGoBack) {
   const SheetStatus after = restore("a", "one").value();
   EXPECT_EQ(after.stats.resets, 1);
   EXPECT_EQ(after.pieces, 1);
-  EXPECT_EQ(attachments_, std::vector<std::string>{"the caller's bytes"});
+  EXPECT_EQ(attachments_, (std::vector<std::string>{"", "the caller's bytes"}));
   EXPECT_GT(after.stats.settings_version, before.stats.settings_version) << "so that viewers ask for the settings";
   EXPECT_NE(after.stats.sheet_serial, before.stats.sheet_serial);
   run_for(5 * kTick);

@@ -35,7 +35,7 @@ struct SavedState {
 
 // Saves and loads what the owner of a host keeps of each sheet, such as its list of cuts. Called on the sheet's strand.
 struct Attachments {
-  std::function<std::string(const std::string& id)> save;                     // Returns it as bytes.
+  std::function<std::string(const std::string& id)> save;  // Returns it as bytes.
   // Replaces it; no bytes: the sheet is new.
   std::function<void(const std::string& id, const std::string& bytes)> load;
 };
