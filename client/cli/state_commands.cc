@@ -106,8 +106,8 @@ CLI::App* add_state_command(CLI::App& sheet, Session& session, const std::string
 void add_state_commands(CLI::App& sheet, Session& session) {
   const auto saved = std::make_shared<StateArguments>();
   add_state_command(sheet, session, "save",
-                    "Save a sheet's state under a name, in the server's memory\nExample: kerf sheet save demo before",
-                    saved, save_state)
+                    "Save a sheet's state under a name, on the server\nExample: kerf sheet save demo before", saved,
+                    save_state)
       ->add_flag("--overwrite", saved->overwrite, "Replace a state of this name");
   add_state_command(sheet, session, "restore",
                     "Bring a saved state back, bit for bit; `kerf undo` does not take that back",

@@ -17,6 +17,11 @@
 namespace kerf::app {
 namespace {
 
+// Refuses an empty name, as an unset variable of a script gives it.
+std::string check_named(const std::string& name) {
+  return name.empty() ? "is empty; name a folder" : "";
+}
+
 constexpr const char* kDescription =
     "Kerf: steps finite-element sheets in real time, takes cuts over gRPC and streams them to viewers.\n"
     "When ready it prints one line on standard output: "
@@ -121,6 +126,7 @@ void declare(CLI::App& parser, Arguments& arguments) {
   parser
       .add_option("--data", arguments.data_dir,
                   "Folder in which sheets are kept, so that they go on after a restart; 'none': they end with kerfd")
+      ->check(check_named)
       ->type_name("DIR")
       ->default_str("$XDG_DATA_HOME/kerf, or ~/.local/share/kerf");
   parser
@@ -134,16 +140,19 @@ void declare(CLI::App& parser, Arguments& arguments) {
           "--check-store", arguments.check_store,
           "Check everything that is kept in this folder, change nothing, print what is wrong, and exit with 1 if "
           "anything is")
+      ->check(check_named)
       ->type_name("DIR");
   parser
       .add_option("--backups", arguments.backups_dir,
                   "Folder for backups that clients ask for; one folder for each server (default: backups in the folder "
                   "of --data)")
+      ->check(check_named)
       ->type_name("DIR");
   parser
       .add_option(
           "--restore-store", arguments.restore_store,
           "Make the folder of --data, which must be missing or empty, from this backup, print what it has, and exit")
+      ->check(check_named)
       ->type_name("BACKUP");
   parser.add_flag("--fresh", arguments.fresh, "Replace kept sheets by those of --scene, even if clients changed them");
   parser

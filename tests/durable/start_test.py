@@ -12,7 +12,7 @@ import sqlite3
 import subprocess
 
 from kept_case import OPTIONS, Case, main
-from server import LISTEN, reason, scene
+from server import LISTEN, line_cut, reason, scene
 
 
 def contents(folder):
@@ -96,6 +96,30 @@ class Continuing(Case):
         self.assertEqual((self.cuts(server, "stage"), self.vertices(server)), ([], 81))
         self.stop(server)
         self.assertEqual(self.vertices(self.start()), 81)
+
+    def test_what_counts_as_a_change_of_a_scene(self):
+        stage = "sheets/stage"
+        changes = {
+            "a saved state": [("SheetService/SaveState", {"parent": stage, "state_id": "mine"})],
+            "a pause": [("SheetService/PauseSheet", {"name": stage}), ("SheetService/StepSheet", {"name": stage, "ticks": 2})],
+            "a speed": [("SheetService/SetSheetSpeed", {"name": stage, "speed": 0.5})],
+            "a scheduled cut": [("CutService/CreateCut", {**line_cut(stage, (-1, 0.4), (2, 0.4)), "at_tick": 1_000_000})],
+        }
+        for name, requests in changes.items():
+            with self.subTest(name):
+                server = self.start("--scene", self.write_scene(8), "--fresh")
+                for method, message in requests:
+                    self.done(server, method, message)
+                self.kill(server)
+                server = self.start("--scene", self.write_scene(9))
+                self.assertEqual(self.vertices(server), 64)
+                self.stop(server)
+
+    def test_an_empty_name_of_a_folder_is_refused(self):
+        for option in ("--data", "--check-store", "--restore-store", "--backups"):
+            refused = self.run_kerfd(*LISTEN, option, "")
+            self.assertEqual((refused.returncode, refused.stdout), (2, ""), option)
+            self.assertIn("is empty; name a folder", refused.stderr)
 
     def test_a_sheet_keeps_the_time_of_its_making(self):
         server = self.start()

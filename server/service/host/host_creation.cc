@@ -113,7 +113,8 @@ Status Host::begin(Creation& creation, sheet::Sheet sheet, const Workers::Strand
     SheetStatus status = runner->status();
     if (!is_new) {
       KERF_TRY(keep_named(*creation.stored, runner->sheet().shared_config()));
-      creation.recovered(RecoveredSheet{std::move(status), runner->is_changed(), differs_at});
+      const bool is_changed = runner->is_changed() || !creation.stored->named.empty();
+      creation.recovered(RecoveredSheet{std::move(status), is_changed, differs_at});
       return Nothing{};
     }
     runner->store_creation(creation.request, status);

@@ -105,8 +105,12 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   // first change with another hash. kUnavailable HOST_STOPPING.
   Result<std::optional<std::int64_t>> recover(const StoredRun& run);
   void start_recovered();
-  // True if a client has changed the sheet since it was made or reset.
-  [[nodiscard]] bool is_changed() const { return changes_.is_changed(); }
+  // True if a client has changed the sheet since it was made or reset, has scheduled commands, or lets it run
+  // otherwise.
+  [[nodiscard]] bool is_changed() const {
+    const bool is_stopped = clock_.is_paused() && sheet_.tick() > 0;
+    return changes_.is_changed() || !queue_.scheduled().empty() || is_stopped || clock_.pace().speed() != 1.0;
+  }
   // Returns the number of the sheet in the store; callable from any thread once the sheet runs.
   [[nodiscard]] std::int64_t stored_sheet() const { return journal_.sheet(); }
   // Returns the tick of the sheet, from any thread; the last status may show an earlier one.

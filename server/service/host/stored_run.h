@@ -34,7 +34,9 @@ struct StoredRun {
 // A sheet that was made again.
 struct RecoveredSheet {
   SheetStatus status;
-  bool is_changed = false;  // A client has changed it since it was made or reset.
+  // A client has changed it since it was made or reset, has saved states of it or scheduled commands, or lets it run
+  // otherwise: paused, or at another speed.
+  bool is_changed = false;
   // Tick of the first change after which the sheet differs from the stored hash.
   std::optional<std::int64_t> differs_at;
 };
