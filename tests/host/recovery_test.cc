@@ -145,6 +145,10 @@ TEST_F(RecoveryTest, GrabsOfStreamsAreReleasedAndOthersAreKept) {
     if (is_saved) save_always();
     create("a", small_sheet());
     const auto ignore = [](const auto&) {};
+    host_->submit("a", grab("again", 2), ignore, nullptr, true);
+    run_for(3 * kTick);
+    host_->submit("a", scene::Reset{}, ignore);
+    host_->submit("a", grab("again", 2), ignore);
     host_->submit("a", grab("hand", 3), ignore, nullptr, true);
     host_->submit("a", grab("script", 5), ignore);
     host_->submit("a", grab("gone", 7), ignore, nullptr, true);
@@ -153,7 +157,7 @@ TEST_F(RecoveryTest, GrabsOfStreamsAreReleasedAndOthersAreKept) {
     run_for(3 * kTick);
     const std::unique_ptr<Again> again = crash();
     again->clock.move_to(again->clock.now() + 3 * kTick);
-    EXPECT_EQ(grabs_of(*again->host), std::vector<std::string>{"script"});
+    EXPECT_EQ(grabs_of(*again->host), (std::vector<std::string>{"again", "script"}));
     const std::vector<JournalEntry> entries = again->journal.sheets().begin()->second.entries;
     ASSERT_EQ(entries.size(), 1U) << "the release is a change that a later restart repeats";
     const auto change = std::get<TickEvent>(again->journal.decode(entries[0]));

@@ -13,7 +13,7 @@ void SheetRunner::publish_to(sheet::SnapshotSink& sink) {
   metrics_.snapshot_built();
   std::shared_ptr<const sheet::Snapshot> snapshot = sheet_.snapshot(run_stats(), sink.wants_strains());
   if (journal_.holds_back()) return hold_back(std::move(snapshot));
-  shown_ = snapshot;
+  if (journal_.is_on()) shown_ = snapshot;
   sink.publish(std::move(snapshot));
 }
 

@@ -143,12 +143,16 @@ void SheetRunner::count_changes(const std::vector<PendingCommand>& pending, cons
                                 const sheet::TickReport& report) {
   for (std::size_t i = 0; i < commands.size(); ++i) {
     const Result<scene::CommandReply>& reply = report.replies[i];
-    if (!reply.ok()) continue;
-    if (!pending[i].is_repeat) changes_.command_done(commands[i], *reply);
+    if (reply.ok() && !pending[i].is_repeat) changes_.command_done(commands[i], *reply);
+    // A Release is refused if a Reset has removed the grab; its name is free then, too.
+    if (const auto* const release = std::get_if<scene::Release>(&commands[i])) stream_grabs_.erase(release->grab_id);
     const auto* const grab = std::get_if<scene::Grab>(&commands[i]);
-    const auto* const release = std::get_if<scene::Release>(&commands[i]);
-    if (grab != nullptr && pending[i].is_of_stream) stream_grabs_.insert(grab->grab_id);
-    if (release != nullptr) stream_grabs_.erase(release->grab_id);
+    if (grab == nullptr || !reply.ok()) continue;
+    if (pending[i].is_of_stream) {
+      stream_grabs_.insert(grab->grab_id);
+    } else {
+      stream_grabs_.erase(grab->grab_id);
+    }
   }
 }
 
