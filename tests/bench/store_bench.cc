@@ -109,7 +109,7 @@ void print_beside_states(store::SqliteStore& store) {
   store.create({sheet, "s", "scene", 1, {}}, nullptr);
   std::binary_semaphore done(0);
   const Time::time_point begin = Time::now();
-  store.save({sheet, 0, 0, 1, 2, 3, {}, std::string(100'000'000, 's')}, [&] { done.release(); });
+  store.save({sheet, 0, 0, 1, 2, 3, {}, std::string(100'000'000, 's'), {}}, [&] { done.release(); });
   const Measured beside = run(store, 1, 200);
   done.acquire();
   std::printf("\nbeside a state of 100 MB, which took %.1f s: p50 %.1f ms, p99 %.1f ms\n", ms_since(begin) / 1e3,
