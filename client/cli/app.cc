@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <functional>
 #include <sstream>
+#include <string_view>
 #include <utility>
 
 #include <CLI/Config.hpp>
@@ -140,10 +141,16 @@ bool is_repeatable(const CLI::Option& option) {
 }
 
 std::string headline(std::string description) {
-  std::replace(description.begin(), description.end(), '\n', ' ');
-  std::size_t end = description.size();
-  for (const char* pause : {". ", ": ", "; "}) end = std::min(end, description.find(pause));
-  return description.substr(0, end);
+  description = description.substr(0, description.find('\n'));
+  int depth = 0;  // A pause within parentheses is not the end.
+  for (std::size_t i = 0; i + 1 < description.size(); ++i) {
+    if (description[i] == '(') ++depth;
+    if (description[i] == ')') --depth;
+    const bool is_pause = std::string_view(".:;").find(description[i]) != std::string_view::npos;
+    if (is_pause && description[i + 1] == ' ' && depth == 0) return description.substr(0, i);
+  }
+  if (description.ends_with('.')) description.pop_back();
+  return description;
 }
 
 std::vector<std::string> choices_of(const CLI::Option& option) {

@@ -55,7 +55,7 @@ std::string full_name(const CLI::App& app);
 std::string option_name(const CLI::Option& option);
 bool takes_value(const CLI::Option& option);
 bool is_repeatable(const CLI::Option& option);
-// Returns a description up to the first full stop, colon or semicolon.
+// Returns the first line of a description up to a full stop, colon or semicolon that is not in parentheses.
 std::string headline(std::string description);
 
 // Returns the listed values of an option or argument; empty if it has no list.

@@ -1,4 +1,4 @@
-// Implements `kerf store`: info, prune, backup.
+// Implements `kerf store`: info, prune, delete, backup.
 
 #include <array>
 #include <chrono>
@@ -46,16 +46,25 @@ std::string describe(const v1::StoreInfo& info) {
   for (const v1::SetAsideSheet& sheet : info.set_aside()) {
     line("  set aside: ", sheet.sheet_id() + " (number " + std::to_string(sheet.number()) + "): " + sheet.reason());
   }
+  if (info.set_aside_size() > 0) {
+    text +=
+        "    The server does not start these, and keeps them. An older backup may have them whole: kerfd\n"
+        "    --restore-store BACKUP --data DIR. `kerf store delete NUMBER` deletes one for good.\n";
+  }
   return text;
 }
 
 std::string describe(const v1::PruneStoreResponse& pruned) {
-  return "removed " + counted(pruned.removed_answers(), "answer") + " and " + counted(pruned.removed_sheets(), "row") +
-         " of deleted sheets\n";
+  return "removed " + counted(pruned.removed_answers(), "old answer") + " and the rest of " +
+         counted(pruned.removed_sheets(), "deleted sheet") + "\n";
 }
 
 std::string describe(const v1::StoreBackup& backup) {
   return backup.folder() + ": " + megabytes(backup.num_bytes()) + "\n";
+}
+
+std::string describe(const google::protobuf::Empty& /*nothing*/) {
+  return "deleted\n";
 }
 
 // Makes a call of the store and prints the answer.
@@ -91,6 +100,17 @@ void add_store_commands(CLI::App& app, Session& session) {
   prune->callback([&session] {
     session.action = [&session] {
       return ask(session, &v1::StoreService::Stub::PruneStore, v1::PruneStoreRequest(), "removing");
+    };
+  });
+  const auto number = std::make_shared<std::int64_t>(0);
+  CLI::App* remove = store->add_subcommand(
+      "delete", "Delete a sheet that was set aside, for good; make a backup before if it may still be needed");
+  remove->add_option("NUMBER", *number, "Its number, which `kerf store info` shows")->required();
+  remove->callback([&session, number] {
+    session.action = [&session, number] {
+      v1::DeleteSetAsideSheetRequest request;
+      request.set_number(*number);
+      return ask(session, &v1::StoreService::Stub::DeleteSetAsideSheet, request, "deleting");
     };
   });
   const auto id = std::make_shared<std::string>();

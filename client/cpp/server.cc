@@ -30,6 +30,14 @@ Result<v1::PruneStoreResponse> Server::prune_store() {
   return connection_->call(&v1::StoreService::Stub::PruneStore, client().store(), v1::PruneStoreRequest());
 }
 
+Result<Done> Server::delete_set_aside(std::int64_t number) {
+  v1::DeleteSetAsideSheetRequest request;
+  request.set_number(number);
+  const auto reply = connection_->call(&v1::StoreService::Stub::DeleteSetAsideSheet, client().store(), request);
+  if (!reply) return reply.failure();
+  return Done{};
+}
+
 Result<v1::StoreBackup> Server::backup_store(const std::string& backup_id) {
   v1::BackupStoreRequest request;
   request.set_backup_id(backup_id);

@@ -45,6 +45,7 @@ class Server {
   // The store of a server with a data folder; else FAILED_PRECONDITION NO_STORE.
   Result<v1::StoreInfo> store_info();  // Counts, sheets that were set aside, backups.
   Result<v1::PruneStoreResponse> prune_store();
+  Result<Done> delete_set_aside(std::int64_t number);  // One of StoreInfo.set_aside, for good.
   // Copies the store into a folder of this id, [a-z0-9][a-z0-9-]{0,62}, in the server's folder of backups.
   Result<v1::StoreBackup> backup_store(const std::string& backup_id);
 

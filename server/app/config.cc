@@ -175,6 +175,36 @@ Result<ws::Endpoint> listening_address(const std::string& text, const std::strin
   return endpoint;
 }
 
+// Refuses options that would be ignored: kerfd does one thing and ends, with its own options alone.
+Status check_alone(const CLI::App& parser, const std::string& task, const std::string& companion = {}) {
+  const std::vector<const CLI::Option*> given =
+      parser.get_options([](const CLI::Option* option) { return option->count() > 0; });
+  for (const CLI::Option* option : given) {
+    const std::string name = option->get_name();
+    if (name == task || name == companion) continue;
+    return invalid_argument("CONTRADICTING_OPTIONS",
+                            task + " starts no server; leave " + name + " out, or start the server without " + task,
+                            name);
+  }
+  return Nothing{};
+}
+
+// Refuses options that have no effect without a folder of kept sheets.
+Status check_keeping(const CLI::App& parser, const Arguments& arguments) {
+  if (arguments.data_dir == "none") {
+    for (const std::string option : {"--backups", "--fresh", "--max-replay-s"}) {
+      if (parser.count(option) == 0) continue;
+      return invalid_argument("OPTION_WITHOUT_DATA",
+                              option + ": with --data none nothing is kept; give --data DIR, or leave it out", option);
+    }
+  }
+  if (arguments.fresh && arguments.scenes.empty()) {
+    return invalid_argument("FRESH_WITHOUT_SCENE",
+                            "--fresh: replaces the kept sheets of scene files; give --scene FILE as well", "--fresh");
+  }
+  return Nothing{};
+}
+
 Result<std::variant<Config, Notice>> to_config(const Arguments& arguments) {
   Config config;
   KERF_TRY_ASSIGN(config.grpc, listening_address(arguments.listen, "--listen", arguments.allow_remote));
@@ -222,10 +252,6 @@ Result<std::variant<Config, Notice>> to_config(const Arguments& arguments) {
   config.keeps_nothing = arguments.data_dir == "none";
   if (!config.keeps_nothing) config.data_dir = arguments.data_dir;
   config.backups_dir = arguments.backups_dir;
-  if (config.keeps_nothing && !config.backups_dir.empty()) {
-    return invalid_argument("BACKUPS_WITHOUT_DATA",
-                            "--backups: with --data none there is nothing to back up; give --data DIR", "--backups");
-  }
   config.fresh = arguments.fresh;
   if (!(arguments.max_replay_s >= 0.01 && arguments.max_replay_s <= 3600.0)) {
     return invalid_argument("MAX_REPLAY_OUT_OF_RANGE",
@@ -296,8 +322,12 @@ Result<std::variant<Config, Notice>> parse_command_line(int argc, const char* co
   } catch (const CLI::ParseError& error) {
     return invalid_argument("BAD_COMMAND_LINE", std::string(error.what()) + " (kerfd --help lists the options)");
   }
-  if (!arguments.check_store.empty()) return check_kept_sheets(arguments.check_store);
+  if (!arguments.check_store.empty()) {
+    KERF_TRY(check_alone(parser, "--check-store"));
+    return check_kept_sheets(arguments.check_store);
+  }
   if (!arguments.restore_store.empty()) {
+    KERF_TRY(check_alone(parser, "--restore-store", "--data"));
     if (arguments.data_dir.empty() || arguments.data_dir == "none") {
       return invalid_argument("RESTORE_NEEDS_DATA",
                               "--restore-store: give --data DIR as well, a folder that is missing or empty", "--data");
@@ -305,6 +335,7 @@ Result<std::variant<Config, Notice>> parse_command_line(int argc, const char* co
     return restore_kept_sheets(arguments.restore_store, arguments.data_dir);
   }
   if (arguments.list_render_devices) return std::variant<Config, Notice>(Notice{render_device_table()});
+  KERF_TRY(check_keeping(parser, arguments));
   return to_config(arguments);
 }
 

@@ -72,6 +72,9 @@ Result<std::variant<Config, Notice>> check_kept_sheets(const std::string& folder
 // Makes a folder of kept sheets from a backup, and returns what --restore-store prints. `folder` must be missing or
 // empty. Errors: kInvalidArgument, with the reason of store::restore_store(); nothing is made then.
 Result<std::variant<Config, Notice>> restore_kept_sheets(const std::string& backup, const std::string& folder);
+// Checks the folder of --backups: it can be made or written, and is not one of the store in `data`, nor around that.
+// Error: kInvalidArgument BAD_BACKUPS_DIR.
+Status check_backups_directory(const std::filesystem::path& backups, const std::filesystem::path& data);
 // Returns the user's folder for kept sheets: $XDG_DATA_HOME/kerf, else $HOME/.local/share/kerf. Empty if neither is
 // set.
 std::filesystem::path default_data_directory();

@@ -1,7 +1,11 @@
+#include <algorithm>
+#include <cerrno>
 #include <cstdlib>
 #include <string>
 #include <system_error>
 #include <utility>
+
+#include <unistd.h>
 
 #include "server/app/config.h"
 #include "server/service/store/check_store.h"
@@ -20,33 +24,70 @@ std::filesystem::path default_data_directory() {
 
 namespace {
 
+std::string counted(std::int64_t count, const std::string& what) {
+  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
+}
+
 std::string counts_of(const store::StoreInfo& info) {
-  return std::to_string(info.sheets) + " sheets, " + std::to_string(info.quarantined.size()) + " set aside, " +
-         std::to_string(info.entries) + " changes, " + std::to_string(info.states) + " states, " +
-         std::to_string(info.requests) + " answers";
+  return counted(info.sheets, "sheet") + ", " + std::to_string(info.quarantined.size()) + " set aside, " +
+         counted(info.entries, "change") + ", " + counted(info.states, "state") + ", " +
+         counted(info.requests, "answer");
+}
+
+// Returns the path without links, dots or a slash at its end, where that is known.
+std::filesystem::path made_canonical(const std::filesystem::path& path) {
+  std::error_code unknown;
+  std::filesystem::path found = std::filesystem::weakly_canonical(path, unknown);
+  if (unknown) found = path;
+  return found.filename().empty() ? found.parent_path() : found;
+}
+
+bool is_within(const std::filesystem::path& path, const std::filesystem::path& folder) {
+  return std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first == folder.end();
+}
+
+Error in_option(const char* option, const Error& error) {
+  return invalid_argument(error.reason, std::string(option) + ": " + error.message, option);
 }
 
 }  // namespace
 
-Result<std::variant<Config, Notice>> restore_kept_sheets(const std::string& backup, const std::string& folder) {
-  // Without a slash at its end or a link in it, so that the new folder lies beside it.
-  std::error_code unknown;
-  std::filesystem::path target = std::filesystem::weakly_canonical(folder, unknown);
-  if (unknown) target = folder;
-  if (target.filename().empty()) target = target.parent_path();
-  const Result<store::StoreInfo> restored = store::restore_store(backup, target.string());
-  if (!restored.ok()) {
-    return invalid_argument(restored.error().reason, "--restore-store: " + restored.error().message, "--restore-store");
+Status check_backups_directory(const std::filesystem::path& backups, const std::filesystem::path& data) {
+  const std::filesystem::path folder = made_canonical(backups);
+  const std::filesystem::path kept = made_canonical(data);
+  const auto refuse = [&](const std::string& how) {
+    return invalid_argument("BAD_BACKUPS_DIR", "--backups: \"" + backups.string() + "\" " + how, "--backups");
+  };
+  if (folder == kept || is_within(folder, kept / "states") || is_within(folder, kept / "damaged")) {
+    return refuse("is used by the store itself; name another folder, such as \"" + (kept / "backups").string() + "\"");
   }
+  if (folder == kept.parent_path()) return refuse("has the folder of --data in it; name a folder for backups alone");
+  std::filesystem::path there = folder;
+  std::error_code broken;
+  while (!std::filesystem::exists(there, broken) && there.has_relative_path()) there = there.parent_path();
+  if (!std::filesystem::is_directory(there, broken))
+    return refuse("cannot be a folder: \"" + there.string() + "\" is none");
+  if (::access(there.c_str(), W_OK | X_OK) != 0) {
+    return refuse("cannot be written: \"" + there.string() + "\": " + std::generic_category().message(errno));
+  }
+  return Nothing{};
+}
+
+Result<std::variant<Config, Notice>> restore_kept_sheets(const std::string& backup, const std::string& folder) {
+  const std::filesystem::path target = made_canonical(folder);
+  if (is_within(target, made_canonical(backup))) {
+    return invalid_argument("RESTORE_INTO_ITSELF",
+                            "--data: \"" + folder + "\" lies in the backup itself; name a folder elsewhere", "--data");
+  }
+  const Result<store::StoreInfo> restored = store::restore_store(backup, target.string());
+  if (!restored.ok()) return in_option("--restore-store", restored.error());
   return std::variant<Config, Notice>(
       Notice{"restored " + counts_of(*restored) + " into \"" + target.string() + "\"\n"});
 }
 
 Result<std::variant<Config, Notice>> check_kept_sheets(const std::string& folder) {
   const Result<store::StoreReport> report = store::check_store(folder);
-  if (!report.ok()) {
-    return invalid_argument(report.error().reason, "--check-store: " + report.error().message, "--check-store");
-  }
+  if (!report.ok()) return in_option("--check-store", report.error());
   const store::StoreInfo& info = report->info;
   const std::size_t num_faults = report->faults.size() + report->known_faults.size();
   Notice notice;
@@ -55,7 +96,7 @@ Result<std::variant<Config, Notice>> check_kept_sheets(const std::string& folder
   for (const std::string& file : report->orphan_files) {
     notice.text += "left over: " + file + ", which nothing names; it may be deleted\n";
   }
-  notice.text += counts_of(info) + "; " + std::to_string(num_faults) + " faults\n";
+  notice.text += counts_of(info) + "; " + counted(static_cast<std::int64_t>(num_faults), "fault") + "\n";
   notice.status = num_faults == 0 ? 0 : 1;
   return std::variant<Config, Notice>(std::move(notice));
 }

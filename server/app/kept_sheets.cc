@@ -16,6 +16,9 @@ namespace kerf::app {
 
 namespace {
 
+constexpr const char* kWhatToDo =
+    "; it stays kept and its name is free: restore a backup that has it whole, or delete it (kerf store info)";
+
 std::string name_of(const store::StoredSheet& stored) {
   return "the kept sheet \"" + stored.id + "\"";
 }
@@ -88,16 +91,21 @@ class KeptSheets {
  private:
   Status start(const store::StoredSheet& stored) {
     if (stored.is_quarantined) {
-      note_(name_of(stored) + " is set aside: " + stored.reason);
+      note_(name_of(stored) + " is set aside: " + stored.reason + kWhatToDo);
       return Nothing{};
     }
     Result<host::StoredRun> run = durable::read_run(store_, stored);
     if (!run.ok() && run.error().code == ErrorCode::kDataLoss) {
       KERF_TRY(store_.quarantine(stored.sheet, run.error().message));
-      note_(name_of(stored) + " is damaged and set aside: " + run.error().message);
+      note_(name_of(stored) + " is damaged and set aside: " + run.error().message + kWhatToDo);
       return Nothing{};
     }
     KERF_TRY(run);
+    KERF_TRY_ASSIGN(const std::vector<store::DamagedState> damaged, store_.set_damaged_states_aside(stored.sheet));
+    for (const store::DamagedState& state : damaged) {
+      note_(name_of(stored) + " continues without a state: " + state.reason +
+            (state.kept_file.empty() ? "" : "; it is now \"" + state.kept_file + "\""));
+    }
     recoveries_.start(stored, durable::Beginning::kNewestState, std::move(*run));
     return Nothing{};
   }

@@ -51,6 +51,13 @@ std::string json_string(const std::string& text) {
   return wire::to_json(value);
 }
 
+// Returns a path that does not depend on the folder in which kerfd was started, where that is known.
+std::filesystem::path made_absolute(std::filesystem::path path) {
+  std::error_code unknown;
+  std::filesystem::path found = std::filesystem::absolute(path, unknown);
+  return unknown ? std::move(path) : found.lexically_normal();
+}
+
 Result<ws::AssetTable> read_site(const std::filesystem::path& folder) {
   return folder.empty() ? ws::AssetTable() : ws::AssetTable::read(folder);
 }
@@ -190,14 +197,20 @@ Status Server::Impl::check_record_dir() {
 
 Status Server::Impl::open_store() {
   if (config.data_dir.empty()) return Nothing{};
-  std::error_code failed;
-  std::filesystem::create_directories(config.data_dir.parent_path(), failed);
+  config.data_dir = made_absolute(std::move(config.data_dir));
+  if (config.backups_dir.empty()) {
+    config.backups_dir = config.data_dir / "backups";
+  } else {
+    config.backups_dir = made_absolute(std::move(config.backups_dir));
+    KERF_TRY(check_backups_directory(config.backups_dir, config.data_dir));
+  }
   store::StoreOptions options;
   options.folder = config.data_dir.string();
   options.now = [this] { return clock.now(); };
   options.unix_us = [this] { return clock.unix_us(); };
   options.failed = [this](const std::string& message) {
-    note("the kept sheets cannot be written any more, and nothing may be answered that could be lost: " + message);
+    note("the kept sheets cannot be written any more, and nothing may be answered that could be lost: " + message +
+         "; start kerfd again once the disk works, and it continues from what is there");
     std::_Exit(kExitStoreFailed);
   };
   auto opened = store::SqliteStore::open(std::move(options));
@@ -207,8 +220,7 @@ Status Server::Impl::open_store() {
     return error;
   }
   store = std::move(opened).value();
-  keeper = std::make_unique<StoreKeeper>(*store, config.data_dir,
-                                         config.backups_dir.empty() ? config.data_dir / "backups" : config.backups_dir);
+  keeper = std::make_unique<StoreKeeper>(*store, config.data_dir, config.backups_dir);
   return Nothing{};
 }
 

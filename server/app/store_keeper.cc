@@ -5,12 +5,19 @@
 #include <system_error>
 #include <utility>
 
+#include "server/service/store/schema.h"
 #include "server/service/store/sqlite_store.h"
 
 namespace kerf::app {
 namespace {
 
 namespace fs = std::filesystem;
+
+// Says which option names the folder of backups.
+Error in_backups(Error error) {
+  error.message = "the folder of backups (kerfd --backups): " + error.message;
+  return error;
+}
 
 std::int64_t bytes_below(const fs::path& folder) {
   std::int64_t bytes = 0;
@@ -24,28 +31,24 @@ std::int64_t bytes_below(const fs::path& folder) {
   return bytes;
 }
 
-// Returns a path that does not depend on the folder in which kerfd was started, where that is known.
-fs::path made_absolute(fs::path path) {
-  std::error_code unknown;
-  fs::path found = fs::absolute(path, unknown);
-  return unknown ? std::move(path) : std::move(found);
-}
-
 }  // namespace
 
 StoreKeeper::StoreKeeper(store::SqliteStore& store, fs::path folder, fs::path backups)
-    : store_(store), folder_(made_absolute(std::move(folder))), backups_(made_absolute(std::move(backups))) {}
+    : store_(store), folder_(std::move(folder)), backups_(std::move(backups)) {}
 
 Result<std::vector<std::string>> StoreKeeper::backup_ids() const {
   KERF_TRY_ASSIGN(std::vector<std::string> ids, store::real_files().list(backups_.string()));
-  std::erase_if(ids, [](const std::string& name) { return name.find('.') != std::string::npos; });
+  std::erase_if(ids, [this](const std::string& name) {
+    const bool is_part = name.find('.') != std::string::npos;
+    return is_part || !store::real_files().size(store::database_path((backups_ / name).string())).ok();
+  });
   return ids;
 }
 
 Result<v1::StoreInfo> StoreKeeper::info() {
   const store::Waiting waiting = store_.waiting();
   KERF_TRY_ASSIGN(const store::StoreInfo kept, store_.info());
-  KERF_TRY_ASSIGN(const std::vector<std::string> ids, backup_ids());
+  const Result<std::vector<std::string>> ids = backup_ids();
   v1::StoreInfo info;
   info.set_folder(folder_.string());
   info.set_sheets(kept.sheets);
@@ -64,7 +67,7 @@ Result<v1::StoreInfo> StoreKeeper::info() {
     aside.set_reason(sheet.reason);
   }
   info.set_backups_folder(backups_.string());
-  for (const std::string& id : ids) info.add_backup_ids(id);
+  if (ids.ok()) info.mutable_backup_ids()->Add(ids->begin(), ids->end());
   info.set_max_backups(static_cast<std::int32_t>(kMaxBackups));
   return info;
 }
@@ -77,13 +80,30 @@ Result<v1::PruneStoreResponse> StoreKeeper::prune() {
   return response;
 }
 
+Status StoreKeeper::delete_set_aside(std::int64_t number) {
+  KERF_TRY_ASSIGN(const store::StoreInfo kept, store_.info());
+  const bool is_set_aside = std::any_of(kept.quarantined.begin(), kept.quarantined.end(),
+                                        [number](const auto& sheet) { return sheet.sheet == number; });
+  if (!is_set_aside) {
+    return not_found("SET_ASIDE_NOT_FOUND",
+                     "no sheet that was set aside has the number " + std::to_string(number) +
+                         "; GetStoreInfo, or kerf store info, lists them",
+                     "number");
+  }
+  store_.remove(number, {}, nullptr);
+  return store_.wait_until_durable();
+}
+
 Result<v1::StoreBackup> StoreKeeper::back_up(const std::string& id, const std::stop_token& stop) {
-  KERF_TRY(store::real_files().make_folder(backups_.string()));
-  KERF_TRY_ASSIGN(const std::vector<std::string> ids, backup_ids());
-  if (std::find(ids.begin(), ids.end(), id) != ids.end()) {
+  if (const Status made = store::real_files().make_folder(backups_.string()); !made.ok()) {
+    return in_backups(made.error());
+  }
+  const Result<std::vector<std::string>> found = backup_ids();
+  if (!found.ok()) return in_backups(found.error());
+  if (std::find(found->begin(), found->end(), id) != found->end()) {
     return already_exists("BACKUP_EXISTS", "there is a backup \"" + id + "\" already; take another id", "backup_id");
   }
-  if (ids.size() >= kMaxBackups) {
+  if (found->size() >= kMaxBackups) {
     return resource_exhausted("TOO_MANY_BACKUPS", "there are " + std::to_string(kMaxBackups) +
                                                       " backups, which is the limit; remove folders from \"" +
                                                       backups_.string() + "\", or move them elsewhere");

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <stop_token>
 #include <string>
@@ -19,11 +20,13 @@ inline constexpr std::size_t kMaxBackups = 16;
 // Lets clients look at a store, prune it and back it up. They choose the names of backups, never paths.
 class StoreKeeper : public api::KeptStore {
  public:
-  // `folder` is that of the store. `backups` contains a folder for each backup; it is made if it is missing.
+  // `folder` is that of the store. `backups` contains a folder for each backup; it is made with the first if it is
+  // missing.
   StoreKeeper(store::SqliteStore& store, std::filesystem::path folder, std::filesystem::path backups);
 
   Result<v1::StoreInfo> info() override;
   Result<v1::PruneStoreResponse> prune() override;
+  Status delete_set_aside(std::int64_t number) override;
   Result<v1::StoreBackup> back_up(const std::string& id, const std::stop_token& stop) override;
 
  private:

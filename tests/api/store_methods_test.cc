@@ -35,6 +35,9 @@ class FakeStore : public KeptStore {
     pruned.set_removed_answers(7);
     return pruned;
   }
+  Status delete_set_aside(std::int64_t number) override {
+    return number == 5 ? Status(Nothing{}) : not_found("SET_ASIDE_NOT_FOUND", "none", "number");
+  }
   Result<v1::StoreBackup> back_up(const std::string& id, const std::stop_token& stop) override {
     if (!wait(stop)) return aborted("BACKUP_STOPPED", "given up");
     if (id == "twice") return already_exists("BACKUP_EXISTS", "there is one", "backup_id");
@@ -117,7 +120,7 @@ class ApiStoreTest : public ApiTest {
 };
 
 TEST_F(ApiTest, WithoutAStoreCallsOfStoreServiceSayWhatToDo) {
-  for (const char* method : {"GetStoreInfo", "PruneStore", "BackupStore"}) {
+  for (const char* method : {"GetStoreInfo", "PruneStore", "DeleteSetAsideSheet", "BackupStore"}) {
     const Result<std::string> reply = call_json(std::string("/kerf.v1.StoreService/") + method, "{}");
     ASSERT_FALSE(reply.ok()) << method;
     EXPECT_EQ(reply.error().code, ErrorCode::kFailedPrecondition) << method;
@@ -134,6 +137,15 @@ TEST_F(ApiStoreTest, AnswersAreThoseOfTheStore) {
   Later<v1::PruneStoreResponse> pruned;
   api_->prune_store({}, pruned.callback());
   EXPECT_EQ(pruned.wait().value().removed_answers(), 7);
+  for (const std::int64_t number : {5, 6}) {
+    v1::DeleteSetAsideSheetRequest request;
+    request.set_number(number);
+    Later<google::protobuf::Empty> deleted;
+    api_->delete_set_aside_sheet(request, deleted.callback());
+    const Result<google::protobuf::Empty> outcome = deleted.wait();
+    EXPECT_EQ(outcome.ok(), number == 5);
+    EXPECT_EQ(outcome.ok() ? "number" : outcome.error().field, "number");
+  }
   EXPECT_EQ(begin_backup("monday").wait().value().num_bytes(), 12);
   const Result<v1::StoreBackup> refused = begin_backup("twice").wait();
   ASSERT_FALSE(refused.ok());

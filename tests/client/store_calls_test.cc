@@ -24,6 +24,7 @@ TEST(StoreCalls, CountPruneAndCopyWhatIsKept) {
   EXPECT_EQ(info.sheets(), 1);
   EXPECT_EQ(info.answers(), 1);
   EXPECT_EQ(server.prune_store().value().removed_answers(), 0);
+  EXPECT_EQ(server.delete_set_aside(1).failure().reason, "SET_ASIDE_NOT_FOUND") << "it is not damaged";
   const v1::StoreBackup made = server.backup_store("monday").value();
   EXPECT_EQ(made.folder(), (folder / "data/backups/monday").string());
   EXPECT_TRUE(std::filesystem::exists(folder / "data/backups/monday/kerf.db"));
@@ -37,6 +38,7 @@ TEST(StoreCalls, AreRefusedByAServerThatKeepsNothing) {
   Server server(running->grpc_address());
   EXPECT_EQ(server.store_info().failure().reason, "NO_STORE");
   EXPECT_EQ(server.prune_store().failure().reason, "NO_STORE");
+  EXPECT_EQ(server.delete_set_aside(1).failure().reason, "NO_STORE");
   EXPECT_EQ(server.backup_store("a").failure().code, grpc::StatusCode::FAILED_PRECONDITION);
 }
 

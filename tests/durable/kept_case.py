@@ -67,6 +67,13 @@ class Case(unittest.TestCase):
     def run_kerfd(self, *arguments):
         return subprocess.run([OPTIONS["kerfd"], *map(str, arguments)], capture_output=True, text=True, timeout=60, check=False)
 
+    def refused(self, says, *arguments):
+        """Expects that kerfd does not start, and says why on one line."""
+        refused = self.run_kerfd(*arguments)
+        self.assertEqual((refused.returncode, refused.stdout), (2, ""), arguments)
+        self.assertIn(says, refused.stderr)
+        self.assertEqual(refused.stderr.count("\n"), 1)
+
 
 def main(description, *programs):
     parser = argparse.ArgumentParser(description=description.splitlines()[0])

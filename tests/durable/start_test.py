@@ -7,6 +7,7 @@
 import contextlib
 import hashlib
 import json
+import os
 import pathlib
 import sqlite3
 import subprocess
@@ -117,9 +118,22 @@ class Continuing(Case):
 
     def test_an_empty_name_of_a_folder_is_refused(self):
         for option in ("--data", "--check-store", "--restore-store", "--backups"):
-            refused = self.run_kerfd(*LISTEN, option, "")
-            self.assertEqual((refused.returncode, refused.stdout), (2, ""), option)
-            self.assertIn("is empty; name a folder", refused.stderr)
+            self.refused("is empty; name a folder", *LISTEN, option, "")
+
+    def test_options_that_would_be_ignored_are_refused(self):
+        for options, says in (
+                (("--check-store", self.store, "--restore-store", "x"), "leave --restore-store out"),
+                (("--check-store", self.store, "--fresh"), "leave --fresh out"),
+                (("--restore-store", "x", "--data", self.store, "--scene", "y"), "leave --scene out"),
+                (("--data", "none", "--fresh", "--scene", "x"), "--fresh: with --data none nothing is kept"),
+                (("--data", "none", "--max-replay-s", "3"), "--max-replay-s: with --data none nothing is kept"),
+                (("--data", self.store, "--fresh"), "give --scene FILE as well")):
+            self.refused(says, *options)
+        self.assertFalse(self.store.exists())
+
+    def test_the_ready_line_names_the_folder_from_the_root(self):
+        server = self.start("--data", os.path.relpath(self.store), data=False)
+        self.assertEqual(server.ready["data"], str(self.store))
 
     def test_a_sheet_keeps_the_time_of_its_making(self):
         server = self.start()
@@ -173,13 +187,13 @@ class Damage(Case):
         self.fill()
         good = self.run_kerfd("--check-store", self.store)
         self.assertEqual((good.returncode, good.stderr), (0, ""))
-        self.assertRegex(good.stdout, r"^3 sheets, 0 set aside, \d+ changes, \d+ states, \d+ answers; 0 faults\n$")
+        self.assertRegex(good.stdout, r"^3 sheets, 0 set aside, 3 changes, \d+ states, \d+ answers; 0 faults\n$")
         change_bytes(self.store, "journal", "content", "b")
         before = contents(self.store)
         bad = self.run_kerfd("--check-store", self.store)
         self.assertEqual(bad.returncode, 1)
-        self.assertRegex(bad.stdout, r"(?m)^fault: sheet 2: entry \d+ of sheet 2 ")
-        self.assertRegex(bad.stdout, r"; [1-9]\d* faults\n$")
+        self.assertRegex(bad.stdout, r'(?m)^fault: sheet 2 "b": entry \d+ of sheet 2 ')
+        self.assertRegex(bad.stdout, r"; 1 fault\n$")
         self.assertEqual(contents(self.store), before)
         server = self.start()
         in_use = self.run_kerfd("--check-store", self.store)
@@ -197,14 +211,54 @@ class Damage(Case):
         before = contents(self.store)
         self.assertIn("kerf.db-wal", before)
         killed = self.run_kerfd("--check-store", self.store)
-        self.assertRegex(killed.stdout, r"^1 sheets, 0 set aside, 1 changes, .*; 0 faults\n$")
+        self.assertRegex(killed.stdout, r"^1 sheet, 0 set aside, 1 change, .*; 0 faults\n$")
         self.assertEqual(contents(self.store), before)
 
     def test_no_store_is_no_good_store(self):
-        none = self.run_kerfd("--check-store", self.folder / "none")
-        self.assertEqual((none.returncode, none.stdout), (2, ""))
-        self.assertIn("--check-store: ", none.stderr)
-        self.assertEqual(contents(self.folder), {})
+        (self.folder / "empty").mkdir()
+        (self.folder / "empty/kerf.db").touch()
+        (self.folder / "file").touch()
+        before = contents(self.folder)
+        for name, says in (("none", "DATA/backups/ID"), ("empty", "no sheet was ever kept there"), ("file", "there is no store")):
+            none = self.run_kerfd("--check-store", self.folder / name)
+            self.assertEqual((none.returncode, none.stdout), (2, ""))
+            self.assertIn("--check-store: ", none.stderr)
+            self.assertIn(says, none.stderr)
+        self.assertEqual(contents(self.folder), before)
+        self.refused("Not a directory", *LISTEN, "--data", self.folder / "file")
+
+    def test_a_saved_state_that_is_damaged_is_named_once_and_then_forgotten(self):
+        for change in ("changed", "gone"):
+            with self.subTest(change):
+                self.store = self.folder / change
+                server = self.start()
+                self.make(server, "a")
+                for state in ("before", "later"):
+                    self.done(server, "SheetService/SaveState", {"parent": "sheets/a", "state_id": state})
+                self.cut(server, "a")
+                self.stop(server)
+                with contextlib.closing(sqlite3.connect(self.store / "kerf.db")) as database:
+                    sheet, seq, number = database.execute("SELECT sheet, seq, number FROM states WHERE name = 'before'").fetchone()
+                file = self.store / "states" / f"{sheet}-{seq}-{number}.state"
+                damaged = bytearray(file.read_bytes())
+                damaged[99] ^= 1
+                if change == "gone":
+                    file.unlink()
+                else:
+                    file.write_bytes(damaged)
+                found = self.run_kerfd("--check-store", self.store)
+                self.assertIn('fault: sheet 1 "a": the file of the saved state "before"', found.stdout)
+                server = self.start()
+                listed = self.done(server, "SheetService/ListStates", {"parent": "sheets/a"})
+                self.assertEqual([state["name"] for state in listed["states"]], ["sheets/a/states/later"])
+                self.assertEqual(len(self.cuts(server, "a")), 1)
+                self.done(server, "StoreService/BackupStore", {"backup_id": "whole"})
+                self.assertIn('kerfd: the kept sheet "a" continues without a state: the file of the saved state "before"',
+                              self.stop(server))
+                kept = self.store / "damaged" / file.name
+                self.assertEqual(kept.read_bytes() if kept.exists() else b"", damaged if change == "changed" else b"")
+                self.assertEqual(self.run_kerfd("--check-store", self.store).returncode, 0)
+                self.assertNotIn("without a state", self.stop(self.start()))
 
 
 if __name__ == "__main__":

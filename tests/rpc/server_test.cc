@@ -157,7 +157,7 @@ TEST_F(RpcServerTest, BytesThatAreNoMessageAreRefused) {
            {"StreamService", {"Watch"}},
            {"RenderService", {"RenderImage"}},
            {"ServerService", {"GetServerInfo"}},
-           {"StoreService", {"GetStoreInfo", "PruneStore", "BackupStore"}}}) {
+           {"StoreService", {"GetStoreInfo", "PruneStore", "DeleteSetAsideSheet", "BackupStore"}}}) {
     for (const std::string& method : methods) {
       std::string response;
       const grpc::Status status = exchange(channel, "/kerf.v1." + service + "/" + method, truncated, response);

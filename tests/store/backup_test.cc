@@ -8,6 +8,7 @@
 namespace kerf::test {
 namespace {
 
+using testing::HasSubstr;
 using testing::IsEmpty;
 
 store::StoreOptions copy_options(StoreOnLossyDisk& on) {
@@ -75,9 +76,19 @@ TEST(Backup, WithADamagedStateIsRefused) {
   contents["/store/states/1-0-1.state"] = "STATE";
   on.disk.set_contents(contents);
   const auto store = on.open();
-  EXPECT_EQ(store->backup("/copy").error().reason, "STATE_DAMAGED");
+  const Status refused = store->backup("/copy");
+  ASSERT_FALSE(refused.ok());
+  EXPECT_EQ(refused.error().reason, "STATE_DAMAGED");
+  EXPECT_THAT(refused.error().message, HasSubstr("sheet 1: the file of the state after entry 0"));
+  EXPECT_THAT(refused.error().message, HasSubstr("start kerfd again"));
   EXPECT_FALSE(on.disk.size("/copy/kerf.db").ok());
   EXPECT_THAT(on.failures(), IsEmpty());
+  // One sheet that is set aside must not make a backup of all others impossible.
+  ASSERT_TRUE(store->quarantine(1, "its state is damaged").ok());
+  ASSERT_TRUE(store->backup("/copy").ok());
+  const auto report = store::check_store("/copy", on.disk, on.options().vfs);
+  EXPECT_THAT(report->faults, IsEmpty());
+  EXPECT_EQ(report->known_faults.size(), 1U);
 }
 
 TEST(Backup, AppearsWholeOrNotAtAll) {

@@ -69,7 +69,7 @@ TEST_F(CheckStore, ReadsTheLogOfAKilledStoreAndLeavesIt) {
 
 TEST_F(CheckStore, FindsAGap) {
   change("DELETE FROM journal WHERE seq = 5");
-  EXPECT_THAT(faults(), ElementsAre("sheet 1: entry 5 of sheet 1 is missing"));
+  EXPECT_THAT(faults(), ElementsAre("sheet 1 \"sheet-1\": entry 5 of sheet 1 is missing"));
   EXPECT_EQ(on_.open()->entries(1, 0).error().code, ErrorCode::kDataLoss);
 }
 
@@ -83,7 +83,7 @@ TEST_F(CheckStore, FindsTooMuchRemoved) {
   change("DELETE FROM journal WHERE seq <= 2");
   EXPECT_THAT(faults(), IsEmpty()) << "the second-last state is enough";
   change("DELETE FROM journal WHERE seq <= 3");
-  EXPECT_THAT(faults(), ElementsAre("sheet 1: its oldest entry is 4, and entry 3 is needed"));
+  EXPECT_THAT(faults(), ElementsAre("sheet 1 \"sheet-1\": its oldest entry is 4, and entry 3 is needed"));
 }
 
 TEST_F(CheckStore, FindsChangedRows) {
@@ -97,7 +97,7 @@ TEST_F(CheckStore, FindsChangedRows) {
 
 TEST_F(CheckStore, FindsARequestWithoutItsEntry) {
   change("DELETE FROM journal WHERE seq = 6");
-  EXPECT_THAT(faults(), ElementsAre("sheet 1: entry 6 of request \"Cut 6\" is not there"));
+  EXPECT_THAT(faults(), ElementsAre("sheet 1 \"sheet-1\": entry 6 of request \"Cut 6\" is not there"));
 }
 
 TEST_F(CheckStore, FindsAStateWithoutItsEntriesOrFile) {
@@ -105,8 +105,9 @@ TEST_F(CheckStore, FindsAStateWithoutItsEntriesOrFile) {
   contents.erase("/store/states/1-4-2.state");
   on_.disk.set_contents(contents);
   change("DELETE FROM requests; DELETE FROM journal WHERE seq >= 4");
-  EXPECT_THAT(faults(), ElementsAre("sheet 1: a state follows entry 4, which is not there",
-                                    "the file of the state \"1-4-2.state\" is gone or damaged"));
+  EXPECT_THAT(faults(), ElementsAre("sheet 1 \"sheet-1\": a state follows entry 4, which is not there",
+                                    "sheet 1 \"sheet-1\": the file of the state after entry 4, "
+                                    "\"/store/states/1-4-2.state\", is gone"));
 }
 
 TEST_F(CheckStore, FindsDamagedPages) {

@@ -13,6 +13,7 @@ namespace kerf::test {
 namespace {
 
 using testing::ElementsAre;
+using testing::HasSubstr;
 using testing::IsEmpty;
 
 TEST(StoreFiles, NamesAndContents) {
@@ -38,6 +39,16 @@ TEST(StoreFiles, NamesAndContents) {
   EXPECT_EQ(files.rename(made + "/a", made + "/b").error().reason, "FILE_NOT_FOUND");
   EXPECT_EQ(files.sync_folder(made + "/none").error().reason, "FILE_NOT_FOUND");
   EXPECT_THAT(*files.list(made + "/none"), IsEmpty());
+}
+
+TEST(StoreFiles, AFolderIsMadeWithThoseAroundIt) {
+  const TemporaryFolder folder;
+  store::Files& files = store::real_files();
+  ASSERT_TRUE(files.make_folder(folder / "a/b/c/").ok());
+  EXPECT_THAT(*files.list(folder / "a/b"), ElementsAre("c"));
+  ASSERT_TRUE(files.create(folder / "file").ok());
+  EXPECT_THAT(files.make_folder(folder / "file").error().message, HasSubstr("Not a directory"));
+  EXPECT_THAT(files.make_folder(folder / "file/x/y").error().message, HasSubstr("Not a directory"));
 }
 
 TEST(StoreFiles, FoldersAreRenamedAndRemovedWhole) {

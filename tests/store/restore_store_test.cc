@@ -72,7 +72,7 @@ TEST_F(RestoreStore, RefusesADamagedBackup) {
   ASSERT_FALSE(refused.ok());
   EXPECT_EQ(refused.error().code, ErrorCode::kDataLoss);
   EXPECT_EQ(refused.error().reason, "STORE_DAMAGED");
-  EXPECT_THAT(refused.error().message, HasSubstr("sheet 1: entry 1 of sheet 1 has changed"));
+  EXPECT_THAT(refused.error().message, HasSubstr("sheet 1 \"sheet-1\": entry 1 of sheet 1 has changed"));
   EXPECT_THAT(refused.error().message, HasSubstr("(and 1 more)"));
   expect_nothing_is_made();
 }

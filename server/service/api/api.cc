@@ -76,6 +76,7 @@ std::vector<Method> json_methods(Api& api) {
       json_method("/kerf.v1.ServerService/GetServerInfo", api, &Api::get_server_info),
       json_method("/kerf.v1.StoreService/GetStoreInfo", api, &Api::get_store_info),
       json_method("/kerf.v1.StoreService/PruneStore", api, &Api::prune_store),
+      json_method("/kerf.v1.StoreService/DeleteSetAsideSheet", api, &Api::delete_set_aside_sheet),
       json_method("/kerf.v1.StoreService/BackupStore", api, &Api::backup_store),
   };
   std::sort(methods.begin(), methods.end(), [](const Method& a, const Method& b) { return a.path < b.path; });

@@ -35,6 +35,7 @@ class CreateCutsResponse;
 class CreateSheetRequest;
 class CutResult;
 class DeleteSheetRequest;
+class DeleteSetAsideSheetRequest;
 class DeleteStateRequest;
 class DragPointRequest;
 class ExportSheetRequest;
@@ -232,6 +233,7 @@ class Api {
   // Without ApiOptions::store these are kFailedPrecondition NO_STORE.
   void get_store_info(const v1::GetStoreInfoRequest& request, Reply<v1::StoreInfo> reply);
   void prune_store(const v1::PruneStoreRequest& request, Reply<v1::PruneStoreResponse> reply);
+  void delete_set_aside_sheet(const v1::DeleteSetAsideSheetRequest& request, Reply<google::protobuf::Empty> reply);
   // It is made even if its caller leaves; stop() gives it up. One at a time: kResourceExhausted BACKUP_UNDER_WAY.
   void backup_store(const v1::BackupStoreRequest& request, Reply<v1::StoreBackup> reply);
 

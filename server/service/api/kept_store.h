@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <stop_token>
 #include <string>
 
@@ -15,6 +16,8 @@ class KeptStore {
   virtual ~KeptStore() = default;
   virtual Result<v1::StoreInfo> info() = 0;
   virtual Result<v1::PruneStoreResponse> prune() = 0;
+  // Deletes a sheet that was set aside. Error kNotFound SET_ASIDE_NOT_FOUND.
+  virtual Status delete_set_aside(std::int64_t number) = 0;
   // Makes the backup `id`, which is well-formed. It is given up soon after `stop` is triggered, and nothing is left of
   // it then, as after every error. Errors: kAlreadyExists BACKUP_EXISTS, kResourceExhausted TOO_MANY_BACKUPS, those of
   // the disk.

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <utility>
 
+#include <google/protobuf/empty.pb.h>
+
 #include "server/service/api/core.h"
 #include "server/service/api/kept_store.h"
 
@@ -46,6 +48,15 @@ void Api::get_store_info(const v1::GetStoreInfoRequest& /*request*/, Reply<v1::S
 void Api::prune_store(const v1::PruneStoreRequest& /*request*/, Reply<v1::PruneStoreResponse> reply) {
   if (const Status ready = check_store(*core_); !ready.ok()) return reply(ready.error());
   ask_store<v1::PruneStoreResponse>(*core_, reply, [store = core_->options.store] { return store->prune(); });
+}
+
+void Api::delete_set_aside_sheet(const v1::DeleteSetAsideSheetRequest& request, Reply<google::protobuf::Empty> reply) {
+  if (const Status ready = check_store(*core_); !ready.ok()) return reply(ready.error());
+  ask_store<google::protobuf::Empty>(
+      *core_, reply, [store = core_->options.store, number = request.number()]() -> Result<google::protobuf::Empty> {
+        KERF_TRY(store->delete_set_aside(number));
+        return google::protobuf::Empty();
+      });
 }
 
 void Api::backup_store(const v1::BackupStoreRequest& request, Reply<v1::StoreBackup> reply) {

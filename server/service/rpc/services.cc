@@ -221,12 +221,14 @@ class ServerInformation final : public RawServerInformation {
 
 using RawStore = RawService<v1::StoreService::Service, v1::StoreService::WithRawCallbackMethod_GetStoreInfo,
                             v1::StoreService::WithRawCallbackMethod_PruneStore,
+                            v1::StoreService::WithRawCallbackMethod_DeleteSetAsideSheet,
                             v1::StoreService::WithRawCallbackMethod_BackupStore>::type;
 class Store final : public RawStore {
  public:
   explicit Store(api::Api& api) : api_(api) {}
   KERF_UNARY(GetStoreInfo, get_store_info)
   KERF_UNARY(PruneStore, prune_store)
+  KERF_UNARY(DeleteSetAsideSheet, delete_set_aside_sheet)
   KERF_UNARY(BackupStore, backup_store)
 
  private:

@@ -1,5 +1,6 @@
 #include "server/service/store/backup_job.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "server/service/store/schema.h"
@@ -72,24 +73,40 @@ Result<bool> BackupJob::copy_pages() {
   if (code != SQLITE_DONE) return target_->error(code, "copy");
   pages_.reset();
   target_.reset();
-  KERF_TRY_ASSIGN(states_, read_state_rows(source_));
+  KERF_TRY_ASSIGN(std::vector<StateRow> rows, read_state_rows(source_));
+  for (StateRow& row : rows) {
+    if (row.is_whole) states_.push_back(std::move(row.state));
+  }
   return true;
 }
 
 Status BackupJob::copy_state() {
   const StateInfo& state = states_.back();
   if (file_ == nullptr) {
-    const std::string path = states_path(paths_.from) + "/" + file_name(state);
-    KERF_TRY_ASSIGN(std::string content, files_.read(path, static_cast<std::size_t>(state.bytes)));
-    file_ = std::make_unique<FileJob>(files_, states_path(part_), file_name(state), std::move(content));
+    Result<std::string> content = read_content(files_, paths_.from, state);
+    if (!content.ok()) {
+      KERF_TRY(check_is_set_aside(state, content.error()));
+      states_.pop_back();
+      return Nothing{};
+    }
+    file_ = std::make_unique<FileJob>(files_, states_path(part_), file_name(state), std::move(*content));
   }
   KERF_TRY_ASSIGN(const bool is_last, file_->advance());
   if (!is_last) return Nothing{};
-  const bool is_same = file_->bytes() == state.bytes && file_->sum() == state.content_sum;
-  if (!is_same) return data_loss("STATE_DAMAGED", "the file of the state \"" + file_name(state) + "\" is damaged");
   file_.reset();
   states_.pop_back();
   return Nothing{};
+}
+
+// A sheet that is set aside is copied as far as it can be read: it must not make backups of all others impossible.
+Status BackupJob::check_is_set_aside(const StateInfo& state, Error error) {
+  if (error.code != ErrorCode::kDataLoss) return error;
+  KERF_TRY_ASSIGN(const std::vector<StoredSheet> sheets, read_sheets(source_));
+  const auto sheet = std::find_if(sheets.begin(), sheets.end(), [&](const auto& s) { return s.sheet == state.sheet; });
+  if (sheet != sheets.end() && sheet->is_quarantined) return Nothing{};
+  error.message = "sheet " + std::to_string(state.sheet) + ": " + error.message +
+                  "; start kerfd again, which sets it aside, and then make the backup";
+  return error;
 }
 
 Status BackupJob::finish() {

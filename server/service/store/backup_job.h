@@ -44,6 +44,7 @@ class BackupJob {
   Status begin();
   Result<bool> copy_pages();
   Status copy_state();
+  Status check_is_set_aside(const StateInfo& state, Error error);
   Status finish();
 
   Files& files_;

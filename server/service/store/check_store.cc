@@ -15,6 +15,10 @@ std::string named(std::int64_t sheet) {
   return "sheet " + std::to_string(sheet);
 }
 
+std::string named(const StoredSheet& sheet) {
+  return sheet.is_damaged ? named(sheet.sheet) : named(sheet.sheet) + " \"" + sheet.id + "\"";
+}
+
 Status check_pages(Database& database, StoreReport& report) {
   KERF_TRY_ASSIGN(Statement rows, Statement::prepare(database, "PRAGMA integrity_check"));
   while (true) {
@@ -34,9 +38,10 @@ std::int64_t latest_first_seq(const StoredSheet& sheet) {
   return seqs.size() < 2 ? 1 : *std::next(seqs.rbegin()) + 1;
 }
 
-Status check_sheet(Database& database, const StoredSheet& sheet, StoreReport& report) {
+Status check_sheet(Database& database, Files& files, const std::string& folder, const StoredSheet& sheet,
+                   StoreReport& report) {
   std::vector<std::string>& faults = sheet.is_quarantined && !sheet.is_damaged ? report.known_faults : report.faults;
-  const auto fault = [&](const std::string& text) { faults.push_back(named(sheet.sheet) + ": " + text); };
+  const auto fault = [&](const std::string& text) { faults.push_back(named(sheet) + ": " + text); };
   if (sheet.is_damaged) fault("its row has changed since it was written");
   if (sheet.num_damaged_states > 0) fault("the row of a state has changed since it was written");
   if (sheet.first_seq > latest_first_seq(sheet)) {
@@ -51,6 +56,8 @@ Status check_sheet(Database& database, const StoredSheet& sheet, StoreReport& re
   for (const StateInfo& state : sheet.states) {
     if (state.seq > sheet.last_seq)
       fault("a state follows entry " + std::to_string(state.seq) + ", which is not there");
+    const Result<std::string> content = read_content(files, folder, state);
+    if (!content.ok()) fault(content.error().message);
   }
   return Nothing{};
 }
@@ -63,24 +70,19 @@ Status check_requests(Database& database, const std::vector<StoredSheet>& sheets
   for (const KeptRequest& one : kept.requests) {
     const auto sheet = std::find_if(sheets.begin(), sheets.end(), [&](const auto& s) { return s.sheet == one.sheet; });
     if (sheet != sheets.end() && one.seq > sheet->last_seq) {
-      report.faults.push_back(named(one.sheet) + ": entry " + std::to_string(one.seq) + " of request \"" +
+      report.faults.push_back(named(*sheet) + ": entry " + std::to_string(one.seq) + " of request \"" +
                               one.request.key + "\" is not there");
     }
   }
   return Nothing{};
 }
 
-Status check_files(Database& database, Files& files, const std::string& folder, StoreReport& report) {
+Status find_orphans(Files& files, const std::string& folder, const std::vector<StoredSheet>& sheets,
+                    StoreReport& report) {
   KERF_TRY_ASSIGN(const std::vector<std::string> names, files.list(states_path(folder)));
-  KERF_TRY_ASSIGN(const std::vector<StateInfo> states, read_state_rows(database));
   std::set<std::string> expected;
-  for (const StateInfo& state : states) {
-    const std::string name = file_name(state);
-    expected.insert(name);
-    const auto content = files.read(states_path(folder) + "/" + name, static_cast<std::size_t>(state.bytes));
-    const bool is_whole = content.ok() && static_cast<std::int64_t>(content->size()) == state.bytes &&
-                          content_sum(*content) == state.content_sum;
-    if (!is_whole) report.faults.push_back("the file of the state \"" + name + "\" is gone or damaged");
+  for (const StoredSheet& sheet : sheets) {
+    for (const StateInfo& state : sheet.states) expected.insert(file_name(state));
   }
   std::copy_if(names.begin(), names.end(), std::back_inserter(report.orphan_files),
                [&](const std::string& name) { return expected.count(name) == 0; });
@@ -92,9 +94,9 @@ Result<StoreReport> check_database(Database& database, Files& files, const std::
   KERF_TRY(check_pages(database, report));
   if (const Status keys = check_keys(database); !keys.ok()) report.faults.push_back(keys.error().message);
   KERF_TRY_ASSIGN(const std::vector<StoredSheet> sheets, read_sheets(database));
-  for (const StoredSheet& sheet : sheets) KERF_TRY(check_sheet(database, sheet, report));
+  for (const StoredSheet& sheet : sheets) KERF_TRY(check_sheet(database, files, folder, sheet, report));
   KERF_TRY(check_requests(database, sheets, report));
-  KERF_TRY(check_files(database, files, folder, report));
+  KERF_TRY(find_orphans(files, folder, sheets, report));
   KERF_TRY_ASSIGN(report.info, read_info(database, files, folder));
   return report;
 }

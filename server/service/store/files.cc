@@ -56,13 +56,24 @@ std::string folder_around(const std::string& path) {
   return parent.empty() ? "." : parent;
 }
 
+int make_one_folder(const std::string& path) {
+  return ::mkdir(path.c_str(), 0700) == 0 ? 0 : errno;
+}
+
 class RealFiles : public Files {
  public:
   Status make_folder(const std::string& path) override {
-    if (::mkdir(path.c_str(), 0700) != 0) {
-      if (errno == EEXIST && std::filesystem::is_directory(path)) return Nothing{};
-      return file_error("make the folder", path, errno);
+    int failure = make_one_folder(path);
+    if (failure == ENOENT) {
+      KERF_TRY(make_folder(folder_around(path)));
+      failure = make_one_folder(path);
     }
+    if (failure == EEXIST) {
+      std::error_code broken;
+      if (std::filesystem::is_directory(path, broken)) return Nothing{};
+      failure = ENOTDIR;
+    }
+    if (failure != 0) return file_error("make the folder", path, failure);
     return sync_folder(folder_around(path));
   }
   Result<std::unique_ptr<FileLock>> lock(const std::string& path) override {

@@ -21,7 +21,8 @@ class FileLock {
 class Files {
  public:
   virtual ~Files() = default;
-  // Makes a folder that only its owner may enter, if it is missing, and syncs the folder around it.
+  // Makes a folder that only its owner may enter, and those around it, if they are missing, and syncs the folder around
+  // each.
   virtual Status make_folder(const std::string& path) = 0;
   // Locks a file and writes the id of this process into it. Error kFailedPrecondition STORE_IN_USE, with the id of the
   // process that has the lock.

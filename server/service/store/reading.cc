@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "server/base/crc32c.h"
+#include "server/service/store/schema.h"
 
 namespace kerf::store {
 namespace {
@@ -17,11 +18,6 @@ Error entry_damaged(std::int64_t sheet, std::int64_t seq, const std::string& how
   return data_loss("JOURNAL_DAMAGED",
                    "entry " + std::to_string(seq) + " of sheet " + std::to_string(sheet) + " " + how);
 }
-
-struct StateRow {
-  StateInfo state;
-  bool is_whole = false;
-};
 
 StateRow state_row(const Statement& row) {
   StateRow read;
@@ -170,16 +166,28 @@ Result<StateInfo> read_state_row(Database& database, std::int64_t sheet, std::in
   return std::move(row.state);
 }
 
-Result<std::vector<StateInfo>> read_state_rows(Database& database) {
-  KERF_TRY_ASSIGN(Statement rows,
-                  Statement::prepare(database, std::string(kStateColumns) + "ORDER BY sheet, seq, number"));
-  std::vector<StateInfo> states;
+Result<std::vector<StateRow>> read_state_rows(Database& database, std::optional<std::int64_t> sheet) {
+  const std::string which = sheet ? "WHERE sheet = " + std::to_string(*sheet) + " " : "";
+  KERF_TRY_ASSIGN(Statement rows, Statement::prepare(database, kStateColumns + which + "ORDER BY sheet, seq, number"));
+  std::vector<StateRow> states;
   while (true) {
     KERF_TRY_ASSIGN(const bool is_row, rows.step());
     if (!is_row) return states;
-    StateRow row = state_row(rows);
-    if (row.is_whole) states.push_back(std::move(row.state));
+    states.push_back(state_row(rows));
   }
+}
+
+Result<std::string> read_content(Files& files, const std::string& folder, const StateInfo& state) {
+  const std::string path = states_path(folder) + "/" + file_name(state);
+  const auto damaged = [&](const char* how) {
+    return data_loss("STATE_DAMAGED", "the file of " + words_for(state) + ", \"" + path + "\", " + how);
+  };
+  const Result<std::int64_t> bytes = files.size(path);
+  if (!bytes.ok() && bytes.error().code == ErrorCode::kNotFound) return damaged("is gone");
+  if (bytes.ok() && *bytes != state.bytes) return damaged("has changed");
+  KERF_TRY_ASSIGN(std::string content, files.read(path, static_cast<std::size_t>(state.bytes)));
+  if (content_sum(content) != state.content_sum) return damaged("has changed");
+  return content;
 }
 
 Result<std::map<std::int64_t, std::int64_t>> read_marks(Database& database) {
@@ -245,6 +253,11 @@ std::int64_t sheet_sum(std::int64_t sheet, std::int64_t state, std::int64_t crea
 
 std::string file_name(const StateInfo& state) {
   return std::to_string(state.sheet) + "-" + std::to_string(state.seq) + "-" + std::to_string(state.number) + ".state";
+}
+
+std::string words_for(const StateInfo& state) {
+  return state.name.empty() ? "the state after entry " + std::to_string(state.seq)
+                            : "the saved state \"" + state.name + "\"";
 }
 
 }  // namespace kerf::store

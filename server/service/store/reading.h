@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "server/service/host/journal.h"
+#include "server/service/store/files.h"
 #include "server/service/store/row_sums.h"
 #include "server/service/store/sql.h"
 
@@ -39,6 +40,11 @@ struct KeptRequest {
   std::int64_t at_unix_us = 0;
 };
 
+struct StateRow {
+  StateInfo state;
+  bool is_whole = false;  // If not, no field of `state` can be relied on.
+};
+
 struct KeptRequests {
   std::vector<KeptRequest> requests;  // Newest first; of each key the newest alone.
   std::int64_t num_damaged = 0;       // Left out.
@@ -53,8 +59,11 @@ Result<std::vector<host::JournalEntry>> read_entries(Database& database, std::in
 Result<KeptRequests> read_requests(Database& database, std::size_t max_count, std::size_t max_bytes);
 // Returns the state with this name, empty for unnamed ones. Errors: kNotFound STATE_NOT_FOUND, kDataLoss STATE_DAMAGED.
 Result<StateInfo> read_state_row(Database& database, std::int64_t sheet, std::int64_t seq, const std::string& name);
-// Returns the states of all sheets, those with a damaged row left out.
-Result<std::vector<StateInfo>> read_state_rows(Database& database);
+// Returns the states of a sheet, or of all sheets, in order.
+Result<std::vector<StateRow>> read_state_rows(Database& database, std::optional<std::int64_t> sheet = std::nullopt);
+// Returns the content of a state. Errors: kDataLoss STATE_DAMAGED if its file in the store's folder is gone or changed,
+// those of Files if it cannot be read.
+Result<std::string> read_content(Files& files, const std::string& folder, const StateInfo& state);
 // Returns ticks by sheet. A damaged row has none, as marks may be lost.
 Result<std::map<std::int64_t, std::int64_t>> read_marks(Database& database);
 
@@ -67,5 +76,7 @@ std::int64_t sheet_sum(std::int64_t sheet, std::int64_t state, std::int64_t crea
                        std::string_view reason, std::string_view scene);
 // Returns the name of the file that holds the state, below the folder of states.
 std::string file_name(const StateInfo& state);
+// Names a state in a message: the state "before", or the state after entry 3.
+std::string words_for(const StateInfo& state);
 
 }  // namespace kerf::store

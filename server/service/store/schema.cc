@@ -24,14 +24,17 @@ constexpr std::array kTables = {
     "WITHOUT ROWID",
 };
 
+constexpr const char* kRestoreABackup = "restore a backup into a new folder (kerfd --restore-store BACKUP --data DIR)";
+
 Error foreign(const std::string& path) {
   return failed_precondition("STORE_FOREIGN", "\"" + path +
                                                   "\" is no store of Kerf, or its first page is damaged; it was not "
-                                                  "changed. Take another folder, or put a backup there");
+                                                  "changed. Take another folder, or " +
+                                                  kRestoreABackup);
 }
 
 Error damaged(const std::string& path, const std::string& how) {
-  return data_loss("STORE_DAMAGED", "\"" + path + "\" is damaged: " + how + ". It was not changed; put a backup there");
+  return data_loss("STORE_DAMAGED", "\"" + path + "\" is damaged: " + how + ". It was not changed; " + kRestoreABackup);
 }
 
 std::string path_of(const Database& database) {
@@ -97,7 +100,8 @@ Status check_schema(Database& database) {
     if (!is_row) break;
     found.emplace_back(tables.bytes(0));
   }
-  if (*application == 0 && found.empty()) return not_found("STORE_EMPTY", "\"" + path + "\" has no tables");
+  if (*application == 0 && found.empty())
+    return not_found("STORE_EMPTY", "\"" + path + "\" is empty: no sheet was ever kept there");
   if (*application != kApplicationId) return foreign(path);
   KERF_TRY_ASSIGN(const std::int64_t version, database.number("PRAGMA user_version"));
   if (version > kSchemaVersion) {
@@ -115,7 +119,8 @@ Result<Database> open_to_read(Files& files, const std::string& folder, const std
   const std::string path = database_path(folder);
   const Result<std::int64_t> bytes = files.size(path);
   if (!bytes.ok()) {
-    return not_found("STORE_NOT_FOUND", "there is no store in \"" + folder + "\": " + bytes.error().message);
+    return not_found("STORE_NOT_FOUND", "there is no store in \"" + folder + "\" (" + bytes.error().message +
+                                            "); name the folder of --data, or a backup, such as DATA/backups/ID");
   }
   const Result<std::int64_t> journal = files.size(path + "-journal");
   if (journal.ok() && *journal > 0) {

@@ -24,6 +24,9 @@ inline std::string reserve_path(const std::string& folder) {
 inline std::string states_path(const std::string& folder) {
   return folder + "/states";
 }
+inline std::string damaged_path(const std::string& folder) {
+  return folder + "/damaged";
+}
 
 // Opens the database of a store for reading and writing, and makes it if there is none. Every page is looked at.
 // Errors: kFailedPrecondition STORE_FOREIGN or STORE_NEWER, kDataLoss STORE_DAMAGED; the file is then as it was.

@@ -16,6 +16,10 @@ Error sql_error(sqlite3* database, int code, std::string_view action) {
   switch (code & 0xff) {
     case SQLITE_FULL:
       return resource_exhausted("STORAGE_FULL", message);
+    case SQLITE_BUSY:
+      return failed_precondition("STORE_IN_USE", message +
+                                                     "; another process uses it, although it does not hold the "
+                                                     "file `lock`; end that, or take another folder");
     case SQLITE_CORRUPT:
     case SQLITE_NOTADB:
       return data_loss("STORE_DAMAGED", message);

@@ -16,11 +16,12 @@ namespace {
 
 // Removes files that an end in the middle of a write left. A damaged row may have named any of them, so all stay then.
 Status remove_orphans(Files& files, const std::string& folder, Database& database) {
-  KERF_TRY_ASSIGN(const std::vector<StateInfo> states, read_state_rows(database));
-  KERF_TRY_ASSIGN(const std::int64_t num_rows, database.number("SELECT count(*) FROM states"));
-  if (static_cast<std::int64_t>(states.size()) != num_rows) return Nothing{};
+  KERF_TRY_ASSIGN(const std::vector<StateRow> states, read_state_rows(database));
   std::set<std::string> kept;
-  for (const StateInfo& state : states) kept.insert(file_name(state));
+  for (const auto& [state, is_whole] : states) {
+    if (!is_whole) return Nothing{};
+    kept.insert(file_name(state));
+  }
   KERF_TRY_ASSIGN(const std::vector<std::string> names, files.list(states_path(folder)));
   for (const std::string& name : names) {
     if (kept.count(name) == 0) KERF_TRY(files.remove(states_path(folder) + "/" + name));
@@ -150,13 +151,8 @@ Result<KeptRequests> SqliteStore::requests(std::size_t max_count, std::size_t ma
 Result<host::StoredState> SqliteStore::read_state(std::int64_t sheet, std::int64_t seq, const std::string& name) {
   return impl_->on_thread([&]() -> Result<host::StoredState> {
     KERF_TRY_ASSIGN(const StateInfo info, read_state_row(impl_->work.tables().database(), sheet, seq, name));
-    const std::string path = states_path(impl_->options.folder) + "/" + file_name(info);
-    Result<std::string> content = impl_->files.read(path, static_cast<std::size_t>(info.bytes));
-    if (!content.ok() || static_cast<std::int64_t>(content->size()) != info.bytes ||
-        content_sum(*content) != info.content_sum) {
-      return data_loss("STATE_DAMAGED", "the file \"" + path + "\" of a state is gone or damaged");
-    }
     host::StoredState state;
+    KERF_TRY_ASSIGN(state.content, read_content(impl_->files, impl_->options.folder, info));
     state.sheet = info.sheet;
     state.seq = info.seq;
     state.tick = info.tick;
@@ -164,7 +160,6 @@ Result<host::StoredState> SqliteStore::read_state(std::int64_t sheet, std::int64
     state.state_hash = info.state_hash;
     state.continuation_hash = info.continuation_hash;
     state.name = info.name;
-    state.content = std::move(*content);
     return state;
   });
 }
@@ -180,6 +175,12 @@ Status SqliteStore::remove_entries_after(std::int64_t sheet, std::int64_t seq) {
 
 Status SqliteStore::quarantine(std::int64_t sheet, const std::string& reason) {
   return impl_->on_thread([&] { return impl_->work.tables().quarantine(sheet, reason); });
+}
+
+Result<std::vector<DamagedState>> SqliteStore::set_damaged_states_aside(std::int64_t sheet) {
+  return impl_->on_thread([=, this] {
+    return store::set_damaged_states_aside(impl_->work.tables(), impl_->files, impl_->options.folder, sheet);
+  });
 }
 
 Waiting SqliteStore::waiting() const {

@@ -10,6 +10,7 @@
 
 #include "server/service/host/journal.h"
 #include "server/service/store/check_store.h"
+#include "server/service/store/damaged_states.h"
 #include "server/service/store/files.h"
 #include "server/service/store/reading.h"
 #include "server/service/store/tables.h"
@@ -18,7 +19,7 @@
 namespace kerf::store {
 
 struct StoreOptions {
-  std::string folder;  // Made if it is missing; the folder around it must be there.
+  std::string folder;  // Made if it is missing, with those around it.
   // Called once, on the store's thread, with the first error after which nothing more is written: no callback comes
   // from then on. The program should end, and recover by opening the store once more.
   std::function<void(const std::string& message)> failed;
@@ -71,6 +72,8 @@ class SqliteStore : public host::Journal {
 
   // Marks a sheet as one that is not to be recovered. It keeps all it has. Error kNotFound SHEET_NOT_FOUND.
   Status quarantine(std::int64_t sheet, const std::string& reason);
+  // See damaged_states.h. Call it once the sheet can do without these states.
+  Result<std::vector<DamagedState>> set_damaged_states_aside(std::int64_t sheet);
   // Removes the entries of a sheet after `seq` with their requests, which were never answered.
   Status remove_entries_after(std::int64_t sheet, std::int64_t seq);
   // Copies the store into a new folder while it is in use. The folder has its name only once the copy is whole and

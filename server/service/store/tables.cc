@@ -264,6 +264,12 @@ Status Tables::compact(std::int64_t sheet, Totals totals) {
   return Nothing{};
 }
 
+Status Tables::remove_state_row(const StateInfo& state) {
+  KERF_TRY_ASSIGN(Statement row,
+                  Statement::prepare(database_, "DELETE FROM states WHERE sheet = ? AND seq = ? AND name = ?"));
+  return transaction([&] { return row.run(state.sheet, state.seq, std::string_view(state.name)); });
+}
+
 Status Tables::remove_entries_after(std::int64_t sheet, std::int64_t seq) {
   return transaction([&]() -> Status {
     std::optional<Totals> totals = totals_of(sheet);

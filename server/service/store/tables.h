@@ -46,6 +46,8 @@ class Tables {
   // Makes a state count, whose file is whole. Then removes older states and, of a long journal, older entries.
   Status add_state(const StateInfo& state);
   Status quarantine(std::int64_t sheet, const std::string& reason);
+  // Removes the row of a state and leaves its file.
+  Status remove_state_row(const StateInfo& state);
   // Removes the entries of a sheet after `seq`, with their requests.
   Status remove_entries_after(std::int64_t sheet, std::int64_t seq);
   // Removes what need not be kept: requests and the rows of deleted sheets.

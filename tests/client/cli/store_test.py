@@ -62,7 +62,7 @@ class Store(Case):
 
         done = kerfd("--restore-store", made["folder"], "--data", elsewhere)
         self.assertEqual((done.returncode, done.stderr), (0, ""))
-        self.assertRegex(done.stdout, rf'^restored 1 sheets, 0 set aside, \d+ changes, \d+ states, 0 answers into "{elsewhere}"\n$')
+        self.assertRegex(done.stdout, rf'^restored 1 sheet, 0 set aside, 2 changes, 0 states, 0 answers into "{elsewhere}"\n$')
         self.assertEqual(kerfd("--check-store", elsewhere).returncode, 0)
         self.start("--data", elsewhere)
         self.assertNotIn("kept sheet", pathlib.Path(path("notes")).read_text())
@@ -72,8 +72,9 @@ class Store(Case):
         self.assertEqual(self.json_of("sheet", "get", "kept")["pieces"], 3)
 
         self.restore_fails(made["folder"], data, "is not empty")
-        self.restore_fails(made["folder"], path("none/deeper"), "none/deeper")
-        self.assertFalse(os.path.exists(path("none")))
+        self.restore_fails(made["folder"], made["folder"] + "/a/b", "lies in the backup itself")
+        self.assertEqual(kerfd("--restore-store", made["folder"], "--data", elsewhere + "/below/deep").returncode, 0)
+        self.assertEqual(kerfd("--check-store", elsewhere + "/below/deep").returncode, 0)
 
     def test_backups_have_plain_names_and_are_bounded(self):
         backups = self.folder() + "-backups"
@@ -82,6 +83,7 @@ class Store(Case):
             self.refused("store", "backup", wrong, says="BACKUP_ID")
         self.assertFalse(os.path.exists(backups))
         os.makedirs(f"{backups}/left.part")  # as a kill leaves it
+        os.makedirs(f"{backups}/something-else")
         for number in range(16):
             self.assertIn(f"{backups}/{number}: ", kerf("store", "backup", str(number)).stdout)
         self.refused("store", "backup", "7", says="BACKUP_EXISTS")
@@ -91,7 +93,29 @@ class Store(Case):
         info = self.json_of("store", "info")
         self.assertEqual((len(info["backup_ids"]), info["max_backups"]), (16, 16))
         self.assertIn("left", info["backup_ids"])
-        self.assertEqual(sorted(os.listdir(backups)), info["backup_ids"])
+        self.assertEqual(sorted({*os.listdir(backups)} - {"something-else"}), info["backup_ids"])
+
+    def test_a_folder_of_backups_is_checked_at_the_start(self):
+        data = self.folder()
+        os.makedirs(data + "-place")
+        pathlib.Path(data + "-place/file").touch()
+        for backups, says in ((data, "used by the store itself"), (data + "/", "used by the store itself"),
+                              (f"{data}/states", "used by the store itself"), (f"{data}/x/../states/y", "used by the store itself"),
+                              (os.path.dirname(data), "has the folder of --data in it"), (data + "-place/file", "cannot be a folder"), (data + "-place/file/x", "cannot be a folder"),
+                              ("/dev/null", "cannot be a folder")):
+            done = kerfd("--listen", "127.0.0.1:0", "--http", "127.0.0.1:0", "--data", data, "--backups", backups)
+            self.assertEqual((done.returncode, done.stdout), (2, ""), backups)
+            self.assertIn("--backups: ", done.stderr)
+            self.assertIn(says, done.stderr)
+        self.assertFalse(os.path.exists(data))
+        # One that becomes useless later is named, and the rest is still shown.
+        backups = data + "-place/new/deep"
+        self.start("--data", data, "--backups", backups)
+        self.json_of("store", "backup", "a")
+        shutil.rmtree(backups)
+        pathlib.Path(backups).touch()
+        self.assertEqual(self.json_of("store", "info")["backup_ids"], [])
+        self.refused("store", "backup", "b", says="kerfd --backups")
 
     def test_the_store_is_shown_and_pruned(self):
         data = self.folder()
@@ -113,17 +137,29 @@ class Store(Case):
         info = self.json_of("store", "info")
         self.assertEqual([sheet["sheet_id"] for sheet in info["set_aside"]], ["torn"])
         self.assertIn("has changed", info["set_aside"][0]["reason"])
-        self.assertRegex(kerf("store", "info").stdout, r"2 sheets, 1 set aside\n(.|\n)*  set aside: torn \(number \d+\): .*has changed")
+        shown = kerf("store", "info").stdout
+        self.assertRegex(shown, r"2 sheets, 1 set aside\n(.|\n)*  set aside: torn \(number \d+\): .*has changed")
+        self.assertIn("kerf store delete NUMBER", shown)
         self.json_of("sheet", "create", "later", "--grid", "5x5")
         self.json_of("sheet", "delete", "later")
         self.json_of("sheet", "create", "latest", "--grid", "5x5")
         self.assertEqual(self.json_of("store", "prune"), {"removed_answers": 0, "removed_sheets": 2})
-        self.assertEqual(kerf("store", "prune").stdout, "removed 0 answers and 0 rows of deleted sheets\n")
+        self.assertEqual(kerf("store", "prune").stdout, "removed 0 old answers and the rest of 0 deleted sheets\n")
         # A sheet that is set aside does not make the backup useless.
         made = self.json_of("store", "backup", "torn")
         self.assertEqual(kerfd("--check-store", made["folder"]).returncode, 1)
         done = kerfd("--restore-store", made["folder"], "--data", data + "-again")
         self.assertIn("restored 3 sheets, 1 set aside", done.stdout)
+        # Only sheets that are set aside are deleted, by their number.
+        number = info["set_aside"][0]["number"]
+        for wrong in (0, -1, number + 1, 1 << 62):
+            self.refused("store", "delete", str(wrong), says="SET_ASIDE_NOT_FOUND")
+        self.assertEqual(kerf("store", "delete", str(number)).stdout, "deleted\n")
+        self.refused("store", "delete", str(number), says="SET_ASIDE_NOT_FOUND")
+        info = self.json_of("store", "info")
+        self.assertEqual((info["sheets"], info["set_aside"]), (2, []))
+        self.start("--data", data + "-again")
+        self.assertEqual([sheet["sheet_id"] for sheet in self.json_of("store", "info")["set_aside"]], ["torn"])
 
     def test_a_damaged_backup_is_refused(self):
         data, target = self.folder(), pathlib.Path(self.folder() + "-target")
@@ -150,7 +186,7 @@ class Store(Case):
 
     def test_a_server_that_keeps_nothing(self):
         self.start("--data", "none")
-        for command in (("info",), ("prune",), ("backup", "a")):
+        for command in (("info",), ("prune",), ("delete", "1"), ("backup", "a")):
             self.refused("store", *command, says="--data DIR")
         self.refused("store", code=2)
         self.refused("store", "backup", code=2, says="ID")

@@ -9,7 +9,8 @@ from support import Case
 
 class Store(Case):
     def test_a_server_without_one_says_so(self):
-        for call in (self.server.store_info, self.server.prune_store, lambda: self.server.backup_store("a")):
+        for call in (self.server.store_info, self.server.prune_store, lambda: self.server.delete_set_aside(1),
+                     lambda: self.server.backup_store("a")):
             self.refused(kerf.FailedPrecondition, "FAILED_PRECONDITION", "NO_STORE", "", call)
 
     def test_it_is_counted_pruned_and_copied(self):
@@ -21,6 +22,7 @@ class Store(Case):
             info = server.store_info()
             self.assertEqual((info.folder, info.sheets, len(info.set_aside)), (data, 1, 0))
             self.assertEqual(server.prune_store().removed_answers, 0)
+            self.refused(kerf.NotFound, "NOT_FOUND", "SET_ASIDE_NOT_FOUND", "number", server.delete_set_aside, 1)
             made = server.backup_store("monday")
             self.assertGreater(made.num_bytes, 0)
             self.assertTrue(pathlib.Path(made.folder, "kerf.db").is_file())

@@ -52,10 +52,16 @@ class Server(Connection):
         return await self.call(self.store_service.GetStoreInfo, store_service_pb2.GetStoreInfoRequest())
 
     async def prune_store(self) -> store_service_pb2.PruneStoreResponse:
-        """Removes old answers and rows of deleted sheets from the store, as the server does by itself now and then.
-        Raises FailedPrecondition if it keeps nothing.
+        """Removes old answers and what deleted sheets have left from the store, as the server does by itself now and
+        then. Raises FailedPrecondition if it keeps nothing.
         """
         return await self.call(self.store_service.PruneStore, store_service_pb2.PruneStoreRequest())
+
+    async def delete_set_aside(self, number: int) -> None:
+        """Deletes a sheet that was set aside, for good; `store_info().set_aside` has the numbers. Raises NotFound if
+        there is none of this number, and FailedPrecondition if the server keeps nothing.
+        """
+        await self.call(self.store_service.DeleteSetAsideSheet, store_service_pb2.DeleteSetAsideSheetRequest(number=number))
 
     async def backup_store(self, backup_id: str) -> store_service_pb2.StoreBackup:
         """Copies the store into a folder of this name, [a-z0-9][a-z0-9-]{0,62}, in the server's folder of backups. The
