@@ -14,6 +14,8 @@ enum class ErrorCode {
   kResourceExhausted,   // a limit or a full queue; may work later
   kFailedPrecondition,  // right request, wrong state
   kAborted,             // a concurrent change or an interruption came first
+  kUnauthenticated,     // who asks is not known
+  kPermissionDenied,    // who asks is known, and may not
   kUnavailable,         // shutting down, or not there (no renderer)
   kDataLoss,            // stored state is damaged
   kInternal,            // a bug of Kerf
@@ -45,6 +47,12 @@ inline Error failed_precondition(std::string reason, std::string message, std::s
 }
 inline Error aborted(std::string reason, std::string message, std::string field = {}) {
   return {ErrorCode::kAborted, std::move(reason), std::move(message), std::move(field)};
+}
+inline Error unauthenticated(std::string reason, std::string message, std::string field = {}) {
+  return {ErrorCode::kUnauthenticated, std::move(reason), std::move(message), std::move(field)};
+}
+inline Error permission_denied(std::string reason, std::string message, std::string field = {}) {
+  return {ErrorCode::kPermissionDenied, std::move(reason), std::move(message), std::move(field)};
 }
 inline Error unavailable(std::string reason, std::string message, std::string field = {}) {
   return {ErrorCode::kUnavailable, std::move(reason), std::move(message), std::move(field)};

@@ -74,6 +74,8 @@ TEST(Result, HasAnErrorOfEachCode) {
   EXPECT_EQ(resource_exhausted("R", "m").code, ErrorCode::kResourceExhausted);
   EXPECT_EQ(failed_precondition("R", "m").code, ErrorCode::kFailedPrecondition);
   EXPECT_EQ(aborted("R", "m").code, ErrorCode::kAborted);
+  EXPECT_EQ(unauthenticated("R", "m").code, ErrorCode::kUnauthenticated);
+  EXPECT_EQ(permission_denied("R", "m").code, ErrorCode::kPermissionDenied);
   EXPECT_EQ(unavailable("R", "m").code, ErrorCode::kUnavailable);
   EXPECT_EQ(data_loss("R", "m").code, ErrorCode::kDataLoss);
   const Error error = internal_error("REASON", "message", "field");

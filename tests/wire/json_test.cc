@@ -64,6 +64,8 @@ TEST(ErrorCodec, CodesAreThoseOfGrpc) {
   EXPECT_EQ(status_code(ErrorCode::kAlreadyExists), 6);
   EXPECT_EQ(status_code(ErrorCode::kFailedPrecondition), 9);
   EXPECT_EQ(status_code(ErrorCode::kAborted), 10);
+  EXPECT_EQ(status_code(ErrorCode::kPermissionDenied), 7);
+  EXPECT_EQ(status_code(ErrorCode::kUnauthenticated), 16);
   EXPECT_EQ(status_code(ErrorCode::kInternal), 13);
   EXPECT_EQ(status_code(ErrorCode::kUnavailable), 14);
   EXPECT_EQ(status_code(ErrorCode::kDataLoss), 15);

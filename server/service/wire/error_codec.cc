@@ -29,6 +29,10 @@ CodeName code_name(ErrorCode code) {
       return {9, "FAILED_PRECONDITION"};
     case ErrorCode::kAborted:
       return {10, "ABORTED"};
+    case ErrorCode::kPermissionDenied:
+      return {7, "PERMISSION_DENIED"};
+    case ErrorCode::kUnauthenticated:
+      return {16, "UNAUTHENTICATED"};
     case ErrorCode::kInternal:
       return {13, "INTERNAL"};
     case ErrorCode::kUnavailable:

@@ -102,6 +102,10 @@ int http_status(ErrorCode code) {
     case ErrorCode::kAlreadyExists:
     case ErrorCode::kAborted:
       return 409;
+    case ErrorCode::kUnauthenticated:
+      return 401;
+    case ErrorCode::kPermissionDenied:
+      return 403;
     case ErrorCode::kResourceExhausted:
       return 429;
     case ErrorCode::kUnavailable:
