@@ -11,7 +11,7 @@ export default defineConfig({
   server: {
     proxy: {
       '^/kerf\\.v1\\.': { target: kerfd },
-      '^/(sheets|recordings)\\b': { target: kerfd },
+      '^/(sheets|recordings|login|logout)\\b': { target: kerfd },
       '/watch': { target: kerfd, ws: true },
       '/images': { target: kerfd, ws: true },
     },

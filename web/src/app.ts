@@ -1,3 +1,5 @@
+import { Scope } from './gen/kerf/v1/access_service_pb';
+import type { Access } from './gen/kerf/v1/access_service_pb';
 import { installHooks } from './hooks';
 import { Stage } from './scene/stage';
 import { LiveSheet } from './sheet/live_sheet';
@@ -5,6 +7,12 @@ import type { StreamWishes } from './sheet/live_sheet';
 import { ShownSheet } from './sheet/shown_sheet';
 import type { FrameCopy, SheetCopy } from './stream/sheet_copy';
 import type { Pace } from './stream/watch';
+import { AccessPanel } from './ui/access/access_panel';
+import { takeCode } from './ui/access/link_code';
+import { LoginDialog } from './ui/access/login_dialog';
+import { Rights } from './ui/access/rights';
+import { Session } from './ui/access/session';
+import { ShareForm } from './ui/access/share_form';
 import { AdaptiveDrawing } from './ui/adaptive_drawing';
 import { ConnectionChip } from './ui/connection_chip';
 import { element } from './ui/dom';
@@ -41,12 +49,22 @@ import { Transfer } from './ui/transfer';
 export class App {
   private readonly canvas = element<HTMLCanvasElement>('canvas');
   private readonly notices = new Notices(element('notices'));
+  private readonly rights = new Rights(this.notices);
+  private readonly session: Session = new Session({
+    onNeeded: (why) => {
+      this.loginDialog.open(why);
+      this.connection.update();
+    },
+    onAccess: (access) => this.gotAccess(access),
+    onLogin: () => this.loggedIn(),
+    onLink: (follow) => this.offerLink(follow),
+  });
 
   // The sheet: sources and receivers of its frames and settings.
   private readonly live: LiveSheet = new LiveSheet(
     () => this.wishes,
     {
-      onState: () => this.connection.update(),
+      onState: () => this.connectionChanged(),
       onFrame: (copy, frame) => this.receiveLive(copy, frame),
       onSettings: (sheet) => this.shown.set(sheet),
       onRejection: (rejection) => this.tools.grab.rejected(rejection),
@@ -97,13 +115,14 @@ export class App {
     statistics: this.statistics,
     notices: this.notices,
     isPicking: () => this.tools.tool.id !== 'view' || this.panels.open === 'pieces',
-    showConnections: () => this.connection.update(),
+    showConnections: () => this.connectionChanged(),
     setMeshDrawn: (isDrawn) => this.shown.setDrawn(isDrawn),
   });
   private readonly connection = new ConnectionChip({
     live: this.live,
     imageMode: this.imageMode,
     replayBar: this.replayBar,
+    session: this.session,
   });
   private readonly news = new SheetNews((kind, text) => this.notices.notify(kind, text));
   private readonly slowness = new SlowSheet(
@@ -122,6 +141,7 @@ export class App {
       notices: this.notices,
     },
     this.replayBar,
+    this.rights,
     { onTried: () => this.firstHint.close(), onFileWanted: () => this.svgFiles.choose() },
   );
   private readonly svgFiles = new SvgFiles(this.tools, this.notices, () => this.stage.focus());
@@ -149,6 +169,7 @@ export class App {
     connection: this.connection,
     panels: this.panels,
     notices: this.notices,
+    rights: this.rights,
     focusStage: () => this.stage.focus(),
   });
 
@@ -164,11 +185,25 @@ export class App {
     replayBar: this.replayBar,
     transfer: this.transfer,
     notices: this.notices,
+    rights: this.rights,
   });
   private readonly serverRecordings = new ServerRecordings(
     { live: this.live, shown: this.shown, transfer: this.transfer, notices: this.notices },
     (name) => this.sheets.open(name),
   );
+
+  // Rights and logins.
+  private readonly loginDialog: LoginDialog = new LoginDialog(
+    (token) => this.session.logIn({ token }),
+    () => this.session.putOff(),
+  );
+  private readonly accessPanel = new AccessPanel({
+    session: this.session,
+    loginDialog: this.loginDialog,
+    panels: this.panels,
+    share: new ShareForm(this.live, this.notices),
+    notices: this.notices,
+  });
 
   private readonly loop = new DrawingLoop({
     stage: this.stage,
@@ -193,14 +228,20 @@ export class App {
     this.panels.add('pieces', this.pieces);
     this.panels.add('sheets', this.sheets);
     this.panels.add('states', this.states);
+    this.panels.add('access', this.accessPanel);
     document.addEventListener('visibilitychange', () => {
       this.live.pageSeen();
       this.imageMode.pageSeen();
+      if (!document.hidden) void this.session.look();
+    });
+    addEventListener('hashchange', () => {
+      const code = takeCode();
+      if (code !== '') this.session.follow(code);
     });
     new FileDrop({
-      mesh: (file) => void this.sheets.dialog.open(file),
+      mesh: (file) => void (this.rights.allows(Scope.ADMIN) && this.sheets.dialog.open(file)),
       frames: (file) => void this.replayBar.open(file),
-      run: (file) => void this.serverRecordings.play(file),
+      run: (file) => void (this.rights.allows(Scope.ADMIN) && this.serverRecordings.play(file)),
       drawing: (file) => void this.svgFiles.take(file),
     });
     bindKeys({
@@ -217,6 +258,7 @@ export class App {
       svgFiles: this.svgFiles,
       panels: this.panels,
       replayBar: this.replayBar,
+      rights: this.rights,
     });
     markTabbedFocus(this.canvas);
     const { live, shown, stage, look, tools, replayBar, recording, imageMode, loop } = this;
@@ -225,11 +267,37 @@ export class App {
 
   /**
    * Begins to draw and opens the sheet named in the page's address, or else the first. Waits until the server can be
-   * reached.
+   * reached, and until the user is logged in if that is needed.
+   * @param code  of the link that opened the page; else empty
    */
-  async start(): Promise<void> {
+  async start(code: string): Promise<void> {
     this.loop.start();
-    await this.sheets.start();
+    await Promise.all([this.session.start(code), this.sheets.start()]);
+  }
+
+  private connectionChanged(): void {
+    this.connection.update();
+    if (this.live.watch?.state === 'lost' || this.imageMode.state === 'lost') void this.session.check();
+  }
+
+  private gotAccess(access: Access | undefined): void {
+    this.rights.set(access);
+    this.accessPanel.show(access);
+    if (!this.rights.may(Scope.CUT)) this.tools.choose('view');
+  }
+
+  private loggedIn(): void {
+    this.loginDialog.close();
+    this.connection.update();
+    // Starts the streams again, because the old ones keep the rights that they began with.
+    this.live.restart(true);
+    this.imageMode.follow();
+    this.sheets.refresh();
+  }
+
+  private offerLink(follow: () => Promise<void>): void {
+    const text = 'You are logged in already. The link that you opened has rights of its own.';
+    this.notices.offer(text, 'Use the link', () => void this.notices.attempt(follow, 'You stay logged in as before: '));
   }
 
   private get wishes(): StreamWishes {

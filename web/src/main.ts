@@ -1,8 +1,11 @@
 import { App } from './app';
+import { takeCode } from './ui/access/link_code';
 import { element } from './ui/dom';
 
 async function start(): Promise<void> {
-  await new App().start();
+  // Takes the code before anything else, because App sends requests.
+  const code = takeCode();
+  await new App().start(code);
 }
 
 start().catch((error: Error) => {

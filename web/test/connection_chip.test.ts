@@ -14,7 +14,12 @@ describe('ConnectionChip', () => {
 
   beforeEach(() => {
     vi.stubGlobal('document', { getElementById: (id: keyof typeof page) => page[id] });
-    parts = { live: { watch: { state: 'live', detail: '' } }, imageMode: { trouble: undefined }, replayBar: { isOpen: false } };
+    parts = {
+      live: { watch: { state: 'live', detail: '' } },
+      imageMode: { trouble: undefined },
+      replayBar: { isOpen: false },
+      session: { isOut: false },
+    };
     chip = new ConnectionChip(parts);
     chip.show('connecting', '');
   });
@@ -34,6 +39,19 @@ describe('ConnectionChip', () => {
     parts.live = { watch: undefined };
     chip.update();
     expect(seen()[0]).toBe('connecting');
+  });
+
+  it('shows that the user is logged out, with a sheet and without', () => {
+    parts.session = { isOut: true };
+    chip.update();
+    expect(seen()).toEqual(['out', 'Logged out', 'log in to continue']);
+    parts.session = { isOut: false };
+    chip.update();
+    expect(seen()).toEqual(['live', 'Live', '']);
+    parts.live = { watch: undefined };
+    parts.session = { isOut: true };
+    chip.update();
+    expect(seen()[0]).toBe('out');
   });
 
   it('shows nothing of the server beside a recording', () => {

@@ -35,7 +35,7 @@ const kTable: readonly Row[] = [
   { part: 'ui', mayImport: [...kCalls, 'tools', 'sheet', 'scene', 'geometry', 'stream'] },
   { part: 'hooks.ts', mayImport: kParts },
   { part: 'app.ts', mayImport: ['hooks.ts', ...kParts] },
-  { part: 'main.ts', mayImport: ['app.ts', 'ui/dom.ts'] },
+  { part: 'main.ts', mayImport: ['app.ts', 'ui/access/link_code.ts', 'ui/dom.ts'] },
 ];
 
 /** Imports of each file, as paths from src/. */

@@ -1,8 +1,8 @@
 import type { ConnectionState } from '../stream/connection';
 import { element, setText } from './dom';
 
-/** `replay`: a recording is shown. */
-export type ShownState = ConnectionState | 'replay';
+/** `replay`: a recording is shown. `out`: the user is logged out. */
+export type ShownState = ConnectionState | 'replay' | 'out';
 
 interface StateOfConnection {
   readonly state: ConnectionState;
@@ -17,6 +17,7 @@ export interface ConnectedParts {
   /** `trouble`: the connection of the server's pictures; undefined while all is well. */
   readonly imageMode: { readonly trouble: StateOfConnection | undefined };
   readonly replayBar: { readonly isOpen: boolean };
+  readonly session: { readonly isOut: boolean };
 }
 
 const kStateText: Record<ShownState, string> = {
@@ -25,15 +26,20 @@ const kStateText: Record<ShownState, string> = {
   lost: 'Connection lost',
   ended: 'Ended',
   replay: 'Playing a recording',
+  out: 'Logged out',
 };
 
 /** Shows the state of the connections in the header. */
 export class ConnectionChip {
   constructor(private readonly parts: ConnectedParts) {}
 
-  /** Shows the state of the mesh's connection; if it is live, but pictures have trouble, shows theirs. */
+  /**
+   * Shows that the user is logged out, or else the state of the mesh's connection; if that is live, but pictures have
+   * trouble, theirs.
+   */
   update(): void {
-    const { live, imageMode } = this.parts;
+    const { live, imageMode, session } = this.parts;
+    if (session.isOut) return this.show('out', 'log in to continue');
     if (!live.watch) return;
     const { state, detail } = (live.watch.state === 'live' && imageMode.trouble) || live.watch;
     this.show(state, detail);

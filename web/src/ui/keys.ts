@@ -1,4 +1,5 @@
 import type { ToolId } from '../tools/tool';
+import type { Rights } from './access/rights';
 import { element } from './dom';
 import { Help } from './help';
 import { chordOf, shortcutGroups, shortcutsFor } from './shortcuts';
@@ -10,6 +11,7 @@ export type KeyBindingParts = KeyedParts & {
   readonly tools: { readonly tool: { readonly id: ToolId } };
   /** Handles the chord for a shown recording; false if it has no meaning there. */
   readonly replayBar: { key(chord: string): boolean };
+  readonly rights: Pick<Rights, 'allows'>;
 };
 
 // Adds the key to the button's tip, and for screen readers.
@@ -55,6 +57,7 @@ export function bindKeys(parts: KeyBindingParts): void {
     for (const shortcut of shortcutsFor(groups, parts.tools.tool.id, chordOf(event))) {
       // A held key acts once, unless the shortcut is repeated.
       if (event.repeat && !shortcut.isRepeated) event.preventDefault();
+      else if (shortcut.needs && !parts.rights.allows(shortcut.needs)) event.preventDefault();
       else if (shortcut.run(event.repeat) !== false) event.preventDefault();
       if (event.defaultPrevented) return;
     }

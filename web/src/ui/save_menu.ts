@@ -1,3 +1,4 @@
+import { Scope } from '../gen/kerf/v1/access_service_pb';
 import type { Reporter } from '../notifier';
 import { meshFile } from '../scene/mesh_file';
 import type { MeshFormat } from '../scene/mesh_file';
@@ -6,6 +7,7 @@ import type { Stage } from '../scene/stage';
 import { drawStrainLegend } from '../scene/strain_legend';
 import type { StrainLegend } from '../scene/strain_legend';
 import type { OpenSheet, ShownState } from '../sheet/open_sheet';
+import type { Rights } from './access/rights';
 import { element, setText } from './dom';
 import { fileName, saveFile } from './download';
 import { Menu } from './menu';
@@ -21,6 +23,7 @@ export interface SavedParts {
   readonly recording: { readonly isOn: boolean; start(): void; stop(): void };
   readonly replayBar: { readonly sheetName: string | undefined; choose(): void };
   readonly transfer: { readonly isOn: boolean };
+  readonly rights: Pick<Rights, 'may'>;
   readonly notices: Reporter;
 }
 
@@ -49,12 +52,12 @@ export class SaveMenu {
   }
 
   private opening(): void {
-    const { live, recording, shown, transfer } = this.parts;
+    const { live, recording, rights, shown, transfer } = this.parts;
     setText(this.record.querySelector('span')!, recording.isOn ? 'Stop recording and save' : 'Record the frames');
     this.record.disabled = !live.isWatched;
     // Only a live sheet has a run, and one file is transferred at a time.
     element<HTMLButtonElement>('save-run').disabled = !live.isWatched || transfer.isOn;
-    element<HTMLButtonElement>('play-run').disabled = transfer.isOn;
+    element<HTMLButtonElement>('play-run').disabled = transfer.isOn || !rights.may(Scope.ADMIN);
     for (const id of ['save-png', 'save-png-2', 'save-obj', 'save-glb']) {
       element<HTMLButtonElement>(id).disabled = shown.surface === undefined;
     }

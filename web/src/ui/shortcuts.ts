@@ -1,3 +1,4 @@
+import { Scope } from '../gen/kerf/v1/access_service_pb';
 import type { Stage } from '../scene/stage';
 import type { CutTool } from '../tools/cut_tool';
 import type { CutMode } from '../tools/drawings/kinds';
@@ -63,6 +64,8 @@ export interface Shortcut {
   readonly button?: string;
   /** True if a click of the button runs the shortcut, because the button has no listener of its own. */
   readonly isClicked?: boolean;
+  /** The right that the action needs, if any; the choice of a tool asks by itself. */
+  readonly needs?: Scope;
   /** True if a held key repeats the action. */
   readonly isRepeated?: boolean;
   /**
@@ -375,8 +378,13 @@ function crossKeys(parts: KeyedParts): ShortcutGroup {
   };
 }
 
+function needing(needs: Scope, group: ShortcutGroup): ShortcutGroup {
+  return { ...group, shortcuts: group.shortcuts.map((each) => ({ ...each, needs })) };
+}
+
 /** Returns all shortcuts, for keys.ts and for the help. If two groups have the same key, the first one counts. */
 export function shortcutGroups(parts: KeyedParts, openHelp: () => void): ShortcutGroup[] {
-  const always = [toolGroup(parts), simulationGroup(parts), viewGroup(parts, openHelp), panelGroup(parts), streamGroup(parts)];
+  const simulation = needing(Scope.CUT, simulationGroup(parts));
+  const always = [toolGroup(parts), simulation, viewGroup(parts, openHelp), panelGroup(parts), streamGroup(parts)];
   return [...always, viewKeys(parts), crossKeys(parts), ...cutGroups(parts), grabGroup(parts)];
 }

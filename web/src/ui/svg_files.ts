@@ -50,7 +50,7 @@ export class SvgFiles {
     if (fault) return refuse(fault);
     const { tools } = this;
     tools.choose('cut');
-    // The cut tool cannot be chosen while a recording is shown.
+    // The cut tool cannot be chosen while a recording is shown, or without rights.
     if (tools.tool !== tools.cut) return;
     if (!tools.cut.lay({ name: file.name, text })) return refuse('waits for a sheet: there is none yet');
     this.done();

@@ -1,3 +1,4 @@
+import { Scope } from '../gen/kerf/v1/access_service_pb';
 import { CutTool } from '../tools/cut_tool';
 import { GrabTool } from '../tools/grab_tool';
 import { KeyboardPointer } from '../tools/keyboard_pointer';
@@ -5,6 +6,7 @@ import { PinTool } from '../tools/pin_tool';
 import { PointerRouter } from '../tools/pointer_router';
 import type { Tool, ToolId, Viewer } from '../tools/tool';
 import { ViewTool } from '../tools/view_tool';
+import type { Rights } from './access/rights';
 import { CutPanel } from './cut_panel';
 import { Choice, element } from './dom';
 
@@ -31,6 +33,7 @@ export class ToolChoice {
   constructor(
     private readonly viewer: Viewer,
     private readonly replayBar: { readonly isOpen: boolean },
+    private readonly rights: Pick<Rights, 'allows'>,
     private readonly events: ToolChoiceEvents,
   ) {
     this.cut = new CutTool(viewer, () => this.updateCutPanel());
@@ -58,13 +61,14 @@ export class ToolChoice {
     return this.chosen;
   }
 
-  /** Chooses another tool. While a recording is shown, only the view can be moved. */
+  /** Chooses another tool. While a recording is shown, or without rights, only the view can be moved. */
   choose(id: ToolId): void {
     this.keyboardPointer.hide();
     if (id !== 'view' && this.replayBar.isOpen) {
       this.viewer.notices.notify('info', 'A recording cannot be changed: close it to return to the live sheet');
       return;
     }
+    if (id !== 'view' && !this.rights.allows(Scope.CUT)) return;
     if (id === 'cut' || id === 'grab') this.events.onTried();
     if (this.chosen !== this.tools[id]) this.chosen.leave();
     this.chosen = this.tools[id];

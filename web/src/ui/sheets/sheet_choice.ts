@@ -1,11 +1,13 @@
 import { call } from '../../api';
 import type { ApiError } from '../../api';
+import { Scope } from '../../gen/kerf/v1/access_service_pb';
 import { SheetService } from '../../gen/kerf/v1/sheets_pb';
 import type { Sheet } from '../../gen/kerf/v1/sheets_pb';
 import { NewestAnswer } from '../../newest_answer';
 import type { Reporter } from '../../notifier';
 import type { OpenSheet } from '../../sheet/open_sheet';
 import { listSheets, sheetId } from '../../sheets';
+import type { Rights } from '../access/rights';
 import { confirmed } from '../confirmation';
 import type { ConnectionChip } from '../connection_chip';
 import { element } from '../dom';
@@ -29,6 +31,7 @@ export interface ChoosingParts {
   readonly connection: Pick<ConnectionChip, 'show'>;
   readonly panels: Pick<SidePanels, 'open' | 'toggle'>;
   readonly notices: Reporter;
+  readonly rights: Pick<Rights, 'may'>;
   /** Gives the keyboard focus to the canvas. */
   focusStage(): void;
 }
@@ -91,6 +94,11 @@ export class SheetChoice implements Panel {
     void this.answers.fetch();
   }
 
+  /** Asks for the list again, because others may be seen after a login. */
+  refresh(): void {
+    void this.answers.fetch();
+  }
+
   private async remove(name: string): Promise<void> {
     const question = `Delete the sheet ${sheetId(name)}? It ends for everyone who watches it, and cannot be restored.`;
     if (!(await confirmed(question, 'Delete'))) return;
@@ -105,10 +113,11 @@ export class SheetChoice implements Panel {
   }
 
   private showNone(): void {
-    const { opener, replayBar, connection, panels } = this.parts;
+    const { opener, replayBar, connection, panels, rights } = this.parts;
     opener.close();
     if (replayBar.hasFile) return;
-    connection.show('ended', 'This server has no sheets: create one under Sheets, New sheet');
+    const mayCreate = rights.may(Scope.ADMIN);
+    connection.show('ended', mayCreate ? 'This server has no sheets: create one under Sheets, New sheet' : 'There is no sheet for you');
     if (panels.open !== 'sheets') panels.toggle('sheets');
   }
 

@@ -51,9 +51,10 @@ export class SheetList {
     const facts = make('small', {});
     const title = `Watch ${sheetId(name)}`;
     const open = make('button', { type: 'button', className: 'open', title }, make('b', {}, sheetId(name)), state, facts);
+    const label = `Delete ${sheetId(name)}`;
     const remove = make(
       'button',
-      { type: 'button', className: 'icon', title: `Delete ${sheetId(name)}`, 'aria-label': `Delete ${sheetId(name)}` },
+      { type: 'button', className: 'icon', title: label, 'aria-label': label, 'data-needs': 'admin' },
       icon('delete'),
     );
     open.addEventListener('click', () => this.opened(name));
