@@ -1,6 +1,6 @@
 // The viewer without a mouse, in both themes, for those who hear it, and on a phone.
-import { readFileSync } from 'node:fs';
 import { readFile } from 'node:fs/promises';
+import { audit } from './axe.mjs';
 import { check, kPatienceMs, post, root } from './harness.mjs';
 import { ViewerPage } from './viewer_page.mjs';
 
@@ -25,28 +25,12 @@ async function recorded({ page }) {
 }
 
 export function accessSteps(steps, browser, { url }) {
-  const axe = readFileSync(`${root}/web/node_modules/axe-core/axe.min.js`, 'utf8');
   let viewer;
   let recording;
   const open = async (options) => {
     const opened = await ViewerPage.open(browser, `${url}/?sheet=access`, options);
     await opened.untilDrawn('k.connection === "live" && k.isPaused && k.framesDrawn > 0');
     return opened;
-  };
-  // The page's policy allows no script from elsewhere; what the browser's own tools run, it does not ask.
-  const violations = async (page) => {
-    const session = await page.context().newCDPSession(page);
-    const run = (expression) => session.send('Runtime.evaluate', { expression, awaitPromise: true, returnByValue: true });
-    const { result: isThere } = await run('typeof axe === "object"');
-    if (!isThere.value) await run(axe);
-    const { result } = await run(`axe.run(document, { resultTypes: ['violations'] }).then(({ violations }) =>
-      violations.map(({ id, nodes }) => id + ': ' + nodes.map(({ target }) => target.join(' ')).join(', ')))`);
-    await session.detach();
-    return result.value;
-  };
-  const audit = async (page, where) => {
-    const found = await violations(page);
-    check(found.length === 0, `axe, ${where}: ${found.join('; ')}`);
   };
 
   steps.step('a sheet is cut by keys alone', async () => {

@@ -7,6 +7,7 @@ import { Server, check, kPatienceMs, launchChromium, post } from './harness.mjs'
 import { imageSteps } from './image_steps.mjs';
 import { layoutSteps } from './layout_steps.mjs';
 import { loadingSteps } from './loading_steps.mjs';
+import { loginSteps } from './login_steps.mjs';
 import { lookSteps } from './look_steps.mjs';
 import { physicsSteps } from './physics_steps.mjs';
 import { savingSteps } from './saving_steps.mjs';
@@ -19,7 +20,7 @@ import { viewerSteps } from './viewer_steps.mjs';
 // Groups in their order; an outer name runs all groups in it.
 const kGroups = {
   viewer: { watching: viewerSteps, looks: lookSteps, cutting: cuttingSteps, strips: stripSteps },
-  controls: { sheets: sheetSteps, physics: physicsSteps, access: accessSteps, layout: layoutSteps },
+  controls: { sheets: sheetSteps, physics: physicsSteps, access: accessSteps, login: loginSteps, layout: layoutSteps },
   streams: { saving: savingSteps, connection: connectionSteps, images: imageSteps, loading: loadingSteps },
 };
 // Groups that need the demo sheet from its beginning. For others it is paused, so that it is neither computed nor drawn.

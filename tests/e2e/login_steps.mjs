@@ -1,0 +1,191 @@
+// Tokens, links and rights in the viewer. A gate in front of kerfd asks for them.
+import { audit } from './axe.mjs';
+import { check, post } from './harness.mjs';
+import { TokenGate } from './token_gate.mjs';
+import { ViewerPage } from './viewer_page.mjs';
+
+const kScene = { grid: { columns: 11, rows: 11, widthM: 1, heightM: 1 }, gravityMps2: {} };
+const kRights = { asks_for_tokens: true, token_id: 'lab', sheets: '*', expires_unix_s: '0' };
+const kDesktop = { viewport: { width: 1280, height: 720 }, colorScheme: 'light', reducedMotion: 'reduce' };
+const kPhone = { viewport: { width: 390, height: 844 }, colorScheme: 'dark', hasTouch: true, isMobile: true, reducedMotion: 'reduce' };
+
+const kLive = 'k.connection === "live" && k.framesDrawn > 0';
+
+export function loginSteps(steps, browser, server) {
+  let gate;
+  let viewer;
+  const open = (path, options = kDesktop) => ViewerPage.open(browser, `${gate.url}${path}`, options);
+  const asks = ({ page }) => page.locator('#login[open]').waitFor();
+  const give = async ({ page }, token) => {
+    await page.fill('#login-token', token);
+    await page.keyboard.press('Enter');
+  };
+  const enters = async (of, token) => {
+    await give(of, token);
+    await of.page.waitForSelector('#login', { state: 'hidden' });
+  };
+  const shown = ({ page }, ids) => page.evaluate((all) => all.filter((id) => document.querySelector(id).checkVisibility()), ids);
+
+  steps.step('a page asks for a token, says why one is refused, and goes on with the right one', async () => {
+    gate = await TokenGate.start(server.url);
+    gate.tokens.set('kerf_lab_all', { ...kRights, scope: 'SCOPE_ADMIN' });
+    gate.tokens.set('kerf_lab_look', { ...kRights, scope: 'SCOPE_VIEW' });
+    await post(server.url, 'SheetService/CreateSheet', { sheetId: 'guarded', scene: kScene, paused: true });
+    viewer = await open('/?sheet=guarded');
+    await asks(viewer);
+    const focused = await viewer.page.evaluate(() => document.activeElement.id);
+    check(focused === 'login-token', `the focus is at ${focused}`);
+    check(await viewer.page.isHidden('#login-error'), 'a user who has just come is reproached');
+    await audit(viewer.page, 'login');
+    await viewer.screenshot('login');
+    await give(viewer, 'kerf_lab_typo');
+    await viewer.shows('#login-error', 'there is no such token');
+    await enters(viewer, 'kerf_lab_all');
+    await viewer.untilDrawn(kLive);
+    check((await viewer.page.evaluate(() => document.cookie)) === '', 'scripts can read the login');
+  });
+
+  steps.step('who is logged in, with which rights, is shown', async () => {
+    const { page } = viewer;
+    await page.click('[data-panel=access]');
+    await viewer.shows('#access-token', 'lab');
+    await viewer.shows('#access-scope', 'everything');
+    await audit(page, 'access');
+  });
+
+  steps.step('a link lets another look, once, and its code leaves the address', async () => {
+    const { page } = viewer;
+    await page.selectOption('#share-lifetime', '3600');
+    await page.click('#share-form [type=submit]');
+    await page.waitForSelector('#share-made', { state: 'visible' });
+    await audit(page, 'a link');
+    await viewer.screenshot('access-link');
+    const [wanted] = gate.links;
+    check(JSON.stringify(wanted) === JSON.stringify({ scope: 'SCOPE_VIEW', sheetId: 'guarded', lifetimeS: 3600 }), JSON.stringify(wanted));
+    const { pathname, search, hash } = new URL(await page.inputValue('#share-link'));
+    const other = await open(`${pathname}${search}${hash}`);
+    await other.untilDrawn(kLive);
+    check(!other.page.url().includes('code'), `the address is ${other.page.url()}`);
+    check(await other.page.isHidden('#login'), 'a link asks for a token');
+    await other.page.close();
+    const late = await open(`${pathname}${search}${hash}`);
+    await asks(late);
+    await late.shows('#login-error', 'the link was used before, or has ended');
+    check(!late.page.url().includes('code'), `the address is ${late.page.url()}`);
+    await late.page.close();
+  });
+
+  steps.step('who may look has no control that changes or makes a sheet', async () => {
+    const looking = await open('/?sheet=guarded');
+    await asks(looking);
+    await enters(looking, 'kerf_lab_look');
+    await looking.untilDrawn(kLive);
+    const { page } = looking;
+    const changing = ['[data-tool=cut]', '[data-tool=grab]', '[data-tool=pin]', '#pause', '#step', '#speed', '#reset', '#undo', '#redo'];
+    const left = await shown(looking, changing);
+    check(left.length === 0, `there are ${left}`);
+    check((await shown(looking, ['#wireframe', '#save-open', '[data-tool=view]'])).length === 3, 'there is nothing to look with');
+    await page.focus('#canvas');
+    for (const key of ['Space', 'c']) {
+      await page.keyboard.press(key);
+      await looking.notice(/^You may look only/);
+      await page.click('.notice');
+    }
+    check((await looking.read('k.tool')) === 'view' && (await looking.read('k.isPaused')), 'a key has changed something');
+    await page.click('[data-panel=physics]');
+    check(await page.isDisabled('#gravity'), 'gravity can be set');
+    check(await page.isDisabled('#material-preset'), 'the material can be set');
+    await audit(page, 'physics to look at');
+    await looking.screenshot('login-look-only');
+    await page.click('[data-panel=states]');
+    check(await page.isDisabled('#state-form button'), 'a state can be saved');
+    await page.click('[data-panel=sheets]');
+    check((await shown(looking, ['#new-sheet-open', '#sheet-list .icon'])).length === 0, 'a sheet can be made or deleted');
+    await page.close();
+  });
+
+  steps.step('a login that ends is asked for once, and the page goes on where it was', async () => {
+    const { page } = viewer;
+    await page.click('#panel-access [data-close]');
+    await viewer.choose('cut');
+    await page.evaluate(() => (window.notReloaded = true));
+    gate.withdraw('TOKEN_EXPIRED');
+    await asks(viewer);
+    await viewer.shows('#login-error', 'the token has expired');
+    await viewer.shows('#connection b', 'Logged out');
+    await enters(viewer, 'kerf_lab_all');
+    await viewer.until('k.connection === "live"');
+    await viewer.shows('#connection b', 'Live');
+    check((await viewer.read('k.tool')) === 'cut', 'the tool is another');
+    await page.keyboard.press('Space');
+    await viewer.until('!k.isPaused');
+    check(await page.evaluate(() => window.notReloaded), 'the page was loaded again');
+    check(await page.isHidden('#login'), 'the login is asked for twice');
+  });
+
+  steps.step('the login can be put off, and be done later', async () => {
+    const { page } = viewer;
+    gate.withdraw('TOKEN_MISSING');
+    await asks(viewer);
+    await viewer.shows('#login-error', 'You are logged out: the login has ended, or was ended in another tab');
+    await page.keyboard.press('Escape');
+    await page.waitForSelector('[data-tool=cut]', { state: 'hidden' });
+    check((await viewer.read('k.tool')) === 'view', 'the cut tool is still chosen');
+    await page.click('[data-panel=access]');
+    await audit(page, 'access without a login');
+    await page.click('#log-in');
+    await enters(viewer, 'kerf_lab_all');
+    await viewer.until('k.connection === "live"');
+    await page.waitForSelector('[data-tool=cut]', { state: 'visible' });
+  });
+
+  steps.step('a logout begins the page again, and reaches other tabs', async () => {
+    await viewer.page.close();
+    // Two tabs of one browser.
+    const context = await browser.newContext(kDesktop);
+    const tabs = [];
+    for (let i = 0; i < 2; ++i) {
+      tabs.push(await ViewerPage.open(context, `${gate.url}/?sheet=guarded`, {}));
+      if (i === 0) {
+        await asks(tabs[i]);
+        await enters(tabs[i], 'kerf_lab_all');
+      }
+      await tabs[i].untilDrawn(kLive);
+    }
+    const [one, other] = tabs;
+    await one.page.evaluate(() => (window.notReloaded = true));
+    await one.page.click('[data-panel=access]');
+    await one.page.click('#log-out');
+    await one.page.waitForFunction(() => window.notReloaded === undefined);
+    for (const tab of tabs) await asks(tab);
+    await enters(one, 'kerf_lab_all');
+    await one.untilDrawn(kLive);
+    // The other tab finds that out when it is shown.
+    await other.page.evaluate(() => document.dispatchEvent(new Event('visibilitychange')));
+    await other.page.waitForSelector('#login', { state: 'hidden' });
+    await other.until('k.connection === "live"');
+    await context.close();
+  });
+
+  steps.step('axe finds nothing on a phone in the dark, with the login and with a link', async () => {
+    const phone = await open('/?sheet=guarded', kPhone);
+    const { page } = phone;
+    await asks(phone);
+    await audit(page, 'login on a phone');
+    await phone.picture('phone-login');
+    await enters(phone, 'kerf_lab_look');
+    await phone.untilDrawn(kLive);
+    await audit(page, 'looking on a phone');
+    await phone.picture('phone-look-only');
+    await page.click('[data-panel=access]');
+    await page.click('#share-form [type=submit]');
+    await page.waitForSelector('#share-made', { state: 'visible' });
+    await audit(page, 'access on a phone');
+    await phone.picture('phone-access');
+    const overflow = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+    check(overflow <= 0, `the page is ${overflow} px too wide`);
+    await page.close();
+    await gate.stop();
+    await post(server.url, 'SheetService/DeleteSheet', { name: 'sheets/guarded' });
+  });
+}
