@@ -87,6 +87,7 @@ std::unique_ptr<CLI::App> make_app(Session& session) {
   add_offline_commands(app, session);
   add_load_command(app, session);
   add_store_commands(app, session);
+  add_token_commands(app, session);
   add_shell_commands(app, session);
   return made;
 }

@@ -25,7 +25,8 @@ void add_watch_command(CLI::App& app, Session& session);
 void add_offline_commands(CLI::App& app, Session& session);  // run, replay
 void add_analyze_command(CLI::App& app, Session& session);
 void add_load_command(CLI::App& app, Session& session);
-void add_store_commands(CLI::App& app, Session& session);  // `kerf store`: info, prune, backup
+void add_store_commands(CLI::App& app, Session& session);  // `kerf store`: info, prune, delete, backup
+void add_token_commands(CLI::App& app, Session& session);  // `kerf token`: new
 void add_shell_commands(CLI::App& app, Session& session);  // completion
 
 // Prints the completions of the last of `words` for a shell; returns an exit code.

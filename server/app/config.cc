@@ -47,6 +47,7 @@ struct Arguments {
   bool list_render_devices = false;
   bool allow_remote = false;
   std::vector<std::string> allowed_origins;
+  std::string tokens;
   std::string record_dir;
   std::string data_dir;
   std::string backups_dir;
@@ -118,6 +119,11 @@ void declare(CLI::App& parser, Arguments& arguments) {
   parser.add_flag("--allow-remote", arguments.allow_remote,
                   "Listen on addresses that other machines can reach. There is no TLS and no login: anyone who reaches "
                   "the port can do everything");
+  parser
+      .add_option("--tokens", arguments.tokens,
+                  "Asks every caller for a token; this file has the known ones, a line each, made by `kerf token new`. "
+                  "SIGHUP reads it again")
+      ->type_name("FILE");
   parser
       .add_option("--allow-origin", arguments.allowed_origins,
                   "Web origin, such as https://viewer.example.org, whose pages may use this server; repeatable")
@@ -248,6 +254,7 @@ Result<std::variant<Config, Notice>> to_config(const Arguments& arguments) {
   config.render_device = arguments.render_device;
   config.allow_remote = arguments.allow_remote;
   config.allowed_origins = arguments.allowed_origins;
+  config.tokens = arguments.tokens;
   config.record_dir = arguments.record_dir;
   config.keeps_nothing = arguments.data_dir == "none";
   if (!config.keeps_nothing) config.data_dir = arguments.data_dir;

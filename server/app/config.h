@@ -32,6 +32,7 @@ struct Config {
   std::string render_device = "auto";         // As render::RendererOptions::device; only "auto" may find no device.
   bool allow_remote = false;                  // May listen on addresses other than loopback.
   std::vector<std::string> allowed_origins;   // Origins of foreign web pages that may use this server.
+  std::filesystem::path tokens;               // Token file; empty: everybody may do everything.
   std::filesystem::path record_dir;           // Folder of recordings; empty: none.
   std::filesystem::path data_dir;             // Folder in which sheets are kept; empty: they end with the server.
   std::filesystem::path backups_dir;          // Folder of the backups of `data_dir`; empty: "backups" in that.
@@ -70,7 +71,8 @@ Result<std::variant<Config, Notice>> parse_command_line(int argc, const char* co
 // store::check_store().
 Result<std::variant<Config, Notice>> check_kept_sheets(const std::string& folder);
 // Makes a folder of kept sheets from a backup, and returns what --restore-store prints. `folder` must be missing or
-// empty. Errors: kInvalidArgument, with the reason of store::restore_store(); nothing is made then.
+// empty. Errors: kInvalidArgument, with the reason of store::restore_store(), RESTORE_INTO_ITSELF or BAD_DATA_DIR;
+// nothing is made then.
 Result<std::variant<Config, Notice>> restore_kept_sheets(const std::string& backup, const std::string& folder);
 // Checks the folder of --backups: it can be made or written, and is not one of the store in `data`, nor around that.
 // Error: kInvalidArgument BAD_BACKUPS_DIR.

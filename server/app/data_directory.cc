@@ -34,6 +34,13 @@ std::string counts_of(const store::StoreInfo& info) {
          counted(info.requests, "answer");
 }
 
+std::string faults_of(const store::StoreReport& report) {
+  std::string text;
+  for (const std::string& fault : report.faults) text += "fault: " + fault + "\n";
+  for (const std::string& fault : report.known_faults) text += "fault of a sheet set aside: " + fault + "\n";
+  return text;
+}
+
 // Returns the path without links, dots or a slash at its end, where that is known.
 std::filesystem::path made_canonical(const std::filesystem::path& path) {
   std::error_code unknown;
@@ -79,10 +86,21 @@ Result<std::variant<Config, Notice>> restore_kept_sheets(const std::string& back
     return invalid_argument("RESTORE_INTO_ITSELF",
                             "--data: \"" + folder + "\" lies in the backup itself; name a folder elsewhere", "--data");
   }
-  const Result<store::StoreInfo> restored = store::restore_store(backup, target.string());
+  std::error_code missing;
+  if (std::filesystem::exists(target, missing) && !std::filesystem::is_directory(target, missing)) {
+    return invalid_argument("BAD_DATA_DIR",
+                            "--data: \"" + folder + "\" is no folder; name one that is missing or empty", "--data");
+  }
+  const Result<store::StoreReport> restored = store::restore_store(backup, target.string());
   if (!restored.ok()) return in_option("--restore-store", restored.error());
-  return std::variant<Config, Notice>(
-      Notice{"restored " + counts_of(*restored) + " into \"" + target.string() + "\"\n"});
+  Notice notice;
+  notice.text = faults_of(*restored);
+  notice.text += "restored " + counts_of(restored->info) + " into \"" + target.string() + "\"\n";
+  if (!restored->faults.empty()) {
+    notice.text += "What is damaged was copied as it is: kerfd sets it aside. An older backup may have it whole.\n";
+    notice.status = 1;
+  }
+  return std::variant<Config, Notice>(std::move(notice));
 }
 
 Result<std::variant<Config, Notice>> check_kept_sheets(const std::string& folder) {
@@ -91,8 +109,7 @@ Result<std::variant<Config, Notice>> check_kept_sheets(const std::string& folder
   const store::StoreInfo& info = report->info;
   const std::size_t num_faults = report->faults.size() + report->known_faults.size();
   Notice notice;
-  for (const std::string& fault : report->faults) notice.text += "fault: " + fault + "\n";
-  for (const std::string& fault : report->known_faults) notice.text += "fault of a sheet set aside: " + fault + "\n";
+  notice.text = faults_of(*report);
   for (const std::string& file : report->orphan_files) {
     notice.text += "left over: " + file + ", which nothing names; it may be deleted\n";
   }

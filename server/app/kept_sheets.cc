@@ -66,13 +66,15 @@ class Recoveries {
 
 class KeptSheets {
  public:
-  KeptSheets(store::SqliteStore& store, host::Host& host, const std::function<void(std::string_view line)>& note)
+  KeptSheets(store::SqliteStore& store, host::Host& host, const std::set<std::string>& left_out,
+             const std::function<void(std::string_view line)>& note)
       : store_(store),
         note_(note),
+        left_out_(left_out),
         recoveries_(host),
         num_at_once_(2 * static_cast<std::size_t>(host.options().workers)) {}
 
-  Result<std::set<std::string>> recover() {
+  Result<KeptSheetsFound> recover() {
     KERF_TRY_ASSIGN(const std::vector<store::StoredSheet> sheets, store_.sheets());
     Status status = Nothing{};
     for (const store::StoredSheet& stored : sheets) {
@@ -85,11 +87,15 @@ class KeptSheets {
       if (status.ok()) status = finish(done);
     }
     KERF_TRY(status);
-    return std::move(changed_);
+    return std::move(found_);
   }
 
  private:
   Status start(const store::StoredSheet& stored) {
+    if (left_out_.contains(stored.id) && !stored.is_quarantined && !stored.is_damaged) {
+      found_.left_out.push_back(stored.sheet);
+      return Nothing{};
+    }
     if (stored.is_quarantined) {
       note_(name_of(stored) + " is set aside: " + stored.reason + kWhatToDo);
       return Nothing{};
@@ -101,12 +107,23 @@ class KeptSheets {
       return Nothing{};
     }
     KERF_TRY(run);
+    KERF_TRY(note_past(stored));
     KERF_TRY_ASSIGN(const std::vector<store::DamagedState> damaged, store_.set_damaged_states_aside(stored.sheet));
     for (const store::DamagedState& state : damaged) {
       note_(name_of(stored) + " continues without a state: " + state.reason +
             (state.kept_file.empty() ? "" : "; it is now \"" + state.kept_file + "\""));
     }
     recoveries_.start(stored, durable::Beginning::kNewestState, std::move(*run));
+    return Nothing{};
+  }
+
+  // Says which changes before the newest state are damaged: the sheet does not need them, and cannot be repeated from
+  // its beginning.
+  Status note_past(const store::StoredSheet& stored) {
+    KERF_TRY_ASSIGN(const std::vector<std::string> faults, store_.journal_faults(stored));
+    for (const std::string& fault : faults) {
+      note_(name_of(stored) + " continues, and cannot be repeated from its beginning: " + fault);
+    }
     return Nothing{};
   }
 
@@ -117,7 +134,7 @@ class KeptSheets {
         note_(name_of(stored) + " differs from what it was, from tick " + std::to_string(*done.result->differs_at) +
               " on: it was computed again, by another build or processor");
       }
-      if (done.result->is_changed) changed_.insert(stored.id);
+      if (done.result->is_changed) found_.changed.insert(stored.id);
       return Nothing{};
     }
     const Error& error = done.result.error();
@@ -135,16 +152,18 @@ class KeptSheets {
 
   store::SqliteStore& store_;
   const std::function<void(std::string_view line)>& note_;
+  const std::set<std::string>& left_out_;
   Recoveries recoveries_;
   const std::size_t num_at_once_;  // Enough to keep all threads busy; each takes the memory of a stored run.
-  std::set<std::string> changed_;
+  KeptSheetsFound found_;
 };
 
 }  // namespace
 
-Result<std::set<std::string>> recover_sheets(store::SqliteStore& store, host::Host& host,
-                                             const std::function<void(std::string_view line)>& note) {
-  return KeptSheets(store, host, note).recover();
+Result<KeptSheetsFound> recover_sheets(store::SqliteStore& store, host::Host& host,
+                                       const std::set<std::string>& left_out,
+                                       const std::function<void(std::string_view line)>& note) {
+  return KeptSheets(store, host, left_out, note).recover();
 }
 
 }  // namespace kerf::app

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <set>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "server/base/result.h"
 
@@ -16,9 +18,15 @@ class SqliteStore;
 
 namespace kerf::app {
 
-// Makes all sheets of the store again and returns the ids of those that clients have changed. `note` gets a line for
-// each sheet that is not as it was: a damaged one is set aside, and all others start. Errors of the store itself.
-Result<std::set<std::string>> recover_sheets(store::SqliteStore& store, host::Host& host,
-                                             const std::function<void(std::string_view line)>& note);
+struct KeptSheetsFound {
+  std::set<std::string> changed;       // ids of those that clients have changed
+  std::vector<std::int64_t> left_out;  // numbers of those that were not made
+};
+
+// Makes the sheets of the store again, without those whose ids are `left_out`. `note` gets a line for each sheet that
+// is not as it was: a damaged one is set aside, and all others start. Errors of the store itself.
+Result<KeptSheetsFound> recover_sheets(store::SqliteStore& store, host::Host& host,
+                                       const std::set<std::string>& left_out,
+                                       const std::function<void(std::string_view line)>& note);
 
 }  // namespace kerf::app

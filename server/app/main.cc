@@ -44,6 +44,7 @@ sigset_t block_stop_signals() {
   sigemptyset(&signals);
   sigaddset(&signals, SIGTERM);
   sigaddset(&signals, SIGINT);
+  sigaddset(&signals, SIGHUP);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   return signals;
 }
@@ -64,6 +65,7 @@ void guard_the_stop(sigset_t signals, const std::weak_ptr<const kerf::app::Serve
     left = end - std::chrono::steady_clock::now();
   }
   std::signal(SIGTERM, SIG_DFL);
+  std::signal(SIGHUP, SIG_DFL);
   std::signal(SIGINT, SIG_DFL);  // Shells make programs in the background ignore SIGINT.
   pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
   std::this_thread::sleep_until(begin + kStopLimit);
@@ -73,10 +75,12 @@ void guard_the_stop(sigset_t signals, const std::weak_ptr<const kerf::app::Serve
   _exit(is_done ? EXIT_SUCCESS : EXIT_FAILURE);
 }
 
-// Waits for the first SIGTERM or SIGINT.
-void wait_for_stop(const sigset_t& signals) {
+// Waits for the first SIGTERM or SIGINT. A SIGHUP has files read again; if there are none, it stops the server as well.
+void wait_for_stop(const sigset_t& signals, kerf::app::Server& server) {
   int signal = 0;
-  sigwait(&signals, &signal);
+  do {
+    sigwait(&signals, &signal);
+  } while (signal == SIGHUP && server.reload());
   stop_has_begun.release();
 }
 
@@ -123,6 +127,12 @@ int main(int argc, char** argv) {
   std::error_code ignored;
   const std::filesystem::path executable = std::filesystem::read_symlink("/proc/self/exe", ignored);
   if (config.data_dir.empty() && !config.keeps_nothing) config.data_dir = kerf::app::default_data_directory();
+  if (config.data_dir.empty() && !config.keeps_nothing) {
+    note(
+        "there is no folder for kept sheets, as neither XDG_DATA_HOME nor HOME is set; give --data DIR, or --data "
+        "none");
+    return kExitRefused;
+  }
   if (config.web.empty()) config.web = kerf::app::default_web_directory(executable);
   if (config.docs.empty()) config.docs = kerf::app::default_docs_directory(executable);
 
@@ -131,7 +141,7 @@ int main(int argc, char** argv) {
   // Started now, because there may be no memory for a thread when the server stops.
   std::thread(guard_the_stop, signals, std::weak_ptr<const kerf::app::Server>(server)).detach();
   std::cout << server->ready_line() << std::endl;
-  wait_for_stop(signals);
+  wait_for_stop(signals, *server);
   note("stopping");
   server->stop();
   return EXIT_SUCCESS;

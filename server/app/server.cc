@@ -26,6 +26,8 @@
 #include "server/base/descriptors.h"
 #include "server/base/disk.h"
 #include "server/service/api/api.h"
+#include "server/service/auth/authenticator.h"
+#include "server/service/auth/token_file.h"
 #include "server/service/durable/change_codec.h"
 #include "server/service/durable/state_codec.h"
 #include "server/service/host/clock.h"
@@ -74,23 +76,28 @@ struct Server::Impl {
   std::string instance_id = wire::encode_hash(entropy.next());
   std::atomic<int> num_recordings = 0;
   RecordingBoard recording_board;
-  std::unique_ptr<render::Renderer> renderer;  // Null with --no-render.
-  std::unique_ptr<store::SqliteStore> store;   // Null with --data none.
-  std::unique_ptr<StoreKeeper> keeper;         // Null with --data none.
+  std::unique_ptr<render::Renderer> renderer;          // Null with --no-render.
+  std::unique_ptr<store::SqliteStore> store;           // Null with --data none.
+  std::unique_ptr<StoreKeeper> keeper;                 // Null with --data none.
+  std::unique_ptr<auth::Authenticator> authenticator;  // Null without --tokens.
   std::unique_ptr<host::Host> host;
   std::unique_ptr<api::Api> api;
   std::unique_ptr<rpc::RpcServer> rpc;
   std::unique_ptr<ws::HttpServer> http;
   int grpc_port = 0;
   int http_port = 0;
+  std::vector<std::string> made;       // ids of the sheets of scenes
+  std::vector<std::int64_t> replaced;  // numbers of kept sheets that these replace
 
   host::HostOptions host_options();
   Status build_renderer();
   void tell_what_is_missing() const;
   ConnectionLimits limit_connections() const;
   Status check_record_dir();
+  Status read_tokens();
   Status open_store();
-  Status make_sheets(std::vector<std::string>& made);
+  Status make_sheets(std::vector<SceneOfFile> scenes);
+  Status begin(ws::AssetTable files);
   Status listen(ws::AssetTable files);
   Status start();
   void stop();
@@ -195,6 +202,18 @@ Status Server::Impl::check_record_dir() {
   return Nothing{};
 }
 
+Status Server::Impl::read_tokens() {
+  const auto fault = [this](const Error& error) {
+    return invalid_argument(error.reason, "--tokens: \"" + config.tokens.string() + "\": " + error.message, "--tokens");
+  };
+  const Result<std::string> text = disk.read_file(config.tokens.string(), auth::kMaxTokenFileBytes);
+  if (!text.ok()) return fault(text.error());
+  Result<std::vector<auth::Token>> tokens = auth::parse_token_file(*text);
+  if (!tokens.ok()) return fault(tokens.error());
+  authenticator->set_tokens(std::move(*tokens));
+  return Nothing{};
+}
+
 Status Server::Impl::open_store() {
   if (config.data_dir.empty()) return Nothing{};
   config.data_dir = made_absolute(std::move(config.data_dir));
@@ -225,26 +244,49 @@ Status Server::Impl::open_store() {
 }
 
 // Makes the sheets of the store again, then those of the scenes, which are paused.
-Status Server::Impl::make_sheets(std::vector<std::string>& made) {
-  std::set<std::string> kept;
+Status Server::Impl::make_sheets(std::vector<SceneOfFile> scenes) {
+  KeptSheetsFound kept;
   if (store) {
-    KERF_TRY_ASSIGN(kept, recover_sheets(*store, *host, note));
+    std::set<std::string> fresh;
+    for (const SceneOfFile& scene : scenes) {
+      if (config.fresh) fresh.insert(scene.id);
+    }
+    KERF_TRY_ASSIGN(kept, recover_sheets(*store, *host, fresh, note));
+    replaced = kept.left_out;
     KERF_TRY_ASSIGN(store::KeptRequests known,
                     store->requests(config.limits.max_remembered_requests, config.limits.max_remembered_bytes));
+    if (known.num_damaged > 0) {
+      note(std::to_string(known.num_damaged) +
+           " kept answers are damaged and left out: requests that are repeated with their request_id are done again");
+    }
     std::vector<host::StoredRequest> requests;
     for (store::KeptRequest& each : known.requests) requests.push_back(std::move(each.request));
     api->remember(std::move(requests));
   }
-  if (config.fresh) kept.clear();
-  KERF_TRY_ASSIGN(made, load_scenes(config.scenes, disk, *host, kept));
+  KERF_TRY_ASSIGN(made, make_scenes(std::move(scenes), *host, kept.changed));
+  return Nothing{};
+}
+
+// Listens and starts the clocks. Only then are kept sheets removed that scenes replace: a start that fails loses
+// nothing.
+Status Server::Impl::begin(ws::AssetTable files) {
+  KERF_TRY(listen(std::move(files)));
+  KERF_TRY(resume_sheets(made, *host));
+  for (const std::int64_t number : replaced) store->remove(number, {}, nullptr);
+  host->start_recovered();
   return Nothing{};
 }
 
 Status Server::Impl::start() {
   KERF_TRY(check_record_dir());
+  if (!config.tokens.empty()) {
+    authenticator = std::make_unique<auth::Authenticator>([this] { return clock.unix_us() / 1'000'000; });
+    KERF_TRY(read_tokens());
+  }
   KERF_TRY_ASSIGN(ws::AssetTable files, read_site(config.web));
   KERF_TRY_ASSIGN(ws::AssetTable docs, read_site(config.docs));
   files.mount("/docs", std::move(docs));
+  KERF_TRY_ASSIGN(std::vector<SceneOfFile> scenes, read_scenes(config.scenes, disk));
   KERF_TRY(open_store());
   host = std::make_unique<host::Host>(host_options(), clock, entropy);
   KERF_TRY(build_renderer());
@@ -253,12 +295,13 @@ Status Server::Impl::start() {
   options.instance_id = instance_id;
   options.limits = config.limits;
   options.store = keeper.get();
+  options.authenticator = authenticator.get();
   api = std::make_unique<api::Api>(*host, renderer.get(), options, clock);
-  std::vector<std::string> sheets;
-  KERF_TRY(make_sheets(sheets));
-  KERF_TRY(listen(std::move(files)));
-  KERF_TRY(resume_sheets(sheets, *host));
-  host->start_recovered();
+  KERF_TRY(make_sheets(std::move(scenes)));
+  if (const Status begun = begin(std::move(files)); !begun.ok()) {
+    delete_sheets(made, *host);
+    return begun;
+  }
   tell_what_is_missing();
   return Nothing{};
 }
@@ -300,6 +343,17 @@ std::string Server::http_url() const {
 std::string Server::ready_line() const {
   const std::string data = impl_->store ? R"(,"data":)" + json_string(impl_->config.data_dir.string()) : "";
   return R"({"grpc":")" + grpc_address() + R"(","http":")" + http_url() + '"' + data + "}";
+}
+
+bool Server::reload() {
+  if (!impl_->authenticator) return false;
+  if (const Status read = impl_->read_tokens(); read.ok()) {
+    impl_->note("the token file was read again");
+    impl_->api->check_callers();
+  } else {
+    impl_->note(read.error().message + "; the tokens stay as they were");
+  }
+  return true;
 }
 
 void Server::stop() {

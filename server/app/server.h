@@ -26,6 +26,10 @@ class Server {
   // {"grpc":"HOST:PORT","http":"http://HOST:PORT","data":"DIR"}; without "data" if no sheet is kept.
   [[nodiscard]] std::string ready_line() const;
 
+  // Reads the token file again. Tokens that are gone or changed are withdrawn, and their streams end. A file that is
+  // wrong is noted, and the tokens stay as they are. Returns false if the server has no such file.
+  bool reload();
+
   // Stops the server: it reports not ready, ends streams with SERVER_STOPPING, answers accepted commands, then closes
   // both transports. Takes at most 8 s. Idempotent.
   void stop();

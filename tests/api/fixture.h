@@ -15,6 +15,7 @@
 #include "kerf/v1/server.pb.h"
 #include "kerf/v1/sheets.pb.h"
 #include "server/service/api/api.h"
+#include "server/service/auth/authenticator.h"
 #include "tests/host/fixture.h"
 
 namespace kerf::api {
@@ -43,6 +44,7 @@ class ApiTest : public host::HostTest {
     options.instance_id = "instance";
     options.limits = limits;
     options.store = store;
+    options.authenticator = authenticator_.get();
     api_ = std::make_unique<Api>(*host_, renderer, std::move(options), clock_);
   }
 
@@ -57,11 +59,21 @@ class ApiTest : public host::HostTest {
     return answers.at(0);
   }
 
+  template <typename Request, typename Response>
+  Result<Response> call(void (Api::*method)(const Request&, const auth::Caller&, Reply<Response>),
+                        const Request& request) {
+    Answers<Response> answers;
+    ((*api_).*method)(request, caller_, answers.callback());
+    host_->wait_idle();
+    EXPECT_EQ(answers.count(), 1U) << "answered once, and in time";
+    return answers.at(0);
+  }
+
   Result<std::string> call_json(const std::string& path, const std::string& json) {
     for (const Method& method : api_->methods()) {
       if (method.path != path) continue;
       Answers<std::string> answers;
-      method.call(json, answers.callback(), {});
+      method.call(json, caller_, answers.callback(), {});
       host_->wait_idle();
       for (int tick = 0; tick < 200 && answers.count() == 0; ++tick) run_for(kTick);
       EXPECT_EQ(answers.count(), 1U) << "answered once, and in time";
@@ -105,6 +117,8 @@ class ApiTest : public host::HostTest {
     return call(&Api::get_sheet, request).value();
   }
 
+  std::unique_ptr<auth::Authenticator> authenticator_;  // For make_api().
+  auth::Caller caller_ = auth::everybody();
   std::unique_ptr<Api> api_;
 };
 

@@ -134,7 +134,7 @@ TEST_F(ApiTest, ListingWaitsForNoSheet) {
   host_->inspect(
       "a", [released = release.get_future().share()](const sheet::Sheet&) { released.wait(); }, [](const Status&) {});
   Answers<v1::ListSheetsResponse> answers;
-  api_->list_sheets({}, answers.callback());
+  api_->list_sheets({}, caller_, answers.callback());
   const std::size_t answered = answers.count();
   release.set_value();
   ASSERT_EQ(answered, 1U) << "while a's strand was busy";
@@ -301,13 +301,13 @@ TEST_F(ApiTest, AfterStopEverythingIsUnavailable) {
   int asked = 0;
   for (const Method& method : api_->methods()) {
     Answers<std::string> answers;
-    method.call("{}", answers.callback(), {});
+    method.call("{}", caller_, answers.callback(), {});
     host_->wait_idle();
     ASSERT_EQ(answers.count(), 1U) << method.path;
     EXPECT_EQ(answers.at(0).error().code, ErrorCode::kUnavailable) << method.path;
     ++asked;
   }
-  EXPECT_EQ(asked, 36);
+  EXPECT_EQ(asked, 39);
 }
 
 // Draws nothing, and returns only when released.

@@ -9,6 +9,7 @@ import hashlib
 import json
 import os
 import pathlib
+import shutil
 import sqlite3
 import subprocess
 
@@ -44,6 +45,33 @@ class Folder(Case):
             self.assertEqual(expected.stat().st_mode & 0o777, 0o700)
             self.assertTrue((expected / "kerf.db").is_file())
             self.stop(server)
+
+    def test_without_a_home_a_folder_has_to_be_named(self):
+        for home in ({}, {"HOME": ""}):
+            done = subprocess.run([OPTIONS["kerfd"], *LISTEN], env=home, capture_output=True, text=True, timeout=60)
+            self.assertEqual((done.returncode, done.stdout), (2, ""))
+            self.assertIn("give --data DIR, or --data none", done.stderr)
+
+    def test_a_store_that_is_removed_while_it_runs_ends_kerfd(self):
+        for remove in (lambda: shutil.rmtree(self.store), lambda: (self.store / "kerf.db").unlink()):
+            server = self.start()
+            self.make(server, "a")
+            remove()
+            server.call("CutService/CreateCut", line_cut("sheets/a", (-1, 0.5), (2, 0.5)))
+            self.assertIn("removed or replaced by another program", server.ended())
+            self.assertEqual(server.process.returncode, 70)
+            self.running.remove(server)
+            shutil.rmtree(self.store, ignore_errors=True)
+
+    def test_files_of_others_in_its_folder_stop_nothing(self):
+        server = self.start()
+        self.make(server, "a")
+        self.stop(server)
+        (self.store / "states/old").mkdir()
+        (self.store / "states/notes.txt").touch()
+        (self.store / "states/old.state").mkdir()
+        self.assertEqual(self.names(self.start()), ["sheets/a"])
+        self.assertEqual(sorted(path.name for path in (self.store / "states").iterdir())[-3:], ["notes.txt", "old", "old.state"])
 
     def test_none_keeps_nothing(self):
         server = self.start("--data", "none", environment={"HOME": str(self.folder), "XDG_DATA_HOME": ""}, data=False)
@@ -97,6 +125,27 @@ class Continuing(Case):
         self.assertEqual((self.cuts(server, "stage"), self.vertices(server)), ([], 81))
         self.stop(server)
         self.assertEqual(self.vertices(self.start()), 81)
+
+    def test_a_start_that_fails_loses_nothing(self):
+        server = self.start("--scene", self.write_scene(8))
+        cut = self.cut(server, "stage")
+        self.stop(server)
+        other = self.folder / "other.json"
+        other.write_text(json.dumps(scene(5, sheet_id="other")))
+        broken = self.folder / "broken.json"
+        broken.write_text("{")
+        taken = self.start("--data", "none", data=False)
+        http = taken.ready["http"].removeprefix("http://")
+        for options in (("--scene", self.folder / "none.json"), ("--scene", broken), ("--scene", self.write_scene(8)),
+                        ("--scene", other, "--max-sheets", "1"), ("--scene", other, "--http", http)):
+            for fresh in (("--fresh",), ()):
+                with self.subTest(options=options, fresh=fresh):
+                    refused = self.run_kerfd(*LISTEN, "--data", self.store, "--scene", self.write_scene(9), *options, *fresh)
+                    self.assertEqual(refused.returncode, 2, refused.stderr)
+                    server = self.start()
+                    self.assertEqual((self.names(server), self.cuts(server, "stage")), (["sheets/stage"], [cut]))
+                    self.kill(server)
+        self.refused("give one of them another sheet_id", *LISTEN, "--data", self.folder / "x", "--scene", other, "--scene", other)
 
     def test_what_counts_as_a_change_of_a_scene(self):
         stage = "sheets/stage"
@@ -226,6 +275,62 @@ class Damage(Case):
             self.assertIn(says, none.stderr)
         self.assertEqual(contents(self.folder), before)
         self.refused("Not a directory", *LISTEN, "--data", self.folder / "file")
+
+    def change(self, sql, *values):
+        with contextlib.closing(sqlite3.connect(self.store / "kerf.db")) as database:
+            database.execute(sql, values)
+            database.commit()
+
+    def test_changes_before_the_newest_state_are_not_needed(self):
+        """A sheet continues without them, says so, and takes more changes. A backup of it can be restored."""
+        for number, sql in enumerate(("UPDATE journal SET tick = tick + 1 WHERE seq = 1", "DELETE FROM journal WHERE seq = 1",
+                                      "DELETE FROM journal WHERE seq = 2")):
+            with self.subTest(sql):
+                self.store = self.folder / str(number)
+                server = self.start()
+                self.make(server, "a")
+                self.cut(server, "a")
+                self.done(server, "SheetService/SaveState", {"parent": "sheets/a", "state_id": "s"})
+                self.done(server, "SheetService/RestoreState", {"name": "sheets/a/states/s"})
+                self.stop(server)
+                self.change(sql)
+                server = self.start()
+                self.cut(server, "a", 0.6)
+                self.done(server, "StoreService/BackupStore", {"backup_id": "b"})
+                self.assertIn('kerfd: the kept sheet "a" continues, and cannot be repeated from its beginning: ', self.stop(server))
+                self.assertEqual(len(self.cuts(self.start(), "a")), 2)
+                restored = self.run_kerfd("--restore-store", self.store / "backups/b", "--data", self.store / "again")
+                self.assertEqual((restored.returncode, restored.stderr), (1, ""))
+                self.assertRegex(restored.stdout, r'(?m)^fault: sheet 1 "a": ')
+                self.store = self.store / "again"
+                self.assertEqual(len(self.cuts(self.start(), "a")), 2)
+
+    def test_damaged_answers_are_counted_and_left_out(self):
+        server = self.start()
+        self.done(server, "SheetService/CreateSheet", {"sheet_id": "a", "scene": scene(8), "request_id": "once"})
+        self.stop(server)
+        self.change("UPDATE requests SET at = at + 1")
+        server = self.start()
+        self.done(server, "StoreService/BackupStore", {"backup_id": "b"})
+        self.assertIn("1 kept answers are damaged and left out", self.stop(server))
+        restored = self.run_kerfd("--restore-store", self.store / "backups/b", "--data", self.folder / "again")
+        self.assertEqual((restored.returncode, restored.stdout.splitlines()[0]), (1, "fault: 1 answers have changed since they were written"))
+
+    def test_a_damaged_state_that_cannot_be_moved_stops_nothing(self):
+        server = self.start()
+        self.make(server, "a")
+        for state in ("first", "second"):
+            self.done(server, "SheetService/SaveState", {"parent": "sheets/a", "state_id": state})
+        self.stop(server)
+        for file in (self.store / "states").iterdir():
+            file.write_bytes(b"torn")
+        (self.store / "damaged").touch()
+        for _ in range(2):
+            server = self.start()
+            self.assertEqual(self.names(server), ["sheets/a"])
+            text = self.stop(server)
+            for state in ("first", "second"):
+                self.assertRegex(text, rf'continues without a state: the file of the saved state "{state}".* it stays, as this server cannot make')
 
     def test_a_saved_state_that_is_damaged_is_named_once_and_then_forgotten(self):
         for change in ("changed", "gone"):

@@ -40,6 +40,7 @@ class LossyDisk : public store::Files {
   Status make_folder(const std::string& path) override;
   Result<std::unique_ptr<store::FileLock>> lock(const std::string& path) override;
   Result<std::int64_t> size(const std::string& path) override;
+  bool is_writable(const std::string& /*path*/) override { return true; }
   Result<std::vector<std::string>> list(const std::string& folder) override;
   Result<std::string> read(const std::string& path, std::size_t max_bytes) override;
   Result<std::unique_ptr<AppendFile>> create(const std::string& path) override;

@@ -45,6 +45,7 @@ const std::vector<Group>& groups() {
       {"CLI11", {"CLI/"}},
       {"nlohmann-json", {"nlohmann/"}},
       {"pugixml", {"pugixml.hpp"}},
+      {"OpenSSL", {"openssl/"}},
       {"SQLite", {"sqlite3.h"}},
       {"minizip", {"minizip/"}},
       {"EGL", {"EGL/", "KHR/"}},

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "google/protobuf/empty.pb.h"
+#include "kerf/v1/access_service.pb.h"
 #include "kerf/v1/cuts.pb.h"
 #include "kerf/v1/interaction.pb.h"
 #include "kerf/v1/render.pb.h"
@@ -11,6 +12,7 @@
 #include "kerf/v1/store_service.pb.h"
 #include "render/video.h"
 #include "server/base/catch_exceptions.h"
+#include "server/service/api/access.h"
 #include "server/service/api/core.h"
 #include "server/service/api/session.h"
 #include "server/service/wire/finite_check.h"
@@ -20,23 +22,42 @@
 namespace kerf::api {
 namespace {
 
-// `Stop`: nothing, or the stop token of a method that takes one.
-template <typename Request, typename Response, typename... Stop>
-Method json_method(std::string path, Api& api, void (Api::*method)(const Request&, Reply<Response>, Stop...)) {
-  return {std::move(path),
-          [&api, method](std::string_view json, Reply<std::string> reply, const std::stop_token& stop) {
+// Parses and checks a request, then passes it to `call` with the reply of its response.
+template <typename Request, typename Response, typename Call>
+Method json_method_by(std::string path, Call call) {
+  return {std::move(path), [call](std::string_view json, const auth::Caller& caller, Reply<std::string> reply,
+                                  const std::stop_token& stop) {
             Request request;
             Status status = wire::from_json(json, request);
             if (status.ok()) status = wire::check_finite(request);
+            if (status.ok()) status = check_access(caller, request);
             if (!status.ok()) return reply(status.error());
-            (api.*method)(
-                request,
+            call(
+                request, caller,
                 [reply = std::move(reply)](Result<Response> response) {
                   if (!response.ok()) return reply(response.error());
                   reply(catch_exceptions([&] { return Result<std::string>(wire::to_json(*response)); }));
                 },
-                Stop(stop)...);
+                stop);
           }};
+}
+
+// `Stop`: nothing, or the stop token of a method that takes one.
+template <typename Request, typename Response, typename... Stop>
+Method json_method(std::string path, Api& api, void (Api::*method)(const Request&, Reply<Response>, Stop...)) {
+  return json_method_by<Request, Response>(
+      std::move(path),
+      [&api, method](const Request& request, const auth::Caller& /*caller*/, Reply<Response> reply,
+                     const std::stop_token& stop) { (api.*method)(request, std::move(reply), Stop(stop)...); });
+}
+
+template <typename Request, typename Response>
+Method json_method(std::string path, Api& api,
+                   void (Api::*method)(const Request&, const auth::Caller&, Reply<Response>)) {
+  return json_method_by<Request, Response>(
+      std::move(path),
+      [&api, method](const Request& request, const auth::Caller& caller, Reply<Response> reply,
+                     const std::stop_token& /*stop*/) { (api.*method)(request, caller, std::move(reply)); });
 }
 
 std::vector<Method> json_methods(Api& api) {
@@ -74,6 +95,8 @@ std::vector<Method> json_methods(Api& api) {
       json_method("/kerf.v1.InteractionService/SetSheetSelfContact", api, &Api::set_sheet_self_contact),
       json_method("/kerf.v1.RenderService/RenderImage", api, &Api::render_image),
       json_method("/kerf.v1.ServerService/GetServerInfo", api, &Api::get_server_info),
+      json_method("/kerf.v1.AccessService/GetAccess", api, &Api::get_access),
+      json_method("/kerf.v1.AccessService/CreateLink", api, &Api::create_link),
       json_method("/kerf.v1.StoreService/GetStoreInfo", api, &Api::get_store_info),
       json_method("/kerf.v1.StoreService/PruneStore", api, &Api::prune_store),
       json_method("/kerf.v1.StoreService/DeleteSetAsideSheet", api, &Api::delete_set_aside_sheet),
@@ -144,12 +167,12 @@ void Api::get_server_info(const v1::GetServerInfoRequest& /*request*/, Reply<v1:
   reply(std::move(info));
 }
 
-std::shared_ptr<WatchSession> Api::watch() {
-  return make_watch_session(core_);
+std::shared_ptr<WatchSession> Api::watch(const Result<auth::Caller>& caller) {
+  return make_watch_session(core_, caller);
 }
 
-std::shared_ptr<WatchSession> Api::subscribe(const v1::SubscribeRequest& request) {
-  return make_subscription(core_, request);
+std::shared_ptr<WatchSession> Api::subscribe(const v1::SubscribeRequest& request, const Result<auth::Caller>& caller) {
+  return make_subscription(core_, caller, request);
 }
 
 const std::vector<Method>& Api::methods() const {

@@ -11,7 +11,11 @@
 #include <vector>
 
 #include "server/base/result.h"
+#include "server/service/auth/grant.h"
 
+namespace kerf::auth {
+class Authenticator;
+}  // namespace kerf::auth
 namespace kerf::host {
 class Clock;
 class Host;
@@ -25,6 +29,8 @@ class Empty;
 }  // namespace google::protobuf
 
 namespace kerf::v1 {
+class Access;
+class AccessLink;
 class AnalyzeSheetRequest;
 class AnalyzeSheetResponse;
 class BackupStoreRequest;
@@ -32,6 +38,7 @@ class CancelScheduledCutsRequest;
 class CreateCutRequest;
 class CreateCutsRequest;
 class CreateCutsResponse;
+class CreateLinkRequest;
 class CreateSheetRequest;
 class CutResult;
 class DeleteSheetRequest;
@@ -40,6 +47,7 @@ class DeleteStateRequest;
 class DragPointRequest;
 class ExportSheetRequest;
 class ExportSheetResponse;
+class GetAccessRequest;
 class GetServerInfoRequest;
 class GetSheetRecordingRequest;
 class GetSheetRequest;
@@ -134,7 +142,8 @@ struct ApiOptions {
   std::string version = "0.0.0";  // Reported by GetServerInfo.
   std::string instance_id;        // Reported by GetServerInfo; different at each start of the server.
   Limits limits;
-  KeptStore* store = nullptr;  // Outlives the Api. nullptr: the server keeps nothing.
+  KeptStore* store = nullptr;                    // Outlives the Api. nullptr: the server keeps nothing.
+  auth::Authenticator* authenticator = nullptr;  // Outlives the Api. nullptr: everybody may do everything.
 };
 
 // Counts the work done for streams of frames so far.
@@ -159,10 +168,13 @@ struct Method {
   std::string path;  // "/kerf.v1.CutService/CreateCut"
   // `stop` is triggered when no caller waits for the reply any more. A long method may then end early; it still
   // replies.
-  std::function<void(std::string_view json, Reply<std::string> reply, std::stop_token stop)> call;
+  std::function<void(std::string_view json, const auth::Caller& caller, Reply<std::string> reply, std::stop_token stop)>
+      call;
 };
 
-// Answers the requests of one server. Callable from any thread. `host`, `clock` and `renderer` must outlive it and
+// Answers the requests of one server. Callable from any thread. Its methods do what they are asked to: a transport asks
+// check_access() (access.h) before, for the caller that caller_of() or a login gives; methods() ask by themselves.
+//  `host`, `clock` and `renderer` must outlive it and
 // every session made by it. The proto files list the errors of each RPC. An unknown sheet is kNotFound SHEET_NOT_FOUND
 // with field "name" or "parent", a malformed name is kInvalidArgument, and after stop() every call gets kUnavailable.
 class Api {
@@ -174,13 +186,24 @@ class Api {
   Api(const Api&) = delete;
   Api& operator=(const Api&) = delete;
 
+  // Returns who sent `authorization`, the value of that header or metadata: everybody if the server asks for no tokens.
+  // Errors: those of auth::Authenticator::find_bearer().
+  [[nodiscard]] Result<auth::Caller> caller_of(std::string_view authorization) const;
+  [[nodiscard]] auth::Authenticator* authenticator() const;  // As in ApiOptions.
+  // Says what a caller may do.
+  [[nodiscard]] v1::Access describe(const auth::Caller& caller) const;
+  // Ends the streams of callers whose grants were withdrawn. To be called after that.
+  void check_callers();
+
   // Remembers requests of the server before, newest first, so that one sent again gets its answer.
   void remember(std::vector<host::StoredRequest> requests);
 
   // `stop` is triggered when the client leaves; the sheet is then not made.
   void create_sheet(const v1::CreateSheetRequest& request, Reply<v1::Sheet> reply, std::stop_token stop = {});
   void get_sheet(const v1::GetSheetRequest& request, Reply<v1::Sheet> reply);
-  void list_sheets(const v1::ListSheetsRequest& request, Reply<v1::ListSheetsResponse> reply);
+  // Lists the sheets that the caller reaches.
+  void list_sheets(const v1::ListSheetsRequest& request, const auth::Caller& caller,
+                   Reply<v1::ListSheetsResponse> reply);
   void delete_sheet(const v1::DeleteSheetRequest& request, Reply<google::protobuf::Empty> reply);
   void pause_sheet(const v1::PauseSheetRequest& request, Reply<v1::Sheet> reply);
   void resume_sheet(const v1::ResumeSheetRequest& request, Reply<v1::Sheet> reply);
@@ -237,16 +260,22 @@ class Api {
   // It is made even if its caller leaves; stop() gives it up. One at a time: kResourceExhausted BACKUP_UNDER_WAY.
   void backup_store(const v1::BackupStoreRequest& request, Reply<v1::StoreBackup> reply);
 
-  // Returns a new stream of StreamService.Watch.
-  std::shared_ptr<WatchSession> watch();
+  void get_access(const v1::GetAccessRequest& request, const auth::Caller& caller, Reply<v1::Access> reply);
+  void create_link(const v1::CreateLinkRequest& request, const auth::Caller& caller, Reply<v1::AccessLink> reply);
+
+  // Streams check each request of theirs. They fail at once if `caller` is an error, and end once the caller is no
+  // longer granted what it does. Returns a new stream of StreamService.Watch.
+  std::shared_ptr<WatchSession> watch(const Result<auth::Caller>& caller = auth::everybody());
   // Returns a started session of StreamService.Subscribe, which takes no requests.
-  std::shared_ptr<WatchSession> subscribe(const v1::SubscribeRequest& request);
+  std::shared_ptr<WatchSession> subscribe(const v1::SubscribeRequest& request,
+                                          const Result<auth::Caller>& caller = auth::everybody());
 
   // Returns a new stream of RenderService.WatchImages.
-  std::shared_ptr<ImageSession> watch_images();
+  std::shared_ptr<ImageSession> watch_images(const Result<auth::Caller>& caller = auth::everybody());
   // Returns a started stream of pictures that takes no requests. Pictures count as acknowledged once they are sent: for
   // a transport that notices by itself how fast its reader is.
-  std::shared_ptr<ImageSession> play_images(const v1::WatchImagesStart& start);
+  std::shared_ptr<ImageSession> play_images(const v1::WatchImagesStart& start,
+                                            const Result<auth::Caller>& caller = auth::everybody());
 
   // Returns every unary method above, ordered by path. Lives as long as the Api.
   [[nodiscard]] const std::vector<Method>& methods() const;

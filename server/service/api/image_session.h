@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "server/service/api/stream_session.h"
+#include "server/service/auth/grant.h"
 
 namespace kerf::v1 {
 class WatchImagesStart;
@@ -21,10 +22,12 @@ class ImageSession : public StreamSession {
   virtual std::optional<stream::Bytes> next_picture() = 0;
 };
 
-std::shared_ptr<ImageSession> make_image_session(const std::shared_ptr<ApiCore>& core);
+// `caller`: who watches. If it is an error, the stream has failed with it.
+std::shared_ptr<ImageSession> make_image_session(const std::shared_ptr<ApiCore>& core,
+                                                 const Result<auth::Caller>& caller);
 
 // Returns a started session that takes no requests and owes no acknowledgements.
 std::shared_ptr<ImageSession> make_image_player(const std::shared_ptr<ApiCore>& core,
-                                                const v1::WatchImagesStart& start);
+                                                const Result<auth::Caller>& caller, const v1::WatchImagesStart& start);
 
 }  // namespace kerf::api

@@ -1,7 +1,5 @@
 #include "server/service/api/open_streams.h"
 
-#include <vector>
-
 namespace kerf::api {
 
 void OpenStreams::add(const std::shared_ptr<OpenStream>& stream) {
@@ -14,15 +12,21 @@ void OpenStreams::remove(const OpenStream& stream) {
   streams_.erase(&stream);
 }
 
-void OpenStreams::notify_stop() {
-  std::vector<std::shared_ptr<OpenStream>> open;
-  {
-    const std::lock_guard lock(mutex_);
-    for (const auto& [address, weak] : streams_) {
-      if (auto stream = weak.lock()) open.push_back(std::move(stream));
-    }
+std::vector<std::shared_ptr<OpenStream>> OpenStreams::open() {
+  std::vector<std::shared_ptr<OpenStream>> found;
+  const std::lock_guard lock(mutex_);
+  for (const auto& [address, weak] : streams_) {
+    if (auto stream = weak.lock()) found.push_back(std::move(stream));
   }
-  for (const auto& stream : open) stream->server_stops();
+  return found;
+}
+
+void OpenStreams::notify_stop() {
+  for (const auto& stream : open()) stream->server_stops();
+}
+
+void OpenStreams::check_callers() {
+  for (const auto& stream : open()) stream->check_caller();
 }
 
 }  // namespace kerf::api

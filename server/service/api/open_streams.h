@@ -3,6 +3,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <vector>
 
 namespace kerf::api {
 
@@ -12,6 +13,8 @@ class OpenStream {
   virtual ~OpenStream() = default;
   // Ends the stream with kUnavailable if it has not been started. StreamHub::stop() ends streams that watch a sheet.
   virtual void server_stops() = 0;
+  // Looks whether its caller is still granted what it does, and ends the stream if not.
+  virtual void check_caller() = 0;
 };
 
 // Lists the open streams. Thread-safe.
@@ -21,8 +24,12 @@ class OpenStreams {
   void remove(const OpenStream& stream);
   // Calls server_stops() of each.
   void notify_stop();
+  // Calls check_caller() of each.
+  void check_callers();
 
  private:
+  std::vector<std::shared_ptr<OpenStream>> open();
+
   std::mutex mutex_;
   std::map<const OpenStream*, std::weak_ptr<OpenStream>> streams_;  // guarded by mutex_
 };

@@ -64,12 +64,12 @@ void Api::render_image(const v1::RenderImageRequest& request, Reply<v1::RenderIm
       });
 }
 
-std::shared_ptr<ImageSession> Api::watch_images() {
-  return make_image_session(core_);
+std::shared_ptr<ImageSession> Api::watch_images(const Result<auth::Caller>& caller) {
+  return make_image_session(core_, caller);
 }
 
-std::shared_ptr<ImageSession> Api::play_images(const v1::WatchImagesStart& start) {
-  return make_image_player(core_, start);
+std::shared_ptr<ImageSession> Api::play_images(const v1::WatchImagesStart& start, const Result<auth::Caller>& caller) {
+  return make_image_player(core_, caller, start);
 }
 
 PictureCounts Api::picture_counts() const {

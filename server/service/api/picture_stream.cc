@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "kerf/v1/stream.pb.h"
+#include "server/service/api/access.h"
 #include "server/service/api/flow_request.h"
 #include "server/service/wire/finite_check.h"
 
@@ -19,6 +20,7 @@ void PictureStream::on_bytes(std::string_view bytes) {
   const Status turn = check_turn(request.kind_case() != v1::WatchImagesRequest::KIND_NOT_SET, request.has_start(),
                                  started(), "start, ack, view or pace");
   if (!turn.ok()) return fail(turn.error());
+  if (const Status allowed = check_access(caller_, request); !allowed.ok()) return fail(allowed.error());
   switch (request.kind_case()) {
     case v1::WatchImagesRequest::kStart:
       return start(request.start(), true);
@@ -249,16 +251,24 @@ void PictureStream::close() {
   core_->streams.remove(*this);
 }
 
-std::shared_ptr<ImageSession> make_image_session(const std::shared_ptr<ApiCore>& core) {
-  auto session = std::make_shared<PictureStream>(core);
+void PictureStream::check_caller() {
+  if (const Status valid = caller_->check(); !valid.ok()) fail(valid.error());
+}
+
+std::shared_ptr<ImageSession> make_image_session(const std::shared_ptr<ApiCore>& core,
+                                                 const Result<auth::Caller>& caller) {
+  auto session = std::make_shared<PictureStream>(core, caller.ok() ? *caller : auth::everybody());
   core->streams.add(session);
+  if (!caller.ok()) session->fail(caller.error());
   if (core->stopping) session->server_stops();
   return session;
 }
 
 std::shared_ptr<ImageSession> make_image_player(const std::shared_ptr<ApiCore>& core,
-                                                const v1::WatchImagesStart& start) {
-  auto session = std::static_pointer_cast<PictureStream>(make_image_session(core));
+                                                const Result<auth::Caller>& caller, const v1::WatchImagesStart& start) {
+  auto session = std::static_pointer_cast<PictureStream>(make_image_session(core, caller));
+  const Status allowed = caller.ok() ? check_access(*caller, start) : Status(Nothing{});
+  if (!allowed.ok()) session->fail(allowed.error());
   session->start(start, false);
   return session;
 }

@@ -30,7 +30,8 @@ class PictureStream final : public ImageSession,
                             public stream::Reader,
                             public std::enable_shared_from_this<PictureStream> {
  public:
-  explicit PictureStream(std::shared_ptr<ApiCore> core) : core_(std::move(core)), timer_(core_->clock) {}
+  PictureStream(std::shared_ptr<ApiCore> core, auth::Caller caller)
+      : core_(std::move(core)), caller_(std::move(caller)), timer_(core_->clock) {}
   ~PictureStream() override { close(); }
 
   void on_bytes(std::string_view bytes) override;
@@ -41,11 +42,13 @@ class PictureStream final : public ImageSession,
   [[nodiscard]] std::optional<Error> failure() const override;
   void close() override;
   void server_stops() override;
+  void check_caller() override;
 
   void wake() override;
   void end(wire::EndReason reason) override;
   void leave() override;
 
+  void fail(Error error);
   // `acknowledges`: the client acknowledges pictures.
   void start(const v1::WatchImagesStart& request, bool acknowledges);
 
@@ -56,7 +59,6 @@ class PictureStream final : public ImageSession,
   void acknowledge(const v1::WatchAck& ack);
   void look(const v1::ImageView& view);
   void set_frame_rate(const v1::WatchPace& pace);
-  void fail(Error error);
   [[nodiscard]] bool started() const;
 
   struct Outgoing {
@@ -79,6 +81,7 @@ class PictureStream final : public ImageSession,
   void let_go();
 
   const std::shared_ptr<ApiCore> core_;
+  const auth::Caller caller_;
   host::WakeCallback wake_;
   host::WakeTimer timer_;
   std::string sheet_id_;  // Like codec_, written by start() before anything reads it.

@@ -8,8 +8,10 @@
 #include <vector>
 
 #include "kerf/v1/stream.pb.h"
+#include "server/service/api/access.h"
 #include "server/service/api/flow_request.h"
 #include "server/service/api/open_streams.h"
+#include "server/service/api/watch_options.h"
 #include "server/service/host/wake_callback.h"
 #include "server/service/host/wake_timer.h"
 #include "server/service/wire/command_codec.h"
@@ -21,61 +23,11 @@ namespace {
 // Limit on rejections that the client has not read. A client that reads never reaches it; those of a client that does
 // not read would only cost memory.
 constexpr std::size_t kMaxUnreadRejections = 256;
-constexpr double kSubscriptionRateHz = 1.0;
-constexpr double kMaxSubscriptionRateHz = 10.0;
-constexpr std::size_t kMaxEpochBytes = 64;
-
-Result<wire::Encoding> decode_encoding(const v1::WatchStart& start) {
-  switch (start.encoding()) {
-    case v1::ENCODING_UNSPECIFIED:
-    case v1::COMPACT:
-      return wire::Encoding::kCompact;
-    case v1::RAW:
-      return wire::Encoding::kRaw;
-    default:
-      return invalid_argument("OUT_OF_RANGE",
-                              "start.encoding is " + std::to_string(start.encoding()) +
-                                  "; must be COMPACT (1) or RAW (2), or 0 for COMPACT",
-                              "start.encoding");
-  }
-}
-
-Result<stream::SubscriberOptions> decode_options(const v1::WatchStart& start, const Limits& limits) {
-  KERF_TRY_ASSIGN(const stream::FlowOptions flow, decode_flow(start.window(), start.max_rate_hz(), limits));
-  stream::SubscriberOptions options;
-  options.flow = flow;
-  KERF_TRY_ASSIGN(options.encoding, decode_encoding(start));
-  if (start.epoch().size() > kMaxEpochBytes) {
-    return invalid_argument("OUT_OF_RANGE",
-                            "start.epoch has " + std::to_string(start.epoch().size()) +
-                                " bytes; it must be that of an earlier stream's first frame, or empty",
-                            "start.epoch");
-  }
-  options.epoch = start.epoch();
-  options.topology_version = start.topology_version();
-  options.strains = start.strains();
-  return options;
-}
-
-Result<stream::SubscriberOptions> decode_options(const v1::SubscribeRequest& request, const Limits& limits) {
-  stream::SubscriberOptions options;
-  options.flow = flow_within(limits);
-  KERF_TRY_ASSIGN(const double rate,
-                  decode_rate(request.max_rate_hz(), kMaxSubscriptionRateHz, "one a second", "max_rate_hz"));
-  options.flow.max_rate_hz = rate == 0.0 ? kSubscriptionRateHz : rate;
-  options.encoding = wire::Encoding::kRaw;
-  options.flow.acknowledges = false;
-  if (request.max_frames() < 0) {
-    return invalid_argument("OUT_OF_RANGE",
-                            "max_frames is " + std::to_string(request.max_frames()) + "; must be 0 (no end) or more",
-                            "max_frames");
-  }
-  return options;
-}
 
 class Session final : public WatchSession, public OpenStream, public std::enable_shared_from_this<Session> {
  public:
-  explicit Session(std::shared_ptr<ApiCore> core) : core_(std::move(core)), timer_(core_->clock) {
+  Session(std::shared_ptr<ApiCore> core, auth::Caller caller)
+      : core_(std::move(core)), caller_(std::move(caller)), timer_(core_->clock) {
     ++core_->num_watchers;
   }
   ~Session() override { close(); }
@@ -88,6 +40,7 @@ class Session final : public WatchSession, public OpenStream, public std::enable
   [[nodiscard]] std::optional<Error> failure() const override;
   void close() override;
   void server_stops() override;
+  void check_caller() override;
 
   // Begins a stream that takes no requests.
   void subscribe(const v1::SubscribeRequest& request);
@@ -101,6 +54,7 @@ class Session final : public WatchSession, public OpenStream, public std::enable
     bool paused;
   };
 
+  void refuse(const v1::WatchRequest& request, const Error& error);
   void start(const v1::WatchStart& request);
   void join(const std::string& sheet_id, const stream::SubscriberOptions& options);
   void set_frame_rate(const v1::WatchPace& pace);
@@ -115,6 +69,7 @@ class Session final : public WatchSession, public OpenStream, public std::enable
   [[nodiscard]] bool over() const { return closed_ || failure_; }  // Needs mutex_ held.
 
   const std::shared_ptr<ApiCore> core_;
+  const auth::Caller caller_;
   host::WakeCallback wake_;
   host::WakeTimer timer_;
   const char* name_field_ = "start.name";  // Field of the request that began the stream.
@@ -143,6 +98,7 @@ void Session::on_request(const v1::WatchRequest& request) {
   const Status turn = check_turn(request.kind_case() != v1::WatchRequest::KIND_NOT_SET, request.has_start(), started(),
                                  "start, ack, grab, drag, release or pace");
   if (!turn.ok()) return fail(turn.error());
+  if (const Status allowed = check_access(caller_, request); !allowed.ok()) return refuse(request, allowed.error());
   switch (request.kind_case()) {
     case v1::WatchRequest::kStart:
       return start(request.start());
@@ -161,6 +117,14 @@ void Session::on_request(const v1::WatchRequest& request) {
   }
 }
 
+// A hand that is not allowed is rejected as others are; the stream stays.
+void Session::refuse(const v1::WatchRequest& request, const Error& error) {
+  if (error.reason != "SCOPE_TOO_LOW") return fail(error);
+  if (request.has_grab()) return reject(request.grab().grab_id(), error);
+  if (request.has_drag()) return reject(request.drag().grab_id(), error);
+  reject(request.release().grab_id(), error);
+}
+
 void Session::start(const v1::WatchStart& request) {
   const Result<std::string> id = addressed_sheet(*core_, request.name(), "start.name");
   if (!id.ok()) return fail(id.error());
@@ -171,6 +135,7 @@ void Session::start(const v1::WatchStart& request) {
 
 void Session::subscribe(const v1::SubscribeRequest& request) {
   name_field_ = "name";
+  if (const Status allowed = check_access(caller_, request); !allowed.ok()) return fail(allowed.error());
   const Result<std::string> id = addressed_sheet(*core_, request.name(), name_field_);
   if (!id.ok()) return fail(id.error());
   const Result<stream::SubscriberOptions> options = decode_options(request, core_->options.limits);
@@ -303,6 +268,10 @@ std::optional<stream::Message> Session::next() {
     subscriber = subscriber_;
   }
   if (!subscriber) return std::nullopt;
+  if (const Status valid = caller_->check(); !valid.ok()) {
+    fail(valid.error());
+    return std::nullopt;
+  }
   stream::Subscriber::Next next = subscriber->next(core_->clock.now());
   if (next.wake_at) wake_at(*next.wake_at);
   if (next.message) count_frame();
@@ -357,6 +326,10 @@ void Session::server_stops() {
   if (!started()) fail(server_stopping());
 }
 
+void Session::check_caller() {
+  if (const Status valid = caller_->check(); !valid.ok()) fail(valid.error());
+}
+
 void Session::close() {
   std::shared_ptr<stream::Subscriber> subscriber;
   std::set<std::string> grabs;
@@ -376,16 +349,19 @@ void Session::close() {
 
 }  // namespace
 
-std::shared_ptr<WatchSession> make_watch_session(const std::shared_ptr<ApiCore>& core) {
-  auto session = std::make_shared<Session>(core);
+std::shared_ptr<WatchSession> make_watch_session(const std::shared_ptr<ApiCore>& core,
+                                                 const Result<auth::Caller>& caller) {
+  auto session = std::make_shared<Session>(core, caller.ok() ? *caller : auth::everybody());
   core->streams.add(session);
+  if (!caller.ok()) session->fail(caller.error());
   if (core->stopping) session->server_stops();
   return session;
 }
 
 std::shared_ptr<WatchSession> make_subscription(const std::shared_ptr<ApiCore>& core,
+                                                const Result<auth::Caller>& caller,
                                                 const v1::SubscribeRequest& request) {
-  auto session = std::static_pointer_cast<Session>(make_watch_session(core));
+  auto session = std::static_pointer_cast<Session>(make_watch_session(core, caller));
   session->subscribe(request);
   return session;
 }

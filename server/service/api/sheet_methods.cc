@@ -51,7 +51,8 @@ void Api::get_sheet(const v1::GetSheetRequest& request, Reply<v1::Sheet> reply) 
   core_->host.status(*id, sheet_reply(std::move(reply), "name"));
 }
 
-void Api::list_sheets(const v1::ListSheetsRequest& request, Reply<v1::ListSheetsResponse> reply) {
+void Api::list_sheets(const v1::ListSheetsRequest& request, const auth::Caller& caller,
+                      Reply<v1::ListSheetsResponse> reply) {
   if (core_->stopping) return reply(server_stopping());
   const Result<std::size_t> size = page_size(request.page_size());
   if (!size.ok()) return reply(size.error());
@@ -60,6 +61,7 @@ void Api::list_sheets(const v1::ListSheetsRequest& request, Reply<v1::ListSheets
   }
   // Uses the last id of the page before as token, so that sheets made or deleted in between shift nothing.
   std::vector<std::string> ids = core_->host.list();
+  std::erase_if(ids, [&caller](const std::string& id) { return !caller->rights().reaches(id); });
   ids.erase(ids.begin(), std::upper_bound(ids.begin(), ids.end(), request.page_token()));
   const bool more = ids.size() > *size;
   if (more) ids.resize(*size);

@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "kerf/v1/access_service.grpc.pb.h"
 #include "kerf/v1/cuts.grpc.pb.h"
 #include "kerf/v1/interaction.grpc.pb.h"
 #include "kerf/v1/render.grpc.pb.h"
@@ -15,8 +16,10 @@
 #include "kerf/v1/sheets.grpc.pb.h"
 #include "kerf/v1/store_service.grpc.pb.h"
 #include "kerf/v1/stream.grpc.pb.h"
+#include "server/service/api/access.h"
 #include "server/service/api/api.h"
 #include "server/service/api/image_session.h"
+#include "server/service/rpc/grpc_caller.h"
 #include "server/service/rpc/grpc_status.h"
 #include "server/service/rpc/messages.h"
 #include "server/service/rpc/session_reactor.h"
@@ -60,14 +63,38 @@ std::optional<Request> parse(const ByteBuffer* bytes, Reactor* reactor) {
   return std::nullopt;
 }
 
-// Passes the request to the Api's method of the same name. gRPC keeps the response until the reactor finishes.
+// Calls `call` with a request that its caller may send. gRPC keeps the response until the reactor finishes.
+template <typename Request, typename Call>
+void answer_allowed(api::Api& api, const Context& context, const ByteBuffer* bytes, Reactor* reactor,
+                    const Call& call) {
+  const Result<auth::Caller> caller = caller_of(api, context);
+  if (!caller.ok()) return reactor->Finish(to_status(caller.error()));
+  const std::optional<Request> request = parse<Request>(bytes, reactor);
+  if (!request) return;
+  if (const Status allowed = api::check_access(*caller, *request); !allowed.ok()) {
+    return reactor->Finish(to_status(allowed.error()));
+  }
+  call(*request, *caller);
+}
+
+// Passes the request to the Api's method of the same name.
 template <typename Request, typename Response>
 Reactor* answer(api::Api& api, void (api::Api::*method)(const Request&, api::Reply<Response>), Context* context,
                 const ByteBuffer* bytes, ByteBuffer* response) {
   Reactor* reactor = context->DefaultReactor();
-  if (const std::optional<Request> request = parse<Request>(bytes, reactor)) {
-    (api.*method)(*request, finisher<Response>(reactor, response));
-  }
+  answer_allowed<Request>(api, *context, bytes, reactor, [&](const Request& request, const auth::Caller& /*caller*/) {
+    (api.*method)(request, finisher<Response>(reactor, response));
+  });
+  return reactor;
+}
+
+template <typename Request, typename Response>
+Reactor* answer(api::Api& api, void (api::Api::*method)(const Request&, const auth::Caller&, api::Reply<Response>),
+                Context* context, const ByteBuffer* bytes, ByteBuffer* response) {
+  Reactor* reactor = context->DefaultReactor();
+  answer_allowed<Request>(api, *context, bytes, reactor, [&](const Request& request, const auth::Caller& caller) {
+    (api.*method)(request, caller, finisher<Response>(reactor, response));
+  });
   return reactor;
 }
 
@@ -85,11 +112,11 @@ class CancellableReactor final : public Reactor {
 // Passes the request to a long method that can be stopped; otherwise as answer() above.
 template <typename Request, typename Response>
 Reactor* answer(api::Api& api, void (api::Api::*method)(const Request&, api::Reply<Response>, std::stop_token),
-                Context* /*context*/, const ByteBuffer* bytes, ByteBuffer* response) {
+                Context* context, const ByteBuffer* bytes, ByteBuffer* response) {
   auto* reactor = new CancellableReactor;  // Deletes itself in OnDone.
-  if (const std::optional<Request> request = parse<Request>(bytes, reactor)) {
-    (api.*method)(*request, finisher<Response>(reactor, response), reactor->token());
-  }
+  answer_allowed<Request>(api, *context, bytes, reactor, [&](const Request& request, const auth::Caller& /*caller*/) {
+    (api.*method)(request, finisher<Response>(reactor, response), reactor->token());
+  });
   return reactor;
 }
 
@@ -133,11 +160,11 @@ class Sheets final : public RawSheets {
   KERF_UNARY(ListStates, list_states)
   KERF_UNARY(DeleteState, delete_state)
 
-  grpc::ServerReadReactor<ByteBuffer>* UploadSheet(Context* /*context*/, ByteBuffer* response) override {
-    return receive_sheet(api_, timing_, response);
+  grpc::ServerReadReactor<ByteBuffer>* UploadSheet(Context* context, ByteBuffer* response) override {
+    return receive_sheet(api_, timing_, *context, response);
   }
-  grpc::ServerReadReactor<ByteBuffer>* ReplayRecording(Context* /*context*/, ByteBuffer* response) override {
-    return receive_recording(api_, timing_, response);
+  grpc::ServerReadReactor<ByteBuffer>* ReplayRecording(Context* context, ByteBuffer* response) override {
+    return receive_recording(api_, timing_, *context, response);
   }
   grpc::ServerWriteReactor<ByteBuffer>* GetSheetRecording(Context* context, const ByteBuffer* request) override {
     return send_recording(api_, timing_, *context, request);
@@ -200,7 +227,8 @@ class Render final : public RawRender {
   Render(api::Api& api, StreamHosting& hosting) : api_(api), hosting_(hosting) {}
   KERF_UNARY(RenderImage, render_image)
   grpc::ServerBidiReactor<ByteBuffer, ByteBuffer>* WatchImages(Context* context) override {
-    return new TalkReactor(api_.watch_images(), *context, hosting_);  // Deletes itself in OnDone.
+    // Deletes itself in OnDone.
+    return new TalkReactor(api_.watch_images(caller_of(api_, *context)), *context, hosting_);
   }
 
  private:
@@ -214,6 +242,18 @@ class ServerInformation final : public RawServerInformation {
  public:
   explicit ServerInformation(api::Api& api) : api_(api) {}
   KERF_UNARY(GetServerInfo, get_server_info)
+
+ private:
+  api::Api& api_;
+};
+
+using RawAccess = RawService<v1::AccessService::Service, v1::AccessService::WithRawCallbackMethod_GetAccess,
+                             v1::AccessService::WithRawCallbackMethod_CreateLink>::type;
+class Access final : public RawAccess {
+ public:
+  explicit Access(api::Api& api) : api_(api) {}
+  KERF_UNARY(GetAccess, get_access)
+  KERF_UNARY(CreateLink, create_link)
 
  private:
   api::Api& api_;
@@ -248,6 +288,7 @@ std::vector<NamedService> make_services(api::Api& api, TransferTiming timing, St
   services.push_back({v1::RenderService::service_full_name(), std::make_unique<Render>(api, hosting)});
   services.push_back({v1::ServerService::service_full_name(), std::make_unique<ServerInformation>(api)});
   services.push_back({v1::StoreService::service_full_name(), std::make_unique<Store>(api)});
+  services.push_back({v1::AccessService::service_full_name(), std::make_unique<Access>(api)});
   return services;
 }
 

@@ -7,6 +7,7 @@
 #include "kerf/v1/stream.grpc.pb.h"
 #include "server/service/api/api.h"
 #include "server/service/api/watch_session.h"
+#include "server/service/rpc/grpc_caller.h"
 #include "server/service/rpc/grpc_status.h"
 #include "server/service/rpc/messages.h"
 #include "server/service/rpc/services.h"
@@ -38,13 +39,14 @@ class StreamService final : public RawStream {
   StreamService(api::Api& api, StreamHosting& hosting) : api_(api), hosting_(hosting) {}
 
   grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* Watch(grpc::CallbackServerContext* context) override {
-    return new TalkReactor(api_.watch(), *context, hosting_);  // Deletes itself in OnDone.
+    // Deletes itself in OnDone.
+    return new TalkReactor(api_.watch(caller_of(api_, *context)), *context, hosting_);
   }
   grpc::ServerWriteReactor<grpc::ByteBuffer>* Subscribe(grpc::CallbackServerContext* context,
                                                         const grpc::ByteBuffer* request) override {
     const Result<v1::SubscribeRequest> message = parse_message<v1::SubscribeRequest>(*request);
     if (!message.ok()) return new RefusedReactor(message.error());
-    return new SubscribeReactor(api_.subscribe(*message), *context, hosting_);
+    return new SubscribeReactor(api_.subscribe(*message, caller_of(api_, *context)), *context, hosting_);
   }
 
  private:

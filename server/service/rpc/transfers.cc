@@ -8,8 +8,10 @@
 #include <utility>
 
 #include "kerf/v1/sheets.pb.h"
+#include "server/service/api/access.h"
 #include "server/service/api/upload.h"
 #include "server/service/host/wake_callback.h"
+#include "server/service/rpc/grpc_caller.h"
 #include "server/service/rpc/grpc_status.h"
 #include "server/service/rpc/messages.h"
 #include "server/service/rpc/transfer_deadline.h"
@@ -110,6 +112,17 @@ grpc::ServerReadReactor<ByteBuffer>* receive(Start start, TransferTiming timing,
   return new UploadReactor<Request, Start>(std::move(start), timing, response);  // Deletes itself in OnDone.
 }
 
+// Returns a function that begins an upload which the caller may make.
+template <typename Start>
+auto begin_allowed(api::Api& api, const grpc::CallbackServerContext& context,
+                   Result<std::unique_ptr<api::Upload>> (api::Api::*method)(const Start&)) {
+  return [&api, caller = caller_of(api, context), method](const Start& start) -> Result<std::unique_ptr<api::Upload>> {
+    KERF_TRY(caller);
+    KERF_TRY(api::check_access(*caller, start));
+    return (api.*method)(start);
+  };
+}
+
 // Sends a file in chunks, one write at a time.
 class RecordingReactor final : public grpc::ServerWriteReactor<ByteBuffer> {
  public:
@@ -118,8 +131,12 @@ class RecordingReactor final : public grpc::ServerWriteReactor<ByteBuffer> {
     // Cancels a stalled write, which then ends in OnWriteDone, and with it the call.
     too_slow_->set([&context] { context.TryCancel(); });
     const Result<v1::GetSheetRecordingRequest> request = parse_message<v1::GetSheetRecordingRequest>(*bytes);
-    if (!request.ok()) {
-      Finish(to_status(request.error()));
+    const Result<auth::Caller> caller = caller_of(api, context);
+    Status allowed = caller.ok() ? Status(Nothing{}) : Status(caller.error());
+    if (allowed.ok() && !request.ok()) allowed = request.error();
+    if (allowed.ok()) allowed = api::check_access(*caller, *request);
+    if (!allowed.ok()) {
+      Finish(to_status(allowed.error()));
       return;
     }
     api.get_sheet_recording(*request, [this](Result<std::shared_ptr<const std::string>> file) {
@@ -161,14 +178,16 @@ class RecordingReactor final : public grpc::ServerWriteReactor<ByteBuffer> {
 
 }  // namespace
 
-grpc::ServerReadReactor<ByteBuffer>* receive_sheet(api::Api& api, TransferTiming timing, ByteBuffer* response) {
-  return receive<v1::UploadSheetRequest>([&api](const v1::SheetUpload& start) { return api.upload_sheet(start); },
-                                         timing, response);
+grpc::ServerReadReactor<ByteBuffer>* receive_sheet(api::Api& api, TransferTiming timing,
+                                                   const grpc::CallbackServerContext& context, ByteBuffer* response) {
+  return receive<v1::UploadSheetRequest>(begin_allowed(api, context, &api::Api::upload_sheet), timing, response);
 }
 
-grpc::ServerReadReactor<ByteBuffer>* receive_recording(api::Api& api, TransferTiming timing, ByteBuffer* response) {
-  return receive<v1::ReplayRecordingRequest>(
-      [&api](const v1::RecordingUpload& start) { return api.replay_recording(start); }, timing, response);
+grpc::ServerReadReactor<ByteBuffer>* receive_recording(api::Api& api, TransferTiming timing,
+                                                       const grpc::CallbackServerContext& context,
+                                                       ByteBuffer* response) {
+  return receive<v1::ReplayRecordingRequest>(begin_allowed(api, context, &api::Api::replay_recording), timing,
+                                             response);
 }
 
 grpc::ServerWriteReactor<ByteBuffer>* send_recording(api::Api& api, TransferTiming timing,

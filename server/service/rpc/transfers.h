@@ -23,8 +23,10 @@ struct TransferTiming {
 };
 
 grpc::ServerReadReactor<grpc::ByteBuffer>* receive_sheet(api::Api& api, TransferTiming timing,
+                                                         const grpc::CallbackServerContext& context,
                                                          grpc::ByteBuffer* response);
 grpc::ServerReadReactor<grpc::ByteBuffer>* receive_recording(api::Api& api, TransferTiming timing,
+                                                             const grpc::CallbackServerContext& context,
                                                              grpc::ByteBuffer* response);
 grpc::ServerWriteReactor<grpc::ByteBuffer>* send_recording(api::Api& api, TransferTiming timing,
                                                            grpc::CallbackServerContext& context,

@@ -55,6 +55,7 @@ Status BackupJob::begin() {
   if (!found.empty()) {
     return failed_precondition("FOLDER_NOT_EMPTY", "\"" + paths_.to + "\" is not empty; name a new folder");
   }
+  KERF_TRY(check_part());
   KERF_TRY(files_.remove_folder(part_));
   has_begun_ = true;
   KERF_TRY(files_.make_folder(part_));
@@ -64,6 +65,17 @@ Status BackupJob::begin() {
   target_.emplace(std::move(target));
   pages_.reset(sqlite3_backup_init(target_->handle(), "main", source_.handle(), "main"));
   if (pages_ == nullptr) return target_->error(sqlite3_errcode(target_->handle()), "copy");
+  return Nothing{};
+}
+
+// Looks whether a folder with the name of the copy under way is the rest of another one, which may be removed.
+Status BackupJob::check_part() {
+  KERF_TRY_ASSIGN(const std::vector<std::string> found, files_.list(part_));
+  for (const std::string& name : found) {
+    if (name == "states" || name.starts_with("kerf.db")) continue;
+    return failed_precondition("FOLDER_NOT_EMPTY", "\"" + part_ + "\" has other files, such as \"" + name +
+                                                       "\", and the copy is made there; move it elsewhere");
+  }
   return Nothing{};
 }
 
@@ -85,7 +97,7 @@ Status BackupJob::copy_state() {
   if (file_ == nullptr) {
     Result<std::string> content = read_content(files_, paths_.from, state);
     if (!content.ok()) {
-      KERF_TRY(check_is_set_aside(state, content.error()));
+      KERF_TRY(check_may_be_left_out(state, content.error()));
       states_.pop_back();
       return Nothing{};
     }
@@ -99,8 +111,9 @@ Status BackupJob::copy_state() {
 }
 
 // A sheet that is set aside is copied as far as it can be read: it must not make backups of all others impossible.
-Status BackupJob::check_is_set_aside(const StateInfo& state, Error error) {
+Status BackupJob::check_may_be_left_out(const StateInfo& state, Error error) {
   if (error.code != ErrorCode::kDataLoss) return error;
+  if (paths_.takes_damaged) return Nothing{};
   KERF_TRY_ASSIGN(const std::vector<StoredSheet> sheets, read_sheets(source_));
   const auto sheet = std::find_if(sheets.begin(), sheets.end(), [&](const auto& s) { return s.sheet == state.sheet; });
   if (sheet != sheets.end() && sheet->is_quarantined) return Nothing{};

@@ -23,6 +23,7 @@ class BackupJob {
     std::string from;  // folder of the store
     std::string to;    // folder that is made; it must be missing or empty
     std::string vfs;
+    bool takes_damaged = false;  // Copies what can be read: states that are damaged are left out.
   };
   // `stop` gives the copy up at its next step.
   BackupJob(Files& files, Database& source, Paths paths, std::stop_token stop, std::function<void(Status)> done);
@@ -44,7 +45,8 @@ class BackupJob {
   Status begin();
   Result<bool> copy_pages();
   Status copy_state();
-  Status check_is_set_aside(const StateInfo& state, Error error);
+  Status check_may_be_left_out(const StateInfo& state, Error error);
+  Status check_part();
   Status finish();
 
   Files& files_;

@@ -44,18 +44,9 @@ Status check_sheet(Database& database, Files& files, const std::string& folder, 
   const auto fault = [&](const std::string& text) { faults.push_back(named(sheet) + ": " + text); };
   if (sheet.is_damaged) fault("its row has changed since it was written");
   if (sheet.num_damaged_states > 0) fault("the row of a state has changed since it was written");
-  if (sheet.first_seq > latest_first_seq(sheet)) {
-    fault("its oldest entry is " + std::to_string(sheet.first_seq) + ", and entry " +
-          std::to_string(latest_first_seq(sheet)) + " is needed");
-  }
-  const auto entries = read_entries(database, sheet.sheet, std::max<std::int64_t>(sheet.first_seq, 1) - 1);
-  if (!entries.ok()) {
-    if (entries.error().reason != "JOURNAL_DAMAGED") return entries.error();
-    fault(entries.error().message);
-  }
+  KERF_TRY_ASSIGN(const std::vector<std::string> in_journal, journal_faults(database, sheet));
+  for (const std::string& text : in_journal) fault(text);
   for (const StateInfo& state : sheet.states) {
-    if (state.seq > sheet.last_seq)
-      fault("a state follows entry " + std::to_string(state.seq) + ", which is not there");
     const Result<std::string> content = read_content(files, folder, state);
     if (!content.ok()) fault(content.error().message);
   }
@@ -84,8 +75,9 @@ Status find_orphans(Files& files, const std::string& folder, const std::vector<S
   for (const StoredSheet& sheet : sheets) {
     for (const StateInfo& state : sheet.states) expected.insert(file_name(state));
   }
-  std::copy_if(names.begin(), names.end(), std::back_inserter(report.orphan_files),
-               [&](const std::string& name) { return expected.count(name) == 0; });
+  std::copy_if(names.begin(), names.end(), std::back_inserter(report.orphan_files), [&](const std::string& name) {
+    return name.find(".state") != std::string::npos && !expected.contains(name);
+  });
   return Nothing{};
 }
 
@@ -93,6 +85,7 @@ Result<StoreReport> check_database(Database& database, Files& files, const std::
   StoreReport report;
   KERF_TRY(check_pages(database, report));
   if (const Status keys = check_keys(database); !keys.ok()) report.faults.push_back(keys.error().message);
+  report.opens = report.faults.empty();
   KERF_TRY_ASSIGN(const std::vector<StoredSheet> sheets, read_sheets(database));
   for (const StoredSheet& sheet : sheets) KERF_TRY(check_sheet(database, files, folder, sheet, report));
   KERF_TRY(check_requests(database, sheets, report));
@@ -103,9 +96,28 @@ Result<StoreReport> check_database(Database& database, Files& files, const std::
 
 }  // namespace
 
+Result<std::vector<std::string>> journal_faults(Database& database, const StoredSheet& sheet) {
+  std::vector<std::string> faults;
+  if (sheet.first_seq > latest_first_seq(sheet)) {
+    faults.push_back("its oldest entry is " + std::to_string(sheet.first_seq) + ", and entry " +
+                     std::to_string(latest_first_seq(sheet)) + " is needed");
+  }
+  const auto entries = read_entries(database, sheet.sheet, std::max<std::int64_t>(sheet.first_seq, 1) - 1);
+  if (!entries.ok()) {
+    if (entries.error().reason != "JOURNAL_DAMAGED") return entries.error();
+    faults.push_back(entries.error().message);
+  }
+  for (const StateInfo& state : sheet.states) {
+    if (state.seq > sheet.last_seq) {
+      faults.push_back("a state follows entry " + std::to_string(state.seq) + ", which is not there");
+    }
+  }
+  return faults;
+}
+
 Result<StoreReport> check_store(const std::string& folder, Files& files, const std::string& vfs) {
   std::unique_ptr<FileLock> lock;
-  if (files.size(lock_path(folder)).ok()) {
+  if (files.size(lock_path(folder)).ok() && files.is_writable(lock_path(folder))) {
     KERF_TRY_ASSIGN(lock, files.lock(lock_path(folder)));
   }
   KERF_TRY_ASSIGN(Database database, open_to_read(files, folder, vfs));

@@ -6,6 +6,7 @@
 
 #include "server/base/result.h"
 #include "server/service/store/files.h"
+#include "server/service/store/reading.h"
 #include "server/service/store/sql.h"
 
 namespace kerf::store {
@@ -32,6 +33,7 @@ struct StoreInfo {
 struct StoreReport {
   std::vector<std::string> faults;        // A sentence each; none: the store is whole.
   std::vector<std::string> known_faults;  // Like `faults`, of sheets that are quarantined.
+  bool opens = true;                      // A server can open it, and says what is wrong with single sheets.
   std::vector<std::string> orphan_files;  // Files of states that no row names: an end in the middle leaves them.
   StoreInfo info;
 };
@@ -40,6 +42,9 @@ struct StoreReport {
 // kNotFound STORE_NOT_FOUND, kFailedPrecondition STORE_IN_USE, STORE_FOREIGN or STORE_NEWER, kDataLoss STORE_DAMAGED if
 // the tables cannot be read at all. `vfs` as for StoreOptions.
 Result<StoreReport> check_store(const std::string& folder, Files& files = real_files(), const std::string& vfs = {});
+
+// Returns what is wrong with the entries of a sheet, a sentence each.
+Result<std::vector<std::string>> journal_faults(Database& database, const StoredSheet& sheet);
 
 // Reads the counts of an open store.
 Result<StoreInfo> read_info(Database& database, Files& files, const std::string& folder);

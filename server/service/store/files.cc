@@ -97,6 +97,7 @@ class RealFiles : public Files {
     if (::stat(path.c_str(), &about) != 0) return file_error("look at", path, errno);
     return static_cast<std::int64_t>(about.st_size);
   }
+  bool is_writable(const std::string& path) override { return ::access(path.c_str(), W_OK) == 0; }
   Result<std::vector<std::string>> list(const std::string& folder) override {
     std::vector<std::string> names;
     std::error_code broken;

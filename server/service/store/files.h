@@ -29,6 +29,8 @@ class Files {
   virtual Result<std::unique_ptr<FileLock>> lock(const std::string& path) = 0;
   // Returns the bytes of a file, or kNotFound FILE_NOT_FOUND.
   virtual Result<std::int64_t> size(const std::string& path) = 0;
+  // Returns false for a file that this process may not write, as on a disk that can only be read.
+  virtual bool is_writable(const std::string& path) = 0;
   // Returns the names of a folder's files in order. A folder that is missing has none.
   virtual Result<std::vector<std::string>> list(const std::string& folder) = 0;
   // Returns the content of the whole file. Error FILE_TOO_LARGE if the file has more than `max_bytes`.

@@ -118,6 +118,8 @@ Status check_schema(Database& database) {
 Result<Database> open_to_read(Files& files, const std::string& folder, const std::string& vfs) {
   const std::string path = database_path(folder);
   const Result<std::int64_t> bytes = files.size(path);
+  const Status remains = check_remains(files, folder);
+  if (!remains.ok() && remains.error().code == ErrorCode::kDataLoss) return remains.error();
   if (!bytes.ok()) {
     return not_found("STORE_NOT_FOUND", "there is no store in \"" + folder + "\" (" + bytes.error().message +
                                             "); name the folder of --data, or a backup, such as DATA/backups/ID");
@@ -126,8 +128,15 @@ Result<Database> open_to_read(Files& files, const std::string& folder, const std
   if (journal.ok() && *journal > 0) {
     return data_loss("STORE_DAMAGED", "\"" + folder + "\" was never wholly made: its creation was interrupted");
   }
-  const bool has_log = files.size(path + "-wal").ok();
-  KERF_TRY_ASSIGN(Database database, Database::open(path, vfs));
+  const Result<std::int64_t> log = files.size(path + "-wal");
+  const bool has_log = log.ok();
+  const bool is_writable = files.is_writable(path);
+  if (!is_writable && has_log && *log > 0) {
+    return failed_precondition("STORE_UNWRITABLE", "\"" + folder +
+                                                       "\" cannot be written, and its log has to be moved into its "
+                                                       "database: copy the folder to where it can be");
+  }
+  KERF_TRY_ASSIGN(Database database, is_writable ? Database::open(path, vfs) : Database::open_unwritable(path));
   if (has_log) sqlite3_db_config(database.handle(), SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
   KERF_TRY(
       database.execute("PRAGMA locking_mode = EXCLUSIVE; PRAGMA query_only = ON; PRAGMA cell_size_check = ON; "

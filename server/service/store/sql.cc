@@ -40,6 +40,25 @@ Result<Database> Database::open(const std::string& path, const std::string& vfs)
   return database;
 }
 
+Result<Database> Database::open_unwritable(const std::string& path) {
+  // A path in a URI: these letters mean something else there.
+  std::string uri = "file:";
+  for (const char c : path) {
+    if (c == '%' || c == '?' || c == '#') {
+      uri += c == '%' ? "%25" : c == '?' ? "%3f" : "%23";
+    } else {
+      uri += c;
+    }
+  }
+  sqlite3* handle = nullptr;
+  const int flags = SQLITE_OPEN_READONLY | SQLITE_OPEN_URI | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE;
+  const int code = sqlite3_open_v2((uri + "?immutable=1").c_str(), &handle, flags, nullptr);
+  if (handle == nullptr) return unavailable("OUT_OF_MEMORY", "too little memory to open the store");
+  Database database(handle);
+  if (code != SQLITE_OK) return database.error(code, "open");
+  return database;
+}
+
 Database::Database(Database&& other) noexcept : handle_(std::exchange(other.handle_, nullptr)) {}
 
 Database::~Database() {

@@ -16,6 +16,8 @@ class Database {
  public:
   // Opens or makes a database. `vfs` is the name of a virtual file system of SQLite; empty: the machine's.
   static Result<Database> open(const std::string& path, const std::string& vfs);
+  // Opens one that nothing changes, on a disk that can only be read. Its log must be empty.
+  static Result<Database> open_unwritable(const std::string& path);
   Database(Database&& other) noexcept;
   Database& operator=(Database&&) = delete;
   Database(const Database&) = delete;

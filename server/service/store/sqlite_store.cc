@@ -14,7 +14,13 @@
 namespace kerf::store {
 namespace {
 
+// Returns true for files of states, whole or not.
+bool is_state_file(const std::string& name) {
+  return name.ends_with(".state") || name.ends_with(".state.new");
+}
+
 // Removes files that an end in the middle of a write left. A damaged row may have named any of them, so all stay then.
+// One that cannot be removed does no harm.
 Status remove_orphans(Files& files, const std::string& folder, Database& database) {
   KERF_TRY_ASSIGN(const std::vector<StateRow> states, read_state_rows(database));
   std::set<std::string> kept;
@@ -24,7 +30,7 @@ Status remove_orphans(Files& files, const std::string& folder, Database& databas
   }
   KERF_TRY_ASSIGN(const std::vector<std::string> names, files.list(states_path(folder)));
   for (const std::string& name : names) {
-    if (kept.count(name) == 0) KERF_TRY(files.remove(states_path(folder) + "/" + name));
+    if (is_state_file(name) && !kept.contains(name)) (void)files.remove(states_path(folder) + "/" + name);
   }
   return Nothing{};
 }
@@ -175,6 +181,10 @@ Status SqliteStore::remove_entries_after(std::int64_t sheet, std::int64_t seq) {
 
 Status SqliteStore::quarantine(std::int64_t sheet, const std::string& reason) {
   return impl_->on_thread([&] { return impl_->work.tables().quarantine(sheet, reason); });
+}
+
+Result<std::vector<std::string>> SqliteStore::journal_faults(const StoredSheet& sheet) {
+  return impl_->on_thread([&] { return store::journal_faults(impl_->work.tables().database(), sheet); });
 }
 
 Result<std::vector<DamagedState>> SqliteStore::set_damaged_states_aside(std::int64_t sheet) {

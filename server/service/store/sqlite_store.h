@@ -72,6 +72,8 @@ class SqliteStore : public host::Journal {
 
   // Marks a sheet as one that is not to be recovered. It keeps all it has. Error kNotFound SHEET_NOT_FOUND.
   Status quarantine(std::int64_t sheet, const std::string& reason);
+  // Returns what is wrong with the entries of a sheet, also with those before its newest state: a sentence each.
+  Result<std::vector<std::string>> journal_faults(const StoredSheet& sheet);
   // See damaged_states.h. Call it once the sheet can do without these states.
   Result<std::vector<DamagedState>> set_damaged_states_aside(std::int64_t sheet);
   // Removes the entries of a sheet after `seq` with their requests, which were never answered.

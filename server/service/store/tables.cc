@@ -53,12 +53,14 @@ Status Tables::load() {
   KERF_TRY_ASSIGN(Statement rows, Statement::prepare(database_,
                                                      "SELECT sheet, (SELECT max(seq) FROM journal WHERE "
                                                      "sheet = sheets.sheet), (SELECT sum(length(content)) FROM "
-                                                     "journal WHERE sheet = sheets.sheet) FROM sheets "
+                                                     "journal WHERE sheet = sheets.sheet), (SELECT max(seq) FROM "
+                                                     "states WHERE sheet = sheets.sheet) FROM sheets "
                                                      "WHERE state <> 2"));
   while (true) {
     KERF_TRY_ASSIGN(const bool is_row, rows.step());
     if (!is_row) break;
-    totals_[rows.integer(0)] = {rows.integer(1), rows.integer(2)};
+    // The last entries may be lost, and a state that follows them be there: the next is counted from that.
+    totals_[rows.integer(0)] = {std::max(rows.integer(1), rows.integer(3)), rows.integer(2)};
   }
   sqlite3_wal_hook(
       database_.handle(),
@@ -70,8 +72,19 @@ Status Tables::load() {
   return Nothing{};
 }
 
+// SQLite would write on into files that were removed or replaced, and everything would be lost at the end.
+Status Tables::check_place() {
+  int has_moved = 0;
+  const int code = sqlite3_file_control(database_.handle(), "main", SQLITE_FCNTL_HAS_MOVED, &has_moved);
+  if (code == SQLITE_OK && has_moved != 0) {
+    return unavailable("STORE_MOVED", "the file of the database was removed or replaced by another program");
+  }
+  return Nothing{};
+}
+
 Status Tables::transaction(const std::function<Status()>& work) {
   pending_ = Pending{};
+  KERF_TRY(check_place());
   Status done = database_.execute("BEGIN IMMEDIATE");
   if (done.ok()) done = work();
   if (done.ok()) done = database_.execute("COMMIT");

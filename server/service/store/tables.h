@@ -79,6 +79,7 @@ class Tables {
 
   Tables(Database database, const KeepLimits& limits);
   Status load();
+  Status check_place();
   Status transaction(const std::function<Status()>& work);
   [[nodiscard]] std::optional<Totals> totals_of(std::int64_t sheet) const;
   Status write(const host::NewStoredSheet& sheet, std::int64_t now_unix_us);

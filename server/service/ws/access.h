@@ -29,7 +29,8 @@ struct AccessPolicy {
   // Origins of foreign pages that may use the server, e.g. "https://viewer.example.org". The Host header may name their
   // hosts, too.
   std::vector<std::string> allowed_origins;
-  int port = 0;  // Port that the server listens at.
+  int port = 0;            // Port that the server listens at.
+  bool is_secure = false;  // It speaks TLS.
 };
 
 // Checks the value of the Host header. On a loopback bind it must name this machine. Otherwise a site whose DNS entry

@@ -50,6 +50,11 @@ std::string header(const Request& request, http::field field) {
   return {value.data(), value.size()};
 }
 
+std::string header_named(const Request& request, const char* name) {
+  const beast::string_view value = request[name];
+  return {value.data(), value.size()};
+}
+
 // Returns the request without its body.
 HttpRequest head_of(const Request& message) {
   return {std::string(message.method_string()),
@@ -58,6 +63,10 @@ HttpRequest head_of(const Request& message) {
           header(message, http::field::origin),
           header(message, http::field::if_none_match),
           header(message, http::field::accept_encoding),
+          header(message, http::field::authorization),
+          header(message, http::field::cookie),
+          header_named(message, "x-kerf-csrf"),
+          {},
           {}};
 }
 
@@ -88,6 +97,12 @@ std::optional<HttpResponse> unreadable_request(const boost::system::error_code& 
   return refusal(invalid_argument("MALFORMED_REQUEST", "not HTTP/1.1: " + error.message()));
 }
 
+std::string address_of(const asio::ip::tcp::socket& socket) {
+  boost::system::error_code gone;
+  const asio::ip::tcp::endpoint peer = socket.remote_endpoint(gone);
+  return gone ? std::string() : peer.address().to_string();
+}
+
 // Serves one connection. In coroutines here, co_await stands alone or initialises a variable, never within a condition
 // or a larger expression: g++ 12 otherwise resumes the wrong frame.
 class HttpConnection : public Connection, public std::enable_shared_from_this<HttpConnection> {
@@ -96,6 +111,7 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
       : context_(context),
         stream_(std::move(socket)),
         executor_(stream_.get_executor()),
+        peer_(address_of(stream_.socket())),
         buffer_(context.options.max_header_bytes + kMostReadAhead) {}
 
   void run(std::function<void()> done) override {
@@ -169,6 +185,7 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
     Request message = parser.release();
     Framing framing{message.version(), message.keep_alive(), message.method() == http::verb::head};
     HttpRequest request = to_request(message);
+    request.peer = peer_;
     const std::optional<Result<std::shared_ptr<api::ImageSession>>> player = context_.router.play(request);
     if (player && player->ok()) {
       co_await play(**player);
@@ -371,6 +388,7 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
   ConnectionContext& context_;
   beast::tcp_stream stream_;
   const beast::tcp_stream::executor_type executor_;  // A strand.
+  const std::string peer_;                           // Its address; empty: it is gone already.
   beast::flat_buffer buffer_;                        // Bounded: the parser's limits do not cover extensions of chunks.
   std::array<char, 4096> dropped_{};                 // See drop_input().
   std::shared_ptr<SocketStream> socket_;             // Set once upgraded.

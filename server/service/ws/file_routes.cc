@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "kerf/v1/sheets.pb.h"
+#include "server/service/api/access.h"
 #include "server/service/api/upload.h"
 #include "server/service/wire/json.h"
 #include "server/service/ws/router.h"
@@ -76,9 +77,11 @@ Result<v1::RecordingUpload> read_recording_upload(const HttpRequest& request) {
 // Begins the upload of a request. `Start`: SheetUpload or RecordingUpload.
 template <typename Start>
 Result<std::unique_ptr<api::Upload>> begin_upload(
-    api::Api& api, Result<Start> start, std::size_t num_bytes,
+    api::Api& api, const Result<auth::Caller>& caller, Result<Start> start, std::size_t num_bytes,
     Result<std::unique_ptr<api::Upload>> (api::Api::*method)(const Start&)) {
+  KERF_TRY(caller);
   KERF_TRY(start);
+  KERF_TRY(api::check_access(*caller, *start));
   start->set_num_bytes(static_cast<std::int64_t>(num_bytes));
   return (api.*method)(*start);
 }
@@ -106,11 +109,14 @@ std::int64_t FileRoutes::upload_limit(std::string_view path) const {
   return path == kRecordings ? api_.limits().max_recording_upload_bytes : 0;
 }
 
-void FileRoutes::download(std::string_view path, std::function<void(HttpResponse)> done) const {
+void FileRoutes::download(const Result<auth::Caller>& caller, std::string_view path,
+                          std::function<void(HttpResponse)> done) const {
+  if (!caller.ok()) return done(refusal(caller.error()));
   const std::string_view name = path.substr(1, path.size() - 1 - kRecordingEnding.size());  // sheets/ID
   const std::string file = std::string(path.substr(kSheets.size() + 1));
   v1::GetSheetRecordingRequest request;
   request.set_name(std::string(name));
+  if (const Status allowed = api::check_access(*caller, request); !allowed.ok()) return done(refusal(allowed.error()));
   api_.get_sheet_recording(request, [file, done = std::move(done)](Result<std::shared_ptr<const std::string>> reply) {
     if (!reply.ok()) return done(refusal(reply.error()));
     done({200,
@@ -120,13 +126,13 @@ void FileRoutes::download(std::string_view path, std::function<void(HttpResponse
   });
 }
 
-void FileRoutes::upload(HttpRequest request, std::function<void(HttpResponse)> done,
+void FileRoutes::upload(const Result<auth::Caller>& caller, HttpRequest request, std::function<void(HttpResponse)> done,
                         const std::stop_token& stop) const {
   const std::string_view path = std::string_view(request.target).substr(0, request.target.find('?'));
   const std::size_t size = request.body.size();
   Result<std::unique_ptr<api::Upload>> upload =
-      path == kSheets ? begin_upload(api_, read_sheet_upload(request), size, &api::Api::upload_sheet)
-                      : begin_upload(api_, read_recording_upload(request), size, &api::Api::replay_recording);
+      path == kSheets ? begin_upload(api_, caller, read_sheet_upload(request), size, &api::Api::upload_sheet)
+                      : begin_upload(api_, caller, read_recording_upload(request), size, &api::Api::replay_recording);
   if (!upload.ok()) return done(refusal(upload.error()));
   if (const Status taken = (*upload)->append(std::move(request.body)); !taken.ok()) return done(refusal(taken.error()));
   const auto answer = [done = std::move(done)](Result<v1::Sheet> sheet) {

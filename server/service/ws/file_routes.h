@@ -2,10 +2,12 @@
 
 #include <cstdint>
 #include <functional>
+#include <stop_token>
 #include <string>
 #include <string_view>
 
 #include "server/base/result.h"
+#include "server/service/auth/grant.h"
 
 namespace kerf::api {
 class Api;
@@ -27,9 +29,11 @@ class FileRoutes {
   // Returns the size of the largest body of a POST to `path`, in bytes; 0 if the path takes no uploads.
   [[nodiscard]] std::int64_t upload_limit(std::string_view path) const;
 
-  // `done` is as in Router::respond.
-  void download(std::string_view path, std::function<void(HttpResponse)> done) const;
-  void upload(HttpRequest request, std::function<void(HttpResponse)> done, const std::stop_token& stop) const;
+  // `caller`: who asks, or why that is not known. `done` is as in Router::respond.
+  void download(const Result<auth::Caller>& caller, std::string_view path,
+                std::function<void(HttpResponse)> done) const;
+  void upload(const Result<auth::Caller>& caller, HttpRequest request, std::function<void(HttpResponse)> done,
+              const std::stop_token& stop) const;
 
  private:
   api::Api& api_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "server/service/api/access.h"
 #include "server/service/api/api.h"
 #include "server/service/api/image_session.h"
 #include "server/service/api/watch_session.h"
@@ -123,6 +124,7 @@ HttpResponse refusal(const Error& error) {
   if (wire::passes_by_itself(error) || error.reason == "SERVER_STOPPING") {
     response.headers.emplace_back("Retry-After", "1");
   }
+  if (error.code == ErrorCode::kUnauthenticated) response.headers.emplace_back("WWW-Authenticate", "Bearer");
   return response;
 }
 
@@ -131,6 +133,7 @@ Router::Router(api::Api& api, AssetTable assets, std::function<std::string()> me
       assets_(std::move(assets)),
       metrics_(std::move(metrics)),
       files_(api),
+      logins_(api),
       max_message_bytes_(api.limits().max_request_bytes) {
   for (const api::Method& method : api.methods()) methods_.emplace(method.path, &method);
 }
@@ -141,10 +144,18 @@ std::optional<HttpResponse> Router::probe(std::string_view path) const {
   return std::nullopt;
 }
 
-HttpResponse Router::get(const HttpRequest& request, std::string_view path) const {
-  if (path == "/metrics") {
-    return {200, "text/plain; version=0.0.4; charset=utf-8", std::make_shared<const std::string>(metrics_())};
+HttpResponse Router::metrics(const HttpRequest& request) const {
+  const Result<auth::Caller> caller = logins_.caller_of(request, LoginRoutes::Kind::kRead);
+  if (!caller.ok()) return refusal(caller.error());
+  // The page is about all sheets.
+  if (!(*caller)->rights().reaches_all()) {
+    return refusal(permission_denied("SHEET_NOT_ALLOWED", "metrics are for tokens that reach all sheets"));
   }
+  return {200, "text/plain; version=0.0.4; charset=utf-8", std::make_shared<const std::string>(metrics_())};
+}
+
+HttpResponse Router::get(const HttpRequest& request, std::string_view path) const {
+  if (path == "/metrics") return metrics(request);
   if (const Asset* asset = assets_.find(path)) return serve(*asset, request);
   if (path == "/") return text(404, "kerfd runs, but no viewer was found; build web/ or give --web DIR\n");
   if (path == kDocs && assets_.find("/docs/") != nullptr) return to_docs();
@@ -165,17 +176,25 @@ void Router::respond(HttpRequest request, std::function<void(HttpResponse)> done
   if (std::optional<HttpResponse> state = reads ? probe(target.path) : std::nullopt) return done(*std::move(state));
   if (const Status host = check_host(access_, request.host); !host.ok()) return done(refused_host(host.error()));
   const std::optional<PicturePath> picture = reads ? parse_picture_path(target.path) : std::nullopt;
-  if (picture) return draw(*picture, target.query, std::move(done));
-  if (reads && FileRoutes::is_download(target.path)) return files_.download(target.path, std::move(done));
+  if (picture) return draw(request, *picture, target.query, std::move(done));
+  if (reads && FileRoutes::is_download(target.path)) {
+    return files_.download(logins_.caller_of(request, LoginRoutes::Kind::kRead), target.path, std::move(done));
+  }
   if (reads) return done(get(request, target.path));
   if (request.method != "POST") return done(method_not_allowed("GET, HEAD, POST"));
   call(std::move(request), target.path, std::move(done), std::move(stop));
 }
 
-void Router::draw(const PicturePath& picture, std::string_view query, std::function<void(HttpResponse)> done) const {
+void Router::draw(const HttpRequest& from, const PicturePath& picture, std::string_view query,
+                  std::function<void(HttpResponse)> done) const {
   if (picture.kind == PictureKind::kMjpeg) return done(method_not_allowed("GET"));  // play() handles GET.
+  const Result<auth::Caller> caller = logins_.caller_of(from, LoginRoutes::Kind::kRead);
+  if (!caller.ok()) return done(refusal(caller.error()));
   const Result<v1::RenderImageRequest> request = decode_still_query(picture, query);
   if (!request.ok()) return done(refusal(request.error()));
+  if (const Status allowed = api::check_access(*caller, *request); !allowed.ok()) {
+    return done(refusal(in_words_of_query(allowed.error())));
+  }
   api_.render_image(*request, [done = std::move(done)](Result<v1::RenderImageResponse> reply) {
     if (!reply.ok()) return done(refusal(in_words_of_query(reply.error())));
     done({200,
@@ -189,14 +208,17 @@ void Router::call(HttpRequest request, std::string_view path, std::function<void
                   std::stop_token stop) const {
   const bool is_upload = files_.upload_limit(path) > 0;
   const auto method = methods_.find(path);
-  if (method == methods_.end() && !is_upload) return done(refusal(no_such_path(path)));
+  if (method == methods_.end() && !is_upload && !LoginRoutes::is_route(path)) return done(refusal(no_such_path(path)));
   if (const Status origin = check_origin(access_, request.origin, request.host); !origin.ok()) {
     return done(refusal_with_status(403, origin.error()));
   }
-  if (is_upload) return files_.upload(std::move(request), std::move(done), stop);
+  if (LoginRoutes::is_route(path)) return done(logins_.respond(request, path, access_));
+  const Result<auth::Caller> caller = logins_.caller_of(request, LoginRoutes::Kind::kPost);
+  if (is_upload) return files_.upload(caller, std::move(request), std::move(done), stop);
+  if (!caller.ok()) return done(refusal(caller.error()));
   // Treats an empty body as the empty message, so that `curl -X POST` works for List and Get*Info.
   method->second->call(
-      request.body.empty() ? std::string_view("{}") : std::string_view(request.body),
+      request.body.empty() ? std::string_view("{}") : std::string_view(request.body), *caller,
       [done = std::move(done)](Result<std::string> reply) {
         if (!reply.ok()) return done(refusal(reply.error()));
         done({200,
@@ -215,6 +237,8 @@ Router::BodyLimit Router::body_limit(const HttpRequest& head) const {
   if (const Status origin = check_origin(access_, head.origin, head.host); !origin.ok()) {
     return {0, refusal_with_status(403, origin.error())};
   }
+  const Result<auth::Caller> caller = logins_.caller_of(head, LoginRoutes::Kind::kPost);
+  if (!caller.ok()) return {0, refusal(caller.error())};
   return {limit, std::nullopt};
 }
 
@@ -224,8 +248,9 @@ std::optional<Result<std::shared_ptr<api::ImageSession>>> Router::play(const Htt
   if (request.method != "GET" || !picture || picture->kind != PictureKind::kMjpeg) return std::nullopt;
   // Leaves the refusal to respond(), which is called next.
   if (!check_host(access_, request.host).ok()) return std::nullopt;
+  KERF_TRY_ASSIGN(const auth::Caller caller, logins_.caller_of(request, LoginRoutes::Kind::kRead));
   KERF_TRY_ASSIGN(const v1::WatchImagesStart start, decode_stream_query(*picture, target.query));
-  return api_.play_images(start);
+  return api_.play_images(start, caller);
 }
 
 Router::Upgrade Router::upgrade(const HttpRequest& request, std::string_view subprotocols) const {
@@ -240,8 +265,10 @@ Router::Upgrade Router::upgrade(const HttpRequest& request, std::string_view sub
             refusal(invalid_argument("SUBPROTOCOL_MISSING", "ask for the WebSocket subprotocol 'kerf.v1'",
                                      "Sec-WebSocket-Protocol"))};
   }
-  if (path == "/watch") return {[this] { return api_.watch(); }, std::nullopt};
-  return {[this] { return api_.watch_images(); }, std::nullopt};
+  const Result<auth::Caller> caller = logins_.caller_of(request, LoginRoutes::Kind::kWebSocket);
+  if (!caller.ok()) return {{}, refusal(caller.error())};
+  if (path == "/watch") return {[this, who = *caller] { return api_.watch(who); }, std::nullopt};
+  return {[this, who = *caller] { return api_.watch_images(who); }, std::nullopt};
 }
 
 }  // namespace kerf::ws

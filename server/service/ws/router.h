@@ -14,6 +14,7 @@
 #include "server/service/ws/access.h"
 #include "server/service/ws/asset_table.h"
 #include "server/service/ws/file_routes.h"
+#include "server/service/ws/login_routes.h"
 #include "server/service/ws/picture_query.h"
 
 namespace kerf::api {
@@ -33,7 +34,11 @@ struct HttpRequest {
   std::string origin;           // Origin
   std::string if_none_match;    // If-None-Match
   std::string accept_encoding;  // Accept-Encoding
+  std::string authorization;    // Authorization
+  std::string cookie;           // Cookie
+  std::string csrf;             // x-kerf-csrf
   std::string body;
+  std::string peer;  // Address of the client.
 };
 
 struct HttpResponse {
@@ -86,8 +91,11 @@ class Router {
  private:
   // Answers /healthz and /readyz, which load balancers request without a valid Host.
   [[nodiscard]] std::optional<HttpResponse> probe(std::string_view path) const;
+  // Answers a GET of a file that everybody may read: the viewer, its documentation.
   [[nodiscard]] HttpResponse get(const HttpRequest& request, std::string_view path) const;
-  void draw(const PicturePath& picture, std::string_view query, std::function<void(HttpResponse)> done) const;
+  [[nodiscard]] HttpResponse metrics(const HttpRequest& request) const;
+  void draw(const HttpRequest& request, const PicturePath& picture, std::string_view query,
+            std::function<void(HttpResponse)> done) const;
   // `path`: the path part of request.target.
   void call(HttpRequest request, std::string_view path, std::function<void(HttpResponse)> done,
             std::stop_token stop) const;
@@ -98,6 +106,7 @@ class Router {
   AccessPolicy access_;
   std::map<std::string, const api::Method*, std::less<>> methods_;  // By path.
   FileRoutes files_;
+  mutable LoginRoutes logins_;
   std::int64_t max_message_bytes_;
   std::atomic<bool> draining_ = false;
 };

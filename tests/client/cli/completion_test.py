@@ -53,7 +53,7 @@ class Bash(Case):
         self.assertNotIn("__complete", commands)
         self.assertEqual(self.offered("kerf ren"), ["render"])
         self.assertEqual(self.offered("kerf sheet cr"), ["create"])
-        self.assertEqual(self.offered("kerf store "), ["info", "prune", "backup"])
+        self.assertEqual(self.offered("kerf store "), ["info", "prune", "delete", "backup"])
         self.assertEqual(self.offered("kerf --json sheet pa"), ["pause"])
         self.assertEqual(self.offered("kerf nonsense cr"), [])
 

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "server/base/result.h"
+#include "server/service/auth/grant.h"
+
+namespace google::protobuf {
+class Message;
+}  // namespace google::protobuf
+
+namespace kerf::api {
+
+// Decides whether a caller may send a request: a request of a unary method, one of a stream or its start, or the start
+// of an upload. Errors: those of auth::Grant::check(); kPermissionDenied SCOPE_TOO_LOW or SHEET_NOT_ALLOWED; kNotFound
+// SHEET_NOT_FOUND for a sheet that the caller does not reach.
+Status check_access(const auth::Caller& caller, const google::protobuf::Message& request);
+
+// Returns the full names of the messages for which there is a rule, in order. All others are refused.
+std::vector<std::string> messages_with_rules();
+
+}  // namespace kerf::api

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "server/base/result.h"
+#include "server/service/auth/rights.h"
+#include "server/service/auth/secrets.h"
+
+namespace kerf::auth {
+
+inline constexpr std::size_t kMaxTokens = 10'000;
+inline constexpr std::size_t kMaxTokenFileBytes = std::size_t{4} << 20U;
+
+// A line of a token file. The file has no secret: a token is known by its SHA-256.
+struct Token {
+  std::string id;  // [a-z0-9][a-z0-9-]{0,31}
+  Digest digest{};
+  Rights rights;
+};
+
+// Parses a token file. Lines are `ID SHA-256 scope=view|cut|admin [sheets=PATTERN] [until=YYYY-MM-DD]`, empty, or
+// comments after `#`. A token ends with the day before `until`, by UTC. Error kInvalidArgument BAD_TOKEN_FILE, with the
+// number of the line.
+Result<std::vector<Token>> parse_token_file(std::string_view text);
+
+// A new token: its text, kerf_ID_SECRET, is for the user alone, and the line is for the token file.
+struct NewToken {
+  std::string text;
+  std::string line;
+};
+// Makes a token. `until`: YYYY-MM-DD; empty: it never ends. Error kInvalidArgument BAD_TOKEN.
+Result<NewToken> make_token(const std::string& id, Scope scope, const std::string& sheets, const std::string& until);
+
+// Returns the id in a token's text, or nothing if it is none.
+std::string_view id_in(std::string_view token);
+
+}  // namespace kerf::auth

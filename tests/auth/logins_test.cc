@@ -1,0 +1,101 @@
+// Logins of browsers and links.
+
+#include "server/service/auth/logins.h"
+
+#include <gtest/gtest.h>
+
+namespace kerf::auth {
+namespace {
+
+class LoginsTest : public testing::Test {
+ protected:
+  std::shared_ptr<Grant> token(Scope scope = Scope::kCut, std::int64_t until = 0) {
+    return std::make_shared<Grant>("alice", Rights{scope, "*", until}, clock_);
+  }
+  LinkTerms terms(std::int64_t seconds, bool once = false) { return {{Scope::kView, "demo", now_ + seconds}, once}; }
+
+  std::int64_t now_ = 1'000'000;
+  const UnixClock clock_ = [this] { return now_; };
+  Logins logins_{clock_};
+};
+
+TEST_F(LoginsTest, LastTwelveHours) {
+  const std::string secret = logins_.begin(token()).value();
+  const Caller caller = logins_.find(secret).value();
+  EXPECT_EQ(caller->token_id(), "alice");
+  EXPECT_EQ(caller->rights().scope, Scope::kCut);
+  EXPECT_EQ(caller->ends_at(), now_ + kLoginSeconds);
+  now_ += kLoginSeconds - 1;
+  EXPECT_TRUE(logins_.find(secret).ok());
+  now_ += 1;
+  EXPECT_EQ(logins_.find(secret).error().reason, "TOKEN_EXPIRED");
+  EXPECT_EQ(caller->check().error().reason, "TOKEN_EXPIRED") << "a stream that is open ends, too";
+  EXPECT_EQ(logins_.find("another").error().reason, "LOGIN_UNKNOWN");
+}
+
+TEST_F(LoginsTest, EndWithTheirTokenAndWithALogout) {
+  const auto alice = token(), bob = token(Scope::kAdmin, now_ + 60);
+  const std::string first = logins_.begin(alice).value(), second = logins_.begin(alice).value(),
+                    third = logins_.begin(bob).value();
+  const Caller held = logins_.find(first).value();
+  logins_.end(first);
+  logins_.end("none");
+  EXPECT_EQ(held->check().error().reason, "TOKEN_UNKNOWN");
+  EXPECT_EQ(logins_.find(first).error().reason, "LOGIN_UNKNOWN");
+  EXPECT_TRUE(logins_.find(second).ok()) << "another browser stays";
+  alice->withdraw();
+  EXPECT_EQ(logins_.find(second).error().reason, "TOKEN_UNKNOWN");
+  EXPECT_EQ(logins_.find(third).value()->ends_at(), now_ + 60);
+  now_ += 60;
+  EXPECT_EQ(logins_.find(third).error().reason, "TOKEN_EXPIRED");
+}
+
+TEST_F(LoginsTest, LinksGiveWhatTheySay) {
+  const auto alice = token();
+  const std::string code = logins_.make_link(alice, terms(3600)).value();
+  now_ += 1800;
+  const std::string first = logins_.open_link(code).value(), second = logins_.open_link(code).value();
+  EXPECT_NE(first, second);
+  const Caller caller = logins_.find(first).value();
+  EXPECT_EQ(caller->rights().scope, Scope::kView);
+  EXPECT_EQ(caller->rights().sheets, "demo");
+  EXPECT_EQ(caller->ends_at(), 1'003'600);
+  EXPECT_EQ(caller->token_id(), "alice");
+  now_ += 1800;
+  EXPECT_EQ(logins_.find(second).error().reason, "TOKEN_EXPIRED");
+  EXPECT_EQ(logins_.open_link(code).error().reason, "CODE_UNKNOWN");
+}
+
+TEST_F(LoginsTest, ALinkThatIsOpenedOnceIsOpenForAMinute) {
+  const std::string code = logins_.make_link(token(), terms(3600, true)).value(),
+                    late = logins_.make_link(token(), terms(3600, true)).value();
+  now_ += kLinkOnceSeconds - 1;
+  const std::string login = logins_.open_link(code).value();
+  EXPECT_EQ(logins_.open_link(code).error().reason, "CODE_UNKNOWN");
+  now_ += 1;
+  EXPECT_EQ(logins_.open_link(late).error().reason, "CODE_UNKNOWN");
+  EXPECT_TRUE(logins_.find(login).ok());
+}
+
+TEST_F(LoginsTest, LinksEndWithTheirToken) {
+  const auto alice = token();
+  const std::string code = logins_.make_link(alice, terms(3600)).value();
+  const Caller caller = logins_.find(logins_.open_link(code).value()).value();
+  alice->withdraw();
+  EXPECT_EQ(logins_.open_link(code).error().reason, "CODE_UNKNOWN");
+  EXPECT_EQ(caller->check().error().reason, "TOKEN_UNKNOWN");
+}
+
+TEST_F(LoginsTest, AreBoundedAndForgetOldOnes) {
+  const auto alice = token();
+  for (std::size_t i = 0; i < kMaxLogins; ++i) ASSERT_TRUE(logins_.begin(alice).ok());
+  for (std::size_t i = 0; i < kMaxLinks; ++i) ASSERT_TRUE(logins_.make_link(alice, terms(3600)).ok());
+  EXPECT_EQ(logins_.begin(alice).error().reason, "TOO_MANY_LOGINS");
+  EXPECT_EQ(logins_.make_link(alice, terms(3600)).error().reason, "TOO_MANY_LINKS");
+  now_ += kLoginSeconds;
+  EXPECT_TRUE(logins_.begin(alice).ok());
+  EXPECT_TRUE(logins_.make_link(alice, terms(3600)).ok());
+}
+
+}  // namespace
+}  // namespace kerf::auth
