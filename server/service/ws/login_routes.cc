@@ -4,7 +4,7 @@
 #include <memory>
 #include <utility>
 
-#include <google/protobuf/struct.pb.h>
+#include <google/protobuf/empty.pb.h>
 
 #include "kerf/v1/access_service.pb.h"
 #include "server/service/api/api.h"
@@ -54,17 +54,10 @@ HttpResponse json_answer(const google::protobuf::Message& message) {
           {{"Cache-Control", "no-store"}}};
 }
 
-// Reads `{"token": "..."}` or `{"code": "..."}`; the name of the one that is there, and its value.
-Result<std::pair<std::string, std::string>> credential_in(const std::string& json) {
-  google::protobuf::Struct body;
-  KERF_TRY(wire::from_json(json, body));
-  for (const std::string name : {"token", "code"}) {
-    const auto field = body.fields().find(name);
-    if (field == body.fields().end() || body.fields_size() != 1) continue;
-    if (field->second.kind_case() != google::protobuf::Value::kStringValue) continue;
-    return std::pair(name, field->second.string_value());
-  }
-  return invalid_argument("CHOICE_MISSING", R"(send {"token": "..."} or {"code": "..."})");
+Result<std::string> begin_login(auth::Authenticator& authenticator, const v1::LoginRequest& credential) {
+  if (credential.has_code()) return authenticator.logins().open_link(credential.code());
+  KERF_TRY_ASSIGN(const auth::Caller caller, authenticator.find(credential.token()));
+  return authenticator.logins().begin(caller);
 }
 
 }  // namespace
@@ -100,23 +93,18 @@ HttpResponse LoginRoutes::log_in(const HttpRequest& request, const AccessPolicy&
   if (authenticator == nullptr) {
     return refusal(failed_precondition("NO_TOKENS", "this server asks for no tokens: nobody has to log in"));
   }
-  const auto credential = credential_in(request.body);
-  if (!credential.ok()) return refusal(credential.error());
+  v1::LoginRequest credential;
+  if (const Status parsed = wire::from_json(request.body, credential); !parsed.ok()) return refusal(parsed.error());
+  if (credential.credential_case() == v1::LoginRequest::CREDENTIAL_NOT_SET) {
+    return refusal(invalid_argument("CHOICE_MISSING", R"(send {"token": "..."} or {"code": "..."})", "credential"));
+  }
   if (has_failed_often(request.peer)) {
     HttpResponse response = refusal(resource_exhausted(
         "TOO_MANY_LOGINS", "ten wrong tokens came from this address within a minute; wait a minute"));
     response.headers.emplace_back("Retry-After", "60");
     return response;
   }
-  const auto& [kind, value] = *credential;
-  Result<std::string> login = unauthenticated("TOKEN_UNKNOWN", "");
-  if (kind == "code") {
-    login = authenticator->logins().open_link(value);
-  } else if (const Result<auth::Caller> caller = authenticator->find(value); caller.ok()) {
-    login = authenticator->logins().begin(*caller);
-  } else {
-    login = caller.error();
-  }
+  const Result<std::string> login = begin_login(*authenticator, credential);
   if (!login.ok()) {
     if (login.error().code == ErrorCode::kUnauthenticated) count_failure(request.peer);
     return refusal(login.error());
@@ -134,7 +122,7 @@ HttpResponse LoginRoutes::log_out(const HttpRequest& request, const AccessPolicy
     authenticator->logins().end(login_in(request));
     api_.check_callers();
   }
-  HttpResponse response = json_answer(google::protobuf::Struct());
+  HttpResponse response = json_answer(google::protobuf::Empty());
   response.headers.emplace_back("Set-Cookie", set_cookie(policy, "", 0));
   return response;
 }
