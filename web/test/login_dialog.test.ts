@@ -67,8 +67,10 @@ describe('LoginDialog', () => {
     expect([at('login').open, at('login-error').hidden]).toEqual([true, true]);
     dialog.open(new ApiError('UNAUTHENTICATED', 'the token has expired', '', 'TOKEN_EXPIRED'));
     expect([at('login-error').hidden, at('login-error').textContent]).toEqual([false, 'the token has expired']);
-    dialog.open(new ApiError('UNAUTHENTICATED', 'give a token', '', 'TOKEN_MISSING'));
-    expect(at('login-error').textContent).toMatch(/^You are logged out/);
+    for (const reason of ['TOKEN_MISSING', 'LOGIN_UNKNOWN']) {
+      dialog.open(new ApiError('UNAUTHENTICATED', 'give a token', '', reason));
+      expect(at('login-error').textContent).toMatch(/^You are logged out/);
+    }
   });
 
   it('gives the token without what a paste brings along, and forgets it', async () => {

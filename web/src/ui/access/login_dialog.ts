@@ -2,11 +2,11 @@ import type { ApiError } from '../../api';
 import { element, setText } from '../dom';
 import { errorText } from '../error_text';
 
-// The server's own text for this reason is about a first visit.
+// The server's own texts for these reasons are about a first visit, and about cookies.
 const kEnded = 'You are logged out: the login has ended, or was ended in another tab';
 
 function refusalText(error: ApiError): string {
-  if (error.reason === 'TOKEN_MISSING') return kEnded;
+  if (error.reason === 'TOKEN_MISSING' || error.reason === 'LOGIN_UNKNOWN') return kEnded;
   // Other remedies are about calls.
   return error.code === 'UNAVAILABLE' ? errorText(error) : error.message;
 }
