@@ -31,7 +31,9 @@ from kerf.errors import (
     Internal,
     InvalidArgument,
     NotFound,
+    PermissionDenied,
     ResourceExhausted,
+    Unauthenticated,
     Unavailable,
 )
 from kerf.frames import Frame
@@ -64,6 +66,7 @@ __all__ = [
     "InvalidArgument",
     "NotFound",
     "Path",
+    "PermissionDenied",
     "Place",
     "Point",
     "Recorder",
@@ -75,6 +78,7 @@ __all__ = [
     "State",
     "Subscription",
     "Table",
+    "Unauthenticated",
     "Unavailable",
     "__version__",
     "along",

@@ -71,6 +71,15 @@ class FailedPrecondition(Error):
     """The request does not fit the present state: to step a running sheet, or to undo when nothing was cut."""
 
 
+class Unauthenticated(Error):
+    """The server does not know the caller: the token is missing, unknown or over. Also ends the streams of a token that
+    was withdrawn."""
+
+
+class PermissionDenied(Error):
+    """The token does not allow the call, or does not reach the sheet."""
+
+
 class Unavailable(Error):
     """No server answers, or the server is stopping, or it has no renderer."""
 
@@ -94,6 +103,8 @@ _CLASSES: dict[str, type[Error]] = {
     "ALREADY_EXISTS": AlreadyExists,
     "RESOURCE_EXHAUSTED": ResourceExhausted,
     "FAILED_PRECONDITION": FailedPrecondition,
+    "UNAUTHENTICATED": Unauthenticated,
+    "PERMISSION_DENIED": PermissionDenied,
     "UNAVAILABLE": Unavailable,
     "DEADLINE_EXCEEDED": DeadlineExceeded,
     "DATA_LOSS": DataLoss,
@@ -124,6 +135,15 @@ def error_of(failure: Any, address: str) -> Error:
     if code == "RESOURCE_EXHAUSTED" and "larger than max" in message:  # gRPC's own words
         reason = "MESSAGE_TOO_LARGE"
         message += ": send less in one call, for example a batch of cuts in parts, or a mesh file as an upload"
+    if code == "UNAVAILABLE" and not reason:
+        if "SSL_ERROR_SSL" in message or "is not in peer certificate" in message:  # gRPC's own words
+            reason = "TLS_FAILED"
+            message = (
+                "TLS with the server failed: its certificate is of another authority or for another name, or it has no "
+                f"TLS ({message})"
+            )
+        elif any(words in message for words in ("Socket closed", "reset by peer", "Broken pipe")):
+            message += "; a server that asks for TLS, or for a certificate, closes connections like this"
     if code == "UNIMPLEMENTED" and not reason:
         message = f"the Kerf server at {address} has no such call: it is older than this package; {message}"
     if code == "UNAVAILABLE" and not reason:

@@ -12,13 +12,16 @@ from typing import Any, Optional
 import grpc
 
 from kerf.channel_options import CHANNEL_OPTIONS
+from kerf.credentials import Secrets
 from kerf.errors import connection_closed, cut_off, error_of, is_cancelled, is_out_of_time
 
 
 _CHANNEL_CLOSED = "Channel closed!"  # grpc's details of calls that end because their channel was closed
 
 
-def open_channel(address: str) -> grpc.Channel:
+def open_channel(address: str, secrets: Secrets) -> grpc.Channel:
+    if secrets.use_tls:
+        return grpc.secure_channel(address, secrets.channel_credentials(), options=CHANNEL_OPTIONS)
     return grpc.insecure_channel(address, options=CHANNEL_OPTIONS)
 
 

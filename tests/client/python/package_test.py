@@ -85,7 +85,8 @@ class Documentation(Case):
         # Drawn from files, the counterpart of what has an example, or calls for which the server has to keep sheets.
         without_example = {"svg_file", "load_cuts", "load_run", "view_of_matrices", "Sheet.drag", "Sheet.release",
                            "Sheet.delete", "Sheet.watch_images", "Server.close", "Server.replay", "Server.store_info",
-                           "Server.prune_store", "Server.delete_set_aside", "Server.backup_store"}
+                           "Server.prune_store", "Server.delete_set_aside", "Server.backup_store", "Server.access",
+                           "Server.create_link"}
         for name in kerf.__all__:
             value = getattr(kerf, name)
             if inspect.isfunction(value):

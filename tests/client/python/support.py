@@ -14,7 +14,9 @@ ROOT = pathlib.Path(__file__).resolve().parents[3]
 sys.path.insert(0, str(ROOT / "tests/support"))
 from closed_port import closed_port  # pylint: disable=unused-import
 
-os.environ.pop("KERF_SERVER", None)  # the server of whoever runs the tests is not theirs to touch
+# The server and the token of whoever runs the tests are not theirs to touch.
+for variable in ("KERF_SERVER", "KERF_TOKEN_FILE", "KERF_TLS_CA", "KERF_TLS_CERT", "KERF_TLS_KEY"):
+    os.environ.pop(variable, None)
 PYTHON = "/usr/bin/python3"
 OPTIONS = None
 ADDRESS = None

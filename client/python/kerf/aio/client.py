@@ -8,30 +8,52 @@ import pathlib
 import secrets
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
-from typing import TYPE_CHECKING, Any, List, Optional
+from typing import TYPE_CHECKING, Any, List, Literal, Optional
 
 from kerf.aio.connection import Connection
 from kerf.aio.sheet import Sheet
 from kerf.aio.transport import call_sending
+from kerf.credentials import FilePath, read_secrets
 from kerf.errors import NotFound
 from kerf.files import chunks_of
+from kerf.links import scope_value
 from kerf.scenes import AnyScene, SheetOptions, as_scene, scene_with, take_large_mesh
-from kerf.v1 import server_pb2, sheets_pb2, store_service_pb2
+from kerf.v1 import access_service_pb2, server_pb2, sheets_pb2, store_service_pb2
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
 
-def connect(address: str = "127.0.0.1:50051", *, timeout_s: Optional[float] = None) -> Server:
+def connect(
+    address: str = "127.0.0.1:50051",
+    *,
+    timeout_s: Optional[float] = None,
+    token: Optional[str] = None,
+    token_file: Optional[FilePath] = None,
+    tls: bool = False,
+    tls_ca: Optional[FilePath] = None,
+    tls_cert: Optional[FilePath] = None,
+    tls_key: Optional[FilePath] = None,
+) -> Server:
     """Returns a server by its gRPC address; use it in a `with`, or close it. The server is not contacted yet.
 
     timeout_s: seconds after which a call raises DeadlineExceeded; None: no limit. It does not apply to streams.
+
+    token, token_file: what the server's tokens are checked against, or the path of a file with one line, the token.
+    tls: encrypts the calls, as do tls_ca and tls_cert. tls_ca: path of a PEM file, the authorities to trust; None: those
+    of the system. tls_cert, tls_key: paths of PEM files, the certificate to show and its key. Paths that are None are
+    taken from the environment: KERF_TOKEN_FILE, KERF_TLS_CA, KERF_TLS_CERT, KERF_TLS_KEY. Raises OSError if a file
+    cannot be read. Raises ValueError if its content is unusable, a certificate has no key, or a token would leave
+    this machine without TLS.
 
     >>> async with kerf.aio.connect(address) as server:
     ...     (await server.info()).limits.max_sheets
     64
     """
-    return Server(address, timeout_s=timeout_s)
+    secrets = read_secrets(
+        address, token=token, token_file=token_file, tls=tls, tls_ca=tls_ca, tls_cert=tls_cert, tls_key=tls_key
+    )
+    return Server(address, timeout_s=timeout_s, secrets=secrets)
 
 
 class Server(Connection):
@@ -44,6 +66,32 @@ class Server(Connection):
         True
         """
         return await self.call(self.server_service.GetServerInfo, server_pb2.GetServerInfoRequest())
+
+    async def access(self) -> access_service_pb2.Access:
+        """Says what the caller may do: scope, sheets and the end of the token. `asks_for_tokens` is False if the server asks
+        for none, and everybody may do everything. Raises Unauthenticated if the token is missing, unknown or over.
+        """
+        return await self.call(self.access_service.GetAccess, access_service_pb2.GetAccessRequest())
+
+    async def create_link(
+        self,
+        sheet_id: str = "",
+        *,
+        scope: Literal["view", "cut", "admin"] = "view",
+        lifetime_s: int = 0,
+        once: bool = False,
+    ) -> access_service_pb2.AccessLink:
+        """Makes a link that logs in whoever opens the viewer with it: the viewer's address and, after it, `path`.
+
+        sheet_id: the one sheet that it reaches; empty: those of the caller. scope: at most that of the caller.
+        lifetime_s: for how long logins last, 60..604,800; 0: 8 hours. once: it opens once, within 60 s. Raises
+        FailedPrecondition: NO_TOKENS if the server asks for no token, PermissionDenied if the link could do more than
+        the caller, InvalidArgument, and ResourceExhausted if there are 1,024.
+        """
+        request = access_service_pb2.CreateLinkRequest(
+            scope=scope_value(scope), sheet_id=sheet_id, lifetime_s=lifetime_s, once=once
+        )
+        return await self.call(self.access_service.CreateLink, request)
 
     async def store_info(self) -> store_service_pb2.StoreInfo:
         """Counts what the server keeps in its data folder, and names the sheets that were set aside, with the reasons,

@@ -5,7 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Optional
 
 from kerf.aio.transport import call_unary, close_channel, open_channel
+from kerf.credentials import Secrets
 from kerf.v1 import (
+    access_service_pb2_grpc,
     cuts_pb2_grpc,
     interaction_pb2_grpc,
     render_pb2_grpc,
@@ -22,18 +24,20 @@ if TYPE_CHECKING:
 class Connection:
     """The base class of Server. Sheets hold it, so that they need not import Server."""
 
-    def __init__(self, address: str, *, timeout_s: Optional[float] = None) -> None:
-        self._channel = open_channel(address)
+    def __init__(self, address: str, *, timeout_s: Optional[float] = None, secrets: Secrets = Secrets()) -> None:
+        self._channel = open_channel(address, secrets)
         self.address = address
         self.timeout_s = timeout_s  # time limit of later calls, seconds; None: no limit
+        channel = secrets.stub_channel(self._channel)
         # The generated stubs; call() calls those that have no method here.
-        self.sheet_service = sheets_pb2_grpc.SheetServiceStub(self._channel)
-        self.cut_service = cuts_pb2_grpc.CutServiceStub(self._channel)
-        self.interaction_service = interaction_pb2_grpc.InteractionServiceStub(self._channel)
-        self.render_service = render_pb2_grpc.RenderServiceStub(self._channel)
-        self.stream_service = stream_pb2_grpc.StreamServiceStub(self._channel)
-        self.server_service = server_pb2_grpc.ServerServiceStub(self._channel)
-        self.store_service = store_service_pb2_grpc.StoreServiceStub(self._channel)
+        self.sheet_service = sheets_pb2_grpc.SheetServiceStub(channel)
+        self.cut_service = cuts_pb2_grpc.CutServiceStub(channel)
+        self.interaction_service = interaction_pb2_grpc.InteractionServiceStub(channel)
+        self.render_service = render_pb2_grpc.RenderServiceStub(channel)
+        self.stream_service = stream_pb2_grpc.StreamServiceStub(channel)
+        self.server_service = server_pb2_grpc.ServerServiceStub(channel)
+        self.access_service = access_service_pb2_grpc.AccessServiceStub(channel)
+        self.store_service = store_service_pb2_grpc.StoreServiceStub(channel)
 
     async def __aenter__(self) -> Self:
         return self

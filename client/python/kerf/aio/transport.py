@@ -10,10 +10,13 @@ from typing import Any, Optional
 import grpc
 
 from kerf.channel_options import CHANNEL_OPTIONS
+from kerf.credentials import Secrets
 from kerf.errors import connection_closed, cut_off, error_of, is_cancelled, is_out_of_time
 
 
-def open_channel(address: str) -> grpc.aio.Channel:
+def open_channel(address: str, secrets: Secrets) -> grpc.aio.Channel:
+    if secrets.use_tls:
+        return grpc.aio.secure_channel(address, secrets.channel_credentials(), options=CHANNEL_OPTIONS)
     return grpc.aio.insecure_channel(address, options=CHANNEL_OPTIONS)
 
 
