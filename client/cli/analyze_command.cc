@@ -10,6 +10,7 @@
 
 #include "client/cli/app.h"
 #include "client/cli/commands.h"
+#include "client/cli/connect.h"
 #include "client/cli/progress.h"
 #include "client/cli/tables.h"
 #include "client/cpp/client.h"
@@ -63,7 +64,7 @@ int analyze(const Session& session, const AnalyzeArguments& arguments) {
     set_static(arguments, *request.mutable_analysis()->mutable_static_());
   }
   request.set_name("sheets/" + arguments.id);
-  client::Client client(session.server);
+  client::Client client = connect(session.server);
   v1::AnalyzeSheetResponse response;
   const grpc::Status status = [&] {
     const WaitingNote note(session, "analysing");

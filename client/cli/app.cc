@@ -54,6 +54,21 @@ std::vector<std::string> kinds_of(const CLI::Option& option) {
   return kinds;
 }
 
+void add_credentials(CLI::App& app, client::Credentials& credentials) {
+  app.add_option("--token-file", credentials.token_file,
+                 "File with the token that the server asks for, one line (or the environment KERF_TOKEN_FILE)")
+      ->type_name(value::kFile);
+  app.add_flag("--tls", credentials.use_tls, "Use TLS; the authorities that the system trusts are trusted");
+  app.add_option("--tls-ca", credentials.tls_ca,
+                 "File with the authorities to trust instead, PEM (or KERF_TLS_CA); use TLS")
+      ->type_name(value::kFile);
+  app.add_option("--tls-cert", credentials.tls_cert,
+                 "File with the certificate to show to the server, PEM (or KERF_TLS_CERT); use TLS")
+      ->type_name(value::kFile);
+  app.add_option("--tls-key", credentials.tls_key, "File with the key of that certificate, PEM (or KERF_TLS_KEY)")
+      ->type_name(value::kFile);
+}
+
 }  // namespace
 
 std::unique_ptr<CLI::App> make_app(Session& session) {
@@ -63,15 +78,16 @@ std::unique_ptr<CLI::App> make_app(Session& session) {
   app.formatter(std::make_shared<Help>());
   app.get_help_ptr()->description("Print this help and exit");
   app.set_version_flag("--version", std::string("kerf ") + KERF_VERSION, "Print the version and exit");
-  app.add_option("--server", session.server,
+  app.add_option("--server", session.server.address,
                  "Server's gRPC address (or the environment KERF_SERVER); port 50051 unless given")
       ->type_name("HOST:PORT")
       ->capture_default_str();
+  add_credentials(app, session.server.credentials);
   app.add_flag("--json", session.json,
                "Print replies as JSON; a refusal is {\"error\": {code, reason, message, field}} on stderr");
   app.add_flag("-q,--quiet", session.quiet, "No progress bars and no status line");
   app.add_flag("-v,--verbose", session.verbose, "Also print the measurements and counts of the server");
-  app.fallthrough();  // --server and --json may also follow the subcommand.
+  app.fallthrough();  // These may also follow the subcommand.
   app.require_subcommand(1);
   app.footer(
       "Exit codes: 0 done (a cut that misses included), 1 refused with the reason on stderr, 2 wrong usage.\n"
@@ -88,6 +104,7 @@ std::unique_ptr<CLI::App> make_app(Session& session) {
   add_load_command(app, session);
   add_store_commands(app, session);
   add_token_commands(app, session);
+  add_access_commands(app, session);
   add_shell_commands(app, session);
   return made;
 }

@@ -25,12 +25,13 @@ void add_watch_command(CLI::App& app, Session& session);
 void add_offline_commands(CLI::App& app, Session& session);  // run, replay
 void add_analyze_command(CLI::App& app, Session& session);
 void add_load_command(CLI::App& app, Session& session);
-void add_store_commands(CLI::App& app, Session& session);  // `kerf store`: info, prune, delete, backup
-void add_token_commands(CLI::App& app, Session& session);  // `kerf token`: new
-void add_shell_commands(CLI::App& app, Session& session);  // completion
+void add_store_commands(CLI::App& app, Session& session);   // `kerf store`: info, prune, delete, backup
+void add_token_commands(CLI::App& app, Session& session);   // `kerf token`: new
+void add_access_commands(CLI::App& app, Session& session);  // open, access
+void add_shell_commands(CLI::App& app, Session& session);   // completion
 
 // Prints the completions of the last of `words` for a shell; returns an exit code.
-int print_completion(const CLI::App& app, const std::vector<std::string>& words, const std::string& address);
+int print_completion(const CLI::App& app, const std::vector<std::string>& words, const ServerTarget& server);
 
 struct BatchTiming {
   std::int64_t at_tick = 0;  // Tick at whose start the cuts are made; 0: at once.

@@ -27,16 +27,22 @@ struct Place {
   const CLI::Option* open = nullptr;  // Option whose value the last word is; null: none.
   std::size_t arguments = 0;          // Arguments of the command before the last word.
   bool only_arguments = false;        // True after "--".
-  std::string address;
+  ServerTarget server;
 
   void take_value(const CLI::Option& option, const std::string& value) {
-    if (option_name(option) == "--server") address = value;
+    const std::string name = option_name(option);
+    if (name == "--server") server.address = value;
+    if (name == "--token-file") server.credentials.token_file = value;
+    if (name == "--tls-ca") server.credentials.tls_ca = value;
+    if (name == "--tls-cert") server.credentials.tls_cert = value;
+    if (name == "--tls-key") server.credentials.tls_key = value;
   }
   void take_option(const std::string& word) {
     const std::size_t equals = word.find('=');
     const CLI::Option* option = find_option(command, word.substr(0, equals));
     if (option == nullptr) return;
     given.insert(option);
+    if (option_name(*option) == "--tls") server.credentials.use_tls = true;
     if (equals != std::string::npos) {
       take_value(*option, word.substr(equals + 1));
     } else if (takes_value(*option)) {
@@ -74,8 +80,8 @@ void add(const std::string& word, const std::string& description, const std::str
 void add_values(const CLI::Option& option, const Place& place, const ServerNames& names, const std::string& before,
                 const std::string& typed, Completion& completion) {
   std::vector<std::string> values = choices_of(option);
-  if (has_values(option, value::kSheet)) values = names.sheets(place.address);
-  if (has_values(option, value::kMaterial)) values = names.materials(place.address);
+  if (has_values(option, value::kSheet)) values = names.sheets(place.server);
+  if (has_values(option, value::kMaterial)) values = names.materials(place.server);
   for (const std::string& value : values) add(before + value, "", typed, completion);
   if (has_values(option, value::kFile)) completion.paths = Completion::Paths::kFiles;
   if (has_values(option, value::kFolder)) completion.paths = Completion::Paths::kFolders;
@@ -94,11 +100,11 @@ void add_options(const Place& place, const std::string& typed, Completion& compl
 
 }  // namespace
 
-Completion complete(const CLI::App& app, const std::vector<std::string>& words, const std::string& address,
+Completion complete(const CLI::App& app, const std::vector<std::string>& words, const ServerTarget& server,
                     const ServerNames& names) {
   Place place;
   place.command = &app;
-  place.address = address;
+  place.server = server;
   const std::string typed = words.empty() ? std::string() : words.back();
   for (std::size_t i = 0; i + 1 < words.size(); ++i) place.take(words[i]);
 

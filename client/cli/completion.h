@@ -7,6 +7,8 @@
 
 #include <CLI/App.hpp>
 
+#include "client/cli/output.h"
+
 // Implements tab completion. The shells run `kerf __complete WORD...`. Its answer comes from the same CLI::App that
 // parses the command line, so that it is never out of date.
 namespace kerf::cli {
@@ -23,15 +25,15 @@ struct Completion {
   std::vector<Candidate> candidates;  // Each begins with the typed part of the word.
 };
 
-// Holds functions that ask the server at `address` (HOST:PORT) for names. They return none if it does not answer.
+// Holds functions that ask a server for names. They return none if it does not answer.
 struct ServerNames {
-  std::function<std::vector<std::string>(const std::string& address)> sheets;     // IDs of sheets.
-  std::function<std::vector<std::string>(const std::string& address)> materials;  // Names of presets.
+  std::function<std::vector<std::string>(const ServerTarget& server)> sheets;     // IDs of sheets.
+  std::function<std::vector<std::string>(const ServerTarget& server)> materials;  // Names of presets.
 };
 
-// Returns completions of the last of `words`; the others precede it, without `kerf` itself. `address`: the server to
-// ask unless --server is among the words.
-Completion complete(const CLI::App& app, const std::vector<std::string>& words, const std::string& address,
+// Returns completions of the last of `words`; the others precede it, without `kerf` itself. `server`: the server to
+// ask; --server, --token-file and the options of TLS among the words change it.
+Completion complete(const CLI::App& app, const std::vector<std::string>& words, const ServerTarget& server,
                     const ServerNames& names);
 
 // Returns the output of `kerf __complete`: "words", "files" or "folders", then a line per candidate. Each line has the

@@ -15,6 +15,7 @@
 #include "client/cli/app.h"
 #include "client/cli/arguments.h"
 #include "client/cli/commands.h"
+#include "client/cli/connect.h"
 #include "client/cpp/client.h"
 #include "client/cpp/cut_options.h"
 #include "server/base/disk.h"
@@ -131,7 +132,7 @@ int cut(const Session& session, const CutArguments& arguments) {
   if (const auto wrong = set_options(arguments, *request.mutable_cut())) return misuse(wrong->message);
   request.set_at_tick(arguments.at_tick);
   request.set_validate_only(arguments.is_dry_run);
-  client::Client client(session.server);
+  client::Client client = connect(session.server);
   v1::CutResult result;
   const grpc::Status status = client.call(&v1::CutService::Stub::CreateCut, client.cuts(), request, result);
   if (!status.ok()) return refuse(status, session.server);

@@ -14,6 +14,7 @@
 
 #include "client/cli/app.h"
 #include "client/cli/commands.h"
+#include "client/cli/connect.h"
 #include "client/cpp/client.h"
 #include "client/cpp/failure.h"
 #include "server/base/disk.h"
@@ -85,7 +86,7 @@ int export_cuts(const Session& session, const v1::ListCutsResponse& all, const s
 int cancel_cuts(const Session& session, const CutsArguments& arguments) {
   v1::CancelScheduledCutsRequest request;
   request.set_name("sheets/" + arguments.id + "/scheduledCuts/" + std::to_string(arguments.cancel));
-  client::Client client(session.server);
+  client::Client client = connect(session.server);
   v1::ScheduledCuts cancelled;
   const grpc::Status status =
       client.call(&v1::CutService::Stub::CancelScheduledCuts, client.cuts(), request, cancelled);
@@ -102,7 +103,7 @@ int cancel_cuts(const Session& session, const CutsArguments& arguments) {
 int list_cuts(const Session& session, const CutsArguments& arguments) {
   if (arguments.cancel > 0) return cancel_cuts(session, arguments);
   if (!arguments.apply.empty()) return cut_batch(session, arguments.id, arguments.apply, {});
-  client::Client client(session.server);
+  client::Client client = connect(session.server);
   v1::ListCutsResponse all;
   const auto merge = [](const v1::ListCutsResponse& page, v1::ListCutsResponse& into) {
     into.mutable_cuts()->MergeFrom(page.cuts());
@@ -127,7 +128,7 @@ int list_cuts(const Session& session, const CutsArguments& arguments) {
 }
 
 int list_pieces(const Session& session, const std::string& id) {
-  client::Client client(session.server);
+  client::Client client = connect(session.server);
   v1::ListPiecesResponse all;
   const auto merge = [](const v1::ListPiecesResponse& page, v1::ListPiecesResponse& into) {
     into.mutable_pieces()->MergeFrom(page.pieces());
@@ -148,7 +149,7 @@ int list_pieces(const Session& session, const std::string& id) {
 template <typename Request>
 int undo_or_redo(const Session& session, const std::string& id, const char* what,
                  grpc::Status (v1::CutService::Stub::*method)(grpc::ClientContext*, const Request&, v1::UndoResult*)) {
-  client::Client client(session.server);
+  client::Client client = connect(session.server);
   Request request;
   request.set_parent("sheets/" + id);
   v1::UndoResult result;
@@ -296,7 +297,7 @@ int cut_batch(const Session& session, const std::string& id, const std::string& 
                                        " works with one only: leave it out, or split the file",
                                    option));
   }
-  client::Client client(session.server);
+  client::Client client = connect(session.server);
   Made made;
   for (const v1::CreateCutsRequest& call : calls) {
     v1::CreateCutsResponse response;

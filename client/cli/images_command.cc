@@ -17,6 +17,7 @@
 #include "client/cli/app.h"
 #include "client/cli/arguments.h"
 #include "client/cli/commands.h"
+#include "client/cli/connect.h"
 #include "client/cli/on_signal.h"
 #include "client/cli/picture_options.h"
 #include "client/cli/progress.h"
@@ -148,7 +149,7 @@ int images(const Session& session, const ImagesArguments& arguments) {
   options.codec = arguments.format == "png" ? v1::IMAGE_PNG : v1::IMAGE_JPEG;
   options.max_rate_hz = arguments.max_rate_hz;
   if (const Status made = make_folder(arguments); !made.ok()) return refuse(made.error());
-  client::Client client(session.server);
+  client::Client client = connect(session.server);
   client::ImageWatcher watcher(client);
   const OnSignal interrupted(interrupts, [&watcher] { watcher.stop(); });
   Written written;

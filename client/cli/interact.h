@@ -1,5 +1,6 @@
 #pragma once
 
+#include "client/cli/connect.h"
 #include "client/cli/output.h"
 #include "client/cpp/client.h"
 
@@ -11,7 +12,7 @@ int interact(const Session& session,
              grpc::Status (v1::InteractionService::Stub::*method)(grpc::ClientContext*, const Request&,
                                                                   v1::InteractionResponse*),
              const Request& request) {
-  client::Client client(session.server);
+  client::Client client = connect(session.server);
   v1::InteractionResponse response;
   const grpc::Status status = client.call(method, client.interaction(), request, response);
   if (!status.ok()) return refuse(status, session.server);

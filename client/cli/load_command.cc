@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 #include <system_error>
+#include <utility>
 #include <variant>
 
 #include <CLI/App.hpp>
@@ -16,6 +17,7 @@
 #include "client/cli/app.h"
 #include "client/cli/arguments.h"
 #include "client/cli/commands.h"
+#include "client/cli/connect.h"
 #include "client/cli/on_signal.h"
 #include "client/cli/progress.h"
 #include "client/load/run.h"
@@ -63,12 +65,20 @@ int read_sizes(LoadArguments& arguments) {
 }
 
 int run_load(const Session& session, LoadArguments& arguments) {
-  arguments.plan.server = session.server;
+  arguments.plan.server = session.server.address;
   arguments.plan.transport = arguments.transport == "ws" ? load::Transport::kWebSocket : load::Transport::kGrpc;
   if (const int code = read_sizes(arguments); code != kDone) return code;
   if (const Status valid = load::check(arguments.plan); !valid.ok()) return misuse(valid.error().message);
   if (!arguments.html.empty()) {  // Checked before a run that may take half an hour.
     if (const Status writable = check_writable(arguments.html); !writable.ok()) return refuse(writable.error());
+  }
+  // A token must not be sent in the clear to either address; the files are the same.
+  ServerTarget http = session.server;
+  if (!arguments.plan.http.empty()) http.address = arguments.plan.http;
+  for (const ServerTarget& server : {http, session.server}) {
+    client::Result<client::Secrets> secrets = secrets_of(server);
+    if (!secrets) return refuse(secrets.failure(), server);
+    arguments.plan.secrets = std::move(secrets).value();
   }
   const sigset_t interrupts = block_interrupts();  // Before gRPC starts its threads.
   load::Stopper stopper;

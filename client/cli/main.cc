@@ -7,23 +7,38 @@
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include "client/cli/app.h"
 #include "client/cli/arguments.h"
 #include "client/cli/commands.h"
 #include "client/cli/suggestions.h"
+#include "client/cpp/result.h"
 
 namespace {
 
+// Takes the server from the environment; options of the command line come later and win.
+void read_environment(kerf::cli::ServerTarget& server) {
+  const std::pair<const char*, std::string&> variables[] = {{"KERF_SERVER", server.address},
+                                                            {"KERF_TOKEN_FILE", server.credentials.token_file},
+                                                            {"KERF_TLS_CA", server.credentials.tls_ca},
+                                                            {"KERF_TLS_CERT", server.credentials.tls_cert},
+                                                            {"KERF_TLS_KEY", server.credentials.tls_key}};
+  for (const auto& [name, place] : variables) {
+    if (const char* value = std::getenv(name)) place = value;  // NOLINT(concurrency-mt-unsafe)
+  }
+}
+
 int run(int argc, char** argv) {
   kerf::cli::Session session;
-  if (const char* server = std::getenv("KERF_SERVER")) session.server = server;  // NOLINT(concurrency-mt-unsafe)
+  read_environment(session.server);
   const std::unique_ptr<CLI::App> app = kerf::cli::make_app(session);
 
   // Completes an unfinished command line, which must not be parsed as a whole.
   if (argc > 1 && std::string_view(argv[1]) == "__complete") {
-    return kerf::cli::print_completion(*app, {argv + 2, argv + argc}, kerf::cli::with_port(session.server));
+    session.server.address = kerf::cli::with_port(session.server.address);
+    return kerf::cli::print_completion(*app, {argv + 2, argv + argc}, session.server);
   }
   // --json takes effect even if other words cannot be parsed.
   if (std::find(argv, argv + argc, std::string_view("--json")) != argv + argc) kerf::cli::refuse_in_json();
@@ -34,8 +49,12 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return kerf::cli::misuse(kerf::cli::explain(*app, error));
   }
-  session.server = kerf::cli::with_port(session.server);
-  return session.action();
+  session.server.address = kerf::cli::with_port(session.server.address);
+  try {
+    return session.action();
+  } catch (const kerf::client::CallFailed& refused) {  // The credentials cannot be used.
+    return kerf::cli::refuse(refused.failure, session.server);
+  }
 }
 
 // Checks that the output was written: it may be lost on a full disk behind a redirection.
@@ -50,7 +69,9 @@ int flushed(int code) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::signal(SIGXFSZ, SIG_IGN);  // A file beyond `ulimit -f` is a failed write, and reported.
+  // Keeps gRPC's own lines from standard error, where --json has one line of JSON.
+  setenv("GRPC_VERBOSITY", "NONE", 0);  // NOLINT(concurrency-mt-unsafe)
+  std::signal(SIGXFSZ, SIG_IGN);        // A file beyond `ulimit -f` is a failed write, and reported.
   try {
     return flushed(run(argc, argv));
   } catch (const std::exception& error) {

@@ -209,7 +209,7 @@ void complain(const std::string& line, const std::string& code, const Error& fai
   }
 }
 
-std::string sheets_near(const std::string& id, const std::string& server) {
+std::string sheets_near(const std::string& id, const ServerTarget& server) {
   const std::string near = did_you_mean(near_names(id, sheet_ids(server)));
   return near.empty() ? "; `kerf sheet list` lists all sheets" : near;
 }
@@ -226,17 +226,28 @@ void refuse_in_json() {
   in_json = true;
 }
 
-int refuse(const grpc::Status& status, const std::string& server) {
+int refuse(const grpc::Status& status, const ServerTarget& server) {
   return refuse(client::failure_of(status), server);
 }
 
-int refuse(client::Failure failure, const std::string& server) {
+int refuse(client::Failure failure, const ServerTarget& server) {
   std::string line = client::describe(failure);
   if (failure.code == grpc::StatusCode::UNAVAILABLE && failure.reason.empty()) {
-    failure.message = "no Kerf server answers at " + server +
+    for (const char* closed : {"Socket closed", "reset by peer", "Broken pipe"}) {
+      if (failure.message.find(closed) == std::string::npos) continue;
+      failure.message +=
+          "; a server that asks for TLS (--tls-ca), or for a certificate (--tls-cert), closes connections so";
+      break;
+    }
+    failure.message = "no Kerf server answers at " + server.address +
                       ": start one with kerfd or deploy/run, or name another with --server or KERF_SERVER (" +
                       failure.message + ")";
     line = failure.message;
+  }
+  if (failure.reason == "TOKEN_MISSING") {
+    const std::string remedy = "; give it with --token-file FILE or KERF_TOKEN_FILE";
+    failure.message += remedy;
+    line += remedy;
   }
   if (failure.reason == "SHEET_NOT_FOUND") {
     const std::string near = sheets_near(quoted_in(failure.message), server);

@@ -9,6 +9,7 @@
 #include <google/protobuf/map.h>
 #include <grpcpp/support/status.h>
 
+#include "client/cpp/client.h"
 #include "client/cpp/failure.h"
 #include "kerf/v1/cuts.pb.h"
 #include "kerf/v1/interaction.pb.h"
@@ -29,9 +30,15 @@ enum ExitCode {
   kWrongUsage = 2,  // The reason is on stderr.
 };
 
+// Names a server, and says how to call it.
+struct ServerTarget {
+  std::string address = "127.0.0.1:50051";  // HOST:PORT
+  client::Credentials credentials = {};
+};
+
 // Holds the options common to all commands.
 struct Session {
-  std::string server = "127.0.0.1:50051";
+  ServerTarget server = {};
   bool json = false;
   bool quiet = false;    // No progress bars and no status line.
   bool verbose = false;  // Also prints the server's measurements and counts.
@@ -48,8 +55,8 @@ std::string to_script_json(const google::protobuf::Message& message, int indent 
 void refuse_in_json();
 
 // Print the reason on stderr and return the exit code. If a sheet is missing, `server` is asked for similar names.
-int refuse(const grpc::Status& status, const std::string& server);
-int refuse(client::Failure failure, const std::string& server);
+int refuse(const grpc::Status& status, const ServerTarget& server);
+int refuse(client::Failure failure, const ServerTarget& server);
 int refuse(const Error& error);
 int misuse(const std::string& message);
 // Reports that the server ended a stream after `count` frames or pictures; `of_what` is the word for them. Returns the

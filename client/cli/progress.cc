@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <utility>
 
+#include "client/cli/connect.h"
+
 namespace kerf::cli {
 namespace {
 
@@ -93,7 +95,7 @@ void WaitingNote::run() {
 
 StepProgress::StepProgress(const Session& session, const std::string& name, std::int32_t ticks) : bar_(session) {
   if (!is_watched(session)) return;
-  client_ = std::make_unique<client::Client>(session.server);
+  client_ = std::make_unique<client::Client>(connect(session.server));
   v1::GetSheetRequest request;
   request.set_name(name);
   v1::Sheet sheet;

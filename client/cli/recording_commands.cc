@@ -10,6 +10,7 @@
 
 #include "client/cli/app.h"
 #include "client/cli/commands.h"
+#include "client/cli/connect.h"
 #include "client/cpp/transfers.h"
 #include "server/base/disk.h"
 
@@ -26,7 +27,7 @@ struct PlayArguments {
 };
 
 int fetch(const Session& session, const std::string& id, const std::string& out) {
-  client::Client client(session.server);
+  client::Client client = connect(session.server);
   std::string recording;
   const grpc::Status status = client::fetch_recording(client, "sheets/" + id, recording);
   if (!status.ok()) return refuse(status, session.server);
@@ -45,7 +46,7 @@ int play(const Session& session, const PlayArguments& arguments) {
   RealDisk disk;
   const Result<std::string> recording = disk.read_file(arguments.file, kMaxUploadedRecordingBytes);
   if (!recording.ok()) return refuse(recording.error());
-  client::Client client(session.server);
+  client::Client client = connect(session.server);
   v1::Sheet sheet;
   const grpc::Status status = client::replay_recording(client, arguments.id, arguments.paused, *recording, sheet);
   if (!status.ok()) return refuse(status, session.server);

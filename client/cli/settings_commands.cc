@@ -12,6 +12,7 @@
 
 #include "client/cli/app.h"
 #include "client/cli/commands.h"
+#include "client/cli/connect.h"
 #include "client/cli/interact.h"
 #include "client/cpp/client.h"
 #include "server/service/wire/json.h"
@@ -82,7 +83,7 @@ int set_speed(const Session& session, const std::string& id, double speed) {
   v1::SetSheetSpeedRequest request;
   request.set_name("sheets/" + id);
   request.set_speed(speed);
-  client::Client client(session.server);
+  client::Client client = connect(session.server);
   v1::Sheet sheet;
   const grpc::Status status = client.call(&v1::SheetService::Stub::SetSheetSpeed, client.sheets(), request, sheet);
   if (!status.ok()) return refuse(status, session.server);

@@ -15,6 +15,7 @@
 #include "client/cli/app.h"
 #include "client/cli/arguments.h"
 #include "client/cli/commands.h"
+#include "client/cli/connect.h"
 #include "client/cli/progress.h"
 #include "client/cli/scene_options.h"
 #include "client/cpp/client.h"
@@ -124,7 +125,7 @@ int create_sheet(const Session& session, const CreateArguments& arguments) {
   if (code != kDone) return code;
   scene.clear_sheet_id();
 
-  client::Client client(session.server);
+  client::Client client = connect(session.server);
   v1::Sheet sheet;
   const grpc::Status status = [&] {
     const WaitingNote note(session, "creating the sheet from " + std::to_string(request.ByteSizeLong()) + " bytes");
@@ -136,7 +137,7 @@ int create_sheet(const Session& session, const CreateArguments& arguments) {
 }
 
 int list_sheets(const Session& session) {
-  client::Client client(session.server);
+  client::Client client = connect(session.server);
   v1::ListSheetsResponse all;
   v1::ListSheetsRequest request;
   do {
@@ -160,7 +161,7 @@ int list_sheets(const Session& session) {
 template <typename Request>
 int call_with_name(const Session& session, const std::string& id,
                    grpc::Status (v1::SheetService::Stub::*method)(grpc::ClientContext*, const Request&, v1::Sheet*)) {
-  client::Client client(session.server);
+  client::Client client = connect(session.server);
   Request request;
   request.set_name("sheets/" + id);
   v1::Sheet sheet;
@@ -173,7 +174,7 @@ int call_with_name(const Session& session, const std::string& id,
 // Asks for confirmation at a terminal if others watch the sheet. If the server cannot be reached, the reset reports it.
 int reset_sheet(const Session& session, const std::string& id, bool is_sure) {
   if (!is_sure && isatty(STDIN_FILENO) != 0) {
-    client::Client client(session.server);
+    client::Client client = connect(session.server);
     v1::GetSheetRequest request;
     request.set_name("sheets/" + id);
     v1::Sheet sheet;
@@ -193,7 +194,7 @@ int reset_sheet(const Session& session, const std::string& id, bool is_sure) {
 }
 
 int delete_sheet(const Session& session, const std::string& id) {
-  client::Client client(session.server);
+  client::Client client = connect(session.server);
   v1::DeleteSheetRequest request;
   request.set_name("sheets/" + id);
   google::protobuf::Empty nothing;
@@ -204,7 +205,7 @@ int delete_sheet(const Session& session, const std::string& id) {
 }
 
 int step_sheet(const Session& session, const std::string& id, std::int32_t ticks) {
-  client::Client client(session.server);
+  client::Client client = connect(session.server);
   v1::StepSheetRequest request;
   request.set_name("sheets/" + id);
   request.set_ticks(ticks);

@@ -40,9 +40,9 @@ void add_shell_commands(CLI::App& app, Session& session) {
       [&session, shell] { session.action = [&session, shell] { return print_script(session, *shell); }; });
 }
 
-int print_completion(const CLI::App& app, const std::vector<std::string>& words, const std::string& address) {
+int print_completion(const CLI::App& app, const std::vector<std::string>& words, const ServerTarget& server) {
   const ServerNames names{sheet_ids, material_presets};
-  std::fputs(to_lines(complete(app, words, address, names)).c_str(), stdout);
+  std::fputs(to_lines(complete(app, words, server, names)).c_str(), stdout);
   return kDone;
 }
 

@@ -12,6 +12,7 @@
 #include "client/cli/app.h"
 #include "client/cli/arguments.h"
 #include "client/cli/commands.h"
+#include "client/cli/connect.h"
 #include "client/cli/output.h"
 #include "client/cpp/client.h"
 
@@ -34,7 +35,7 @@ std::string describe(const v1::SavedState& state) {
 }
 
 int save_state(const Session& session, const StateArguments& arguments) {
-  client::Client client(session.server);
+  client::Client client = connect(session.server);
   v1::SaveStateRequest request;
   request.set_parent("sheets/" + arguments.id);
   request.set_state_id(arguments.state);
@@ -47,7 +48,7 @@ int save_state(const Session& session, const StateArguments& arguments) {
 }
 
 int restore_state(const Session& session, const StateArguments& arguments) {
-  client::Client client(session.server);
+  client::Client client = connect(session.server);
   v1::RestoreStateRequest request;
   request.set_name(arguments.name());
   v1::Sheet sheet;
@@ -58,7 +59,7 @@ int restore_state(const Session& session, const StateArguments& arguments) {
 }
 
 int list_states(const Session& session, const std::string& id) {
-  client::Client client(session.server);
+  client::Client client = connect(session.server);
   v1::ListStatesRequest request;
   request.set_parent("sheets/" + id);
   v1::ListStatesResponse all;
@@ -75,7 +76,7 @@ int list_states(const Session& session, const std::string& id) {
 }
 
 int forget_state(const Session& session, const StateArguments& arguments) {
-  client::Client client(session.server);
+  client::Client client = connect(session.server);
   v1::DeleteStateRequest request;
   request.set_name(arguments.name());
   google::protobuf::Empty nothing;

@@ -12,6 +12,7 @@
 
 #include "client/cli/app.h"
 #include "client/cli/commands.h"
+#include "client/cli/connect.h"
 #include "client/cli/output.h"
 #include "client/cli/progress.h"
 #include "client/cpp/client.h"
@@ -72,7 +73,7 @@ template <typename Request, typename Response>
 int ask(const Session& session,
         grpc::Status (v1::StoreService::Stub::*method)(grpc::ClientContext*, const Request&, Response*),
         const Request& request, const char* doing) {
-  client::Client client(session.server);
+  client::Client client = connect(session.server);
   Response response;
   const grpc::Status status = [&] {
     const WaitingNote note(session, doing);

@@ -11,6 +11,7 @@
 #include "client/cli/app.h"
 #include "client/cli/arguments.h"
 #include "client/cli/commands.h"
+#include "client/cli/connect.h"
 #include "client/cli/picture_options.h"
 #include "client/cli/progress.h"
 #include "client/cpp/client.h"
@@ -50,7 +51,7 @@ int render(const Session& session, const RenderArguments& arguments) {
   request.set_color_by(wanted.color_by);
   if (wanted.camera) *request.mutable_camera() = *wanted.camera;
   request.set_format(jpeg ? v1::RenderImageRequest::JPEG : v1::RenderImageRequest::PNG);
-  client::Client client(session.server);
+  client::Client client = connect(session.server);
   v1::RenderImageResponse response;
   const grpc::Status status = [&] {
     const WaitingNote note(session, "drawing");
@@ -76,7 +77,7 @@ int export_sheet(const Session& session, const std::string& id, const std::strin
   v1::ExportSheetRequest request;
   request.set_format(is_gltf ? v1::ExportSheetRequest::GLTF : v1::ExportSheetRequest::OBJ);
   request.set_name("sheets/" + id);
-  client::Client client(session.server);
+  client::Client client = connect(session.server);
   v1::ExportSheetResponse response;
   const grpc::Status status = [&] {
     const WaitingNote note(session, "exporting");
@@ -94,7 +95,7 @@ int export_sheet(const Session& session, const std::string& id, const std::strin
 }
 
 int info(const Session& session) {
-  client::Client client(session.server);
+  client::Client client = connect(session.server);
   v1::ServerInfo reply;
   const grpc::Status status =
       client.call(&v1::ServerService::Stub::GetServerInfo, client.server(), v1::GetServerInfoRequest(), reply);
@@ -105,7 +106,7 @@ int info(const Session& session) {
   }
   std::printf(
       "Kerf %s at %s, up %.0f s\n  sheets    %d of %d\n  workers   %d, %.0f %% needed\n  renderer  %s\n  materials",
-      reply.version().c_str(), session.server.c_str(), reply.uptime_s(), reply.num_sheets(),
+      reply.version().c_str(), session.server.address.c_str(), reply.uptime_s(), reply.num_sheets(),
       reply.limits().max_sheets(), reply.workers(), 100.0 * reply.load(), reply.renderer().c_str());
   for (const std::string& preset : reply.material_presets()) std::printf(" %s", preset.c_str());
   std::printf("\n");

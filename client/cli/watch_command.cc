@@ -13,6 +13,7 @@
 
 #include "client/cli/app.h"
 #include "client/cli/commands.h"
+#include "client/cli/connect.h"
 #include "client/cli/on_signal.h"
 #include "client/cli/watch_meter.h"
 #include "client/cpp/client.h"
@@ -84,7 +85,7 @@ class FrameLine {
 
 int watch(const Session& session, const WatchArguments& arguments) {
   const sigset_t interrupts = block_interrupts();  // Before gRPC starts its threads.
-  client::Client client(session.server);
+  client::Client client = connect(session.server);
   client::Watcher watcher(client);
   const OnSignal interrupted(interrupts, [&watcher] { watcher.stop(); });
   client::WatchOptions options;

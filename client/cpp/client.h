@@ -8,6 +8,8 @@
 #include <grpcpp/client_context.h>
 
 #include "client/cpp/failure.h"
+#include "client/cpp/result.h"
+#include "kerf/v1/access_service.grpc.pb.h"
 #include "kerf/v1/cuts.grpc.pb.h"
 #include "kerf/v1/interaction.grpc.pb.h"
 #include "kerf/v1/render.grpc.pb.h"
@@ -18,6 +20,18 @@
 
 namespace kerf::client {
 
+// Says who calls, and how calls are encrypted. Files are read when a Client is made. Without any of it calls carry no
+// token and are not encrypted. A token is sent without TLS only to 127.0.0.0/8, ::1, localhost and unix sockets.
+struct Credentials {
+  std::string token = {};       // Printable ASCII; white space around it is dropped. Empty: none, or that of the file.
+  std::string token_file = {};  // Path of a file with one line, the token.
+  bool use_tls = false;         // True also if one of the next two is given.
+  std::string tls_ca = {};      // Path of a PEM file: the authorities to trust. Empty: those of the system.
+  std::string tls_cert = {};    // Path of a PEM file: the certificate to show, with those between it and its authority.
+  std::string tls_key = {};     // Path of a PEM file: its key, without a password.
+  std::string tls_name = {};    // Name in the server's certificate; empty: the host of the address. A tunnel needs it.
+};
+
 // Connects to one Kerf server, with the typed stubs of all services. Connecting is lazy: an unreachable server gives
 // UNAVAILABLE at the first call. Thread-safe, as gRPC stubs are.
 class Client {
@@ -25,12 +39,14 @@ class Client {
   // Largest message that a client accepts. The OBJ file of a sheet with 500,000 vertices has some 90 MB.
   static constexpr int kMaxReceiveBytes = 256 << 20;
 
-  // kShared: all clients of a process with the same address share a connection. kOwn: the client has a connection of
-  // its own, as if on another machine.
+  // kShared: all clients of a process with the same address share a connection, unless it is encrypted. kOwn: the
+  // client has a connection of its own, as if on another machine.
   enum class Connection { kShared, kOwn };
 
-  // `address`: "HOST:PORT".
-  explicit Client(const std::string& address, Connection connection = Connection::kShared);
+  // `address`: "HOST:PORT". Throws CallFailed if the credentials cannot be used: INVALID_ARGUMENT with the member at
+  // fault as its field, such as CREDENTIALS_UNREADABLE, TLS_PAIR_INCOMPLETE or TOKEN_NEEDS_TLS.
+  explicit Client(const std::string& address, const Credentials& credentials = {},
+                  Connection connection = Connection::kShared);
   explicit Client(std::shared_ptr<grpc::Channel> channel);
 
   // Makes one unary call with a deadline:
@@ -56,6 +72,7 @@ class Client {
   [[nodiscard]] v1::RenderService::Stub& render() { return *render_; }
   [[nodiscard]] v1::ServerService::Stub& server() { return *server_; }
   [[nodiscard]] v1::StoreService::Stub& store() { return *store_; }
+  [[nodiscard]] v1::AccessService::Stub& access() { return *access_; }
 
  private:
   std::shared_ptr<grpc::Channel> channel_;
@@ -66,6 +83,7 @@ class Client {
   std::unique_ptr<v1::RenderService::Stub> render_;
   std::unique_ptr<v1::ServerService::Stub> server_;
   std::unique_ptr<v1::StoreService::Stub> store_;
+  std::unique_ptr<v1::AccessService::Stub> access_;
 };
 
 }  // namespace kerf::client

@@ -11,7 +11,9 @@ namespace kerf::client {
 // Wraps a Client so that calls return a Result. Thread-safe.
 class Connection {
  public:
-  Connection(const std::string& address, std::chrono::milliseconds timeout) : client_(address), timeout_(timeout) {}
+  // Throws CallFailed as Client does.
+  Connection(const std::string& address, const Credentials& credentials, std::chrono::milliseconds timeout)
+      : client_(address, credentials), timeout_(timeout) {}
 
   // Makes one unary call: connection.call(&v1::CutService::Stub::CreateCut, connection.client().cuts(), request)
   template <typename Service, typename Request, typename Response>

@@ -20,6 +20,16 @@ void explain(Failure& failure) {
         "no answer in time: a tick of the sheet may take long. The request may still be carried out: check before you "
         "repeat it";
   }
+  if (failure.code == grpc::StatusCode::UNAVAILABLE) {
+    const auto says = [&](const char* words) { return failure.message.find(words) != std::string::npos; };
+    if (says("SSL_ERROR_SSL") || says("is not in peer certificate")) {
+      failure.reason = "TLS_FAILED";
+      failure.message =
+          "TLS with the server failed: its certificate is of another authority or for another name, or it has no TLS "
+          "(" +
+          failure.message + ")";
+    }
+  }
 }
 
 }  // namespace

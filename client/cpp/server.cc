@@ -1,5 +1,8 @@
 #include "client/cpp/server.h"
 
+#include <algorithm>
+#include <cstdint>
+#include <limits>
 #include <utility>
 
 #include "client/cpp/client.h"
@@ -16,7 +19,7 @@ std::string id_of(const v1::Sheet& sheet) {
 }  // namespace
 
 Server::Server(const std::string& address, const ServerOptions& options)
-    : connection_(std::make_shared<Connection>(address, options.timeout)) {}
+    : connection_(std::make_shared<Connection>(address, options.credentials, options.timeout)) {}
 
 Result<v1::ServerInfo> Server::info() {
   return connection_->call(&v1::ServerService::Stub::GetServerInfo, client().server(), v1::GetServerInfoRequest());
@@ -42,6 +45,22 @@ Result<v1::StoreBackup> Server::backup_store(const std::string& backup_id) {
   v1::BackupStoreRequest request;
   request.set_backup_id(backup_id);
   return connection_->call(&v1::StoreService::Stub::BackupStore, client().store(), request);
+}
+
+Result<v1::Access> Server::access() {
+  return connection_->call(&v1::AccessService::Stub::GetAccess, client().access(), v1::GetAccessRequest());
+}
+
+Result<v1::AccessLink> Server::create_link(const LinkOptions& options) {
+  constexpr std::int64_t kMostSeconds = std::numeric_limits<std::int32_t>::max();
+  v1::CreateLinkRequest request;
+  request.set_scope(options.scope);
+  request.set_sheet_id(options.sheet_id);
+  // Keeps a lifetime that is too long too long, so that the server refuses it.
+  request.set_lifetime_s(
+      static_cast<std::int32_t>(std::clamp(std::int64_t{options.lifetime.count()}, -kMostSeconds, kMostSeconds)));
+  request.set_once(options.once);
+  return connection_->call(&v1::AccessService::Stub::CreateLink, client().access(), request);
 }
 
 Result<Sheet> Server::create(const v1::Scene& scene, const CreateOptions& options) {

@@ -15,7 +15,7 @@ class ImageViewer : public Viewer {
   ImageViewer(const Plan& plan, Watching watching, Recorder& recorder)
       : plan_(plan),
         watching_(std::move(watching)),
-        client_(watching_.address, client::Client::Connection::kOwn),
+        client_(connect_to(watching_.address, plan, client::Client::Connection::kOwn)),
         log_(plan, watching_, recorder),
         thread_([this] { run(); }) {}
   ~ImageViewer() override {

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "client/cpp/credentials.h"
 #include "server/base/result.h"
 
 namespace kerf::load {
@@ -14,6 +15,7 @@ enum class Transport { kGrpc, kWebSocket };
 struct Plan {
   std::string server = "127.0.0.1:50051";  // HOST:PORT of gRPC
   std::string http;                        // HOST:PORT of the viewer's port; empty: no metrics are read, no WebSocket.
+  client::Secrets secrets = {};            // For both addresses: a token, keys of TLS.
   std::int64_t server_pid = 0;             // Server's process on this machine; 0: `http` gives its CPU and memory.
   std::int32_t sheets = 1;                 // 1..10,000
   std::int32_t columns = 32;               // Vertices of each, 2..1000.

@@ -43,11 +43,17 @@ std::string utc_now() {
   return text.data();
 }
 
+ErrorCode code_of(grpc::StatusCode code) {
+  if (code == grpc::StatusCode::UNAVAILABLE) return ErrorCode::kUnavailable;
+  if (code == grpc::StatusCode::UNAUTHENTICATED) return ErrorCode::kUnauthenticated;
+  if (code == grpc::StatusCode::PERMISSION_DENIED) return ErrorCode::kPermissionDenied;
+  return ErrorCode::kFailedPrecondition;
+}
+
 Error error_of(const grpc::Status& status, const std::string& server) {
   const client::Failure failure = client::failure_of(status);
   const bool unreached = failure.code == grpc::StatusCode::UNAVAILABLE;
-  return {unreached ? ErrorCode::kUnavailable : ErrorCode::kFailedPrecondition,
-          failure.reason.empty() ? client::name_of(failure.code) : failure.reason,
+  return {code_of(failure.code), failure.reason.empty() ? client::name_of(failure.code) : failure.reason,
           unreached
               ? "no server answers at " + server + " (" + failure.message + "): start kerfd, or give --server HOST:PORT"
               : client::describe(failure),
@@ -58,7 +64,10 @@ Error error_of(const grpc::Status& status, const std::string& server) {
 class Run {
  public:
   Run(const Plan& plan, const std::function<void(const Progress&)>& progress, Stopper& stopper)
-      : progress_(progress), stopper_(stopper), client_(plan.server), probe_(report_.plan, client_) {
+      : progress_(progress),
+        stopper_(stopper),
+        client_(connect_to(plan.server, plan, client::Client::Connection::kShared)),
+        probe_(report_.plan, client_) {
     report_.plan = plan;
   }
 

@@ -11,6 +11,7 @@
 
 #include "client/load/endpoint.h"
 #include "client/load/metrics_text.h"
+#include "client/load/tls.h"
 
 namespace kerf::load {
 namespace {
@@ -68,7 +69,7 @@ Probe ServerProbe::probe() {
   }
   if (plan_.server_pid > 0) probe.server = usage_of(plan_.server_pid);
   if (!plan_.http.empty()) {
-    if (const std::optional<std::string> page = http_get(plan_.http, "/metrics")) {
+    if (const std::optional<std::string> page = http_get(plan_.http, "/metrics", plan_.secrets)) {
       if (!probe.server) probe.server = usage_in(*page);
       probe.frames_encoded = metric_in(*page, "kerf_frames_encoded_total");
     }
@@ -77,30 +78,41 @@ Probe ServerProbe::probe() {
   return probe;
 }
 
-std::optional<std::string> http_get(const std::string& address, const std::string& target) {
+std::optional<std::string> http_get(const std::string& address, const std::string& target,
+                                    const client::Secrets& secrets) {
   namespace asio = boost::asio;
   namespace beast = boost::beast;
   const std::optional<Endpoint> endpoint = parse_endpoint(address);
   if (!endpoint) return std::nullopt;
   asio::io_context context;
-  beast::tcp_stream stream(context);
+  asio::ssl::context tls(asio::ssl::context::tls_client);
+  if (secrets.use_tls && prepare(secrets, tls)) return std::nullopt;
+  TlsStream stream(context, tls);  // Without TLS only the one below it is used.
+  if (secrets.use_tls) expect_server(secrets, endpoint->host, stream);
   boost::system::error_code error;
   const auto found = asio::ip::tcp::resolver(context).resolve(endpoint->host, endpoint->port, error);
   if (error) return std::nullopt;
   // Uses asynchronous calls, because blocking ones have no time limit.
-  stream.expires_after(kHttpPatience);
+  stream.next_layer().expires_after(kHttpPatience);
   beast::http::request<beast::http::empty_body> request(beast::http::verb::get, target, 11);
   request.set(beast::http::field::host, address);
+  if (!secrets.token.empty()) request.set(beast::http::field::authorization, "Bearer " + secrets.token);
   beast::http::response_parser<beast::http::string_body> answer;
   answer.body_limit(kMaxMetrics);
   beast::flat_buffer buffer;
   bool read = false;
-  stream.async_connect(found, [&](const boost::system::error_code& failed, const auto& /*endpoint*/) {
-    if (failed) return;
-    beast::http::async_write(stream, request, [&](const boost::system::error_code& unsent, std::size_t /*bytes*/) {
+  const auto ask = [&](auto& way) {
+    beast::http::async_write(way, request, [&](const boost::system::error_code& unsent, std::size_t /*bytes*/) {
       if (unsent) return;
-      beast::http::async_read(stream, buffer, answer,
+      beast::http::async_read(way, buffer, answer,
                               [&](const boost::system::error_code& unread, std::size_t /*bytes*/) { read = !unread; });
+    });
+  };
+  stream.next_layer().async_connect(found, [&](const boost::system::error_code& failed, const auto& /*endpoint*/) {
+    if (failed) return;
+    if (!secrets.use_tls) return ask(stream.next_layer());
+    stream.async_handshake(asio::ssl::stream_base::client, [&](const boost::system::error_code& refused) {
+      if (!refused) ask(stream);
     });
   });
   context.run();

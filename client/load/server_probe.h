@@ -60,7 +60,9 @@ class ServerProbe {
   std::optional<grpc::Status> failure_;
 };
 
-// Returns the body of http://`address``target`; nothing without an answer of 200 within some seconds.
-std::optional<std::string> http_get(const std::string& address, const std::string& target);
+// Returns the body of http://`address``target`, or https:// if the secrets say so, asked for with their token. Returns
+// nothing without an answer of 200 within some seconds.
+std::optional<std::string> http_get(const std::string& address, const std::string& target,
+                                    const client::Secrets& secrets);
 
 }  // namespace kerf::load

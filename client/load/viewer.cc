@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <thread>
 #include <utility>
 
 #include "client/cpp/client.h"
+#include "client/cpp/credentials.h"
 #include "client/cpp/failure.h"
+#include "client/load/endpoint.h"
 
 namespace kerf::load {
 namespace {
@@ -27,7 +30,7 @@ class FrameViewer : public Viewer {
       : plan_(plan),
         watching_(std::move(watching)),
         waiter_(waiter),
-        client_(watching_.address, client::Client::Connection::kOwn),
+        client_(connect_to(watching_.address, plan, client::Client::Connection::kOwn)),
         watcher_(client_),
         log_(plan, watching_, recorder),
         thread_([this] { run(); }) {}
@@ -92,6 +95,14 @@ void ReaderLog::finish() {
 
 void ReaderLog::shown(Nanoseconds time, std::int64_t age_us) {
   if (recorder_.counts(time)) recorder_.shown(watching_.role, age_us);
+}
+
+client::Client connect_to(const std::string& address, const Plan& plan, client::Client::Connection connection) {
+  client::Secrets secrets = plan.secrets;
+  const std::optional<Endpoint> server = parse_endpoint(plan.server);
+  // A proxy shows the certificate of the server behind it.
+  if (address != plan.server && secrets.tls_name.empty() && server) secrets.tls_name = server->host;
+  return client::Client(client::open_channel(address, secrets, connection));
 }
 
 client::WatchOptions options_of(const Plan& plan, Role role) {

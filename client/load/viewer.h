@@ -46,6 +46,9 @@ class ReaderLog {
   bool joined_ = false;
 };
 
+// Connects to the plan's server at `address`, which may be that of a proxy before it.
+client::Client connect_to(const std::string& address, const Plan& plan, client::Client::Connection connection);
+
 // options_of() returns the options of a reader's stream. hold_of() returns how long the reader holds its frame number
 // `frame`, >= 1, before it takes the next; 0 if it does not hold the frame.
 [[nodiscard]] client::WatchOptions options_of(const Plan& plan, Role role);

@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <type_traits>
 #include <utility>
 
 #include <boost/asio/io_context.hpp>
@@ -11,9 +12,11 @@
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/websocket.hpp>
+#include <boost/beast/websocket/ssl.hpp>
 
 #include "client/cpp/mirror.h"
 #include "client/load/endpoint.h"
+#include "client/load/tls.h"
 #include "client/load/viewer.h"
 
 namespace kerf::load {
@@ -26,6 +29,8 @@ using NetError = boost::system::error_code;
 constexpr std::chrono::seconds kOpeningPatience(10);         // For each step of opening the stream.
 constexpr std::size_t kMaxMessage = std::size_t{256} << 20;  // Bytes, as client::Client::kMaxReceiveBytes.
 
+// `Stream`: beast::tcp_stream or TlsStream.
+template <typename Stream>
 class WebSocketViewer : public Viewer {
  public:
   WebSocketViewer(const Plan& plan, Watching watching, Recorder& recorder, Waiter& waiter)
@@ -33,7 +38,7 @@ class WebSocketViewer : public Viewer {
         watching_(std::move(watching)),
         waiter_(waiter),
         log_(plan, watching_, recorder),
-        socket_(context_),
+        socket_(make_socket()),
         thread_([this] { run(); }) {}
   ~WebSocketViewer() override {
     stop();
@@ -46,6 +51,17 @@ class WebSocketViewer : public Viewer {
 
  private:
   using Addresses = boost::asio::ip::tcp::resolver::results_type;
+  using Socket = beast::websocket::stream<Stream>;
+  static constexpr bool kIsEncrypted = std::is_same_v<Stream, TlsStream>;
+
+  Socket make_socket() {
+    if constexpr (kIsEncrypted) {
+      unprepared_ = prepare(plan_.secrets, tls_);
+      return Socket(context_, tls_);
+    } else {
+      return Socket(context_);
+    }
+  }
 
   void run() {
     resolve();
@@ -68,19 +84,34 @@ class WebSocketViewer : public Viewer {
     lowest.expires_after(kOpeningPatience);
     lowest.async_connect(addresses, [this](const NetError& error, const boost::asio::ip::tcp::endpoint& /*to*/) {
       if (error) return ended(error.message());
+      NetError ignored;
+      beast::get_lowest_layer(socket_).socket().set_option(boost::asio::ip::tcp::no_delay(true), ignored);
+      if constexpr (kIsEncrypted) {
+        encrypt();
+      } else {
+        shake_hands();
+      }
+    });
+  }
+
+  void encrypt() {
+    if (unprepared_) return ended(unprepared_.message());
+    expect_server(plan_.secrets, parse_endpoint(plan_.http)->host, socket_.next_layer());
+    socket_.next_layer().async_handshake(boost::asio::ssl::stream_base::client, [this](const NetError& error) {
+      if (error) return ended(error.message());
       shake_hands();
     });
   }
 
   void shake_hands() {
     beast::tcp_stream& lowest = beast::get_lowest_layer(socket_);
-    NetError ignored;
-    lowest.socket().set_option(boost::asio::ip::tcp::no_delay(true), ignored);
     lowest.expires_never();  // The WebSocket has its own time limit.
     socket_.set_option(
         beast::websocket::stream_base::timeout{kOpeningPatience, beast::websocket::stream_base::none(), false});
-    socket_.set_option(beast::websocket::stream_base::decorator([](beast::websocket::request_type& request) {
+    socket_.set_option(beast::websocket::stream_base::decorator([this](beast::websocket::request_type& request) {
       request.set(beast::http::field::sec_websocket_protocol, "kerf.v1");
+      const std::string& token = plan_.secrets.token;
+      if (!token.empty()) request.set(beast::http::field::authorization, "Bearer " + token);
     }));
     socket_.read_message_max(kMaxMessage);
     socket_.binary(true);
@@ -140,7 +171,9 @@ class WebSocketViewer : public Viewer {
   std::int64_t frames_ = 0;
   boost::asio::io_context context_{1};
   boost::asio::ip::tcp::resolver resolver_{context_};
-  beast::websocket::stream<beast::tcp_stream> socket_;
+  NetError unprepared_;  // Set if OpenSSL cannot read the keys of the plan.
+  boost::asio::ssl::context tls_{boost::asio::ssl::context::tls_client};
+  Socket socket_;
   beast::flat_buffer buffer_;
   std::string sent_;  // Message being written.
   std::thread thread_;
@@ -150,7 +183,8 @@ class WebSocketViewer : public Viewer {
 
 std::unique_ptr<Viewer> watch_frames_over_websocket(const Plan& plan, const Watching& watching, Recorder& recorder,
                                                     Waiter& waiter) {
-  return std::make_unique<WebSocketViewer>(plan, watching, recorder, waiter);
+  if (plan.secrets.use_tls) return std::make_unique<WebSocketViewer<TlsStream>>(plan, watching, recorder, waiter);
+  return std::make_unique<WebSocketViewer<beast::tcp_stream>>(plan, watching, recorder, waiter);
 }
 
 }  // namespace kerf::load

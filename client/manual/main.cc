@@ -29,7 +29,12 @@ kerf::cli::ManualText text_of_kerf() {
         "\"name\"}}\n"
         "The code is that of gRPC, INVALID_ARGUMENT for wrong usage; the reason is for programs; the field may be "
         "empty."},
-       {"ENVIRONMENT", "KERF_SERVER: the server's address where --server is not given."},
+       {"ENVIRONMENT",
+        "KERF_SERVER: the server's address where --server is not given.\n"
+        "KERF_TOKEN_FILE, KERF_TLS_CA, KERF_TLS_CERT, KERF_TLS_KEY: the files where --token-file, --tls-ca, "
+        "--tls-cert\n"
+        "and --tls-key are not given.\n"
+        "KERF_VIEWER: the viewer's address for kerf open, where --viewer is not given."},
        {"EXAMPLES",
         " kerf sheet create flag --grid 60x40 --size 1.5x1 --pin corners --material silk\n"
         " kerf cut flag --bezier \"0.2,0.5 0.4,0.8 0.6,0.2 0.8,0.5\"\n"

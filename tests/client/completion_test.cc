@@ -19,12 +19,12 @@ using testing::Not;
 class CompletionTest : public testing::Test {
  protected:
   Completion complete_words(const std::vector<std::string>& words) {
-    return complete(*app_, words, "default:1",
-                    {[this](const std::string& address) {
-                       asked_ = address;
+    return complete(*app_, words, {"default:1", {.tls_cert = "default.pem"}},
+                    {[this](const ServerTarget& server) {
+                       asked_ = server;
                        return std::vector<std::string>{"alpha", "beta"};
                      },
-                     [](const std::string& /*address*/) {
+                     [](const ServerTarget& /*server*/) {
                        return std::vector<std::string>{"wool", "denim"};
                      }});
   }
@@ -36,7 +36,7 @@ class CompletionTest : public testing::Test {
 
   Session session_;
   std::unique_ptr<CLI::App> app_ = make_app(session_);
-  std::string asked_;
+  ServerTarget asked_;
 };
 
 TEST_F(CompletionTest, OffersWhatBeginsWithTheLastWord) {
@@ -57,11 +57,24 @@ TEST_F(CompletionTest, ValuesOfOptionsAreNoArguments) {
 
 TEST_F(CompletionTest, TheServerOfTheLineIsAsked) {
   offered({"undo", ""});
-  EXPECT_EQ(asked_, "default:1");
+  EXPECT_EQ(asked_.address, "default:1");
   offered({"--server", "other:2", "undo", ""});
-  EXPECT_EQ(asked_, "other:2");
+  EXPECT_EQ(asked_.address, "other:2");
   offered({"undo", "--server=third:3", ""});
-  EXPECT_EQ(asked_, "third:3");
+  EXPECT_EQ(asked_.address, "third:3");
+}
+
+TEST_F(CompletionTest, TheCredentialsOfTheLineAreUsed) {
+  offered({"undo", ""});
+  EXPECT_EQ(asked_.credentials.tls_cert, "default.pem");
+  EXPECT_FALSE(asked_.credentials.use_tls);
+  offered(
+      {"--token-file", "token", "--tls", "undo", "--tls-ca=ca.pem", "--tls-cert", "me.pem", "--tls-key", "me.key", ""});
+  EXPECT_EQ(asked_.credentials.token_file, "token");
+  EXPECT_TRUE(asked_.credentials.use_tls);
+  EXPECT_EQ(asked_.credentials.tls_ca, "ca.pem");
+  EXPECT_EQ(asked_.credentials.tls_cert, "me.pem");
+  EXPECT_EQ(asked_.credentials.tls_key, "me.key");
 }
 
 TEST_F(CompletionTest, AnOptionIsOfferedOnceUnlessItMayBeRepeated) {
@@ -73,6 +86,7 @@ TEST_F(CompletionTest, AnOptionIsOfferedOnceUnlessItMayBeRepeated) {
 TEST_F(CompletionTest, FilesAndFoldersAreLeftToTheShell) {
   EXPECT_EQ(complete_words({"run", ""}).paths, Completion::Paths::kFiles);
   EXPECT_EQ(complete_words({"run", "scene.json", "--csv", ""}).paths, Completion::Paths::kFolders);
+  EXPECT_EQ(complete_words({"undo", "--token-file", ""}).paths, Completion::Paths::kFiles);
   EXPECT_EQ(complete_words({"sheet", "get", ""}).paths, Completion::Paths::kNone);
 }
 

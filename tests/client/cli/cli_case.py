@@ -15,7 +15,9 @@ ROOT = pathlib.Path(__file__).resolve().parents[3]
 sys.path.insert(0, str(ROOT / "tests/support"))
 from closed_port import closed_port  # pylint: disable=unused-import
 
-os.environ.pop("KERF_SERVER", None)  # the server of whoever runs the tests is not theirs to touch
+# The server and the token of whoever runs the tests are not theirs to touch.
+for variable in ("KERF_SERVER", "KERF_TOKEN_FILE", "KERF_TLS_CA", "KERF_TLS_CERT", "KERF_TLS_KEY", "KERF_VIEWER"):
+    os.environ.pop(variable, None)
 SMALL_SCENE = {
     "sheet_id": "small",
     "grid": {"columns": 12, "rows": 12, "width_m": 1.0, "height_m": 1.0},

@@ -8,6 +8,7 @@ from cli_case import Case, kerf, main, path, scene_file, tearDownModule
 
 # Calls each command; a new one has to be added. {work} is the test's folder.
 CALLS = {
+    "access": "access",
     "analyze": "analyze still",
     "completion": "completion bash",
     "cut": "cut still --circle 0.5,0.5,0.2",
@@ -16,6 +17,7 @@ CALLS = {
     "images": "images still --out {work}/film --size 64x64 --count 1",
     "info": "info",
     "load": "load --grid 4x4 --duration 0.2",
+    "open": "open still",
     "pieces": "pieces still",
     "redo": "redo still",
     "render": "render still --out {work}/still.png --size 64x64",

@@ -1,13 +1,16 @@
 """`kerf` misused: help, wrong words, names that are near, no server."""
 
 import json
+import os
+import pathlib
+import unittest.mock
 
-from cli_case import Case, closed_port, kerf, main, path, setUpModule, tearDownModule
+from cli_case import Case, closed_port, kerf, main, path, scene_file, setUpModule, tearDownModule
 
 
 class Usage(Case):
     def test_help_and_version(self):
-        for command in ([], ["sheet"], ["sheet", "create"], ["cut"], ["cuts"], ["undo"], ["redo"], ["pieces"], ["render"], ["watch"], ["export"], ["run"], ["replay"], ["analyze"], ["load"]):
+        for command in ([], ["sheet"], ["sheet", "create"], ["cut"], ["cuts"], ["undo"], ["redo"], ["pieces"], ["render"], ["watch"], ["export"], ["run"], ["replay"], ["analyze"], ["load"], ["open"], ["access"]):
             done = kerf(*command, "--help", server=False)
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assertIn("Usage", done.stdout)
@@ -61,6 +64,34 @@ class Usage(Case):
         self.assertRegex(softened, r"\n  membrane \d+ times softer to keep up with real time; expected error \d[\d.]* mm\n$")
         for name in ("concise", "soft"):
             self.json_of("sheet", "delete", name)
+
+    def test_the_environment_names_files_of_tokens_and_tls(self):
+        missing = path("no-such-file")
+        for variable, option in (("KERF_TOKEN_FILE", "--token-file"), ("KERF_TLS_CA", "--tls-ca")):
+            with unittest.mock.patch.dict(os.environ, {variable: missing}):
+                done = self.refused("info", says=f"No such file or directory [field: {option}]")
+                error = json.loads(kerf("--json", "info").stderr)["error"]
+            self.assertIn(missing, done.stderr)
+            self.assertEqual((error["code"], error["reason"], error["field"]), ("INVALID_ARGUMENT", "CREDENTIALS_UNREADABLE", option))
+        for variable, field in (("KERF_TLS_CERT", "--tls-key"), ("KERF_TLS_KEY", "--tls-cert")):
+            with unittest.mock.patch.dict(os.environ, {variable: missing}):
+                self.refused("sheet", "list", says=f"[field: {field}] (INVALID_ARGUMENT, TLS_PAIR_INCOMPLETE)")
+
+    def test_commands_without_a_server_need_no_token(self):
+        with unittest.mock.patch.dict(os.environ, {"KERF_TOKEN_FILE": path("no-such-file")}):
+            self.assertEqual(kerf("run", scene_file("tokenless.json"), server=False).returncode, 0)
+
+    def test_a_token_is_sent_to_a_server_that_asks_for_none(self):
+        pathlib.Path(path("token")).write_text("kerf_laptop_secret\n")
+        self.assertEqual(kerf("--token-file", path("token"), "sheet", "list").returncode, 0)
+        far = kerf("--server", "kerf.example.org", "--token-file", path("token"), "sheet", "list", server=False)
+        self.assertEqual(far.returncode, 1)
+        self.assertIn("not sent to kerf.example.org:50051 in the clear, where others could read it: use TLS", far.stderr)
+        self.assertNotIn("secret", far.stderr)
+
+    def test_a_server_without_tls_is_refused_in_one_line_of_json(self):
+        done = kerf("--json", "--tls", "info")
+        self.assertEqual(json.loads(done.stderr)["error"]["reason"], "TLS_FAILED")
 
     def test_no_server(self):
         done = kerf("--server", closed_port(), "sheet", "list", server=False)
