@@ -52,9 +52,7 @@ Result<Caller> Authenticator::find(std::string_view token) const {
 Result<Caller> Authenticator::find_bearer(std::string_view authorization) const {
   constexpr std::size_t kScheme = 7;
   if (!is_bearer(authorization.substr(0, kScheme))) {
-    return unauthenticated("TOKEN_MISSING",
-                           "this server asks for a token: send it as `authorization: Bearer TOKEN`, or with "
-                           "--token-file",
+    return unauthenticated("TOKEN_MISSING", "this server asks for a token: send it as `authorization: Bearer TOKEN`",
                            "authorization");
   }
   return find(authorization.substr(kScheme));
