@@ -1,5 +1,5 @@
 // Shows a live sheet in the terminal: terminal_viewer [SHEET [HOST:PORT]]. The picture follows the window's size; q or
-// Ctrl-C quits. For a server that asks for them, KERF_TOKEN_FILE and KERF_TLS_CA name files.
+// Ctrl-C quits.
 
 #include <atomic>
 #include <cmath>
@@ -51,10 +51,7 @@ bool draw(const kerf::client::Mirror& mirror) {
 }
 
 int main(int argc, char** argv) {
-  const auto variable = [](const char* name) { return std::string(std::getenv(name) ? std::getenv(name) : ""); };
-  kerf::client::Server server(
-      argc > 2 ? argv[2] : "127.0.0.1:50051",
-      {.credentials = {.token_file = variable("KERF_TOKEN_FILE"), .tls_ca = variable("KERF_TLS_CA")}});
+  kerf::client::Server server(argc > 2 ? argv[2] : "127.0.0.1:50051");
   kerf::client::Watcher watcher(server.client());
   // Makes read() wait a tenth of a second for a key. Ctrl-C is one, 3, so that the terminal is restored before the end.
   if (std::system("stty -icanon -echo -isig min 0 time 1") != 0) return 2;
