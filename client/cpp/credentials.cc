@@ -3,12 +3,13 @@
 #include <arpa/inet.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <optional>
 #include <string_view>
+#include <system_error>
 #include <utility>
-
-#include "server/base/disk.h"
 
 namespace kerf::client {
 namespace {
@@ -21,10 +22,16 @@ Failure unusable(const char* reason, const std::string& message, const char* mem
 }
 
 Result<std::string> read(const std::string& path, std::size_t max_bytes, const char* member) {
-  RealDisk disk;
-  kerf::Result<std::string> content = disk.read_file(path, max_bytes);
-  if (!content.ok()) return unusable("CREDENTIALS_UNREADABLE", content.error().message, member);
-  return std::move(content).value();
+  const auto unreadable = [&](const std::string& why) {
+    return unusable("CREDENTIALS_UNREADABLE", "cannot read \"" + path + "\": " + why, member);
+  };
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
+  if (!file) return unreadable(std::generic_category().message(errno));
+  std::string content(max_bytes + 1, '\0');
+  content.resize(std::fread(content.data(), 1, content.size(), file.get()));
+  if (std::ferror(file.get()) != 0) return unreadable(std::generic_category().message(errno));
+  if (content.size() > max_bytes) return unreadable("it has more than " + std::to_string(max_bytes) + " bytes");
+  return content;
 }
 
 // Returns the token in the text, without the white space around it.

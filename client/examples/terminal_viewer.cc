@@ -1,5 +1,5 @@
-// Shows a live sheet in the terminal: terminal_viewer [SHEET [HOST:PORT]]. The picture follows the window's size; q or
-// Ctrl-C quits.
+// Shows a live sheet in the terminal: terminal_viewer [SHEET [HOST:PORT [TOKEN_FILE [FILE_OF_AUTHORITIES]]]]. The
+// picture follows the window's size; q or Ctrl-C quits.
 
 #include <atomic>
 #include <cmath>
@@ -51,7 +51,8 @@ bool draw(const kerf::client::Mirror& mirror) {
 }
 
 int main(int argc, char** argv) {
-  kerf::client::Server server(argc > 2 ? argv[2] : "127.0.0.1:50051");
+  const auto at = [&](int i, const char* usual) { return std::string(argc > i ? argv[i] : usual); };
+  kerf::client::Server server(at(2, "127.0.0.1:50051"), {.credentials{.token_file = at(3, ""), .tls_ca = at(4, "")}});
   kerf::client::Watcher watcher(server.client());
   // Makes read() wait a tenth of a second for a key. Ctrl-C is one, 3, so that the terminal is restored before the end.
   if (std::system("stty -icanon -echo -isig min 0 time 1") != 0) return 2;
@@ -60,7 +61,7 @@ int main(int argc, char** argv) {
     for (char key = 0; live && key != 'q' && key != 3 && read(STDIN_FILENO, &key, 1) >= 0;) continue;
     watcher.stop();
   });
-  const auto end = watcher.run(std::string("sheets/") + (argc > 1 ? argv[1] : "demo"), {.max_rate_hz = 30},
+  const auto end = watcher.run("sheets/" + at(1, "demo"), {.max_rate_hz = 30},
                                [](const auto& /*frame*/, const auto& mirror) { return draw(mirror); });
   live = false;
   keys.join();

@@ -56,7 +56,7 @@ Error error_of(const grpc::Status& status, const std::string& server) {
   return {code_of(failure.code), failure.reason.empty() ? client::name_of(failure.code) : failure.reason,
           unreached
               ? "no server answers at " + server + " (" + failure.message + "): start kerfd, or give --server HOST:PORT"
-              : client::describe(failure),
+              : failure.message,
           failure.field};
 }
 
