@@ -244,6 +244,11 @@ int refuse(client::Failure failure, const ServerTarget& server) {
                       failure.message + ")";
     line = failure.message;
   }
+  if (failure.reason == "TOKEN_MISSING") {
+    const std::string remedy = "; give it with --token-file FILE or KERF_TOKEN_FILE";
+    failure.message += remedy;
+    line += remedy;
+  }
   if (failure.reason == "SHEET_NOT_FOUND") {
     const std::string near = sheets_near(quoted_in(failure.message), server);
     failure.message += near;

@@ -144,6 +144,8 @@ def error_of(failure: Any, address: str) -> Error:
             )
         elif any(words in message for words in ("Socket closed", "reset by peer", "Broken pipe")):
             message += "; a server that asks for TLS, or for a certificate, closes connections like this"
+    if reason == "TOKEN_MISSING":
+        message += "; give it to connect() as token_file, or name its file in KERF_TOKEN_FILE"
     if code == "UNIMPLEMENTED" and not reason:
         message = f"the Kerf server at {address} has no such call: it is older than this package; {message}"
     if code == "UNAVAILABLE" and not reason:

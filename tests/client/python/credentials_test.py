@@ -174,13 +174,15 @@ class Tokens(Case):
 
     def test_a_caller_that_is_not_known_is_told_so(self):
         address = self.serve()
-        for options, reason in (({}, "TOKEN_MISSING"), ({"token": "kerf_other_1"}, "TOKEN_UNKNOWN")):
+        for options, reason, message in (({}, "TOKEN_MISSING", "no; give it to connect() as token_file, or name its file in KERF_TOKEN_FILE"),
+                                         ({"token": "kerf_other_1"}, "TOKEN_UNKNOWN", "no")):
             with kerf.connect(address, **options) as server:
                 stream = server.sheet("demo").watch()
                 for call in (server.info, lambda: server.sheet("demo").record(path("refused.rec")), lambda: next(stream)):
                     with self.assertRaises(kerf.Unauthenticated) as caught:
                         call()
-                    self.assertEqual((caught.exception.code, caught.exception.reason), ("UNAUTHENTICATED", reason))
+                    error = caught.exception
+                    self.assertEqual((error.code, error.reason, error.message), ("UNAUTHENTICATED", reason, message))
 
     def test_links_have_what_was_asked_for(self):
         with kerf.connect(self.serve(), token=TOKEN) as server:
