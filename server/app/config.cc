@@ -22,10 +22,14 @@ std::string check_named(const std::string& name) {
   return name.empty() ? "is empty; name a folder" : "";
 }
 
+std::string check_file_named(const std::string& name) {
+  return name.empty() ? "is empty; name a file" : "";
+}
+
 constexpr const char* kDescription =
     "Kerf: steps finite-element sheets in real time, takes cuts over gRPC and streams them to viewers.\n"
     "When ready it prints one line on standard output: "
-    "{\"grpc\":\"HOST:PORT\",\"http\":\"http://HOST:PORT\",\"data\":\"DIR\"}\n"
+    "{\"grpc\":\"HOST:PORT\",\"http\":\"http://HOST:PORT\",\"data\":\"DIR\"}, with https:// over TLS\n"
     "SIGTERM or SIGINT (Ctrl-C) stops it cleanly.";
 
 constexpr int kMostSheets = 100'000;
@@ -45,7 +49,7 @@ struct Arguments {
   bool no_render = false;
   std::string render_device = render::kAnyDevice;
   bool list_render_devices = false;
-  bool allow_remote = false;
+  CertificateFiles tls;
   std::vector<std::string> allowed_origins;
   std::string tokens;
   std::string record_dir;
@@ -83,6 +87,24 @@ void declare_limits(CLI::App& parser, Arguments& arguments) {
       ->capture_default_str();
 }
 
+void declare_tls(CLI::App& parser, CertificateFiles& files) {
+  parser
+      .add_option(
+          "--tls-cert", files.certificate,
+          "Certificate of this server in PEM form, with those that lead to its authority; both ports then speak "
+          "TLS. SIGHUP reads it again, for HTTP")
+      ->check(check_file_named)
+      ->type_name("FILE");
+  parser.add_option("--tls-key", files.key, "Private key of --tls-cert in PEM form, without a password")
+      ->check(check_file_named)
+      ->type_name("FILE");
+  parser
+      .add_option("--tls-client-ca", files.client_authorities,
+                  "Certificates of authorities in PEM form: gRPC then serves only clients with a certificate of these")
+      ->check(check_file_named)
+      ->type_name("FILE");
+}
+
 void declare(CLI::App& parser, Arguments& arguments) {
   parser.get_help_ptr()->description("Print this help and exit");
   parser.set_version_flag("--version", std::string("kerfd ") + kVersion, "Print the version and exit");
@@ -116,9 +138,7 @@ void declare(CLI::App& parser, Arguments& arguments) {
       ->excludes(no_render);
   parser.add_flag("--list-render-devices", arguments.list_render_devices,
                   "Print the devices that can draw pictures and exit");
-  parser.add_flag("--allow-remote", arguments.allow_remote,
-                  "Listen on addresses that other machines can reach. There is no TLS and no login: anyone who reaches "
-                  "the port can do everything");
+  declare_tls(parser, arguments.tls);
   parser
       .add_option("--tokens", arguments.tokens,
                   "Asks every caller for a token; this file has the known ones, a line each, made by `kerf token new`. "
@@ -168,14 +188,17 @@ void declare(CLI::App& parser, Arguments& arguments) {
       ->type_name("DIR");
 }
 
-Result<ws::Endpoint> listening_address(const std::string& text, const std::string& option, bool allow_remote) {
+// Parses an address. One that other machines reach is refused unless strangers are kept out; `needs`: the options that
+// keep them out, `has_them` if they are given.
+Result<ws::Endpoint> listening_address(const std::string& text, const std::string& option, const std::string& needs,
+                                       bool has_them) {
   Result<ws::Endpoint> endpoint = ws::parse_endpoint(text);
   if (!endpoint.ok()) return invalid_argument("BAD_ADDRESS", option + ": " + endpoint.error().message, option);
-  if (!allow_remote && !ws::is_loopback(endpoint->host)) {
+  if (!has_them && !ws::is_loopback(endpoint->host)) {
     return invalid_argument("REMOTE_NOT_ALLOWED",
-                            option + ": other machines could reach " + text +
-                                ", and kerfd has no TLS and no login yet; listen on 127.0.0.1, or give --allow-remote "
-                                "if everyone on that network may use it",
+                            option + ": other machines could reach " + text + "; give " + needs +
+                                ", so that no stranger gets in, or listen on 127.0.0.1 (deploy/run --remote NAME does "
+                                "all of it)",
                             option);
   }
   return endpoint;
@@ -211,10 +234,28 @@ Status check_keeping(const CLI::App& parser, const Arguments& arguments) {
   return Nothing{};
 }
 
+Status check_tls(const CertificateFiles& files) {
+  if (files.certificate.empty() != files.key.empty()) {
+    return invalid_argument("TLS_NEEDS_CERT_AND_KEY",
+                            "--tls-cert and --tls-key: give both, the certificate and its key, or none",
+                            files.key.empty() ? "--tls-key" : "--tls-cert");
+  }
+  if (files.certificate.empty() && !files.client_authorities.empty()) {
+    return invalid_argument("CLIENT_CA_WITHOUT_TLS", "--tls-client-ca: give --tls-cert and --tls-key as well",
+                            "--tls-client-ca");
+  }
+  return Nothing{};
+}
+
 Result<std::variant<Config, Notice>> to_config(const Arguments& arguments) {
+  KERF_TRY(check_tls(arguments.tls));
   Config config;
-  KERF_TRY_ASSIGN(config.grpc, listening_address(arguments.listen, "--listen", arguments.allow_remote));
-  KERF_TRY_ASSIGN(config.http, listening_address(arguments.http, "--http", arguments.allow_remote));
+  const bool is_guarded = arguments.tls.used() && !arguments.tokens.empty();
+  KERF_TRY_ASSIGN(config.grpc,
+                  listening_address(arguments.listen, "--listen", "--tls-cert, --tls-key, --tls-client-ca and --tokens",
+                                    is_guarded && !arguments.tls.client_authorities.empty()));
+  KERF_TRY_ASSIGN(config.http,
+                  listening_address(arguments.http, "--http", "--tls-cert, --tls-key and --tokens", is_guarded));
   if (arguments.workers < 0 || arguments.workers > 256) {
     return invalid_argument("WORKERS_OUT_OF_RANGE",
                             "--workers: " + std::to_string(arguments.workers) + " is not in 0..256", "--workers");
@@ -252,7 +293,7 @@ Result<std::variant<Config, Notice>> to_config(const Arguments& arguments) {
   config.docs = arguments.docs;
   config.render = !arguments.no_render && arguments.render_device != render::kNoDevice;
   config.render_device = arguments.render_device;
-  config.allow_remote = arguments.allow_remote;
+  config.tls = arguments.tls;
   config.allowed_origins = arguments.allowed_origins;
   config.tokens = arguments.tokens;
   config.record_dir = arguments.record_dir;

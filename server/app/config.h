@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "server/app/certificates.h"
 #include "server/base/result.h"
 #include "server/service/api/api.h"
 #include "server/service/ws/access.h"
@@ -30,7 +31,7 @@ struct Config {
   std::filesystem::path docs;                 // Folder of the built documentation; empty: none is served.
   bool render = true;                         // Draws pictures if EGL works.
   std::string render_device = "auto";         // As render::RendererOptions::device; only "auto" may find no device.
-  bool allow_remote = false;                  // May listen on addresses other than loopback.
+  CertificateFiles tls;                       // Both ports speak TLS if it names files.
   std::vector<std::string> allowed_origins;   // Origins of foreign web pages that may use this server.
   std::filesystem::path tokens;               // Token file; empty: everybody may do everything.
   std::filesystem::path record_dir;           // Folder of recordings; empty: none.
@@ -64,7 +65,7 @@ struct Notice {
 std::shared_ptr<const CLI::App> command_line();
 
 // Parses the command line of kerfd. Errors are INVALID_ARGUMENT with a one-line message. Listening on an address that
-// other machines can reach is refused unless --allow-remote is given.
+// other machines can reach is refused without TLS and tokens, and for gRPC without certificates of clients.
 Result<std::variant<Config, Notice>> parse_command_line(int argc, const char* const* argv);
 
 // Returns what --check-store prints of a folder of kept sheets. Errors: kInvalidArgument, with the reason of
@@ -77,6 +78,8 @@ Result<std::variant<Config, Notice>> restore_kept_sheets(const std::string& back
 // Checks the folder of --backups: it can be made or written, and is not one of the store in `data`, nor around that.
 // Error: kInvalidArgument BAD_BACKUPS_DIR.
 Status check_backups_directory(const std::filesystem::path& backups, const std::filesystem::path& data);
+// Returns a path that does not depend on the folder in which kerfd was started, where that is known.
+std::filesystem::path made_absolute(std::filesystem::path path);
 // Returns the user's folder for kept sheets: $XDG_DATA_HOME/kerf, else $HOME/.local/share/kerf. Empty if neither is
 // set.
 std::filesystem::path default_data_directory();

@@ -13,6 +13,12 @@
 
 namespace kerf::app {
 
+std::filesystem::path made_absolute(std::filesystem::path path) {
+  std::error_code unknown;
+  std::filesystem::path found = std::filesystem::absolute(path, unknown);
+  return unknown ? std::move(path) : found.lexically_normal();
+}
+
 std::filesystem::path default_data_directory() {
   // Relative paths in XDG_DATA_HOME are to be ignored, by the XDG Base Directory Specification.
   const char* data = std::getenv("XDG_DATA_HOME");  // NOLINT(concurrency-mt-unsafe): read as the program starts

@@ -75,12 +75,19 @@ void guard_the_stop(sigset_t signals, const std::weak_ptr<const kerf::app::Serve
   _exit(is_done ? EXIT_SUCCESS : EXIT_FAILURE);
 }
 
+// True if this process is to outlive its terminal, as with nohup.
+bool ignores_hang_up() {
+  struct sigaction action {};
+  sigaction(SIGHUP, nullptr, &action);
+  return action.sa_handler == SIG_IGN;
+}
+
 // Waits for the first SIGTERM or SIGINT. A SIGHUP has files read again; if there are none, it stops the server as well.
 void wait_for_stop(const sigset_t& signals, kerf::app::Server& server) {
   int signal = 0;
   do {
     sigwait(&signals, &signal);
-  } while (signal == SIGHUP && server.reload());
+  } while (signal == SIGHUP && (server.reload() || ignores_hang_up()));
   stop_has_begun.release();
 }
 

@@ -27,7 +27,6 @@
 #include "server/base/disk.h"
 #include "server/service/api/api.h"
 #include "server/service/auth/authenticator.h"
-#include "server/service/auth/token_file.h"
 #include "server/service/durable/change_codec.h"
 #include "server/service/durable/state_codec.h"
 #include "server/service/host/clock.h"
@@ -40,24 +39,19 @@
 #include "server/service/wire/reply_codec.h"
 #include "server/service/ws/http_server.h"
 #include "server/service/ws/metrics_page.h"
+#include "server/service/ws/tls.h"
 
 namespace kerf::app {
 namespace {
 
 constexpr std::chrono::seconds kStopGrace{3};  // For each transport.
 constexpr int kExitStoreFailed = 70;           // EX_SOFTWARE of sysexits.h
+constexpr std::int64_t kMicrosecondsOfSecond = 1'000'000;
 
 std::string json_string(const std::string& text) {
   google::protobuf::Value value;
   value.set_string_value(text);
   return wire::to_json(value);
-}
-
-// Returns a path that does not depend on the folder in which kerfd was started, where that is known.
-std::filesystem::path made_absolute(std::filesystem::path path) {
-  std::error_code unknown;
-  std::filesystem::path found = std::filesystem::absolute(path, unknown);
-  return unknown ? std::move(path) : found.lexically_normal();
 }
 
 Result<ws::AssetTable> read_site(const std::filesystem::path& folder) {
@@ -68,6 +62,13 @@ Result<ws::AssetTable> read_site(const std::filesystem::path& folder) {
 
 // Members in the order of construction; destroyed in reverse.
 struct Server::Impl {
+  // Holds the certificates of both ports; empty without TLS.
+  struct Security {
+    std::shared_ptr<ws::TlsContext> http;
+    std::optional<rpc::RpcTls> grpc;
+    std::vector<std::string> notes;
+  };
+
   Config config;
   std::function<void(std::string_view)> note;
   RealDisk disk;
@@ -84,6 +85,7 @@ struct Server::Impl {
   std::unique_ptr<api::Api> api;
   std::unique_ptr<rpc::RpcServer> rpc;
   std::unique_ptr<ws::HttpServer> http;
+  Security security;
   int grpc_port = 0;
   int http_port = 0;
   std::vector<std::string> made;       // ids of the sheets of scenes
@@ -95,11 +97,13 @@ struct Server::Impl {
   ConnectionLimits limit_connections() const;
   Status check_record_dir();
   Status read_tokens();
+  Result<Security> read_security();
   Status open_store();
   Status make_sheets(std::vector<SceneOfFile> scenes);
   Status begin(ws::AssetTable files);
   Status listen(ws::AssetTable files);
   Status start();
+  bool reload();
   void stop();
 };
 
@@ -141,9 +145,10 @@ Status Server::Impl::build_renderer() {
                           option);
 }
 
-// Notes a missing viewer or renderer. This is called once everything runs, because a failed start reports only its
-// error.
+// Notes a missing viewer or renderer, and certificates to be renewed. This is called once everything runs, because a
+// failed start reports only its error.
 void Server::Impl::tell_what_is_missing() const {
+  for (const std::string& each : security.notes) note(each);
   if (config.web.empty()) note("no viewer was found to serve: build web/ or give --web DIR; everything else works");
   if (renderer && !renderer->available()) note("no pictures are drawn: " + renderer->description());
 }
@@ -164,11 +169,13 @@ ConnectionLimits Server::Impl::limit_connections() const {
 Status Server::Impl::listen(ws::AssetTable files) {
   const ConnectionLimits connections = limit_connections();
   rpc::RpcOptions rpc_options;
+  rpc_options.tls = std::move(security.grpc);
   rpc_options.max_connections = connections.grpc;
   rpc_options.max_connections_per_address = config.max_connections_per_address;
   rpc = std::make_unique<rpc::RpcServer>(*api, clock, rpc_options);
   KERF_TRY_ASSIGN(grpc_port, rpc->start(ws::format_endpoint(config.grpc.host, config.grpc.port)));
   ws::HttpOptions options = config.http_options;
+  options.tls = std::move(security.http);
   options.access.allowed_origins = config.allowed_origins;
   options.max_connections = std::min(options.max_connections, connections.http);
   options.max_connections_per_address = config.max_connections_per_address;
@@ -203,15 +210,25 @@ Status Server::Impl::check_record_dir() {
 }
 
 Status Server::Impl::read_tokens() {
-  const auto fault = [this](const Error& error) {
-    return invalid_argument(error.reason, "--tokens: \"" + config.tokens.string() + "\": " + error.message, "--tokens");
-  };
-  const Result<std::string> text = disk.read_file(config.tokens.string(), auth::kMaxTokenFileBytes);
-  if (!text.ok()) return fault(text.error());
-  Result<std::vector<auth::Token>> tokens = auth::parse_token_file(*text);
-  if (!tokens.ok()) return fault(tokens.error());
-  authenticator->set_tokens(std::move(*tokens));
+  KERF_TRY_ASSIGN(std::vector<auth::Token> tokens, read_token_file(config.tokens, disk));
+  authenticator->set_tokens(std::move(tokens));
   return Nothing{};
+}
+
+Result<Server::Impl::Security> Server::Impl::read_security() {
+  if (!config.tls.used()) return Security();
+  KERF_TRY_ASSIGN(Certificates read, read_certificates(config.tls, disk, clock.unix_us() / kMicrosecondsOfSecond));
+  Security secured;
+  Result<std::shared_ptr<ws::TlsContext>> context = ws::TlsContext::make(read.chain, read.key);
+  if (!context.ok()) {
+    const Error& error = context.error();
+    return invalid_argument(error.reason, "--tls-cert: \"" + config.tls.certificate + "\": " + error.message,
+                            "--tls-cert");
+  }
+  secured.http = std::move(*context);
+  secured.grpc = rpc::RpcTls{std::move(read.chain), std::move(read.key), std::move(read.client_authorities)};
+  secured.notes = std::move(read.notes);
+  return secured;
 }
 
 Status Server::Impl::open_store() {
@@ -279,6 +296,7 @@ Status Server::Impl::begin(ws::AssetTable files) {
 
 Status Server::Impl::start() {
   KERF_TRY(check_record_dir());
+  KERF_TRY_ASSIGN(security, read_security());
   if (!config.tokens.empty()) {
     authenticator = std::make_unique<auth::Authenticator>([this] { return clock.unix_us() / 1'000'000; });
     KERF_TRY(read_tokens());
@@ -337,7 +355,8 @@ std::string Server::grpc_address() const {
 }
 
 std::string Server::http_url() const {
-  return "http://" + ws::format_endpoint(impl_->config.http.host, impl_->http_port);
+  return (impl_->config.tls.used() ? "https://" : "http://") +
+         ws::format_endpoint(impl_->config.http.host, impl_->http_port);
 }
 
 std::string Server::ready_line() const {
@@ -346,14 +365,28 @@ std::string Server::ready_line() const {
 }
 
 bool Server::reload() {
-  if (!impl_->authenticator) return false;
-  if (const Status read = impl_->read_tokens(); read.ok()) {
-    impl_->note("the token file was read again");
-    impl_->api->check_callers();
-  } else {
-    impl_->note(read.error().message + "; the tokens stay as they were");
+  return impl_->reload();
+}
+
+bool Server::Impl::reload() {
+  if (authenticator) {
+    if (const Status read = read_tokens(); read.ok()) {
+      note("the token file was read again");
+      api->check_callers();
+    } else {
+      note(read.error().message + "; the tokens stay as they were");
+    }
   }
-  return true;
+  if (config.tls.used()) {
+    if (Result<Security> read = read_security(); read.ok()) {
+      http->set_tls(std::move(read->http));
+      for (const std::string& each : read->notes) note(each);
+      note("the certificate was read again, for new connections of HTTP; gRPC has the old one until kerfd restarts");
+    } else {
+      note(read.error().message + "; the certificate stays as it was");
+    }
+  }
+  return authenticator != nullptr || config.tls.used();
 }
 
 void Server::stop() {

@@ -22,12 +22,13 @@ class Server {
   Server& operator=(const Server&) = delete;
 
   [[nodiscard]] std::string grpc_address() const;  // "HOST:PORT", with the port that was bound.
-  [[nodiscard]] std::string http_url() const;      // "http://HOST:PORT"
+  [[nodiscard]] std::string http_url() const;      // "http://HOST:PORT", or "https://HOST:PORT" with TLS.
   // {"grpc":"HOST:PORT","http":"http://HOST:PORT","data":"DIR"}; without "data" if no sheet is kept.
   [[nodiscard]] std::string ready_line() const;
 
-  // Reads the token file again. Tokens that are gone or changed are withdrawn, and their streams end. A file that is
-  // wrong is noted, and the tokens stay as they are. Returns false if the server has no such file.
+  // Reads the files of tokens and certificates again. Tokens that are gone or changed are withdrawn, and their streams
+  // end. Certificates are for new connections of HTTP; gRPC keeps the old ones. If a file is wrong, what it had stays.
+  // `note` gets the outcome. Returns false if the server has no such files.
   bool reload();
 
   // Stops the server: it reports not ready, ends streams with SERVER_STOPPING, answers accepted commands, then closes

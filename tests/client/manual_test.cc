@@ -68,7 +68,7 @@ TEST(Manual, HasEveryOptionOfKerfd) {
   const std::shared_ptr<const CLI::App> app = app::command_line();
   const std::string page = plain(manual_page(*app, {"kerfd", "serves", "Text.", {}}, "1.2"));
   expect_in(page, *app);
-  EXPECT_THAT(page, HasSubstr("--allow-remote"));
+  EXPECT_THAT(page, HasSubstr("--tls-client-ca"));
   EXPECT_THAT(page, Not(HasSubstr("COMMAND")));
 }
 

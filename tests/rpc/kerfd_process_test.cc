@@ -165,9 +165,14 @@ TEST_F(KerfdTest, RefusesOnOneLine) {
   for (const char* vertices : {"-1", "1000000000001"}) {
     EXPECT_NE(refusal({"--max-total-vertices", vertices}).find("0..1000000000000"), std::string::npos) << vertices;
   }
-  const std::string remote = refusal({"--http", "0.0.0.0:0"});
-  EXPECT_NE(remote.find("TLS"), std::string::npos) << remote;
-  EXPECT_NE(remote.find("--allow-remote"), std::string::npos) << remote;
+  EXPECT_NE(refusal({"--http", "0.0.0.0:0"}).find("give --tls-cert, --tls-key and --tokens"), std::string::npos);
+  for (const std::vector<std::string>& some : {std::vector<std::string>{"--tokens", "t"},
+                                               {"--tls-cert", "c", "--tls-key", "k"},
+                                               {"--tokens", "t", "--tls-cert", "c", "--tls-key", "k"}}) {
+    std::vector<std::string> options = some;
+    options.insert(options.end(), {"--listen", "0.0.0.0:0"});
+    EXPECT_NE(refusal(options).find("--tls-client-ca and --tokens"), std::string::npos);
+  }
   const std::string missing = (folder_ / "missing.json").string();
   EXPECT_NE(refusal(free_ports({"--scene", missing})).find(missing), std::string::npos);
   EXPECT_NE(refusal(free_ports({"--max-total-vertices", "2", "--scene", write("large.json", kScene)}))
@@ -207,7 +212,7 @@ TEST_F(KerfdTest, ExplainsItself) {
   for (const char* option :
        {"--listen", "--http", "--scene", "--workers", "--max-sheets", "--max-load", "--max-total-vertices", "--web",
         "--docs", "--no-render", "--render-device", "--list-render-devices", "--record",
-        "--max-connections-per-address", "--allow-remote", "--allow-origin", "--version"}) {
+        "--max-connections-per-address", "--tokens", "--tls-cert", "--tls-client-ca", "--allow-origin", "--version"}) {
     EXPECT_NE(text.find(option), std::string::npos) << option;
   }
   Kerfd devices({"--list-render-devices"});

@@ -47,6 +47,7 @@ const std::vector<Group>& groups() {
       {"pugixml", {"pugixml.hpp"}},
       {"OpenSSL", {"openssl/"}},
       {"SQLite", {"sqlite3.h"}},
+      {"OpenSSL", {"openssl/"}},
       {"minizip", {"minizip/"}},
       {"EGL", {"EGL/", "KHR/"}},
       {"OpenGL", {"GL/", "GLES"}},

@@ -119,7 +119,8 @@ TEST_F(LoginTest, ALinkLogsIn) {
 }
 
 TEST_F(LoginTest, GuessesAreSlowedDown) {
-  for (const char* const wrong : {"", "{}", "[]", R"({"token":{}})", R"({"token":"a","code":"b"})", R"({"secret":"a"})"}) {
+  for (const char* const wrong :
+       {"", "{}", "[]", R"({"token":{}})", R"({"token":"a","code":"b"})", R"({"secret":"a"})"}) {
     EXPECT_EQ(post("/login", wrong).status, 400) << wrong;
   }
   for (int i = 0; i < 10; ++i) expect_refused(post("/login", R"({"token":"kerf_admin_x"})"), 401, "TOKEN_UNKNOWN");

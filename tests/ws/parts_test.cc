@@ -93,6 +93,19 @@ TEST(Access, OnAPublicBindOnlyTheSameOriginIsLetIn) {
   EXPECT_FALSE(check_origin(open, "http://localhost:8080", "kerf.example.org:8080").ok());
 }
 
+TEST(Access, OverTlsItsOwnPagesAreThoseOfHttps) {
+  const AccessPolicy open{.bound_to_loopback = false, .allowed_origins = {}, .port = 443, .is_secure = true};
+  EXPECT_TRUE(check_origin(open, "https://kerf.example.org", "kerf.example.org").ok());
+  EXPECT_TRUE(check_origin(open, "https://kerf.example.org", "kerf.example.org:443").ok());
+  EXPECT_TRUE(check_origin(open, "https://kerf.example.org:8443", "kerf.example.org:8443").ok());
+  EXPECT_FALSE(check_origin(open, "https://kerf.example.org", "kerf.example.org:80").ok());
+  EXPECT_FALSE(check_origin(open, "http://kerf.example.org", "kerf.example.org").ok());
+  EXPECT_FALSE(check_origin(open, "https://localhost", "kerf.example.org").ok());
+  const AccessPolicy loopback{.bound_to_loopback = true, .allowed_origins = {}, .port = 8443, .is_secure = true};
+  EXPECT_TRUE(check_origin(loopback, "https://localhost:8443", "127.0.0.1:8443").ok());
+  EXPECT_FALSE(check_origin(loopback, "http://localhost:8443", "127.0.0.1:8443").ok());
+}
+
 class AssetTableTest : public ::testing::Test {
  protected:
   void write(const std::string& path, const std::string& content) const { folder_.write(path, content); }

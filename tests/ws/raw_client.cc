@@ -59,9 +59,17 @@ void RawClient::shrink_receive_buffer(int bytes) {
   ::setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &bytes, sizeof(bytes));
 }
 
+ssize_t RawClient::write_some(std::string_view bytes) {
+  return ::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+}
+
+ssize_t RawClient::read_some(char* bytes, std::size_t size) {
+  return ::recv(socket_, bytes, size, 0);
+}
+
 bool RawClient::send(std::string_view bytes) {
   while (!bytes.empty()) {
-    const ssize_t sent = ::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+    const ssize_t sent = write_some(bytes);
     if (sent <= 0) return false;
     bytes.remove_prefix(static_cast<std::size_t>(sent));
   }
@@ -70,7 +78,7 @@ bool RawClient::send(std::string_view bytes) {
 
 bool RawClient::receive() {
   std::array<char, 65536> chunk{};
-  const ssize_t received = ::recv(socket_, chunk.data(), chunk.size(), 0);
+  const ssize_t received = read_some(chunk.data(), chunk.size());
   if (received <= 0) return false;
   buffer_.append(chunk.data(), static_cast<std::size_t>(received));
   return true;
@@ -120,13 +128,18 @@ Response RawClient::read_response(bool head) {
 bool RawClient::closed_by_peer() {
   std::array<char, 1> byte{};
   errno = 0;
-  const ssize_t received = ::recv(socket_, byte.data(), byte.size(), 0);
+  const ssize_t received = read_some(byte.data(), byte.size());
   return buffer_.empty() && (received == 0 || (received < 0 && errno == ECONNRESET));
 }
 
 Response request(int port, std::string_view method, std::string_view target, std::string_view headers,
                  std::string_view body) {
   RawClient client(port);
+  return request(client, port, method, target, headers, body);
+}
+
+Response request(RawClient& client, int port, std::string_view method, std::string_view target,
+                 std::string_view headers, std::string_view body) {
   std::string text = std::string(method) + " " + std::string(target) + " HTTP/1.1\r\n";
   if (headers.find("Host:") == std::string_view::npos) text += "Host: 127.0.0.1:" + std::to_string(port) + "\r\n";
   text += headers;
@@ -140,13 +153,18 @@ Response get(RawClient& client, std::string_view target) {
   return client.read_response();
 }
 
-RawWebSocket::RawWebSocket(int port, std::string_view headers, std::string_view path) : connection_(port) {
+RawWebSocket::RawWebSocket(int port, std::string_view headers, std::string_view path)
+    : RawWebSocket(std::make_unique<RawClient>(port), port, headers, path) {}
+
+RawWebSocket::RawWebSocket(std::unique_ptr<RawClient> connection, int port, std::string_view headers,
+                           std::string_view path)
+    : connection_(std::move(connection)) {
   std::string text = "GET " + std::string(path) +
                      " HTTP/1.1\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n";
   text += "Sec-WebSocket-Key: " + std::string(kKey) + "\r\n";
   if (headers.find("Host:") == std::string_view::npos) text += "Host: 127.0.0.1:" + std::to_string(port) + "\r\n";
-  connection_.send(text + std::string(headers) + "\r\n");
-  handshake_ = connection_.read_response();
+  connection_->send(text + std::string(headers) + "\r\n");
+  handshake_ = connection_->read_response();
 }
 
 void RawWebSocket::send(std::uint8_t opcode, std::string_view payload, bool masked, std::uint8_t first_bits) {
@@ -165,22 +183,22 @@ void RawWebSocket::send(std::uint8_t opcode, std::string_view payload, bool mask
   for (std::size_t i = 0; i < payload.size(); ++i) {
     frame += masked ? static_cast<char>(payload[i] ^ kMask[i % 4]) : payload[i];
   }
-  connection_.send(frame);
+  connection_->send(frame);
 }
 
 std::optional<RawWebSocket::Frame> RawWebSocket::read() {
   while (true) {
-    const std::optional<std::string> head = connection_.read_exactly(2);
+    const std::optional<std::string> head = connection_->read_exactly(2);
     if (!head) return std::nullopt;
     const auto first = static_cast<std::uint8_t>((*head)[0]);
     std::size_t length = static_cast<std::uint8_t>((*head)[1]) & 0x7FU;
     if (length >= 126) {
-      const std::optional<std::string> extended = connection_.read_exactly(length == 126 ? 2 : 8);
+      const std::optional<std::string> extended = connection_->read_exactly(length == 126 ? 2 : 8);
       if (!extended) return std::nullopt;
       length = 0;
       for (const char byte : *extended) length = (length << 8U) | static_cast<std::uint8_t>(byte);
     }
-    std::optional<std::string> payload = connection_.read_exactly(length);
+    std::optional<std::string> payload = connection_->read_exactly(length);
     if (!payload) return std::nullopt;
     Frame frame{(first & 0x80U) != 0, static_cast<std::uint8_t>((first >> 4U) & 7U),
                 static_cast<std::uint8_t>(first & 0x0FU), std::move(*payload)};
@@ -193,7 +211,7 @@ int RawWebSocket::read_close() {
   while (const std::optional<Frame> frame = read()) {
     if (frame->opcode != kClose) continue;
     send(kClose, frame->payload);
-    connection_.hang_up();
+    connection_->hang_up();
     if (frame->payload.size() < 2) return 1005;
     return (static_cast<std::uint8_t>(frame->payload[0]) << 8) | static_cast<std::uint8_t>(frame->payload[1]);
   }

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <sys/types.h>
+
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -22,7 +25,7 @@ class RawClient {
   explicit RawClient(int port);  // of 127.0.0.1
   // From another address of this machine, such as 127.0.0.2.
   RawClient(int port, const char* from);
-  ~RawClient();
+  virtual ~RawClient();
   RawClient(const RawClient&) = delete;
   RawClient& operator=(const RawClient&) = delete;
 
@@ -42,6 +45,12 @@ class RawClient {
   // Makes the kernel keep no more than about this much that is not read.
   void shrink_receive_buffer(int bytes);
 
+ protected:
+  // The number of bytes that the socket took or gave; 0 or less at the end of the connection.
+  virtual ssize_t write_some(std::string_view bytes);
+  virtual ssize_t read_some(char* bytes, std::size_t size);
+  [[nodiscard]] int socket() const { return socket_; }
+
  private:
   bool receive();
 
@@ -52,6 +61,9 @@ class RawClient {
 // One request on a connection of its own. `headers`: whole lines, each ending in CRLF, beside Host and Content-Length.
 Response request(int port, std::string_view method, std::string_view target, std::string_view headers = {},
                  std::string_view body = {});
+// The same on `client`, which is connected to 127.0.0.1:`port` and stays open.
+Response request(RawClient& client, int port, std::string_view method, std::string_view target,
+                 std::string_view headers = {}, std::string_view body = {});
 // GET of `target` on `client`, which stays open.
 Response get(RawClient& client, std::string_view target);
 
@@ -70,6 +82,8 @@ class RawWebSocket {
   // Origin lines.
   RawWebSocket(int port, std::string_view headers = "Sec-WebSocket-Protocol: kerf.v1\r\n",
                std::string_view path = "/watch");
+  // The same on `connection`, which is connected to 127.0.0.1:`port`.
+  RawWebSocket(std::unique_ptr<RawClient> connection, int port, std::string_view headers, std::string_view path);
 
   [[nodiscard]] const Response& handshake() const { return handshake_; }
   void send(std::uint8_t opcode, std::string_view payload, bool masked = true, std::uint8_t first_bits = 0x80);
@@ -78,10 +92,10 @@ class RawWebSocket {
   // Reads on to the close frame, answers it, hangs up and returns its code; 0 if the connection ends without one, 1005
   // if it has none.
   int read_close();
-  RawClient& connection() { return connection_; }
+  RawClient& connection() { return *connection_; }
 
  private:
-  RawClient connection_;
+  std::unique_ptr<RawClient> connection_;
   Response handshake_;
 };
 

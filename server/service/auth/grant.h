@@ -15,8 +15,8 @@ namespace kerf::auth {
 // Returns s since 1970.
 using UnixClock = std::function<std::int64_t()>;
 
-// Holds what a caller was granted, by a token, or by a login or link that a token made. It ends with the grant that it comes
-// from. Thread-safe.
+// Holds what a caller was granted, by a token, or by a login or link that a token made. It ends with the grant that it
+// comes from. Thread-safe.
 class Grant {
  public:
   // Grants the rights of a token. `parent`: the grant that it comes from, or none.

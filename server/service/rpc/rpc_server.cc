@@ -18,6 +18,19 @@ namespace {
 
 constexpr std::size_t kWriterThreads = 2;  // As many as serve HTTP.
 
+// Returns what each connection begins with: TLS 1.2 or later, with a client's certificate where that is needed, or
+// nothing.
+std::shared_ptr<grpc::ServerCredentials> make_credentials(const std::optional<RpcTls>& tls) {
+  if (!tls) return grpc::InsecureServerCredentials();
+  grpc::SslServerCredentialsOptions options;
+  options.pem_key_cert_pairs.push_back({tls->key, tls->certificate_chain});
+  if (!tls->client_authorities.empty()) {
+    options.pem_root_certs = tls->client_authorities;
+    options.client_certificate_request = GRPC_SSL_REQUEST_AND_REQUIRE_CLIENT_CERTIFICATE_AND_VERIFY;
+  }
+  return grpc::SslServerCredentials(options);
+}
+
 }  // namespace
 
 struct RpcServer::Impl {
@@ -84,7 +97,7 @@ Result<int> RpcServer::start(const std::string& address) {
   set_limits(builder, impl_->options, impl_->max_request_bytes);
   using Builder = grpc::ServerBuilder::experimental_type;
   impl_->acceptor = builder.experimental().AddExternalConnectionAcceptor(Builder::ExternalConnectionType::FROM_FD,
-                                                                         grpc::InsecureServerCredentials());
+                                                                         make_credentials(impl_->options.tls));
   for (const NamedService& named : impl_->services) builder.RegisterService(named.service.get());
   impl_->server = builder.BuildAndStart();
   if (!impl_->server) return internal_error("INTERNAL", "gRPC could not be started");

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "server/base/result.h"
@@ -14,7 +15,16 @@ class Api;
 
 namespace kerf::rpc {
 
+// Holds what TLS needs, as PEM texts.
+struct RpcTls {
+  std::string certificate_chain;  // The server's own certificate first.
+  std::string key;                // The private key of that certificate, without a password.
+  // Certificates of authorities. A client must show a certificate of one of these; empty: it needs none.
+  std::string client_authorities;
+};
+
 struct RpcOptions {
+  std::optional<RpcTls> tls;                            // Nothing: the port does not speak TLS.
   int max_connections = 10'000;                         // Beyond it, new connections are closed at once.
   int max_connections_per_address = 0;                  // Limit on the connections of one peer, >= 0; 0: no limit.
   std::chrono::milliseconds first_byte_timeout{5'000};  // A connection that has sent nothing after this time is closed.
@@ -29,8 +39,8 @@ struct RpcOptions {
   int max_reflection_threads = 32;  // One for each stream of ServerReflectionInfo.
 };
 
-// Serves every service of kerf.v1, grpc.health.v1.Health and server reflection over gRPC on one port, without TLS.
-// Requests larger than the Api's limit are refused with RESOURCE_EXHAUSTED.
+// Serves every service of kerf.v1, grpc.health.v1.Health and server reflection over gRPC on one port. Requests larger
+// than the Api's limit are refused with RESOURCE_EXHAUSTED.
 class RpcServer {
  public:
   // `api` and `clock` must outlive this. `clock` times transfers and stalled readers.
@@ -40,7 +50,7 @@ class RpcServer {
   RpcServer& operator=(const RpcServer&) = delete;
 
   // Listens at "HOST:PORT"; port 0 picks a free one. To be called once. Returns the port, or UNAVAILABLE ADDRESS_IN_USE
-  // if it cannot be bound: two servers never share a port.
+  // if it cannot be bound: two servers never share a port. A wrong RpcTls is INTERNAL.
   Result<int> start(const std::string& address);
 
   // Makes Health report NOT_SERVING from now on; calls are still answered.

@@ -81,8 +81,8 @@ std::optional<Origin> parse_origin(std::string_view text) {
 
 // True if the page comes from this server itself; `host` is the value of the Host header.
 bool is_own(const AccessPolicy& policy, const Origin& page, std::string_view host) {
-  if (page.scheme != "http") return false;
-  const std::optional<Endpoint> named = parse_authority(host, 80);
+  if (page.scheme != (policy.is_secure ? "https" : "http")) return false;
+  const std::optional<Endpoint> named = parse_authority(host, policy.is_secure ? 443 : 80);
   if (named && named->host == page.endpoint.host && named->port == page.endpoint.port) return true;
   const std::string& name = page.endpoint.host;
   return policy.bound_to_loopback && page.endpoint.port == policy.port &&

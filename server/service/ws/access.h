@@ -39,9 +39,10 @@ struct AccessPolicy {
 Status check_host(const AccessPolicy& policy, std::string_view host);
 
 // Checks the value of the Origin header; an empty one comes from a program other than a browser and is allowed. Also
-// allowed are the policy's list and the server's own pages over http, from the host and port in Host. On a loopback
-// bind these may also come from localhost, 127.0.0.1 and ::1 at the server's port. Other web servers of this machine,
-// and https, are foreign: FAILED_PRECONDITION with reason ORIGIN_NOT_ALLOWED.
+// allowed are the policy's list and the server's own pages, from the host and port in Host, over the server's own
+// scheme: http, or https with TLS. On a loopback bind these may also come from localhost, 127.0.0.1 and ::1 at the
+// server's port. Other web servers of this machine, and the other scheme, are foreign: FAILED_PRECONDITION with reason
+// ORIGIN_NOT_ALLOWED.
 Status check_origin(const AccessPolicy& policy, std::string_view origin, std::string_view host);
 
 }  // namespace kerf::ws

@@ -7,21 +7,20 @@
 #include <boost/asio/post.hpp>
 #include <boost/asio/prefer.hpp>
 #include <boost/asio/redirect_error.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <boost/asio/use_awaitable.hpp>
+#include <boost/asio/write.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
-#include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/http/empty_body.hpp>
 #include <boost/beast/http/parser.hpp>
 #include <boost/beast/http/read.hpp>
-#include <boost/beast/http/span_body.hpp>
 #include <boost/beast/http/string_body.hpp>
 #include <boost/beast/http/write.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
 
-#include <sys/socket.h>
-
+#include <algorithm>
 #include <array>
-#include <cerrno>
+#include <chrono>
 #include <exception>
 #include <limits>
 #include <optional>
@@ -30,8 +29,12 @@
 #include <string_view>
 
 #include "server/service/api/upload.h"
+#include "server/service/ws/http_messages.h"
 #include "server/service/ws/mjpeg.h"
 #include "server/service/ws/socket_stream.h"
+#include "server/service/ws/tls.h"
+#include "server/service/ws/transport.h"
+#include "server/service/ws/write_response.h"
 
 namespace kerf::ws {
 namespace {
@@ -39,63 +42,13 @@ namespace {
 namespace asio = boost::asio;
 namespace beast = boost::beast;
 namespace http = beast::http;
-using Request = http::request<http::string_body>;
 using Parser = http::request_parser<http::string_body>;
 
 // Largest part of a request read before it is parsed.
 constexpr std::size_t kMostReadAhead = std::size_t{128} << 10;
-
-std::string header(const Request& request, http::field field) {
-  const beast::string_view value = request[field];
-  return {value.data(), value.size()};
-}
-
-std::string header_named(const Request& request, const char* name) {
-  const beast::string_view value = request[name];
-  return {value.data(), value.size()};
-}
-
-// Returns the request without its body.
-HttpRequest head_of(const Request& message) {
-  return {std::string(message.method_string()),
-          std::string(message.target()),
-          header(message, http::field::host),
-          header(message, http::field::origin),
-          header(message, http::field::if_none_match),
-          header(message, http::field::accept_encoding),
-          header(message, http::field::authorization),
-          header(message, http::field::cookie),
-          header_named(message, "x-kerf-csrf"),
-          {},
-          {}};
-}
-
-HttpRequest to_request(Request& message) {
-  HttpRequest request = head_of(message);
-  request.body = std::move(message.body());
-  return request;
-}
-
-HttpResponse body_too_large() {
-  HttpResponse response = refusal(resource_exhausted("REQUEST_TOO_LARGE",
-                                                     "the request's body exceeds the limit here: send less in one "
-                                                     "call; send a mesh file to POST /sheets, at most 64 MiB"));
-  response.status = 413;
-  return response;
-}
-
-// Returns the answer to a malformed request; nothing if the client no longer listens.
-std::optional<HttpResponse> unreadable_request(const boost::system::error_code& error) {
-  if (error == http::error::body_limit) return body_too_large();
-  if (error == http::error::header_limit || error == http::error::buffer_overflow) {
-    HttpResponse response = refusal(resource_exhausted("HEADER_TOO_LARGE", "the request's header exceeds the limit"));
-    response.status = 431;
-    return response;
-  }
-  const bool silent = error == http::error::end_of_stream || error == http::error::partial_message;
-  if (silent || error.category() != http::make_error_code(http::error::bad_value).category()) return std::nullopt;
-  return refusal(invalid_argument("MALFORMED_REQUEST", "not HTTP/1.1: " + error.message()));
-}
+// Largest part of the next request that is read while a client is watched during one.
+constexpr std::size_t kMostOvertaking = 4096;
+constexpr std::chrono::seconds kFarewell{1};
 
 std::string address_of(const asio::ip::tcp::socket& socket) {
   boost::system::error_code gone;
@@ -105,57 +58,76 @@ std::string address_of(const asio::ip::tcp::socket& socket) {
 
 // Serves one connection. In coroutines here, co_await stands alone or initialises a variable, never within a condition
 // or a larger expression: g++ 12 otherwise resumes the wrong frame.
-class HttpConnection : public Connection, public std::enable_shared_from_this<HttpConnection> {
+template <typename Stream>
+class HttpConnection : public Connection, public std::enable_shared_from_this<HttpConnection<Stream>> {
  public:
-  HttpConnection(ConnectionContext& context, asio::ip::tcp::socket socket)
+  HttpConnection(ConnectionContext& context, Stream stream)
       : context_(context),
-        stream_(std::move(socket)),
+        stream_(std::move(stream)),
+        lowest_(beast::get_lowest_layer(stream_)),
         executor_(stream_.get_executor()),
-        peer_(address_of(stream_.socket())),
-        buffer_(context.options.max_header_bytes + kMostReadAhead) {}
+        peer_(address_of(lowest_.socket())),
+        buffer_(context.options.max_header_bytes + kMostReadAhead),
+        farewell_(executor_) {
+    boost::system::error_code ignored;
+    lowest_.socket().non_blocking(true, ignored);  // See look_for_hang_up().
+  }
 
   void run(std::function<void()> done) override {
     // Drops a connection that throws (out of memory) like one that fails.
-    asio::co_spawn(executor_, serve(), [self = shared_from_this(), done = std::move(done)](const std::exception_ptr&) {
-      self->close_now();
-      done();
-    });
+    asio::co_spawn(executor_, serve(),
+                   [self = this->shared_from_this(), done = std::move(done)](const std::exception_ptr&) {
+                     self->lowest_.close();
+                     done();
+                   });
   }
 
   void finish() override {
-    asio::post(executor_, [self = shared_from_this()] {
+    asio::post(executor_, [self = this->shared_from_this()] {
       self->finishing_ = true;
-      if (self->idle_) self->stream_.close();
+      if (self->idle_) self->lowest_.close();
     });
   }
 
   void abort() override {
-    asio::post(executor_, [self = shared_from_this()] {
+    asio::post(executor_, [self = this->shared_from_this()] {
       self->finishing_ = true;
-      self->close_now();
+      self->lowest_.close();
     });
   }
 
  private:
-  // Holds the properties of a request that determine the framing of its response.
-  struct Framing {
-    unsigned version = 11;
-    bool keep_alive = false;
-    bool head = false;  // HEAD: length without body.
-  };
-
-  // Closes the connection. The socket of an upgraded one belongs to its stream.
-  void close_now() {
-    if (socket_) {
-      socket_->abort();
-    } else {
-      stream_.close();
-    }
-  }
-
   asio::awaitable<void> serve() {
+    if constexpr (kIsTls<Stream>) {
+      const bool secured = co_await shake_hands();
+      if (!secured) co_return;
+    }
     bool more = true;
     while (more) more = co_await serve_request();
+    if (!socket_) co_await end_tls();  // A WebSocket has ended it already.
+  }
+
+  // Begins TLS; returns false if the client fails to. Plain HTTP is answered as such.
+  asio::awaitable<bool> shake_hands() {
+    if (finishing_) co_return false;
+    lowest_.expires_after(context_.options.request_timeout);
+    boost::system::error_code error;
+    idle_ = true;
+    co_await stream_.async_handshake(asio::ssl::stream_base::server, asio::redirect_error(asio::use_awaitable, error));
+    idle_ = false;
+    if (is_plain_http(error)) co_await refuse_plain_http();
+    co_return !error;
+  }
+
+  asio::awaitable<void> refuse_plain_http() {
+    ++context_.requests;
+    ++context_.failed_requests;
+    const std::string answer =
+        last_answer(refusal(invalid_argument("TLS_NEEDED", "this port speaks HTTPS alone: begin with https://")));
+    lowest_.expires_after(context_.options.write_timeout);
+    boost::system::error_code error;
+    co_await asio::async_write(lowest_, asio::buffer(answer), asio::redirect_error(asio::use_awaitable, error));
+    if (!error) co_await discard_rest();
   }
 
   // Serves one request; returns false if it was the last one of this connection.
@@ -165,7 +137,7 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
     Parser parser;
     parser.header_limit(static_cast<std::uint32_t>(context_.options.max_header_bytes));
     parser.body_limit(std::numeric_limits<std::uint64_t>::max());  // Until the route is known; see read_body().
-    stream_.expires_after(context_.options.request_timeout);
+    lowest_.expires_after(context_.options.request_timeout);
     boost::system::error_code error;
     co_await http::async_read_header(stream_, buffer_, parser, asio::redirect_error(asio::use_awaitable, error));
     if (!error && beast::websocket::is_upgrade(parser.get())) {
@@ -182,7 +154,7 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
       if (refused) co_await refuse(*refused);
       co_return false;
     }
-    Request message = parser.release();
+    RequestMessage message = parser.release();
     Framing framing{message.version(), message.keep_alive(), message.method() == http::verb::head};
     HttpRequest request = to_request(message);
     request.peer = peer_;
@@ -225,7 +197,7 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
           context_.api.reserve_upload(static_cast<std::int64_t>(announced));
       if (!reserved.ok()) return refusal(reserved.error());
       room = std::move(reserved).value();
-      stream_.expires_after(context_.options.upload_timeout);
+      lowest_.expires_after(context_.options.upload_timeout);
     }
     parser.body_limit(max_bytes);
     return std::nullopt;
@@ -240,7 +212,7 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
     if (finishing_) co_return false;
     if (buffer_.size() > 0) co_return true;
     const bool first = std::exchange(first_, false);
-    stream_.expires_after(first ? context_.options.request_timeout : context_.options.idle_timeout);
+    lowest_.expires_after(first ? context_.options.request_timeout : context_.options.idle_timeout);
     boost::system::error_code error;
     idle_ = true;
     const std::size_t bytes =
@@ -250,14 +222,14 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
     co_return !error;
   }
 
-  asio::awaitable<void> upgrade(Request message) {
+  asio::awaitable<void> upgrade(RequestMessage message) {
     const std::string subprotocols = header(message, http::field::sec_websocket_protocol);
     Router::Upgrade upgrade = context_.router.upgrade(to_request(message), subprotocols);
     if (upgrade.refused) {
       co_await write(*upgrade.refused, Framing());
       co_return;
     }
-    socket_ = std::make_shared<SocketStream>(context_, std::move(stream_), std::move(upgrade.open));
+    socket_ = std::make_shared<SocketStream<Stream>>(context_, stream_, std::move(upgrade.open));
     if (!finishing_) co_await socket_->run(message);
   }
 
@@ -268,7 +240,7 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
   }
 
   asio::awaitable<void> play(std::shared_ptr<api::ImageSession> session) {
-    stream_.expires_never();
+    lowest_.expires_never();
     const std::stop_source hung_up;
     drop_input(hung_up);
     const MjpegTimes times{context_.options.write_timeout, context_.options.picture_repeat};
@@ -281,12 +253,14 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
   }
 
   asio::awaitable<HttpResponse> answer(HttpRequest request) {
-    stream_.expires_never();
+    lowest_.expires_never();
     const std::stop_source hung_up;
+    overtaking_ = buffer_.prepare(std::min(kMostOvertaking, buffer_.max_size() - buffer_.size()));
     watch_for_hang_up(hung_up);
     HttpResponse response = co_await respond(std::move(request), hung_up.get_token());
+    ++num_watches_;
     boost::system::error_code ignored;
-    stream_.socket().cancel(ignored);  // Ends the watch for a hang-up.
+    lowest_.socket().cancel(ignored);  // Ends the watch for a hang-up.
     co_return response;
   }
 
@@ -314,20 +288,31 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
   // Requests a stop when the client closes the connection, or its half of it, during a request. A client that has
   // already sent its next request is not watched, because the end of the connection comes after that.
   void watch_for_hang_up(std::stop_source hung_up) {
-    stream_.socket().async_wait(asio::ip::tcp::socket::wait_read, [self = shared_from_this(),
-                                                                   hung_up](boost::system::error_code error) mutable {
-      char next = 0;
-      if (error) return;
-      const ssize_t bytes = ::recv(self->stream_.socket().native_handle(), &next, 1, MSG_PEEK | MSG_DONTWAIT);
-      if (bytes == 0 || (bytes < 0 && errno != EAGAIN)) hung_up.request_stop();
-    });
+    lowest_.socket().async_wait(asio::ip::tcp::socket::wait_read,
+                                [self = this->shared_from_this(), watch = num_watches_,
+                                 hung_up = std::move(hung_up)](boost::system::error_code error) mutable {
+                                  if (error || self->num_watches_ != watch) return;
+                                  self->look_for_hang_up(std::move(hung_up));
+                                });
+  }
+
+  // Reads what has come, without waiting. A part of a TLS record is taken out of the socket, too, so that the socket is
+  // not found readable for ever.
+  void look_for_hang_up(std::stop_source hung_up) {
+    boost::system::error_code error;
+    buffer_.commit(stream_.read_some(overtaking_, error));
+    if (error == asio::error::would_block) {
+      watch_for_hang_up(std::move(hung_up));
+    } else if (error) {
+      hung_up.request_stop();
+    }
   }
 
   // Requests a stop when the client of a stream closes the connection, or its half of it. The stream is the last
   // request of its connection. Further input is discarded, so that it does not hide the end.
   void drop_input(std::stop_source hung_up) {
-    stream_.socket().async_read_some(asio::buffer(dropped_), [self = shared_from_this(), hung_up](
-                                                                 boost::system::error_code error, std::size_t) mutable {
+    stream_.async_read_some(asio::buffer(dropped_), [self = this->shared_from_this(), hung_up](
+                                                        boost::system::error_code error, std::size_t) mutable {
       if (error) {
         hung_up.request_stop();
       } else {
@@ -337,70 +322,64 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
   }
 
   asio::awaitable<bool> write(const HttpResponse& response, Framing framing) {
-    ++context_.requests;
-    if (response.status >= 400) ++context_.failed_requests;
-    const std::string_view content = response.body ? std::string_view(*response.body) : std::string_view();
-    const auto status = static_cast<http::status>(response.status);
-    bool written = false;
-    if (framing.head || response.status == 304) {
-      http::response<http::empty_body> message{status, framing.version};
-      if (framing.head) message.content_length(content.size());
-      written = co_await write_message(message, response, framing);
-    } else {
-      http::response<http::span_body<const char>> message{status, framing.version};
-      message.body() = beast::span<const char>(content.data(), content.size());
-      message.content_length(content.size());
-      written = co_await write_message(message, response, framing);
-    }
-    co_return written;
+    return write_response(stream_, context_, response, framing);
   }
 
-  template <typename Body>
-  asio::awaitable<bool> write_message(http::response<Body>& message, const HttpResponse& response, Framing framing) {
-    message.set(http::field::server, "kerfd");
-    message.set("X-Content-Type-Options", "nosniff");
-    message.set("Cross-Origin-Resource-Policy", "same-origin");
-    if (!response.media_type.empty()) message.set(http::field::content_type, response.media_type);
-    for (const auto& [name, value] : response.headers) message.set(name, value);
-    message.keep_alive(framing.keep_alive);
-    http::response_serializer<Body> serializer(message);
-    const auto last = std::chrono::steady_clock::now() + context_.options.response_timeout;
-    boost::system::error_code error;
-    while (!error && !serializer.is_done()) {
-      stream_.expires_at(std::min(last, std::chrono::steady_clock::now() + context_.options.write_timeout));
-      co_await http::async_write_some(stream_, serializer, asio::redirect_error(asio::use_awaitable, error));
-    }
-    co_return !error;
-  }
-
-  // Reads the rest of the input. Closing a socket with unread bytes resets it, and the reset may overtake the response.
+  // Ends this side, and reads the rest of the input. Closing a socket with unread bytes resets it, and the reset may
+  // overtake the response.
   asio::awaitable<void> discard_rest() {
+    co_await end_tls();
     boost::system::error_code error;
-    stream_.socket().shutdown(asio::ip::tcp::socket::shutdown_send, error);
-    stream_.expires_after(std::chrono::seconds(1));
+    lowest_.socket().shutdown(asio::ip::tcp::socket::shutdown_send, error);
+    lowest_.expires_after(kFarewell);
     for (std::size_t discarded = 0; !error && discarded < (std::size_t{8} << 20);) {
       buffer_.clear();
-      discarded += co_await stream_.async_read_some(buffer_.prepare(std::size_t{64} << 10),
+      discarded += co_await lowest_.async_read_some(buffer_.prepare(std::size_t{64} << 10),
                                                     asio::redirect_error(asio::use_awaitable, error));
     }
   }
 
+  // Says to the client that nothing more comes, so that it knows the response to be whole. Then waits for its answer,
+  // both together for at most kFarewell.
+  asio::awaitable<void> end_tls() {
+    if constexpr (kIsTls<Stream>) {
+      if (std::exchange(has_ended_tls_, true)) co_return;
+      // A timer of its own, because drop_input() may be reading without a limit.
+      farewell_.expires_after(kFarewell);
+      farewell_.async_wait([weak = this->weak_from_this()](const boost::system::error_code& cancelled) {
+        const std::shared_ptr<HttpConnection> self = cancelled ? nullptr : weak.lock();
+        if (self) self->lowest_.close();
+      });
+      boost::system::error_code ignored;
+      co_await stream_.async_shutdown(asio::redirect_error(asio::use_awaitable, ignored));
+    }
+    co_return;
+  }
+
   ConnectionContext& context_;
-  beast::tcp_stream stream_;
-  const beast::tcp_stream::executor_type executor_;  // A strand.
-  const std::string peer_;                           // Its address; empty: it is gone already.
-  beast::flat_buffer buffer_;                        // Bounded: the parser's limits do not cover extensions of chunks.
-  std::array<char, 4096> dropped_{};                 // See drop_input().
-  std::shared_ptr<SocketStream> socket_;             // Set once upgraded.
+  Stream stream_;
+  PlainStream& lowest_;                           // The lowest layer of stream_.
+  const PlainStream::executor_type executor_;     // A strand.
+  const std::string peer_;                        // Its address; empty: it is gone already.
+  beast::flat_buffer buffer_;                     // Bounded: the parser's limits do not cover extensions of chunks.
+  asio::mutable_buffer overtaking_;               // Room in buffer_, during a request; see look_for_hang_up().
+  std::array<char, 4096> dropped_{};              // See drop_input().
+  std::shared_ptr<SocketStream<Stream>> socket_;  // Set once upgraded.
+  asio::steady_timer farewell_;                   // See end_tls().
+  int num_watches_ = 0;                           // Watches for a hang-up that have ended.
   bool first_ = true;
   bool idle_ = false;
   bool finishing_ = false;
+  bool has_ended_tls_ = false;
 };
 
 }  // namespace
 
-std::shared_ptr<Connection> make_connection(ConnectionContext& context, asio::ip::tcp::socket socket) {
-  return std::make_shared<HttpConnection>(context, std::move(socket));
+std::shared_ptr<Connection> make_connection(ConnectionContext& context, asio::ip::tcp::socket socket,
+                                            const std::shared_ptr<TlsContext>& tls) {
+  PlainStream plain(std::move(socket));
+  if (!tls) return std::make_shared<HttpConnection<PlainStream>>(context, std::move(plain));
+  return std::make_shared<HttpConnection<TlsStream>>(context, TlsStream(std::move(plain), tls->native()));
 }
 
 }  // namespace kerf::ws

@@ -19,6 +19,7 @@ struct ConnectionContext {
   api::Api& api;
   const Router& router;
   const HttpOptions& options;
+  bool is_only_secure = false;  // Browsers are to use https alone for this host. Set before the first connection.
   std::atomic<bool> draining = false;  // Streams that end close with "going away".
 
   std::atomic<std::int64_t> requests = 0;
@@ -27,7 +28,7 @@ struct ConnectionContext {
   std::atomic<std::int64_t> open_watch_streams = 0;
 };
 
-// Serves one client's TCP connection until it is closed. Its socket's executor must be a strand.
+// Serves one client's connection until it is closed. Its socket's executor must be a strand.
 class Connection {
  public:
   virtual ~Connection() = default;
@@ -41,6 +42,8 @@ class Connection {
   virtual void abort() = 0;
 };
 
-std::shared_ptr<Connection> make_connection(ConnectionContext& context, boost::asio::ip::tcp::socket socket);
+// `tls` may be null: the connection is plain TCP then.
+std::shared_ptr<Connection> make_connection(ConnectionContext& context, boost::asio::ip::tcp::socket socket,
+                                            const std::shared_ptr<TlsContext>& tls);
 
 }  // namespace kerf::ws

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <condition_variable>
+#include <exception>
 #include <list>
 #include <map>
 #include <mutex>
@@ -47,7 +48,8 @@ struct HttpServer::Impl {
         router(api, std::move(assets), [this, metrics = std::move(metrics)] { return metrics(counts()); }),
         context{api, router, options},
         places(options.max_connections_per_address),
-        turned_away(options.max_connections_per_address) {}
+        turned_away(options.max_connections_per_address),
+        tls(options.tls) {}
 
   // Listens at one address of the server.
   struct Port {
@@ -80,6 +82,7 @@ struct HttpServer::Impl {
   mutable std::mutex mutex;  // Guards the members below.
   std::condition_variable all_closed;
   std::map<std::int64_t, Open> connections;  // By order of arrival.
+  std::shared_ptr<TlsContext> tls;           // For new connections; null: plain HTTP.
   std::int64_t accepted = 0;
   std::int64_t refused = 0;
   std::int64_t refused_by_address = 0;
@@ -94,6 +97,8 @@ Result<int> HttpServer::Impl::start(const Endpoint& endpoint) {
   access.bound_to_loopback = std::ranges::all_of(
       listening.acceptors, [](const tcp::acceptor& each) { return each.local_endpoint().address().is_loopback(); });
   access.port = listening.acceptors.front().local_endpoint().port();
+  access.is_secure = options.tls != nullptr;
+  context.is_only_secure = access.is_secure && !access.bound_to_loopback;
   const int port = access.port;
   router.set_access(std::move(access));
   for (tcp::acceptor& acceptor : listening.acceptors) ports.emplace_back(std::move(acceptor));
@@ -133,14 +138,22 @@ void HttpServer::Impl::admit(tcp::socket socket, const Peer& peer) {
       return;
     }
     if (place) {
-      id = ++accepted;
-      connection = make_connection(context, std::move(socket));
-      connections.emplace(id, Open{connection, *std::move(place)});
+      try {
+        connection = make_connection(context, std::move(socket), tls);
+        id = ++accepted;
+        connections.emplace(id, Open{connection, *std::move(place)});
+      } catch (const std::exception&) {  // No memory; the port stays open.
+        ++refused;
+        return;
+      }
     } else {
       ++refused_by_address;
     }
   }
-  if (!connection) return turned_away.answer(std::move(socket));
+  if (!connection) {
+    if (!options.tls) turned_away.answer(std::move(socket));
+    return;
+  }
   connection->run([this, id] {
     const std::lock_guard closed(mutex);
     connections.erase(id);
@@ -196,6 +209,11 @@ HttpServer::~HttpServer() {
 
 Result<int> HttpServer::start(const Endpoint& endpoint) {
   return impl_->start(endpoint);
+}
+
+void HttpServer::set_tls(std::shared_ptr<TlsContext> tls) {
+  const std::lock_guard lock(impl_->mutex);
+  impl_->tls = std::move(tls);
 }
 
 void HttpServer::drain() {

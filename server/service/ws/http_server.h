@@ -16,14 +16,19 @@ class Api;
 
 namespace kerf::ws {
 
+class TlsContext;
+
 struct HttpOptions {
-  AccessPolicy access;                       // bound_to_loopback and port are set by start().
+  AccessPolicy access;  // bound_to_loopback, port and is_secure are set by start().
+  // Makes the port speak HTTPS; null: plain HTTP.
+  std::shared_ptr<TlsContext> tls;
   int threads = 2;                           // 1..64
   int max_connections = 1000;                // Beyond it, new connections are closed at once.
-  int max_connections_per_address = 0;       // Beyond it, connections of one peer are answered 503; 0: no limit.
+  int max_connections_per_address = 0;       // By one peer; others get 503, or with TLS are closed; 0: no limit.
   std::size_t max_header_bytes = 16 << 10;   // Header of a request.
   std::size_t max_message_bytes = 64 << 10;  // One WebSocket message from a client.
-  std::chrono::milliseconds request_timeout{5'000};     // From the first byte of a request to its last.
+  // From the first byte of a request to its last; also for the handshake of TLS.
+  std::chrono::milliseconds request_timeout{5'000};
   std::chrono::milliseconds upload_timeout{120'000};    // Replaces request_timeout for uploads to FileRoutes.
   std::chrono::milliseconds handshake_timeout{5'000};   // WebSocket: opening and closing handshake, each.
   std::chrono::milliseconds idle_timeout{30'000};       // Longest time between two requests of a connection.
@@ -38,7 +43,7 @@ struct HttpOptions {
 struct HttpCounts {
   std::int64_t connections = 0;          // Accepted.
   std::int64_t open_connections = 0;     // Open now.
-  std::int64_t refused_connections = 0;  // Closed at once, over max_connections.
+  std::int64_t refused_connections = 0;  // Closed at once, over max_connections or without memory.
   std::int64_t refused_by_address = 0;   // Answered 503 or closed, over max_connections_per_address.
   std::int64_t requests = 0;             // Answered.
   std::int64_t failed_requests = 0;      // Answered with a status of 400 or above.
@@ -46,7 +51,7 @@ struct HttpCounts {
   std::int64_t open_watch_streams = 0;   // Open now.
 };
 
-// Serves browsers on one TCP port, HTTP/1.1 without TLS:
+// Serves browsers on one TCP port, HTTP/1.1, over TLS if the options say so:
 //   GET /...                          the viewer's files; /docs/...: those of the documentation
 //   POST /kerf.v1.Service/Method      a unary RPC as JSON; errors as {"code", "message", "details"}; a long call
 //                                     (StepSheet) ends early if the client hangs up
@@ -66,6 +71,9 @@ class HttpServer {
   // Listens at each address of the host; port 0 picks a free one. Returns the port, or UNAVAILABLE ADDRESS_IN_USE if it
   // cannot be bound: two servers never share a port. To be called once.
   Result<int> start(const Endpoint& endpoint);
+
+  // Uses another certificate for connections made from now on. Needs a server that was started with one. Thread-safe.
+  void set_tls(std::shared_ptr<TlsContext> tls);
 
   // Makes /readyz answer 503 from now on; requests are still answered.
   void drain();

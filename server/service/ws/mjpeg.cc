@@ -39,14 +39,15 @@ constexpr std::string_view kNextPart = "\r\n--kerf-picture\r\n";
 // Makes a write wait until all but about kUnsentBytes have left the machine, regardless of the send buffer. TCP ends
 // the connection if sent data is not acknowledged within `write_timeout`: the write of a small picture does not wait
 // for that.
-void set_options(beast::tcp_stream& stream, std::chrono::milliseconds write_timeout) {
+void set_options(PlainStream& stream, std::chrono::milliseconds write_timeout) {
   const int socket = stream.socket().native_handle();
   ::setsockopt(socket, IPPROTO_TCP, TCP_NOTSENT_LOWAT, &kUnsentBytes, sizeof(kUnsentBytes));
   const auto timeout_ms = static_cast<unsigned>(write_timeout.count());
   ::setsockopt(socket, IPPROTO_TCP, TCP_USER_TIMEOUT, &timeout_ms, sizeof(timeout_ms));
 }
 
-asio::awaitable<bool> write_part(beast::tcp_stream& stream, const std::string& picture, bool first) {
+template <typename Stream>
+asio::awaitable<bool> write_part(Stream& stream, const std::string& picture, bool first) {
   const std::string head = (first ? std::string(kHead) : std::string()) +
                            "Content-Type: image/jpeg\r\nContent-Length: " + std::to_string(picture.size()) + "\r\n\r\n";
   const std::array<asio::const_buffer, 3> parts = {asio::buffer(head), asio::buffer(picture),
@@ -63,7 +64,8 @@ Error no_picture(const api::ImageSession& session) {
 
 }  // namespace
 
-asio::awaitable<std::optional<Error>> play_mjpeg(std::shared_ptr<api::ImageSession> session, beast::tcp_stream& stream,
+template <typename Stream>
+asio::awaitable<std::optional<Error>> play_mjpeg(std::shared_ptr<api::ImageSession> session, Stream& stream,
                                                  MjpegTimes times, std::stop_token hung_up) {
   const auto woken = std::make_shared<WakeEvent>(stream.get_executor());
   const std::function<void()> wake = [woken, executor = stream.get_executor()] {
@@ -71,7 +73,8 @@ asio::awaitable<std::optional<Error>> play_mjpeg(std::shared_ptr<api::ImageSessi
   };
   const std::stop_callback<std::function<void()>> on_hang_up(hung_up, wake);
   session->set_wake(wake);
-  set_options(stream, times.write_timeout);
+  PlainStream& lowest = beast::get_lowest_layer(stream);
+  set_options(lowest, times.write_timeout);
   stream::Bytes last;  // Null: nothing was sent.
   bool repeat = false;
   bool open = true;
@@ -81,7 +84,7 @@ asio::awaitable<std::optional<Error>> play_mjpeg(std::shared_ptr<api::ImageSessi
     if (!picture && repeat && !ended) picture = last;
     repeat = false;
     if (picture) {
-      stream.expires_after(times.write_timeout);
+      lowest.expires_after(times.write_timeout);
       open = co_await write_part(stream, **picture, last == nullptr);
       last = *picture;
     } else if (ended) {
@@ -97,5 +100,10 @@ asio::awaitable<std::optional<Error>> play_mjpeg(std::shared_ptr<api::ImageSessi
   if (last == nullptr) refusal = no_picture(*session);
   co_return refusal;
 }
+
+template asio::awaitable<std::optional<Error>> play_mjpeg(std::shared_ptr<api::ImageSession>, PlainStream&, MjpegTimes,
+                                                          std::stop_token);
+template asio::awaitable<std::optional<Error>> play_mjpeg(std::shared_ptr<api::ImageSession>, TlsStream&, MjpegTimes,
+                                                          std::stop_token);
 
 }  // namespace kerf::ws

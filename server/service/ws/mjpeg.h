@@ -3,7 +3,6 @@
 #include <utility>
 
 #include <boost/asio/awaitable.hpp>
-#include <boost/beast/core/tcp_stream.hpp>
 
 #include <chrono>
 #include <memory>
@@ -11,6 +10,7 @@
 #include <stop_token>
 
 #include "server/service/api/image_session.h"
+#include "server/service/ws/transport.h"
 
 namespace kerf::ws {
 
@@ -26,8 +26,10 @@ struct MjpegTimes {
 // A picture is drawn only once all but some 16 KiB of the one before has left this machine. Thus pictures for a slow
 // reader are only as old as the link and its own buffers make them. Returns the error if there is no first picture,
 // with nothing written; nothing otherwise.
-boost::asio::awaitable<std::optional<Error>> play_mjpeg(std::shared_ptr<api::ImageSession> session,
-                                                        boost::beast::tcp_stream& stream, MjpegTimes times,
-                                                        std::stop_token hung_up);
+//
+// `Stream` is PlainStream or TlsStream.
+template <typename Stream>
+boost::asio::awaitable<std::optional<Error>> play_mjpeg(std::shared_ptr<api::ImageSession> session, Stream& stream,
+                                                        MjpegTimes times, std::stop_token hung_up);
 
 }  // namespace kerf::ws

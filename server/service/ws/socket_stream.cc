@@ -44,9 +44,10 @@ std::string close_text(std::string text) {
 
 }  // namespace
 
-SocketStream::SocketStream(ConnectionContext& context, beast::tcp_stream stream, Router::OpenSession open)
+template <typename Stream>
+SocketStream<Stream>::SocketStream(ConnectionContext& context, Stream& stream, Router::OpenSession open)
     : context_(context),
-      socket_(WatchedReads(), stream.release_socket()),
+      socket_(stream),
       open_(std::move(open)),
       control_frames_(kControlFramesPerS, kControlFramesAtOnce, std::chrono::steady_clock::now()),
       frame_bytes_(kFrameBytesPerS, 2.0 * static_cast<double>(context.options.max_message_bytes),
@@ -66,7 +67,8 @@ SocketStream::SocketStream(ConnectionContext& context, beast::tcp_stream stream,
   socket_.read_message_max(context.options.max_message_bytes);
 }
 
-asio::awaitable<bool> SocketStream::accept(const Request& request) {
+template <typename Stream>
+asio::awaitable<bool> SocketStream<Stream>::accept(const RequestMessage& request) {
   socket_.set_option(websocket::stream_base::decorator([](websocket::response_type& response) {
     response.set(beast::http::field::sec_websocket_protocol, "kerf.v1");
     response.set(beast::http::field::server, "kerfd");
@@ -77,15 +79,16 @@ asio::awaitable<bool> SocketStream::accept(const Request& request) {
   co_return !error;
 }
 
-asio::awaitable<void> SocketStream::run(const Request& request) {
-  const std::shared_ptr<SocketStream> self = shared_from_this();
+template <typename Stream>
+asio::awaitable<void> SocketStream<Stream>::run(const RequestMessage& request) {
+  const std::shared_ptr<SocketStream> self = this->shared_from_this();
   const bool accepted = co_await accept(request);
   if (!accepted) co_return;
   ++context_.watch_streams;
   ++context_.open_watch_streams;
   limit_frames();
   session_ = open_();
-  session_->set_wake([weak = weak_from_this(), executor = socket_.get_executor()] {
+  session_->set_wake([weak = this->weak_from_this(), executor = socket_.get_executor()] {
     asio::post(executor, [weak] {
       if (const std::shared_ptr<SocketStream> stream = weak.lock()) stream->woken_.raise();
     });
@@ -107,11 +110,13 @@ asio::awaitable<void> SocketStream::run(const Request& request) {
   --context_.open_watch_streams;
 }
 
-void SocketStream::abort() {
+template <typename Stream>
+void SocketStream<Stream>::abort() {
   beast::get_lowest_layer(socket_).close();
 }
 
-asio::awaitable<void> SocketStream::read_messages() {
+template <typename Stream>
+asio::awaitable<void> SocketStream<Stream>::read_messages() {
   beast::flat_buffer buffer;
   while (!session_->ended()) {
     boost::system::error_code error;
@@ -131,7 +136,8 @@ asio::awaitable<void> SocketStream::read_messages() {
   }
 }
 
-asio::awaitable<void> SocketStream::write_messages() {
+template <typename Stream>
+asio::awaitable<void> SocketStream<Stream>::write_messages() {
   while (!peer_gone_ && !violation_) {
     // Read before the queue is emptied: once the session has ended, no message is added.
     const bool ended = session_->ended();
@@ -151,17 +157,19 @@ asio::awaitable<void> SocketStream::write_messages() {
   }
 }
 
-void SocketStream::abort_after(std::chrono::milliseconds time) {
+template <typename Stream>
+void SocketStream<Stream>::abort_after(std::chrono::milliseconds time) {
   write_limit_.expires_after(time);
-  write_limit_.async_wait([weak = weak_from_this()](const boost::system::error_code& cancelled) {
+  write_limit_.async_wait([weak = this->weak_from_this()](const boost::system::error_code& cancelled) {
     const std::shared_ptr<SocketStream> stream = cancelled ? nullptr : weak.lock();
     if (stream) stream->abort();
   });
 }
 
 // Counts all bytes, since empty fragments and tiny messages are visible only as bytes.
-void SocketStream::limit_frames() {
-  beast::get_lowest_layer(socket_).rate_policy().watch([this](std::size_t bytes) {
+template <typename Stream>
+void SocketStream<Stream>::limit_frames() {
+  socket_.next_layer().watch([this](std::size_t bytes) {
     const bool is_within = frame_bytes_.take(static_cast<double>(bytes), std::chrono::steady_clock::now());
     if (!is_within) flooded("messages and fragments");
   });
@@ -170,7 +178,8 @@ void SocketStream::limit_frames() {
   });
 }
 
-void SocketStream::flooded(std::string_view with) {
+template <typename Stream>
+void SocketStream<Stream>::flooded(std::string_view with) {
   if (violation_) return;
   violation_.emplace(websocket::close_code::policy_error,
                      "TOO_MANY_FRAMES: more " + std::string(with) + " than are accepted in a second");
@@ -181,7 +190,8 @@ void SocketStream::flooded(std::string_view with) {
 
 // Disables the ping timeout, because a stalled reader answers no ping. Its stream ends by missing acknowledgements,
 // with a reason sent to the peer.
-void SocketStream::allow_silence() {
+template <typename Stream>
+void SocketStream<Stream>::allow_silence() {
   const api::Limits& limits = context_.api.limits();
   websocket::stream_base::timeout timeout{};
   socket_.get_option(timeout);
@@ -190,7 +200,8 @@ void SocketStream::allow_silence() {
   socket_.set_option(timeout);
 }
 
-websocket::close_reason SocketStream::closing_reason() const {
+template <typename Stream>
+websocket::close_reason SocketStream<Stream>::closing_reason() const {
   if (violation_) return *violation_;
   if (const std::optional<Error> failure = session_->failure()) {
     return {websocket::close_code::policy_error, close_text(failure->reason + ": " + failure->message)};
@@ -198,5 +209,8 @@ websocket::close_reason SocketStream::closing_reason() const {
   if (too_slow_) return {websocket::close_code::try_again_later, "TOO_SLOW: frames were not acknowledged in time"};
   return context_.draining ? websocket::close_code::going_away : websocket::close_code::normal;
 }
+
+template class SocketStream<PlainStream>;
+template class SocketStream<TlsStream>;
 
 }  // namespace kerf::ws

@@ -4,10 +4,6 @@
 
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/steady_timer.hpp>
-#include <boost/beast/core/basic_stream.hpp>
-#include <boost/beast/core/tcp_stream.hpp>
-#include <boost/beast/http/message.hpp>
-#include <boost/beast/http/string_body.hpp>
 #include <boost/beast/websocket/stream.hpp>
 
 #include <chrono>
@@ -18,31 +14,30 @@
 
 #include "server/service/api/stream_session.h"
 #include "server/service/ws/connection.h"
+#include "server/service/ws/http_messages.h"
 #include "server/service/ws/token_bucket.h"
+#include "server/service/ws/transport.h"
 #include "server/service/ws/wake_event.h"
 #include "server/service/ws/watched_reads.h"
 
 namespace kerf::ws {
 
 // Runs a session (Watch, WatchImages) on one WebSocket. All except the ready callback runs on the socket's strand: one
-// coroutine reads, one writes (at most one message at a time). The session decides the content.
-class SocketStream : public std::enable_shared_from_this<SocketStream> {
+// coroutine reads, one writes (at most one message at a time). The session decides the content. `Stream` is PlainStream
+// or TlsStream.
+template <typename Stream>
+class SocketStream : public std::enable_shared_from_this<SocketStream<Stream>> {
  public:
-  using Request = boost::beast::http::request<boost::beast::http::string_body>;
-
-  // `open`: makes the session once the opening handshake is done.
-  SocketStream(ConnectionContext& context, boost::beast::tcp_stream stream, Router::OpenSession open);
+  // `stream` must outlive this. `open`: makes the session once the opening handshake is done.
+  SocketStream(ConnectionContext& context, Stream& stream, Router::OpenSession open);
 
   // Answers the opening handshake and serves the stream until it is closed.
-  boost::asio::awaitable<void> run(const Request& request);
+  boost::asio::awaitable<void> run(const RequestMessage& request);
   // Drops the connection; on the strand.
   void abort();
 
  private:
-  using Transport =
-      boost::beast::basic_stream<boost::asio::ip::tcp, boost::beast::tcp_stream::executor_type, WatchedReads>;
-
-  boost::asio::awaitable<bool> accept(const Request& request);
+  boost::asio::awaitable<bool> accept(const RequestMessage& request);
   boost::asio::awaitable<void> read_messages();
   boost::asio::awaitable<void> write_messages();
   // Drops the connection after `time`, unless write_limit_ is cancelled before.
@@ -55,7 +50,7 @@ class SocketStream : public std::enable_shared_from_this<SocketStream> {
   [[nodiscard]] boost::beast::websocket::close_reason closing_reason() const;
 
   ConnectionContext& context_;
-  boost::beast::websocket::stream<Transport> socket_;
+  boost::beast::websocket::stream<WatchedReads<Stream>> socket_;
   const Router::OpenSession open_;
   TokenBucket control_frames_;
   TokenBucket frame_bytes_;  // All input, without the content of messages.

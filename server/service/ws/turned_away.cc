@@ -2,22 +2,17 @@
 
 #include <array>
 #include <chrono>
-#include <sstream>
 #include <utility>
 
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/steady_timer.hpp>
-#include <boost/beast/http/message.hpp>
-#include <boost/beast/http/string_body.hpp>
-#include <boost/beast/http/write.hpp>
 
-#include "server/service/ws/router.h"
+#include "server/service/ws/http_messages.h"
 
 namespace kerf::ws {
 namespace {
 
 namespace asio = boost::asio;
-namespace http = boost::beast::http;
 using asio::ip::tcp;
 using NetError = boost::system::error_code;
 
@@ -26,19 +21,12 @@ constexpr std::chrono::seconds kLingerFor{1};
 constexpr std::size_t kMostDiscarded = std::size_t{64} << 10;
 
 std::string refusal_bytes(int most_per_address) {
-  const HttpResponse refused = refusal(resource_exhausted(
+  HttpResponse refused = refusal(resource_exhausted(
       "TOO_MANY_CONNECTIONS",
       "this address has " + std::to_string(most_per_address) +
           " connections open, which is the limit (kerfd --max-connections-per-address); close some, or wait"));
-  http::response<http::string_body> message{http::status::service_unavailable, 11, *refused.body};
-  message.set(http::field::server, "kerfd");
-  message.set(http::field::content_type, refused.media_type);
-  for (const auto& [name, value] : refused.headers) message.set(name, value);
-  message.keep_alive(false);
-  message.prepare_payload();
-  std::ostringstream bytes;
-  bytes << message;
-  return std::move(bytes).str();
+  refused.status = 503;
+  return last_answer(refused);
 }
 
 }  // namespace
