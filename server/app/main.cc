@@ -65,7 +65,6 @@ void guard_the_stop(sigset_t signals, const std::weak_ptr<const kerf::app::Serve
     left = end - std::chrono::steady_clock::now();
   }
   std::signal(SIGTERM, SIG_DFL);
-  std::signal(SIGHUP, SIG_DFL);
   std::signal(SIGINT, SIG_DFL);  // Shells make programs in the background ignore SIGINT.
   pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
   std::this_thread::sleep_until(begin + kStopLimit);
