@@ -91,7 +91,7 @@ HttpResponse LoginRoutes::respond(const HttpRequest& request, std::string_view p
 HttpResponse LoginRoutes::log_in(const HttpRequest& request, const AccessPolicy& policy) {
   auth::Authenticator* const authenticator = api_.authenticator();
   if (authenticator == nullptr) {
-    return refusal(failed_precondition("NO_TOKENS", "this server asks for no tokens: nobody has to log in"));
+    return refusal(failed_precondition("NO_TOKENS", "this server asks for no tokens, so there is no login"));
   }
   v1::LoginRequest credential;
   if (const Status parsed = wire::from_json(request.body, credential); !parsed.ok()) return refusal(parsed.error());
