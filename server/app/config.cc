@@ -143,6 +143,7 @@ void declare(CLI::App& parser, Arguments& arguments) {
       .add_option("--tokens", arguments.tokens,
                   "Asks every caller for a token; this file has the known ones, a line each, made by `kerf token new`. "
                   "SIGHUP reads it again")
+      ->check(check_file_named)
       ->type_name("FILE");
   parser
       .add_option("--allow-origin", arguments.allowed_origins,

@@ -165,6 +165,8 @@ TEST_F(KerfdTest, RefusesOnOneLine) {
   for (const char* vertices : {"-1", "1000000000001"}) {
     EXPECT_NE(refusal({"--max-total-vertices", vertices}).find("0..1000000000000"), std::string::npos) << vertices;
   }
+  // An unset variable of a script must not open the server to everybody.
+  EXPECT_NE(refusal({"--tokens", ""}).find("is empty; name a file"), std::string::npos);
   EXPECT_NE(refusal({"--http", "0.0.0.0:0"}).find("give --tls-cert, --tls-key and --tokens"), std::string::npos);
   for (const std::vector<std::string>& some : {std::vector<std::string>{"--tokens", "t"},
                                                {"--tls-cert", "c", "--tls-key", "k"},
