@@ -53,8 +53,20 @@ std::string describe_access(const v1::Access& access, const std::string& address
   if (!access.asks_for_tokens()) return address + " asks for no token: everybody who reaches it may do everything";
   const std::string until =
       access.expires_unix_s() == 0 ? "for good" : "until " + time_of(1'000'000 * access.expires_unix_s());
-  return "token " + access.token_id() + ": scope " + scope_name(access.scope()) + ", sheets " + access.sheets() + ", " +
-         until;
+  std::string text = "token " + access.token_id() + ": scope " + scope_name(access.scope()) + ", sheets " +
+                     access.sheets() + ", " + until;
+  if (!access.tenant().empty()) text += "\ntenant " + access.tenant() + ":";
+  for (const v1::Quota& quota : access.quotas()) {
+    std::array<char, 96> line{};
+    if (quota.limit() == 0.0) {
+      std::snprintf(line.data(), line.size(), "\n  %-13s %10.6g, no limit", quota.name().c_str(), quota.used());
+    } else {
+      std::snprintf(line.data(), line.size(), "\n  %-13s %10.6g of %g", quota.name().c_str(), quota.used(),
+                    quota.limit());
+    }
+    text += line.data();
+  }
+  return text;
 }
 
 int show_access(const Session& session) {

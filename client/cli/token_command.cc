@@ -27,8 +27,9 @@ namespace {
 struct TokenArguments {
   std::string id;
   std::string scope = "view";
-  std::string sheets = "*";
+  std::string sheets;
   std::string until;
+  std::string tenant;
   std::string file;
   std::string out;
 };
@@ -40,8 +41,8 @@ Result<std::string> with_line(Disk& disk, const std::string& path, const std::st
   KERF_TRY(text);
   if (!text->empty() && text->back() != '\n') *text += '\n';
   *text += line + "\n";
-  const Result<std::vector<auth::Token>> tokens = auth::parse_token_file(*text);
-  if (!tokens.ok()) return invalid_argument(tokens.error().reason, "\"" + path + "\": " + tokens.error().message);
+  const Result<auth::TokenFile> parsed = auth::parse_token_file(*text);
+  if (!parsed.ok()) return invalid_argument(parsed.error().reason, "\"" + path + "\": " + parsed.error().message);
   return text;
 }
 
@@ -60,8 +61,8 @@ Status write_secret(const std::string& path, const std::string& secret) {
 }
 
 int make_token(const Session& session, const TokenArguments& arguments) {
-  const auto made =
-      auth::make_token(arguments.id, *auth::scope_named(arguments.scope), arguments.sheets, arguments.until);
+  const auto made = auth::make_token(
+      {arguments.id, *auth::scope_named(arguments.scope), arguments.sheets, arguments.until, arguments.tenant});
   if (!made.ok()) return refuse(made.error());
   RealDisk disk;
   const Result<std::string> file = with_line(disk, arguments.file, made->line);
@@ -103,9 +104,12 @@ void add_token_commands(CLI::App& app, Session& session) {
                    "What it allows: view, also cut sheets that are there, also make and delete them")
       ->check(CLI::IsMember({"view", "cut", "admin"}))
       ->capture_default_str();
-  made->add_option("--sheets", arguments->sheets, "Pattern of the ids that it reaches: * any characters, ? one")
-      ->type_name("PATTERN")
-      ->capture_default_str();
+  made->add_option("--tenant", arguments->tenant,
+                   "Tenant whose limits count, which has a line in the file: it reaches the sheets NAME-*")
+      ->type_name("NAME");
+  made->add_option("--sheets", arguments->sheets,
+                   "Pattern of the ids that it reaches: * any characters, ? one (default: all)")
+      ->type_name("PATTERN");
   made->add_option("--until", arguments->until, "Day before which it ends, YYYY-MM-DD by UTC (default: never)")
       ->type_name("DAY");
   made->add_option("--file", arguments->file, "The server's file of tokens; made if it is missing")

@@ -12,14 +12,15 @@
 #include <cstddef>
 #include <ctime>
 #include <memory>
+#include <optional>
 #include <utility>
+
+#include "server/app/certificate_watch.h"
 
 namespace kerf::app {
 namespace {
 
 constexpr std::size_t kMostCertificateBytes = std::size_t{1} << 20;
-constexpr std::int64_t kSecondsOfDay = 86'400;
-constexpr std::int64_t kDaysOfNote = 14;
 
 template <auto release>
 struct Release {
@@ -106,19 +107,18 @@ std::string date_of(const ASN1_TIME* time) {
 }
 
 // Checks the server's own certificate, and notes what the operator should do soon.
-Status check_dates(const PemFile& file, const Certificate& own, std::int64_t now_s, std::vector<std::string>& notes) {
+Status check_dates(const PemFile& file, const Certificate& own, std::int64_t now_s, Certificates& read) {
   const ASN1_TIME* const end = X509_get0_notAfter(own.get());
   if (has_expired(own, now_s)) {
     return file.fault("CERTIFICATE_EXPIRED", "has expired, at " + date_of(end) + "; renew it");
   }
-  const std::string name = file.option + ": \"" + file.path + "\" ";
-  const std::int64_t days = (seconds_of(end) - now_s) / kSecondsOfDay;
-  if (days < kDaysOfNote) {
-    notes.push_back(name + "expires in " + std::to_string(days) + (days == 1 ? " day" : " days") + ", at " +
-                    date_of(end) + "; renew it");
-  }
+  std::optional<std::string> soon = expiry_note(file.option, file.path, seconds_of(end), now_s);
+  if (soon) read.notes.push_back(std::move(*soon));
+  read.end_s = seconds_of(end);
   const ASN1_TIME* const begin = X509_get0_notBefore(own.get());
-  if (seconds_of(begin) > now_s) notes.push_back(name + "is valid only from " + date_of(begin));
+  if (seconds_of(begin) > now_s) {
+    read.notes.push_back(file.option + ": \"" + file.path + "\" is valid only from " + date_of(begin));
+  }
   return Nothing{};
 }
 
@@ -148,7 +148,7 @@ Result<Certificates> read_certificates(const CertificateFiles& files, Disk& disk
   KERF_TRY_ASSIGN(const std::vector<Certificate> chain, parse_certificates(certificate));
   KERF_TRY(check_pair(certificate, key, chain.front()));
   Certificates read;
-  KERF_TRY(check_dates(certificate, chain.front(), now_s, read.notes));
+  KERF_TRY(check_dates(certificate, chain.front(), now_s, read));
   if (!files.client_authorities.empty()) {
     KERF_TRY_ASSIGN(read.client_authorities, read_authorities(files.client_authorities, disk, now_s));
   }
@@ -157,15 +157,15 @@ Result<Certificates> read_certificates(const CertificateFiles& files, Disk& disk
   return read;
 }
 
-Result<std::vector<auth::Token>> read_token_file(const std::filesystem::path& file, Disk& disk) {
+Result<auth::TokenFile> read_token_file(const std::filesystem::path& file, Disk& disk) {
   const auto fault = [&file](const Error& error) {
     return invalid_argument(error.reason, "--tokens: \"" + file.string() + "\": " + error.message, "--tokens");
   };
   const Result<std::string> text = disk.read_file(file.string(), auth::kMaxTokenFileBytes);
   if (!text.ok()) return fault(text.error());
-  Result<std::vector<auth::Token>> tokens = auth::parse_token_file(*text);
-  if (!tokens.ok()) return fault(tokens.error());
-  return tokens;
+  Result<auth::TokenFile> parsed = auth::parse_token_file(*text);
+  if (!parsed.ok()) return fault(parsed.error());
+  return parsed;
 }
 
 }  // namespace kerf::app

@@ -25,6 +25,7 @@ struct Certificates {
   std::string chain;
   std::string key;
   std::string client_authorities;  // Empty: clients need no certificate.
+  std::int64_t end_s = 0;          // s since 1970, when the server's own ends
   std::vector<std::string> notes;  // For the operator: certificates that expire soon, or are not valid yet.
 };
 
@@ -34,6 +35,6 @@ struct Certificates {
 Result<Certificates> read_certificates(const CertificateFiles& files, Disk& disk, std::int64_t now_s);
 
 // Reads a file of tokens. Errors are kInvalidArgument, and name the option and the file.
-Result<std::vector<auth::Token>> read_token_file(const std::filesystem::path& file, Disk& disk);
+Result<auth::TokenFile> read_token_file(const std::filesystem::path& file, Disk& disk);
 
 }  // namespace kerf::app

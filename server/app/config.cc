@@ -52,6 +52,7 @@ struct Arguments {
   CertificateFiles tls;
   std::vector<std::string> allowed_origins;
   std::string tokens;
+  std::string audit_log;
   std::string record_dir;
   std::string data_dir;
   std::string backups_dir;
@@ -143,6 +144,12 @@ void declare(CLI::App& parser, Arguments& arguments) {
       .add_option("--tokens", arguments.tokens,
                   "Asks every caller for a token; this file has the known ones, a line each, made by `kerf token new`. "
                   "SIGHUP reads it again")
+      ->check(check_file_named)
+      ->type_name("FILE");
+  parser
+      .add_option("--audit-log", arguments.audit_log,
+                  "Appends a line of JSON to this file for each change, login and refused token: who, from where, what "
+                  "and its outcome. SIGHUP opens it again")
       ->check(check_file_named)
       ->type_name("FILE");
   parser
@@ -297,6 +304,7 @@ Result<std::variant<Config, Notice>> to_config(const Arguments& arguments) {
   config.tls = arguments.tls;
   config.allowed_origins = arguments.allowed_origins;
   config.tokens = arguments.tokens;
+  config.audit_log = arguments.audit_log;
   config.record_dir = arguments.record_dir;
   config.keeps_nothing = arguments.data_dir == "none";
   if (!config.keeps_nothing) config.data_dir = arguments.data_dir;
@@ -323,23 +331,6 @@ std::string render_device_table() {
     table += (state == render::DeviceState::kRejected ? ": does not draw: " : ": ") + words + "\n";
   }
   return table + "* marks the choice of --render-device auto\n";
-}
-
-// Returns the folder of a built site: share/kerf/NAME beside the executable's folder, else `built` in a folder above
-// it. Empty if neither has an index.html.
-std::filesystem::path find_site(const std::filesystem::path& executable, std::string_view name,
-                                const std::filesystem::path& built) {
-  const auto has_index = [](const std::filesystem::path& folder) {
-    std::error_code ignored;
-    return std::filesystem::is_regular_file(folder / "index.html", ignored);
-  };
-  const std::filesystem::path bin = executable.parent_path();
-  if (auto installed = bin.parent_path() / "share" / "kerf" / name; has_index(installed)) return installed;
-  // Handles build/<preset>/bin/kerfd in a source tree.
-  for (std::filesystem::path folder = bin; folder != folder.root_path(); folder = folder.parent_path()) {
-    if (auto site = folder / built; has_index(site)) return site;
-  }
-  return {};
 }
 
 }  // namespace
@@ -386,14 +377,6 @@ Result<std::variant<Config, Notice>> parse_command_line(int argc, const char* co
   if (arguments.list_render_devices) return std::variant<Config, Notice>(Notice{render_device_table()});
   KERF_TRY(check_keeping(parser, arguments));
   return to_config(arguments);
-}
-
-std::filesystem::path default_web_directory(const std::filesystem::path& executable) {
-  return find_site(executable, "web", "web/dist");
-}
-
-std::filesystem::path default_docs_directory(const std::filesystem::path& executable) {
-  return find_site(executable, "docs", "build/docs/site");
 }
 
 }  // namespace kerf::app

@@ -34,6 +34,7 @@ struct Config {
   CertificateFiles tls;                       // Both ports speak TLS if it names files.
   std::vector<std::string> allowed_origins;   // Origins of foreign web pages that may use this server.
   std::filesystem::path tokens;               // Token file; empty: everybody may do everything.
+  std::filesystem::path audit_log;            // File that gets a line for each change; empty: none.
   std::filesystem::path record_dir;           // Folder of recordings; empty: none.
   std::filesystem::path data_dir;             // Folder in which sheets are kept; empty: they end with the server.
   std::filesystem::path backups_dir;          // Folder of the backups of `data_dir`; empty: "backups" in that.
@@ -83,11 +84,5 @@ std::filesystem::path made_absolute(std::filesystem::path path);
 // Returns the user's folder for kept sheets: $XDG_DATA_HOME/kerf, else $HOME/.local/share/kerf. Empty if neither is
 // set.
 std::filesystem::path default_data_directory();
-// Returns the default folder of the built viewer. That is share/kerf/web beside the executable's folder, the place of
-// `cmake --install`, else web/dist of a source tree above the executable. Empty if neither has an index.html.
-std::filesystem::path default_web_directory(const std::filesystem::path& executable);
-// Returns the default folder of the built documentation: share/kerf/docs beside the executable's folder, else
-// build/docs/site of a source tree above it. Empty if neither has an index.html.
-std::filesystem::path default_docs_directory(const std::filesystem::path& executable);
 
 }  // namespace kerf::app

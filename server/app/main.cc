@@ -22,6 +22,7 @@
 
 #include "server/app/config.h"
 #include "server/app/server.h"
+#include "server/app/site_folders.h"
 #include "server/service/wire/protobuf_log.h"
 
 namespace {

@@ -17,6 +17,8 @@
 #include <google/protobuf/struct.pb.h>
 
 #include "render/renderer.h"
+#include "server/app/access_control.h"
+#include "server/app/certificate_watch.h"
 #include "server/app/connection_limits.h"
 #include "server/app/file_recording.h"
 #include "server/app/kept_sheets.h"
@@ -26,7 +28,6 @@
 #include "server/base/descriptors.h"
 #include "server/base/disk.h"
 #include "server/service/api/api.h"
-#include "server/service/auth/authenticator.h"
 #include "server/service/durable/change_codec.h"
 #include "server/service/durable/state_codec.h"
 #include "server/service/host/clock.h"
@@ -77,10 +78,11 @@ struct Server::Impl {
   std::string instance_id = wire::encode_hash(entropy.next());
   std::atomic<int> num_recordings = 0;
   RecordingBoard recording_board;
-  std::unique_ptr<render::Renderer> renderer;          // Null with --no-render.
-  std::unique_ptr<store::SqliteStore> store;           // Null with --data none.
-  std::unique_ptr<StoreKeeper> keeper;                 // Null with --data none.
-  std::unique_ptr<auth::Authenticator> authenticator;  // Null without --tokens.
+  std::unique_ptr<render::Renderer> renderer;  // Null with --no-render.
+  std::unique_ptr<store::SqliteStore> store;   // Null with --data none.
+  std::unique_ptr<StoreKeeper> keeper;         // Null with --data none.
+  AccessControl access{disk, clock};
+  CertificateWatch certificate{clock, [this](std::string_view text) { note(text); }};
   std::unique_ptr<host::Host> host;
   std::unique_ptr<api::Api> api;
   std::unique_ptr<rpc::RpcServer> rpc;
@@ -96,7 +98,6 @@ struct Server::Impl {
   void tell_what_is_missing() const;
   ConnectionLimits limit_connections() const;
   Status check_record_dir();
-  Status read_tokens();
   Result<Security> read_security();
   Status open_store();
   Status make_sheets(std::vector<SceneOfFile> scenes);
@@ -114,6 +115,7 @@ host::HostOptions Server::Impl::host_options() {
   options.max_sheets = config.max_sheets;
   options.max_load = config.max_load;
   options.max_total_vertices = config.max_total_vertices;
+  options.find_tenant = [this](const std::string& tenant) { return access.tenants().sheet_limits(tenant); };
   options.encode_tick = wire::encode_recorded_tick;
   options.journal = store.get();
   options.encode_event = durable::encode_change;
@@ -185,7 +187,8 @@ Status Server::Impl::listen(ws::AssetTable files) {
         const rpc::GateCounts gate = rpc->connections();
         return ws::metrics_page(host->metrics(), counts,
                                 {gate.accepted, gate.open, gate.refused, gate.refused_by_address}, api->num_watchers(),
-                                api->frame_counts(), api->picture_counts(), recording_board.read(), kVersion);
+                                api->frame_counts(), api->picture_counts(), recording_board.read(), certificate.end_s(),
+                                kVersion);
       },
       options);
   KERF_TRY_ASSIGN(http_port, http->start(config.http));
@@ -209,12 +212,6 @@ Status Server::Impl::check_record_dir() {
   return Nothing{};
 }
 
-Status Server::Impl::read_tokens() {
-  KERF_TRY_ASSIGN(std::vector<auth::Token> tokens, read_token_file(config.tokens, disk));
-  authenticator->set_tokens(std::move(tokens));
-  return Nothing{};
-}
-
 Result<Server::Impl::Security> Server::Impl::read_security() {
   if (!config.tls.used()) return Security();
   KERF_TRY_ASSIGN(Certificates read, read_certificates(config.tls, disk, clock.unix_us() / kMicrosecondsOfSecond));
@@ -228,6 +225,7 @@ Result<Server::Impl::Security> Server::Impl::read_security() {
   secured.http = std::move(*context);
   secured.grpc = rpc::RpcTls{std::move(read.chain), std::move(read.key), std::move(read.client_authorities)};
   secured.notes = std::move(read.notes);
+  certificate.set(config.tls.certificate, read.end_s);
   return secured;
 }
 
@@ -297,10 +295,7 @@ Status Server::Impl::begin(ws::AssetTable files) {
 Status Server::Impl::start() {
   KERF_TRY(check_record_dir());
   KERF_TRY_ASSIGN(security, read_security());
-  if (!config.tokens.empty()) {
-    authenticator = std::make_unique<auth::Authenticator>([this] { return clock.unix_us() / 1'000'000; });
-    KERF_TRY(read_tokens());
-  }
+  KERF_TRY(access.start(config.tokens, config.audit_log));
   KERF_TRY_ASSIGN(ws::AssetTable files, read_site(config.web));
   KERF_TRY_ASSIGN(ws::AssetTable docs, read_site(config.docs));
   files.mount("/docs", std::move(docs));
@@ -313,7 +308,9 @@ Status Server::Impl::start() {
   options.instance_id = instance_id;
   options.limits = config.limits;
   options.store = keeper.get();
-  options.authenticator = authenticator.get();
+  options.authenticator = access.authenticator();
+  options.tenants = &access.tenants();
+  options.audit = access.audit();
   api = std::make_unique<api::Api>(*host, renderer.get(), options, clock);
   KERF_TRY(make_sheets(std::move(scenes)));
   if (const Status begun = begin(std::move(files)); !begun.ok()) {
@@ -369,14 +366,7 @@ bool Server::reload() {
 }
 
 bool Server::Impl::reload() {
-  if (authenticator) {
-    if (const Status read = read_tokens(); read.ok()) {
-      note("the token file was read again");
-      api->check_callers();
-    } else {
-      note(read.error().message + "; the tokens stay as they were");
-    }
-  }
+  if (access.reload(note)) api->check_callers();
   if (config.tls.used()) {
     if (Result<Security> read = read_security(); read.ok()) {
       http->set_tls(std::move(read->http));
@@ -386,7 +376,7 @@ bool Server::Impl::reload() {
       note(read.error().message + "; the certificate stays as it was");
     }
   }
-  return authenticator != nullptr || config.tls.used();
+  return access.authenticator() != nullptr || access.audit() != nullptr || config.tls.used();
 }
 
 void Server::stop() {

@@ -22,7 +22,8 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 auth::Caller caller_with(Scope scope, const std::string& sheets = "*") {
-  return std::make_shared<const auth::Grant>("alice", auth::Rights{scope, sheets, 0}, [] { return std::int64_t{5}; });
+  return {std::make_shared<const auth::Grant>("alice", auth::Rights{scope, sheets, 0}, [] { return std::int64_t{5}; }),
+          {}};
 }
 
 template <typename Request>
@@ -129,10 +130,10 @@ class AccessApiTest : public ApiTest {
  protected:
   AccessApiTest() {
     authenticator_ = std::make_unique<auth::Authenticator>([this] { return now_; });
-    authenticator_->set_tokens(auth::parse_token_file(alice_.line + "\n" + bob_.line).value());
+    authenticator_->set_tokens(auth::parse_token_file(alice_.line + "\n" + bob_.line).value().tokens);
     make_api({}, nullptr);
   }
-  void be(const auth::NewToken& token) { caller_ = api_->caller_of("Bearer " + token.text).value(); }
+  void be(const auth::NewToken& token) { caller_ = api_->caller_of("Bearer " + token.text, {}).value(); }
   Result<v1::AccessLink> link(v1::Scope scope, const std::string& sheet_id = {}, std::int32_t lifetime_s = 0) {
     v1::CreateLinkRequest request;
     request.set_scope(scope);
@@ -142,12 +143,12 @@ class AccessApiTest : public ApiTest {
   }
 
   std::int64_t now_ = 1'000'000;
-  const auth::NewToken alice_ = auth::make_token("alice", Scope::kCut, "*", "").value();
-  const auth::NewToken bob_ = auth::make_token("bob", Scope::kView, "lab-*", "").value();
+  const auth::NewToken alice_ = auth::make_token({"alice", Scope::kCut, "", "", ""}).value();
+  const auth::NewToken bob_ = auth::make_token({"bob", Scope::kView, "lab-*", "", ""}).value();
 };
 
 TEST_F(AccessApiTest, SaysWhatACallerMayDo) {
-  EXPECT_EQ(api_->caller_of("").error().reason, "TOKEN_MISSING");
+  EXPECT_EQ(api_->caller_of("", {}).error().reason, "TOKEN_MISSING");
   be(bob_);
   const v1::Access access = call(&Api::get_access, v1::GetAccessRequest()).value();
   EXPECT_TRUE(access.asks_for_tokens());
@@ -240,8 +241,8 @@ TEST_F(AccessApiTest, AStreamOfAViewerRejectsHandsAndEndsWithTheToken) {
 
 TEST_F(AccessApiTest, StreamsWithoutATokenOrSheetFailAtOnce) {
   ASSERT_TRUE(create_sheet("a", true).ok());
-  EXPECT_EQ(api_->watch(api_->caller_of(""))->failure()->reason, "TOKEN_MISSING");
-  EXPECT_EQ(api_->watch_images(api_->caller_of("Bearer x"))->failure()->reason, "TOKEN_UNKNOWN");
+  EXPECT_EQ(api_->watch(api_->caller_of("", {}))->failure()->reason, "TOKEN_MISSING");
+  EXPECT_EQ(api_->watch_images(api_->caller_of("Bearer x", {}))->failure()->reason, "TOKEN_UNKNOWN");
   be(bob_);
   v1::SubscribeRequest subscribe;
   subscribe.set_name("sheets/a");

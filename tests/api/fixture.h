@@ -15,6 +15,7 @@
 #include "kerf/v1/server.pb.h"
 #include "kerf/v1/sheets.pb.h"
 #include "server/service/api/api.h"
+#include "server/service/api/audit_log.h"
 #include "server/service/auth/authenticator.h"
 #include "tests/host/fixture.h"
 
@@ -45,6 +46,8 @@ class ApiTest : public host::HostTest {
     options.limits = limits;
     options.store = store;
     options.authenticator = authenticator_.get();
+    options.tenants = tenants_;
+    options.audit = audit_.get();
     api_ = std::make_unique<Api>(*host_, renderer, std::move(options), clock_);
   }
 
@@ -118,6 +121,8 @@ class ApiTest : public host::HostTest {
   }
 
   std::unique_ptr<auth::Authenticator> authenticator_;  // For make_api().
+  std::unique_ptr<AuditLog> audit_;                     // For make_api().
+  Tenants* tenants_ = nullptr;                          // For make_api().
   auth::Caller caller_ = auth::everybody();
   std::unique_ptr<Api> api_;
 };

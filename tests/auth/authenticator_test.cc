@@ -13,15 +13,15 @@ class AuthenticatorTest : public testing::Test {
   void set(const std::vector<std::string>& lines) {
     std::string file;
     for (const std::string& line : lines) file += line + "\n";
-    authenticator_.set_tokens(parse_token_file(file).value());
+    authenticator_.set_tokens(parse_token_file(file).value().tokens);
   }
   std::string refusal(const std::string& authorization) {
     const auto caller = authenticator_.find_bearer(authorization);
     return caller.ok() ? "" : caller.error().reason;
   }
 
-  const NewToken alice_ = make_token("alice", Scope::kCut, "*", "").value();
-  const NewToken bob_ = make_token("bob", Scope::kView, "lab-*", "1971-01-02").value();
+  const NewToken alice_ = make_token({"alice", Scope::kCut, "", "", ""}).value();
+  const NewToken bob_ = make_token({"bob", Scope::kView, "lab-*", "1971-01-02", ""}).value();
   std::int64_t now_ = 365 * 86'400;  // 1971-01-01
   Authenticator authenticator_{[this] { return now_; }};
 };
@@ -44,7 +44,7 @@ TEST_F(AuthenticatorTest, RefusesAllElse) {
   }
   std::string near = alice_.text;
   near.back() = near.back() == 'A' ? 'B' : 'A';
-  const NewToken stranger = make_token("alice", Scope::kAdmin, "*", "").value();
+  const NewToken stranger = make_token({"alice", Scope::kAdmin, "", "", ""}).value();
   for (const std::string& wrong : {std::string(), near, stranger.text, " " + alice_.text, alice_.text + " ",
                                    std::string("kerf_alice_"), alice_.text.substr(0, 20)}) {
     EXPECT_EQ(refusal("Bearer " + wrong), "TOKEN_UNKNOWN") << wrong;

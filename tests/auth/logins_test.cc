@@ -9,9 +9,10 @@ namespace {
 
 class LoginsTest : public testing::Test {
  protected:
-  std::shared_ptr<Grant> token(Scope scope = Scope::kCut, std::int64_t until = 0) {
+  std::shared_ptr<Grant> grant(Scope scope = Scope::kCut, std::int64_t until = 0) {
     return std::make_shared<Grant>("alice", Rights{scope, "*", until}, clock_);
   }
+  Caller token(Scope scope = Scope::kCut, std::int64_t until = 0) { return {grant(scope, until), {}}; }
   LinkTerms terms(std::int64_t seconds, bool once = false) { return {{Scope::kView, "demo", now_ + seconds}, once}; }
 
   std::int64_t now_ = 1'000'000;
@@ -34,7 +35,8 @@ TEST_F(LoginsTest, LastTwelveHours) {
 }
 
 TEST_F(LoginsTest, EndWithTheirTokenAndWithALogout) {
-  const auto alice = token(), bob = token(Scope::kAdmin, now_ + 60);
+  const std::shared_ptr<Grant> of_alice = grant();
+  const Caller alice{of_alice, {}}, bob = token(Scope::kAdmin, now_ + 60);
   const std::string first = logins_.begin(alice).value(), second = logins_.begin(alice).value(),
                     third = logins_.begin(bob).value();
   const Caller held = logins_.find(first).value();
@@ -43,7 +45,7 @@ TEST_F(LoginsTest, EndWithTheirTokenAndWithALogout) {
   EXPECT_EQ(held->check().error().reason, "TOKEN_UNKNOWN");
   EXPECT_EQ(logins_.find(first).error().reason, "LOGIN_UNKNOWN");
   EXPECT_TRUE(logins_.find(second).ok()) << "another browser stays";
-  alice->withdraw();
+  of_alice->withdraw();
   EXPECT_EQ(logins_.find(second).error().reason, "TOKEN_UNKNOWN");
   EXPECT_EQ(logins_.find(third).value()->ends_at(), now_ + 60);
   now_ += 60;
@@ -78,10 +80,11 @@ TEST_F(LoginsTest, ALinkThatIsOpenedOnceIsOpenForAMinute) {
 }
 
 TEST_F(LoginsTest, LinksEndWithTheirToken) {
-  const auto alice = token();
+  const std::shared_ptr<Grant> of_alice = grant();
+  const Caller alice{of_alice, {}};
   const std::string code = logins_.make_link(alice, terms(3600)).value();
   const Caller caller = logins_.find(logins_.open_link(code).value()).value();
-  alice->withdraw();
+  of_alice->withdraw();
   EXPECT_EQ(logins_.open_link(code).error().reason, "CODE_UNKNOWN");
   EXPECT_EQ(caller->check().error().reason, "TOKEN_UNKNOWN");
 }

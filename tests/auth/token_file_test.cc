@@ -20,16 +20,16 @@ TEST(TokenFile, HasALineForEachToken) {
                                        "  bob\t" +
                                        kDigest + " scope=view");
   ASSERT_TRUE(tokens.ok()) << tokens.error().message;
-  ASSERT_EQ(tokens->size(), 2u);
-  EXPECT_EQ(tokens->at(0).id, "alice");
-  EXPECT_EQ(to_hex(tokens->at(0).digest), kDigest);
-  EXPECT_EQ(tokens->at(0).rights.scope, Scope::kCut);
-  EXPECT_EQ(tokens->at(0).rights.sheets, "lab-*");
-  EXPECT_EQ(tokens->at(0).rights.until_unix_s, 1'803'859'200);  // date -u -d 2027-03-01 +%s
-  EXPECT_EQ(tokens->at(1).rights.scope, Scope::kView);
-  EXPECT_EQ(tokens->at(1).rights.sheets, "*");
-  EXPECT_EQ(tokens->at(1).rights.until_unix_s, 0);
-  EXPECT_TRUE(parse_token_file("")->empty());
+  ASSERT_EQ(tokens->tokens.size(), 2u);
+  EXPECT_EQ(tokens->tokens.at(0).id, "alice");
+  EXPECT_EQ(to_hex(tokens->tokens.at(0).digest), kDigest);
+  EXPECT_EQ(tokens->tokens.at(0).rights.scope, Scope::kCut);
+  EXPECT_EQ(tokens->tokens.at(0).rights.sheets, "lab-*");
+  EXPECT_EQ(tokens->tokens.at(0).rights.until_unix_s, 1'803'859'200);  // date -u -d 2027-03-01 +%s
+  EXPECT_EQ(tokens->tokens.at(1).rights.scope, Scope::kView);
+  EXPECT_EQ(tokens->tokens.at(1).rights.sheets, "*");
+  EXPECT_EQ(tokens->tokens.at(1).rights.until_unix_s, 0);
+  EXPECT_TRUE(parse_token_file("")->tokens.empty());
 }
 
 TEST(TokenFile, NamesTheLineThatIsWrong) {
@@ -50,6 +50,21 @@ TEST(TokenFile, NamesTheLineThatIsWrong) {
                                    {"bob " + kDigest + " scope=cut until=2027-02-29", "YYYY-MM-DD"},
                                    {"bob " + kDigest + " scope=cut until=20270-2-9", "YYYY-MM-DD"},
                                    {"bob " + kDigest + " scope=cut x=y", "none of"},
+                                   {"bob " + kDigest + " scope=cut tenant=", "name of a tenant"},
+                                   {"bob " + kDigest + " scope=cut tenant=lab sheets=shop-*", "begin with lab-"},
+                                   {"tenant " + kDigest + " scope=cut", "a tenant's name"},
+                                   {"tenant", "a tenant's name"},
+                                   {"tenant 1lab", "a tenant's name"},
+                                   {"tenant lab-a", "a tenant's name"},
+                                   {"tenant " + std::string(17, 'a'), "a tenant's name"},
+                                   {"tenant lab sheets=-1", "sheets must be"},
+                                   {"tenant lab sheets=1.5", "a whole one"},
+                                   {"tenant lab vertices=1e3", "vertices must be"},
+                                   {"tenant lab workers=nan", "workers must be"},
+                                   {"tenant lab streams=2000000000", "streams must be"},
+                                   {"tenant lab cuts-per-s=", "cuts-per-s must be"},
+                                   {"tenant lab sheets=1 sheets=2", "twice"},
+                                   {"tenant lab x=1", "none of"},
                                    {good, "the id is there twice"}}) {
     const auto tokens = parse_token_file(good + "\n# a comment\n" + line + "\n");
     ASSERT_FALSE(tokens.ok()) << line;
@@ -59,19 +74,47 @@ TEST(TokenFile, NamesTheLineThatIsWrong) {
   }
 }
 
+TEST(TokenFile, HasTenantsWithTheirLimits) {
+  const auto file = parse_token_file("alice " + kDigest + " scope=cut tenant=lab\n" +
+                                     "tenant lab sheets=3 vertices=0 state-mib=2 workers=0.5 streams=4 image-streams=1 "
+                                     "cuts-per-s=2.5\n" +
+                                     "bob " + kDigest + " scope=view sheets=lab-b* tenant=lab\ntenant shop\n");
+  ASSERT_TRUE(file.ok()) << file.error().message;
+  ASSERT_EQ(file->tenants.size(), 2u);
+  EXPECT_EQ(file->tenants[0].name, "lab");
+  EXPECT_EQ(file->tenants[0].limits, (TenantLimits{3, 0, 2 << 20, 0.5, 4, 1, 2.5}));
+  EXPECT_EQ(file->tenants[1].limits, TenantLimits());
+  EXPECT_EQ(file->tokens[0].rights.tenant, "lab");
+  EXPECT_EQ(file->tokens[0].rights.sheets, "lab-*");
+  EXPECT_EQ(file->tokens[1].rights.sheets, "lab-b*");
+  const auto missing = parse_token_file("alice " + kDigest + " scope=cut tenant=lab\n");
+  ASSERT_FALSE(missing.ok());
+  EXPECT_THAT(missing.error().message, HasSubstr("add `tenant lab`"));
+  EXPECT_THAT(parse_token_file("tenant lab\ntenant lab").error().message,
+              HasSubstr("line 2: the tenant is there twice"));
+}
+
 TEST(TokenFile, TakesNewTokens) {
-  const NewToken made = make_token("alice", Scope::kCut, "lab-*", "2027-03-01").value();
-  const Token token = parse_token_file(made.line).value().at(0);
+  const NewToken made = make_token({"alice", Scope::kCut, "lab-*", "2027-03-01", ""}).value();
+  const Token token = parse_token_file(made.line).value().tokens.at(0);
   EXPECT_EQ(token.id, "alice");
   EXPECT_EQ(id_in(made.text), "alice");
   EXPECT_EQ(token.digest, digest_of(made.text));
   EXPECT_EQ(made.line.find(made.text.substr(11)), std::string::npos) << "the line has no secret";
-  EXPECT_NE(make_token("alice", Scope::kCut, "*", "").value().text,
-            make_token("alice", Scope::kCut, "*", "").value().text);
-  for (const auto& [id, sheets, until] :
-       {std::tuple("", "*", ""), std::tuple("a b", "*", ""), std::tuple("a", "a b", ""), std::tuple("a", "a#b", ""),
-        std::tuple("a", "", ""), std::tuple("a", "*", "soon"), std::tuple("#a", "*", "")}) {
-    EXPECT_EQ(make_token(id, Scope::kView, sheets, until).error().reason, "BAD_TOKEN") << id << sheets << until;
+  EXPECT_NE(make_token({"alice", Scope::kCut, "", "", ""}).value().text,
+            make_token({"alice", Scope::kCut, "", "", ""}).value().text);
+  EXPECT_EQ(parse_token_file("tenant lab\n" + make_token({"a", Scope::kCut, "", "", "lab"}).value().line)
+                .value()
+                .tokens.at(0)
+                .rights.tenant,
+            "lab");
+  for (const TokenWish& wish :
+       {TokenWish{"", Scope::kView, "", "", ""}, TokenWish{"a b", Scope::kView, "", "", ""},
+        TokenWish{"a", Scope::kView, "a b", "", ""}, TokenWish{"a", Scope::kView, "a#b", "", ""},
+        TokenWish{"a", Scope::kView, "", "soon", ""}, TokenWish{"#a", Scope::kView, "", "", ""},
+        TokenWish{"tenant", Scope::kView, "", "", ""}, TokenWish{"a", Scope::kView, "", "", "lab x"},
+        TokenWish{"a", Scope::kView, "shop-*", "", "lab"}}) {
+    EXPECT_EQ(make_token(wish).error().reason, "BAD_TOKEN") << wish.id << wish.sheets << wish.until << wish.tenant;
   }
 }
 

@@ -10,6 +10,7 @@
 #include <mutex>
 #include <numeric>
 #include <set>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -61,6 +62,25 @@ TEST(Workers, AStrandKeepsItsOrderAndRunsOneAtATime) {
   for (const std::vector<int>& order : seen) EXPECT_EQ(order, count_to(100));
   workers.join();
   EXPECT_FALSE(strands[0].post([] {}));
+}
+
+TEST(Workers, AGroupThatHasUsedLessTimeHasTheNextTurn) {
+  Workers workers({.num_threads = 1, .long_work = kNever});
+  const Workers::Strand held = workers.make_strand("busy");
+  const std::vector<Workers::Strand> busy = {workers.make_strand("busy"), workers.make_strand("busy")};
+  const Workers::Strand other = workers.make_strand("other");
+  std::promise<void> begun, released;
+  std::string order;
+  held.post([&] {
+    begun.set_value();
+    released.get_future().wait();
+  });
+  begun.get_future().wait();
+  for (const Workers::Strand& strand : busy) strand.post([&order] { order += 'b'; });
+  other.post([&order] { order += 'o'; });
+  released.set_value();
+  workers.wait_idle();
+  EXPECT_EQ(order, "obb");
 }
 
 TEST(Workers, JoinWaitsForWhatWorkPosts) {

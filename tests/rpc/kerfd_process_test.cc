@@ -19,6 +19,7 @@
 #include "kerf/v1/sheets.pb.h"
 #include "render/renderer.h"
 #include "server/app/config.h"
+#include "server/app/site_folders.h"
 #include "server/base/memory_limit.h"
 #include "server/core/scene/sheet_config.h"
 #include "server/service/wire/json.h"

@@ -47,6 +47,13 @@ TEST(ErrorCodec, StatusHasTheStandardDetails) {
   EXPECT_THAT(error_to_json(full), HasSubstr("\"reason\":\"QUEUE_FULL\""));
   EXPECT_THAT(error_to_json(full), HasSubstr("\"retry_delay\":\"0.100s\""));
 
+  const Error beyond{ErrorCode::kResourceExhausted, "TENANT_STATES", "too many", "tenant:lab"};
+  ASSERT_TRUE(status.ParseFromString(encode_status(beyond)));
+  ASSERT_EQ(status.details_size(), 2);
+  google::rpc::QuotaFailure quota;
+  ASSERT_TRUE(status.details(1).UnpackTo(&quota));
+  EXPECT_EQ(quota.violations(0).subject(), "tenant:lab");
+
   const Error stalled{ErrorCode::kUnavailable, "STORAGE_STALLED", "too much waits to be written", {}};
   ASSERT_TRUE(status.ParseFromString(encode_status(stalled)));
   EXPECT_EQ(status.details_size(), 2) << "the disk may be back soon";

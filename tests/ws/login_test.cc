@@ -49,8 +49,8 @@ class LoginTest : public HttpServerTest {
     EXPECT_NE(response.body.find(reason), std::string::npos) << response.body;
   }
 
-  const auth::NewToken admin_ = auth::make_token("admin", auth::Scope::kAdmin, "*", "").value();
-  const auth::NewToken viewer_of_a_ = auth::make_token("viewer", auth::Scope::kView, "a", "").value();
+  const auth::NewToken admin_ = auth::make_token({"admin", auth::Scope::kAdmin, "", "", ""}).value();
+  const auth::NewToken viewer_of_a_ = auth::make_token({"viewer", auth::Scope::kView, "a", "", ""}).value();
   app::Config config_ = test_config();
 };
 

@@ -10,7 +10,6 @@
 #include "server/service/ws/asset_table.h"
 #include "server/service/ws/metrics_page.h"
 #include "server/service/ws/router.h"
-#include "server/service/ws/token_bucket.h"
 #include "tests/support/temporary_folder.h"
 
 namespace kerf::ws {
@@ -176,24 +175,6 @@ TEST(MediaType, GoesByTheExtension) {
   EXPECT_EQ(media_type_of("/a.unknown"), "application/octet-stream");
 }
 
-TEST(TokenBucket, GivesItsBurstAtOnceAndThenItsRate) {
-  const TokenBucket::Time begin{};
-  const auto at = [&](double seconds) {
-    return begin + std::chrono::duration_cast<TokenBucket::Time::duration>(std::chrono::duration<double>(seconds));
-  };
-  TokenBucket bucket(10.0, 20.0, begin);
-  for (int i = 0; i < 20; ++i) EXPECT_TRUE(bucket.take(1.0, at(0.0))) << i;
-  EXPECT_FALSE(bucket.take(1.0, at(0.0)));
-  EXPECT_FALSE(bucket.take(1.0, at(0.0625))) << "not a whole one";
-  EXPECT_TRUE(bucket.take(5.0, at(0.5)));
-  EXPECT_FALSE(bucket.take(1.0, at(0.5)));
-  EXPECT_FALSE(bucket.take(20.5, at(100.0))) << "never more than the burst";
-  EXPECT_TRUE(bucket.take(20.0, at(100.0)));
-  bucket.give_back(30.0);
-  EXPECT_TRUE(bucket.take(20.0, at(100.0)));
-  EXPECT_FALSE(bucket.take(1.0, at(100.0)));
-}
-
 TEST(MetricsPage, ShowsEveryCountUnderItsName) {
   host::HostMetrics host;
   host.ticks = 123456789;
@@ -214,7 +195,8 @@ TEST(MetricsPage, ShowsEveryCountUnderItsName) {
   HttpCounts http;
   http.requests = 7;
   const api::PictureCounts pictures{11, 12, 13, 14, 15, 16};
-  const std::string page = metrics_page(host, http, {8, 3, 5, 2}, 4, {17, 18}, pictures, {19, 20, 21, 22, 23}, "1.2.3");
+  const std::string page =
+      metrics_page(host, http, {8, 3, 5, 2}, 4, {17, 18}, pictures, {19, 20, 21, 22, 23}, 1'803'859'200, "1.2.3");
   for (const char* line : {"# TYPE kerf_ticks_total counter\n",
                            "kerf_ticks_total 123456789\n",
                            "kerf_sheets{state=\"running\"} 3\n",

@@ -6,6 +6,7 @@
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/message.h>
 
+#include "kerf/v1/access_service.pb.h"
 #include "kerf/v1/sheets.pb.h"
 #include "kerf/v1/stream.pb.h"
 
@@ -25,23 +26,27 @@ enum class Subject {
   kAllSheets,    // everything: only those who reach all sheets
 };
 
+// Marks a call that changes something, or gives rights to others. DragPoint is not: a hand sends many a second.
+constexpr bool kRecorded = true;
+
 struct Rule {
   Scope scope;
   Subject subject;
+  bool is_recorded = false;
 };
 
 const std::map<std::string_view, Rule>& rules() {
   static const std::map<std::string_view, Rule> table = {
       {"AnalyzeSheetRequest", {Scope::kCut, Subject::kNamedSheet}},  // It takes a processor for minutes.
-      {"BackupStoreRequest", {Scope::kAdmin, Subject::kAllSheets}},
-      {"CancelScheduledCutsRequest", {Scope::kCut, Subject::kNamedSheet}},
-      {"CreateCutRequest", {Scope::kCut, Subject::kNamedSheet}},
-      {"CreateCutsRequest", {Scope::kCut, Subject::kNamedSheet}},
-      {"CreateLinkRequest", {Scope::kView, Subject::kServer}},  // It gives no more than the caller has.
-      {"CreateSheetRequest", {Scope::kAdmin, Subject::kNewSheet}},
-      {"DeleteSetAsideSheetRequest", {Scope::kAdmin, Subject::kAllSheets}},
-      {"DeleteSheetRequest", {Scope::kAdmin, Subject::kNamedSheet}},
-      {"DeleteStateRequest", {Scope::kCut, Subject::kNamedSheet}},
+      {"BackupStoreRequest", {Scope::kAdmin, Subject::kAllSheets, kRecorded}},
+      {"CancelScheduledCutsRequest", {Scope::kCut, Subject::kNamedSheet, kRecorded}},
+      {"CreateCutRequest", {Scope::kCut, Subject::kNamedSheet, kRecorded}},
+      {"CreateCutsRequest", {Scope::kCut, Subject::kNamedSheet, kRecorded}},
+      {"CreateLinkRequest", {Scope::kView, Subject::kServer, kRecorded}},  // It gives no more than the caller has.
+      {"CreateSheetRequest", {Scope::kAdmin, Subject::kNewSheet, kRecorded}},
+      {"DeleteSetAsideSheetRequest", {Scope::kAdmin, Subject::kAllSheets, kRecorded}},
+      {"DeleteSheetRequest", {Scope::kAdmin, Subject::kNamedSheet, kRecorded}},
+      {"DeleteStateRequest", {Scope::kCut, Subject::kNamedSheet, kRecorded}},
       {"DragPointRequest", {Scope::kCut, Subject::kNamedSheet}},
       {"ExportSheetRequest", {Scope::kView, Subject::kNamedSheet}},
       {"GetAccessRequest", {Scope::kView, Subject::kServer}},
@@ -50,31 +55,31 @@ const std::map<std::string_view, Rule>& rules() {
       {"GetSheetRequest", {Scope::kView, Subject::kNamedSheet}},
       {"GetSheetStateRequest", {Scope::kView, Subject::kNamedSheet}},
       {"GetStoreInfoRequest", {Scope::kAdmin, Subject::kAllSheets}},
-      {"GrabPointRequest", {Scope::kCut, Subject::kNamedSheet}},
+      {"GrabPointRequest", {Scope::kCut, Subject::kNamedSheet, kRecorded}},
       {"ListCutsRequest", {Scope::kView, Subject::kNamedSheet}},
       {"ListPiecesRequest", {Scope::kView, Subject::kNamedSheet}},
       {"ListSheetsRequest", {Scope::kView, Subject::kServer}},  // The list has those that the caller reaches.
       {"ListStatesRequest", {Scope::kView, Subject::kNamedSheet}},
-      {"PauseSheetRequest", {Scope::kCut, Subject::kNamedSheet}},
-      {"PruneStoreRequest", {Scope::kAdmin, Subject::kAllSheets}},
-      {"RecordingUpload", {Scope::kAdmin, Subject::kNewSheet}},
-      {"RedoCutRequest", {Scope::kCut, Subject::kNamedSheet}},
-      {"ReleasePointRequest", {Scope::kCut, Subject::kNamedSheet}},
+      {"PauseSheetRequest", {Scope::kCut, Subject::kNamedSheet, kRecorded}},
+      {"PruneStoreRequest", {Scope::kAdmin, Subject::kAllSheets, kRecorded}},
+      {"RecordingUpload", {Scope::kAdmin, Subject::kNewSheet, kRecorded}},
+      {"RedoCutRequest", {Scope::kCut, Subject::kNamedSheet, kRecorded}},
+      {"ReleasePointRequest", {Scope::kCut, Subject::kNamedSheet, kRecorded}},
       {"RenderImageRequest", {Scope::kView, Subject::kNamedSheet}},
-      {"ResetSheetRequest", {Scope::kCut, Subject::kNamedSheet}},
-      {"RestoreStateRequest", {Scope::kCut, Subject::kNamedSheet}},
-      {"ResumeSheetRequest", {Scope::kCut, Subject::kNamedSheet}},
-      {"SaveStateRequest", {Scope::kCut, Subject::kNamedSheet}},
-      {"SetSheetGravityRequest", {Scope::kCut, Subject::kNamedSheet}},
-      {"SetSheetMaterialRequest", {Scope::kCut, Subject::kNamedSheet}},
-      {"SetSheetPinsRequest", {Scope::kCut, Subject::kNamedSheet}},
-      {"SetSheetSelfContactRequest", {Scope::kCut, Subject::kNamedSheet}},
-      {"SetSheetSpeedRequest", {Scope::kCut, Subject::kNamedSheet}},
-      {"SetSheetWindRequest", {Scope::kCut, Subject::kNamedSheet}},
-      {"SheetUpload", {Scope::kAdmin, Subject::kNewSheet}},
-      {"StepSheetRequest", {Scope::kCut, Subject::kNamedSheet}},
+      {"ResetSheetRequest", {Scope::kCut, Subject::kNamedSheet, kRecorded}},
+      {"RestoreStateRequest", {Scope::kCut, Subject::kNamedSheet, kRecorded}},
+      {"ResumeSheetRequest", {Scope::kCut, Subject::kNamedSheet, kRecorded}},
+      {"SaveStateRequest", {Scope::kCut, Subject::kNamedSheet, kRecorded}},
+      {"SetSheetGravityRequest", {Scope::kCut, Subject::kNamedSheet, kRecorded}},
+      {"SetSheetMaterialRequest", {Scope::kCut, Subject::kNamedSheet, kRecorded}},
+      {"SetSheetPinsRequest", {Scope::kCut, Subject::kNamedSheet, kRecorded}},
+      {"SetSheetSelfContactRequest", {Scope::kCut, Subject::kNamedSheet, kRecorded}},
+      {"SetSheetSpeedRequest", {Scope::kCut, Subject::kNamedSheet, kRecorded}},
+      {"SetSheetWindRequest", {Scope::kCut, Subject::kNamedSheet, kRecorded}},
+      {"SheetUpload", {Scope::kAdmin, Subject::kNewSheet, kRecorded}},
+      {"StepSheetRequest", {Scope::kCut, Subject::kNamedSheet, kRecorded}},
       {"SubscribeRequest", {Scope::kView, Subject::kNamedSheet}},
-      {"UndoCutRequest", {Scope::kCut, Subject::kNamedSheet}},
+      {"UndoCutRequest", {Scope::kCut, Subject::kNamedSheet, kRecorded}},
       {"WatchImagesRequest", {Scope::kView, Subject::kStartsSheet}},
       {"WatchImagesStart", {Scope::kView, Subject::kNamedSheet}},
       {"WatchRequest", {Scope::kView, Subject::kStartsSheet}},  // See needed_scope().
@@ -168,6 +173,31 @@ Status check_access(const auth::Caller& caller, const Message& request) {
                              "authorization");
   }
   return check_subject(caller->rights(), rule->second.subject, request);
+}
+
+bool is_recorded(const Message& request) {
+  const auto rule = rules().find(request.GetDescriptor()->name());
+  return rule != rules().end() && rule->second.is_recorded;
+}
+
+std::string call_of(const Message& request) {
+  std::string name = request.GetDescriptor()->name();
+  if (name == "SheetUpload") return "UploadSheet";
+  if (name == "RecordingUpload") return "ReplayRecording";
+  constexpr std::string_view kRequest = "Request";
+  if (name.ends_with(kRequest)) name.erase(name.size() - kRequest.size());
+  return name;
+}
+
+std::string sheet_of(const Message& request) {
+  if (const auto* const link = dynamic_cast<const v1::CreateLinkRequest*>(&request)) return link->sheet_id();
+  for (const char* const field : {"name", "parent"}) {
+    const FieldDescriptor* const descriptor = request.GetDescriptor()->FindFieldByName(field);
+    if (descriptor == nullptr) continue;
+    std::string id(sheet_in(request.GetReflection()->GetString(request, descriptor)));
+    if (!id.empty()) return id;
+  }
+  return new_sheet_in(request);
 }
 
 std::vector<std::string> messages_with_rules() {

@@ -17,6 +17,13 @@ namespace kerf::api {
 // SHEET_NOT_FOUND for a sheet that the caller does not reach.
 Status check_access(const auth::Caller& caller, const google::protobuf::Message& request);
 
+// Returns true if what becomes of a request is recorded, see Recorder: it changes something, or gives rights to others.
+bool is_recorded(const google::protobuf::Message& request);
+// Returns the name of the call that a request makes, such as "CreateCut".
+std::string call_of(const google::protobuf::Message& request);
+// Returns the id of the sheet that a request is about, well-formed or not; empty: none, or one without an id yet.
+std::string sheet_of(const google::protobuf::Message& request);
+
 // Returns the full names of the messages for which there is a rule, in order. All others are refused.
 std::vector<std::string> messages_with_rules();
 

@@ -5,7 +5,10 @@
 
 #include "kerf/v1/access_service.pb.h"
 #include "server/core/scene/sheet_config.h"
+#include "server/service/api/access.h"
+#include "server/service/api/audit_log.h"
 #include "server/service/api/core.h"
+#include "server/service/api/tenants.h"
 #include "server/service/auth/authenticator.h"
 
 // Implements the methods of AccessService, and finds out who calls.
@@ -49,11 +52,94 @@ Result<auth::Rights> decode_rights(const v1::CreateLinkRequest& request, const a
   return rights;
 }
 
+std::string request_id_of(const google::protobuf::Message& request) {
+  const auto* const field = request.GetDescriptor()->FindFieldByName("request_id");
+  return field == nullptr ? std::string() : request.GetReflection()->GetString(request, field);
+}
+
+// Counts a call that cuts, and checks whether the tenant has vertices left for it.
+Status count_for_tenant(const ApiCore& core, const auth::Caller& caller, const google::protobuf::Message& request) {
+  const std::string& tenant = caller->rights().tenant;
+  if (core.options.tenants == nullptr || tenant.empty()) return Nothing{};
+  const std::string call = call_of(request);
+  const bool cuts = call == "CreateCut" || call == "CreateCuts" || call == "RedoCut";
+  if (!cuts && call != "UndoCut") return Nothing{};
+  KERF_TRY(core.options.tenants->take_cut(tenant));
+  if (!cuts) return Nothing{};
+  const std::optional<host::TenantLimits> limits = core.options.tenants->sheet_limits(tenant);
+  return limits ? host::check_vertices(tenant, *limits, core.host.tenant_use(tenant).vertices + 1) : Status(Nothing{});
+}
+
+void add_quotas(const ApiCore& core, v1::Access& access) {
+  if (core.options.tenants == nullptr) return;
+  const std::optional<Tenants::Use> calls = core.options.tenants->use_of(access.tenant());
+  if (!calls) return;
+  const host::TenantUse sheets = core.host.tenant_use(access.tenant());
+  const auth::TenantLimits& limits = calls->limits;
+  const auto add = [&access](const char* name, double used, double limit) {
+    v1::Quota& quota = *access.add_quotas();
+    quota.set_name(name);
+    quota.set_used(used);
+    quota.set_limit(limit);
+  };
+  constexpr double kMiB = 1 << 20;
+  add("sheets", sheets.sheets, limits.max_sheets);
+  add("vertices", static_cast<double>(sheets.vertices), static_cast<double>(limits.max_vertices));
+  add("state-mib", static_cast<double>(sheets.state_bytes) / kMiB, static_cast<double>(limits.max_state_bytes) / kMiB);
+  add("workers", sheets.workers, limits.max_workers);
+  add("streams", calls->streams, limits.max_streams);
+  add("image-streams", calls->image_streams, limits.max_image_streams);
+  add("cuts-per-s", 0.0, limits.max_cuts_per_s);
+}
+
 }  // namespace
 
-Result<auth::Caller> Api::caller_of(std::string_view authorization) const {
+void record(const ApiCore& core, const auth::Caller& caller, const std::string& call, const std::string& sheet,
+            const std::string& request_id, const Status& outcome) {
+  if (core.options.audit != nullptr) core.options.audit->add({caller, call, sheet, request_id}, outcome);
+  if (outcome.ok() && !sheet.empty()) core.audience->add(sheet, caller, call);
+}
+
+Result<std::shared_ptr<const void>> open_stream(const ApiCore& core, const auth::Caller& caller, bool pictures) {
+  if (core.options.tenants == nullptr) return std::shared_ptr<const void>();
+  return core.options.tenants->open_stream(caller->rights().tenant,
+                                           pictures ? Tenants::Stream::kPictures : Tenants::Stream::kFrames);
+}
+
+Result<auth::Caller> Api::caller_of(std::string_view authorization, std::string address) const {
   auth::Authenticator* const authenticator = core_->options.authenticator;
-  return authenticator == nullptr ? auth::everybody() : authenticator->find_bearer(authorization);
+  Result<auth::Caller> caller =
+      authenticator == nullptr ? auth::everybody() : authenticator->find_bearer(authorization);
+  if (caller.ok()) {
+    caller->address = std::move(address);
+  } else if (caller.error().reason != "TOKEN_MISSING") {
+    record({auth::everybody().grant, std::move(address)}, "Authorize", caller.error());
+  }
+  return caller;
+}
+
+Status Api::allow(const auth::Caller& caller, const google::protobuf::Message& request) const {
+  Status allowed = check_access(caller, request);
+  if (allowed.ok()) allowed = count_for_tenant(*core_, caller, request);
+  if (!allowed.ok() && is_recorded(request)) recorder(caller, request)(allowed, {});
+  return allowed;
+}
+
+Recorder Api::recorder(const auth::Caller& caller, const google::protobuf::Message& request) const {
+  if (!is_recorded(request)) return nullptr;
+  return [core = core_, caller, call = call_of(request), named = sheet_of(request),
+          request_id = request_id_of(request)](const Status& outcome, const std::string& sheet) {
+    api::record(*core, caller, call, named.empty() ? sheet : named, request_id, outcome);
+  };
+}
+
+void Api::record(const auth::Caller& caller, const std::string& call, const Status& outcome) const {
+  api::record(*core_, caller, call, {}, {}, outcome);
+}
+
+std::string id_of(const v1::Sheet& sheet) {
+  const Result<std::string> id = parse_sheet_name(sheet.name(), "name");
+  return id.ok() ? *id : std::string();
 }
 
 auth::Authenticator* Api::authenticator() const {
@@ -71,6 +157,9 @@ v1::Access Api::describe(const auth::Caller& caller) const {
   access.set_scope(encode_scope(caller->rights().scope));
   access.set_sheets(caller->rights().sheets);
   access.set_expires_unix_s(caller->ends_at());
+  access.set_by_link(caller->is_by_link());
+  access.set_tenant(caller->rights().tenant);
+  add_quotas(*core_, access);
   return access;
 }
 

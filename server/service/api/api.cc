@@ -14,7 +14,7 @@
 #include "server/base/catch_exceptions.h"
 #include "server/service/api/access.h"
 #include "server/service/api/core.h"
-#include "server/service/api/session.h"
+#include "server/service/api/watch_stream.h"
 #include "server/service/wire/finite_check.h"
 #include "server/service/wire/json.h"
 #include "server/service/wire/material_codec.h"
@@ -24,21 +24,19 @@ namespace {
 
 // Parses and checks a request, then passes it to `call` with the reply of its response.
 template <typename Request, typename Response, typename Call>
-Method json_method_by(std::string path, Call call) {
-  return {std::move(path), [call](std::string_view json, const auth::Caller& caller, Reply<std::string> reply,
-                                  const std::stop_token& stop) {
+Method json_method_by(std::string path, Api& api, Call call) {
+  return {std::move(path), [&api, call](std::string_view json, const auth::Caller& caller, Reply<std::string> reply,
+                                        const std::stop_token& stop) {
             Request request;
             Status status = wire::from_json(json, request);
             if (status.ok()) status = wire::check_finite(request);
-            if (status.ok()) status = check_access(caller, request);
+            if (status.ok()) status = api.allow(caller, request);
             if (!status.ok()) return reply(status.error());
-            call(
-                request, caller,
-                [reply = std::move(reply)](Result<Response> response) {
-                  if (!response.ok()) return reply(response.error());
-                  reply(catch_exceptions([&] { return Result<std::string>(wire::to_json(*response)); }));
-                },
-                stop);
+            Reply<Response> in_json = [reply = std::move(reply)](Result<Response> response) {
+              if (!response.ok()) return reply(response.error());
+              reply(catch_exceptions([&] { return Result<std::string>(wire::to_json(*response)); }));
+            };
+            call(request, caller, api.recorded(caller, request, std::move(in_json)), stop);
           }};
 }
 
@@ -46,7 +44,7 @@ Method json_method_by(std::string path, Call call) {
 template <typename Request, typename Response, typename... Stop>
 Method json_method(std::string path, Api& api, void (Api::*method)(const Request&, Reply<Response>, Stop...)) {
   return json_method_by<Request, Response>(
-      std::move(path),
+      std::move(path), api,
       [&api, method](const Request& request, const auth::Caller& /*caller*/, Reply<Response> reply,
                      const std::stop_token& stop) { (api.*method)(request, std::move(reply), Stop(stop)...); });
 }
@@ -55,7 +53,7 @@ template <typename Request, typename Response>
 Method json_method(std::string path, Api& api,
                    void (Api::*method)(const Request&, const auth::Caller&, Reply<Response>)) {
   return json_method_by<Request, Response>(
-      std::move(path),
+      std::move(path), api,
       [&api, method](const Request& request, const auth::Caller& caller, Reply<Response> reply,
                      const std::stop_token& /*stop*/) { (api.*method)(request, caller, std::move(reply)); });
 }

@@ -8,6 +8,8 @@
 #include <stop_token>
 #include <string>
 #include <string_view>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "server/base/result.h"
@@ -26,6 +28,7 @@ class Renderer;
 }  // namespace kerf::render
 namespace google::protobuf {
 class Empty;
+class Message;
 }  // namespace google::protobuf
 
 namespace kerf::v1 {
@@ -100,8 +103,10 @@ class WatchImagesStart;
 // the RPC, and encodes the answer. This layer depends on neither gRPC nor HTTP.
 namespace kerf::api {
 
+class AuditLog;
 class ImageSession;
 class KeptStore;
+class Tenants;
 class Upload;
 class UploadRoom;
 class WatchSession;
@@ -144,6 +149,8 @@ struct ApiOptions {
   Limits limits;
   KeptStore* store = nullptr;                    // Outlives the Api. nullptr: the server keeps nothing.
   auth::Authenticator* authenticator = nullptr;  // Outlives the Api. nullptr: everybody may do everything.
+  Tenants* tenants = nullptr;                    // Outlives the Api and its streams. nullptr: there are none.
+  AuditLog* audit = nullptr;                     // Outlives the Api and its streams. nullptr: there is none.
 };
 
 // Counts the work done for streams of frames so far.
@@ -172,11 +179,14 @@ struct Method {
       call;
 };
 
-// Answers the requests of one server. Callable from any thread. Its methods do what they are asked to: a transport asks
-// check_access() (access.h) before, for the caller that caller_of() or a login gives; methods() ask by themselves.
-//  `host`, `clock` and `renderer` must outlive it and
-// every session made by it. The proto files list the errors of each RPC. An unknown sheet is kNotFound SHEET_NOT_FOUND
-// with field "name" or "parent", a malformed name is kInvalidArgument, and after stop() every call gets kUnavailable.
+// Records what becomes of a request; null: it need not be recorded. `sheet`: id of the sheet if the request names none.
+using Recorder = std::function<void(const Status& outcome, const std::string& sheet)>;
+
+// Answers the requests of one server. Callable from any thread. Its methods do what they are asked to: a transport
+// calls allow() before, for the caller that caller_of() or a login gives, and passes a reply of recorded(). The
+// methods() and streams do so by themselves. `host`, `clock` and `renderer` must outlive it and every session made by
+// it. The proto files list the errors of each RPC. An unknown sheet is kNotFound SHEET_NOT_FOUND with field "name" or
+// "parent", a malformed name is kInvalidArgument, and after stop() every call gets kUnavailable.
 class Api {
  public:
   // Becomes the host's command listener, so it must be made before any sheet runs. `renderer` may be null or the null
@@ -187,8 +197,19 @@ class Api {
   Api& operator=(const Api&) = delete;
 
   // Returns who sent `authorization`, the value of that header or metadata: everybody if the server asks for no tokens.
-  // Errors: those of auth::Authenticator::find_bearer().
-  [[nodiscard]] Result<auth::Caller> caller_of(std::string_view authorization) const;
+  // `address`: of the peer. Errors: those of auth::Authenticator::find_bearer().
+  [[nodiscard]] Result<auth::Caller> caller_of(std::string_view authorization, std::string address) const;
+  // Decides whether a caller may send a request, see check_access(), and counts it for the caller's tenant. Errors:
+  // those; kResourceExhausted TENANT_CUTS, TENANT_VERTICES. A refusal is recorded, if the request would be.
+  [[nodiscard]] Status allow(const auth::Caller& caller, const google::protobuf::Message& request) const;
+  // Returns what records the outcome of a request that was allowed.
+  [[nodiscard]] Recorder recorder(const auth::Caller& caller, const google::protobuf::Message& request) const;
+  // Returns a reply that also records the outcome, if that is needed.
+  template <typename T>
+  [[nodiscard]] Reply<T> recorded(const auth::Caller& caller, const google::protobuf::Message& request,
+                                  Reply<T> reply) const;
+  // Records a login, or its end, or a token that was refused.
+  void record(const auth::Caller& caller, const std::string& call, const Status& outcome) const;
   [[nodiscard]] auth::Authenticator* authenticator() const;  // As in ApiOptions.
   // Says what a caller may do.
   [[nodiscard]] v1::Access describe(const auth::Caller& caller) const;
@@ -295,5 +316,22 @@ class Api {
   std::shared_ptr<ApiCore> core_;  // Shared with replies and streams still in progress.
   std::vector<Method> methods_;
 };
+
+// Returns the id in the name of a sheet.
+std::string id_of(const v1::Sheet& sheet);
+
+template <typename T>
+Reply<T> Api::recorded(const auth::Caller& caller, const google::protobuf::Message& request, Reply<T> reply) const {
+  Recorder record = recorder(caller, request);
+  if (!record) return reply;
+  return [record = std::move(record), reply = std::move(reply)](Result<T> result) {
+    std::string sheet;
+    if constexpr (std::is_same_v<T, v1::Sheet>) {
+      if (result.ok()) sheet = id_of(*result);
+    }
+    record(result.ok() ? Status(Nothing{}) : Status(result.error()), sheet);
+    reply(std::move(result));
+  };
+}
 
 }  // namespace kerf::api

@@ -13,6 +13,7 @@
 #include "render/renderer.h"
 #include "server/base/catch_exceptions.h"
 #include "server/service/api/api.h"
+#include "server/service/api/audience.h"
 #include "server/service/api/cut_journal.h"
 #include "server/service/api/open_streams.h"
 #include "server/service/api/request_log.h"
@@ -40,6 +41,7 @@ struct ApiCore {
         clock(the_clock),
         started_at(the_clock.now()),
         requests(options.limits.max_remembered_requests, options.limits.max_remembered_bytes),
+        audience(std::make_shared<Audience>(the_clock)),
         hub(the_host, options.limits.max_subscribers_per_sheet, options.instance_id),
         studio(the_renderer, pictures, the_clock, kStudioThreads),
         picture_worker(options.limits.max_waiting_pictures),
@@ -60,6 +62,7 @@ struct ApiCore {
   CutJournal journal;
   std::atomic<std::int32_t> num_image_streams{0};
   picture::PictureCounters pictures;
+  const std::shared_ptr<Audience> audience;
   StreamHub hub;
   picture::PictureStudio studio;  // Draws for image streams, on its own threads.
   picture::BackgroundWorker
@@ -78,6 +81,14 @@ Error server_stopping();
 
 // Checks that there is a renderer. kUnavailable RENDERER_UNAVAILABLE, with the reason.
 Status check_renderer(const ApiCore& core);
+
+// Records what became of a call of a caller, and shows it to those who watch the sheet. `sheet`: its id; empty: none.
+// `request_id`: empty if it has none.
+void record(const ApiCore& core, const auth::Caller& caller, const std::string& call, const std::string& sheet,
+            const std::string& request_id, const Status& outcome);
+
+// Counts a stream of the caller's tenant until the result is destroyed. Errors of Tenants::open_stream().
+Result<std::shared_ptr<const void>> open_stream(const ApiCore& core, const auth::Caller& caller, bool pictures);
 
 // Implements Api::create_sheet(); moves the mesh out of the request.
 void make_sheet(const std::shared_ptr<ApiCore>& core, v1::CreateSheetRequest request, Reply<v1::Sheet> reply,

@@ -41,6 +41,8 @@ void PictureStream::start(const v1::WatchImagesStart& request, bool acknowledges
   Result<ImageRequest> wanted = decode_image_request(request, core_->options.limits);
   if (!wanted.ok()) return fail(wanted.error());
   if (const Status status = check_renderer(*core_); !status.ok()) return fail(status.error());
+  Result<std::shared_ptr<const void>> place = open_stream(*core_, caller_, true);
+  if (!place.ok()) return fail(place.error());
   const std::int32_t limit = core_->options.limits.max_image_streams;
   bool admitted = false;
   {
@@ -49,6 +51,7 @@ void PictureStream::start(const v1::WatchImagesStart& request, bool acknowledges
     started_ = true;
     admitted = ++core_->num_image_streams <= limit;
     counted_ = true;
+    place_ = std::move(*place);
     sheet_id_ = std::move(*id);
     codec_ = wanted->codec;
     wanted->flow.acknowledges = acknowledges;
@@ -79,10 +82,12 @@ void PictureStream::join() {
 void PictureStream::joined(const Status& status) {
   if (!status.ok()) return fail(with_field(status.error(), "start.name"));
   bool unwanted = false;
+  std::shared_ptr<Audience::Seat> seat = core_->audience->join(sheet_id_, caller_, true, nullptr);
   {
     const std::lock_guard lock(mutex_);
     unwanted = over();
     joined_ = !unwanted;
+    if (joined_) seat_ = std::move(seat);
   }
   if (unwanted) return core_->hub.leave(sheet_id_, *this);
   // Runs after the channel is attached to the sheet. If the sheet is deleted now and its name reused, the channel ends.
@@ -228,8 +233,12 @@ void PictureStream::server_stops() {
 void PictureStream::let_go() {
   bool leaves = false;
   bool counted = false;
+  std::shared_ptr<Audience::Seat> seat;
+  std::shared_ptr<const void> place;
   {
     const std::lock_guard lock(mutex_);
+    seat.swap(seat_);
+    place.swap(place_);
     leaves = std::exchange(joined_, false);
     counted = std::exchange(counted_, false);
     feed_.reset();

@@ -91,8 +91,10 @@ class PictureStream final : public ImageSession,
 
   mutable std::mutex mutex_;  // Guards the members below; not held over calls to the host or the hub.
   bool started_ = false;
-  bool joined_ = false;   // Joined to the hub, which it must leave.
-  bool counted_ = false;  // Counted in ApiCore::num_image_streams.
+  bool joined_ = false;                   // Joined to the hub, which it must leave.
+  bool counted_ = false;                  // Counted in ApiCore::num_image_streams.
+  std::shared_ptr<Audience::Seat> seat_;  // Set once it has joined.
+  std::shared_ptr<const void> place_;     // Among the streams of its tenant.
   ImageLook look_;
   std::optional<stream::FlowControl> flow_;  // Set once started.
   bool paused_ = false;

@@ -79,7 +79,10 @@ void Api::delete_sheet(const v1::DeleteSheetRequest& request, Reply<google::prot
     reply(google::protobuf::Empty());
   };
   // Forgets the journal before the name is free, so that the cuts of a new sheet stay.
-  core_->host.delete_sheet(*id, deleted, [core = core_, id = *id] { core->journal.forget(id); });
+  core_->host.delete_sheet(*id, deleted, [core = core_, id = *id] {
+    core->journal.forget(id);
+    core->audience->forget(id);
+  });
 }
 
 void Api::pause_sheet(const v1::PauseSheetRequest& request, Reply<v1::Sheet> reply) {

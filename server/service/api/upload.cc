@@ -36,10 +36,12 @@ Status Upload::append(std::string part) {
 
 void Upload::finish(Reply<v1::Sheet> reply, const std::stop_token& stop) {
   const auto size = static_cast<std::int64_t>(content_.size());
-  if (size < num_bytes_) return reply(wrong_length(num_bytes_, "only " + std::to_string(size) + " bytes"));
-  use_(
-      std::move(content_),
-      [room = room_, reply = std::move(reply)](Result<v1::Sheet> sheet) { reply(std::move(sheet)); }, stop);
+  const auto answer = [room = room_, record = record_, reply = std::move(reply)](Result<v1::Sheet> sheet) {
+    if (record) record(sheet.ok() ? Status(Nothing{}) : Status(sheet.error()), sheet.ok() ? id_of(*sheet) : "");
+    reply(std::move(sheet));
+  };
+  if (size < num_bytes_) return answer(wrong_length(num_bytes_, "only " + std::to_string(size) + " bytes"));
+  use_(std::move(content_), answer, stop);
 }
 
 }  // namespace kerf::api

@@ -42,11 +42,14 @@ class Upload {
   // Replies with the sheet made from the file, or with the error; UPLOAD_LENGTH if parts are missing. To be called at
   // most once, with no append() after it. `stop` is triggered when the client leaves.
   void finish(Reply<v1::Sheet> reply, const std::stop_token& stop = {});
+  // Records what becomes of it. To be called before finish().
+  void record_with(Recorder record) { record_ = std::move(record); }
 
  private:
   std::shared_ptr<const UploadRoom> room_;
   std::int64_t num_bytes_;
   Use use_;
+  Recorder record_;
   std::string content_;
 };
 

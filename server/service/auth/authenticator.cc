@@ -7,7 +7,7 @@ namespace {
 
 bool are_same(const Token& a, const Token& b) {
   return a.digest == b.digest && a.rights.scope == b.rights.scope && a.rights.sheets == b.rights.sheets &&
-         a.rights.until_unix_s == b.rights.until_unix_s;
+         a.rights.until_unix_s == b.rights.until_unix_s && a.rights.tenant == b.rights.tenant;
 }
 
 bool is_bearer(std::string_view scheme) {
@@ -46,7 +46,7 @@ Result<Caller> Authenticator::find(std::string_view token) const {
                            "authorization");
   }
   KERF_TRY(known->second.grant->check());
-  return Caller(known->second.grant);
+  return Caller{known->second.grant, {}};
 }
 
 Result<Caller> Authenticator::find_bearer(std::string_view authorization) const {

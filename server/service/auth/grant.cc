@@ -23,8 +23,8 @@ std::int64_t Grant::ends_at() const {
 }
 
 Caller everybody() {
-  static const Caller all = std::make_shared<const Grant>();
-  return all;
+  static const auto all = std::make_shared<const Grant>();
+  return {all, {}};
 }
 
 }  // namespace kerf::auth

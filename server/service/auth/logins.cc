@@ -21,7 +21,8 @@ Result<std::string> Logins::add_login(const Caller& parent, std::int64_t until_u
   std::string secret = new_secret();
   Rights rights = parent->rights();
   rights.until_unix_s = until_unix_s;
-  logins_[digest_of(secret)] = {std::make_shared<Grant>(parent->token_id(), std::move(rights), clock_, parent)};
+  logins_[digest_of(secret)] = {
+      std::make_shared<Grant>(parent->token_id(), std::move(rights), clock_, Source::kLogin, parent.grant)};
   return secret;
 }
 
@@ -37,7 +38,7 @@ Result<Caller> Logins::find(std::string_view secret) const {
     return unauthenticated("LOGIN_UNKNOWN", "this login has ended; log in once more", "cookie");
   }
   KERF_TRY(found->second.grant->check());
-  return Caller(found->second.grant);
+  return Caller{found->second.grant, {}};
 }
 
 void Logins::end(std::string_view secret) {
@@ -57,8 +58,9 @@ Result<std::string> Logins::make_link(const Caller& parent, const LinkTerms& ter
                                                     " links, which is the limit; try again once some have ended");
   }
   std::string code = new_secret();
-  links_[digest_of(code)] = {std::make_shared<Grant>(parent->token_id(), terms.rights, clock_, parent), terms.once,
-                             terms.once ? now + kLinkOnceSeconds : terms.rights.until_unix_s};
+  links_[digest_of(code)] = {
+      std::make_shared<Grant>(parent->token_id(), terms.rights, clock_, Source::kLink, parent.grant), terms.once,
+      terms.once ? now + kLinkOnceSeconds : terms.rights.until_unix_s};
   return code;
 }
 
@@ -69,8 +71,8 @@ Result<std::string> Logins::open_link(std::string_view code) {
   if (found == links_.end()) {
     return unauthenticated("CODE_UNKNOWN", "this link has ended or was opened before; ask for a new one", "code");
   }
-  const Caller grant = found->second.grant;
-  KERF_TRY_ASSIGN(std::string secret, add_login(grant, grant->rights().until_unix_s));
+  const Caller maker{found->second.grant, {}};
+  KERF_TRY_ASSIGN(std::string secret, add_login(maker, maker->rights().until_unix_s));
   if (found->second.once) links_.erase(found);
   return secret;
 }

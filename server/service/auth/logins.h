@@ -49,7 +49,7 @@ class Logins {
     std::shared_ptr<Grant> grant;
   };
   struct Link {
-    Caller grant;
+    std::shared_ptr<const Grant> grant;
     bool once = false;
     std::int64_t open_until_unix_s = 0;
   };

@@ -25,6 +25,7 @@ struct Rights {
   Scope scope = Scope::kAdmin;
   std::string sheets = "*";       // Pattern of the ids of sheets that it reaches, see matches().
   std::int64_t until_unix_s = 0;  // s since 1970, when it ends; 0: never
+  std::string tenant = {};        // Name of the tenant whose limits count; empty: none.
 
   [[nodiscard]] bool reaches_all() const { return sheets == "*"; }
   [[nodiscard]] bool reaches(std::string_view sheet_id) const { return matches(sheets, sheet_id); }

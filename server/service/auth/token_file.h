@@ -8,6 +8,7 @@
 #include "server/base/result.h"
 #include "server/service/auth/rights.h"
 #include "server/service/auth/secrets.h"
+#include "server/service/auth/tenant.h"
 
 namespace kerf::auth {
 
@@ -21,18 +22,32 @@ struct Token {
   Rights rights;
 };
 
-// Parses a token file. Lines are `ID SHA-256 scope=view|cut|admin [sheets=PATTERN] [until=YYYY-MM-DD]`, empty, or
-// comments after `#`. A token ends with the day before `until`, by UTC. Error kInvalidArgument BAD_TOKEN_FILE, with the
-// number of the line.
-Result<std::vector<Token>> parse_token_file(std::string_view text);
+struct TokenFile {
+  std::vector<Tenant> tenants;
+  std::vector<Token> tokens;
+};
+
+// Parses a token file. Lines are empty, comments after `#`, or
+//   ID SHA-256 scope=view|cut|admin [tenant=NAME] [sheets=PATTERN] [until=YYYY-MM-DD]
+//   tenant NAME [sheets=N] [vertices=N] [state-mib=N] [workers=X] [streams=N] [image-streams=N] [cuts-per-s=X]
+// A token ends with the day before `until`, by UTC. One of a tenant reaches `NAME-*`, or sheets of a pattern that
+// begins so. Error kInvalidArgument BAD_TOKEN_FILE, with the number of the line.
+Result<TokenFile> parse_token_file(std::string_view text);
 
 // A new token: its text, kerf_ID_SECRET, is for the user alone, and the line is for the token file.
 struct NewToken {
   std::string text;
   std::string line;
 };
-// Makes a token. `until`: YYYY-MM-DD; empty: it never ends. Error kInvalidArgument BAD_TOKEN.
-Result<NewToken> make_token(const std::string& id, Scope scope, const std::string& sheets, const std::string& until);
+struct TokenWish {
+  std::string id;
+  Scope scope = Scope::kView;
+  std::string sheets;  // Pattern; empty: all, or all of the tenant.
+  std::string until;   // YYYY-MM-DD; empty: it never ends.
+  std::string tenant;  // Empty: none.
+};
+// Makes a token. Error kInvalidArgument BAD_TOKEN.
+Result<NewToken> make_token(const TokenWish& wish);
 
 // Returns the id in a token's text, or nothing if it is none.
 std::string_view id_in(std::string_view token);

@@ -107,6 +107,7 @@ void Host::release(const std::string& id) {
   {
     const std::lock_guard lock(mutex_);
     sheets_.erase(id);
+    shares_.erase(id);
   }
   try {
     plan_to_release_memory();
@@ -276,6 +277,46 @@ double Host::load() const {
 
 const HostOptions& Host::options() const {
   return options_;
+}
+
+TenantUse Host::tenant_use(const std::string& tenant) const {
+  const std::lock_guard lock(mutex_);
+  return use_of(tenant);
+}
+
+TenantUse Host::use_of(const std::string& tenant) const {
+  const std::string prefix = tenant + "-";
+  TenantUse use;
+  std::int64_t need = 0;
+  for (auto at = shares_.lower_bound(prefix); at != shares_.end() && at->first.starts_with(prefix); ++at) {
+    const std::shared_ptr<const SheetShare> share = at->second.lock();
+    if (!share) continue;
+    ++use.sheets;
+    use.vertices += share->vertices();
+    need += share->need();
+  }
+  use.workers = static_cast<double>(need) / static_cast<double>(WorkerNeed::kWhole);
+  use.state_bytes = states_.bytes_of(tenant);
+  return use;
+}
+
+std::optional<Host::NamedTenant> Host::find_tenant(const std::string& id) const {
+  std::string name = options_.find_tenant ? tenant_of(id) : std::string();
+  if (name.empty()) return std::nullopt;
+  const std::optional<TenantLimits> limits = options_.find_tenant(name);
+  return limits ? std::optional(NamedTenant{std::move(name), *limits}) : std::nullopt;
+}
+
+std::string Host::turns_of(const std::string& id) const {
+  const std::optional<NamedTenant> tenant = find_tenant(id);
+  return tenant ? tenant->name : std::string();
+}
+
+SharedSlip& Host::slip_of(const std::string& id) {
+  const std::string tenant = turns_of(id);
+  if (tenant.empty()) return slip_;
+  const std::lock_guard lock(mutex_);
+  return tenant_slips_[tenant];
 }
 
 // Waits for the builders first, because they post to the workers.

@@ -30,8 +30,10 @@
 #include "server/service/host/playback.h"
 #include "server/service/host/saved_states.h"
 #include "server/service/host/shared_slot.h"
+#include "server/service/host/sheet_share.h"
 #include "server/service/host/sheet_status.h"
 #include "server/service/host/stored_run.h"
+#include "server/service/host/tenants.h"
 #include "server/service/host/unsaved_work.h"
 #include "server/service/host/vertex_budget.h"
 #include "server/service/host/workers.h"
@@ -78,6 +80,7 @@ class Host {
   //   kResourceExhausted  TOO_MANY_SHEETS, TOO_MANY_VERTICES, OUT_OF_MEMORY
   //   kResourceExhausted  TOO_MANY_VERTICES_IN_ALL, only after the build if the mesh does not declare its size
   //   kResourceExhausted  OVERLOADED unless `paused`, if running sheets need max_load already (see Admission)
+  //   kResourceExhausted  TENANT_SHEETS, TENANT_VERTICES, TENANT_LOAD, see check_new_sheet()
   //   kAborted            CREATION_ABANDONED if a stop is requested before it is built
   void create_sheet(std::string id, scene::SheetConfig config, bool paused, Callback<SheetStatus> done,
                     const std::stop_token& stop = {}, RequestName<SheetStatus> request = nullptr);
@@ -95,8 +98,8 @@ class Host {
   // Sets what is kept of each sheet with its saved states, and in the journal. To be set before any sheet runs.
   void set_attachments(Attachments attachments);
   // Saves the state of a sheet between two ticks under a name, [a-z][a-z0-9-]{0,62}, in memory and in the journal.
-  // Errors of SavedStates::add(); kInvalidArgument STATE_ID; kFailedPrecondition REPLAYING, STEPPING;
-  // kResourceExhausted OUT_OF_MEMORY.
+  // Errors of SavedStates::add(), check_state_bytes(); kInvalidArgument STATE_ID; kFailedPrecondition REPLAYING,
+  // STEPPING; kResourceExhausted OUT_OF_MEMORY.
   void save_state(const std::string& id, std::string state_id, bool overwrite, Callback<SavedStateStatus> done);
   // Brings a saved state back: mesh, motion, undo history, pins, grabs, settings, waiting commands of schedule() and
   // counts. Pause and speed stay as they are; a sleeping sheet wakes. The sheet ticks on while the state is loaded.
@@ -188,6 +191,8 @@ class Host {
   // workers. -, >= 0. Above 1 the sheets cannot all keep pace.
   [[nodiscard]] double load() const;
   [[nodiscard]] const HostOptions& options() const;
+  // Returns what the sheets of a tenant take.
+  [[nodiscard]] TenantUse tenant_use(const std::string& tenant) const;
 
   // Blocks until no work is queued or running; pending timers do not count. For tests and simulation on a clock moved
   // by hand.
@@ -203,7 +208,7 @@ class Host {
   // Describes a requested sheet until it is one of `sheets_`.
   struct Creation {
     std::string id;
-    std::shared_ptr<VertexShare> vertices;  // Null: neither vertices nor the name are reserved.
+    std::shared_ptr<SheetShare> share;  // Null: nothing is reserved, nor the name.
     std::shared_ptr<ExpectedNeed> need;
     std::unique_ptr<Playback> playback;  // The recording that the sheet is to play; null: none.
     bool paused = false;
@@ -213,6 +218,10 @@ class Host {
     // The sheet is not new but stored; `recovered` then gets the result instead of `done`.
     std::shared_ptr<const StoredRun> stored;
     Callback<RecoveredSheet> recovered;
+  };
+  struct NamedTenant {
+    std::string name;
+    TenantLimits limits;
   };
   static constexpr Nanoseconds kReleaseDelay = std::chrono::seconds(2);
   static constexpr Nanoseconds kMarkPeriod = std::chrono::seconds(1);
@@ -225,9 +234,17 @@ class Host {
 
   // Builds the sheet on a builder thread. `made`: without id, vertices and need.
   void create(std::string id, scene::SheetConfig config, Creation made);
-  std::shared_ptr<ExpectedNeed> expected_need(const scene::SheetConfig& config);
-  // Reserves the name, and as many vertices as the config declares.
-  Result<std::shared_ptr<VertexShare>> reserve(const std::string& id, const scene::SheetConfig& config, bool paused);
+  // Reserves the name, and as many vertices as the config declares. A sheet made again is within its tenant's limits.
+  Result<std::shared_ptr<SheetShare>> reserve(const std::string& id, const scene::SheetConfig& config,
+                                              const Creation& creation);
+  // Takes the vertices of a sheet just built. Errors of SheetShare::settle() and check_vertices().
+  Status settle(const Creation& creation, std::int64_t vertices);
+  [[nodiscard]] TenantUse use_of(const std::string& tenant) const;  // Needs mutex_ held.
+  // Returns the tenant of a sheet; nothing if it has none.
+  [[nodiscard]] std::optional<NamedTenant> find_tenant(const std::string& id) const;
+  // Returns the tenant whose turns a sheet shares; empty for all sheets that have none.
+  [[nodiscard]] std::string turns_of(const std::string& id) const;
+  SharedSlip& slip_of(const std::string& id);
   Result<sheet::Sheet> build(scene::SheetConfig config, const Creation& creation);
   // Returns an error if the sheet being built is no longer wanted.
   Status check_wanted(const Creation& creation) const;
@@ -263,7 +280,9 @@ class Host {
   SavedStates states_;
   SharedSlot<CommandListener> listener_;
   SharedSlot<Attachments> attachments_;
-  SharedSlip slip_;
+  SharedSlip slip_;                                                // of sheets without a tenant
+  std::map<std::string, SharedSlip> tenant_slips_;                 // by tenant; guarded by mutex_
+  std::map<std::string, std::weak_ptr<const SheetShare>> shares_;  // by sheet; guarded by mutex_
   UnsavedWork unsaved_;
   mutable std::mutex mutex_;
   std::map<std::string, std::shared_ptr<SheetRunner>> sheets_;  // Null: being built. Guarded by mutex_.

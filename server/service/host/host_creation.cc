@@ -46,6 +46,13 @@ std::int64_t declared_vertices(const scene::SheetConfig& config) {
   return sum;
 }
 
+// Returns the expected need of a sheet that runs; nothing if its config will be refused.
+std::optional<std::int64_t> guessed_need(const scene::SheetConfig& config) {
+  if (!(config.tick_rate_hz > 0.0)) return std::nullopt;
+  const Nanoseconds period(std::llround(1.0e9 / config.tick_rate_hz));
+  return WorkerNeed(period, WorkerNeed::guessed_tick(declared_vertices(config))).value();
+}
+
 std::string random_id(std::uint64_t bits) {
   constexpr char kDigits[] = "0123456789abcdef";
   std::string id = "sheet-";
@@ -62,13 +69,14 @@ void Host::create(std::string id, scene::SheetConfig config, Creation made) {
   const auto creation = std::make_shared<Creation>(std::move(made));
   const bool paused = creation->paused;
   const Status queued = catch_exceptions([&]() -> Status {
-    Result<std::shared_ptr<VertexShare>> reserved = reserve(id, config, paused);
+    Result<std::shared_ptr<SheetShare>> reserved = reserve(id, config, *creation);
     KERF_TRY(reserved);
-    creation->vertices = std::move(reserved).value();
+    creation->share = std::move(reserved).value();
     creation->id = std::move(id);
-    if (!paused) creation->need = expected_need(config);
+    const std::optional<std::int64_t> need = paused ? std::nullopt : guessed_need(config);
+    if (need) creation->need = std::make_shared<ExpectedNeed>(board_, *need);
     const auto shared = std::make_shared<scene::SheetConfig>(std::move(config));
-    const bool posted = builders_.make_strand().post([this, creation, shared] {
+    const bool posted = builders_.make_strand(turns_of(creation->id)).post([this, creation, shared] {
       const Status handed_on = catch_exceptions([&] { return build_and_hand_on(creation, std::move(*shared)); });
       if (!handed_on.ok()) refuse(*creation, handed_on.error());
     });
@@ -80,7 +88,7 @@ void Host::create(std::string id, scene::SheetConfig config, Creation made) {
 Status Host::build_and_hand_on(const std::shared_ptr<Creation>& creation, scene::SheetConfig config) {
   KERF_TRY_ASSIGN(sheet::Sheet built, build(std::move(config), *creation));
   const auto sheet = std::make_shared<sheet::Sheet>(std::move(built));
-  const Workers::Strand strand = workers_.make_strand();
+  const Workers::Strand strand = workers_.make_strand(turns_of(creation->id));
   const bool posted = strand.post([this, creation, sheet, strand] {
     if (const Status begun = begin(*creation, std::move(*sheet), strand); !begun.ok()) {
       refuse(*creation, begun.error());
@@ -93,9 +101,9 @@ Status Host::build_and_hand_on(const std::shared_ptr<Creation>& creation, scene:
 Status Host::begin(Creation& creation, sheet::Sheet sheet, const Workers::Strand& strand) {
   const auto runner = std::make_shared<SheetRunner>(
       creation.id, std::move(sheet),
-      SheetRunner::Context{options_, clock_, board_, listener_, attachments_, slip_, unsaved_, stopping_,
+      SheetRunner::Context{options_, clock_, board_, listener_, attachments_, slip_of(creation.id), unsaved_, stopping_,
                            [this](const std::string& id) { release(id); }, ++num_made_},
-      strand, creation.vertices);
+      strand, creation.share);
   const Status begun = catch_exceptions([&]() -> Status {
     if (stopping_) return host_stopping();
     const bool is_new = creation.stored == nullptr;
@@ -127,23 +135,26 @@ Status Host::begin(Creation& creation, sheet::Sheet sheet, const Workers::Strand
 
 void Host::refuse(Creation& creation, const Error& error) {
   creation.need.reset();
-  if (creation.vertices) {  // Frees the name and the vertices before the answer, so that a retry finds them free.
-    creation.vertices->set(0);
+  if (creation.share) {  // Frees the name and the vertices before the answer, so that a retry finds them free.
+    creation.share->give_back();
     release(creation.id);
   }
   if (creation.recovered) return creation.recovered(error);
   creation.done(error);
 }
 
-std::shared_ptr<ExpectedNeed> Host::expected_need(const scene::SheetConfig& config) {
-  if (!(config.tick_rate_hz > 0.0)) return nullptr;  // Sheet::create() will refuse the config.
-  const Nanoseconds period(std::llround(1.0e9 / config.tick_rate_hz));
-  const Nanoseconds tick = WorkerNeed::guessed_tick(declared_vertices(config));
-  return std::make_shared<ExpectedNeed>(board_, WorkerNeed(period, tick).value());
+Status Host::settle(const Creation& creation, std::int64_t vertices) {
+  const std::optional<NamedTenant> tenant = find_tenant(creation.id);
+  const std::int64_t more = vertices - creation.share->vertices();
+  if (tenant && !creation.stored && more > 0) {
+    const std::lock_guard lock(mutex_);
+    KERF_TRY(check_vertices(tenant->name, tenant->limits, use_of(tenant->name).vertices + more));
+  }
+  return creation.share->settle(vertices);
 }
 
-Result<std::shared_ptr<VertexShare>> Host::reserve(const std::string& id, const scene::SheetConfig& config,
-                                                   bool paused) {
+Result<std::shared_ptr<SheetShare>> Host::reserve(const std::string& id, const scene::SheetConfig& config,
+                                                  const Creation& creation) {
   if (!scene::is_valid_sheet_id(id)) {
     return invalid_argument("SHEET_ID", "sheet_id must match [a-z][a-z0-9-]{0,62}", "sheet_id");
   }
@@ -163,15 +174,21 @@ Result<std::shared_ptr<VertexShare>> Host::reserve(const std::string& id, const 
   // Reserves nothing for a size beyond any sheet's limit, which is refused later. A mesh of unknown size reserves one
   // vertex, so that it is refused before the build if none is left.
   const std::int64_t taken = declared <= scene::kMaxVertices ? std::max<std::int64_t>(declared, 1) : 0;
+  const std::int64_t need = creation.paused ? 0 : guessed_need(config).value_or(0);
+  if (const std::optional<NamedTenant> tenant = find_tenant(id); tenant && !creation.stored) {
+    KERF_TRY(check_new_sheet(tenant->name, tenant->limits, use_of(tenant->name), taken,
+                             static_cast<double>(need) / static_cast<double>(WorkerNeed::kWhole)));
+  }
   KERF_TRY(vertices_.take(taken));
-  auto share = std::make_shared<VertexShare>(vertices_, taken);
-  if (!paused) {
+  auto share = std::make_shared<SheetShare>(vertices_, taken, need);
+  if (!creation.paused) {
     if (Status s = admission_.admit(load(), options_.workers); !s.ok()) {
       board_.update([](HostMetrics& m) { ++m.overload_refusals; });
       return s.error();
     }
   }
   sheets_.emplace(id, nullptr);
+  shares_[id] = share;
   return share;
 }
 
@@ -197,7 +214,7 @@ Result<sheet::Sheet> Host::build(scene::SheetConfig config, const Creation& crea
   });
   KERF_TRY(wanted);
   KERF_TRY(built);
-  KERF_TRY(creation.vertices->settle(built->mesh().num_vertices()));
+  KERF_TRY(settle(creation, built->mesh().num_vertices()));
   if (!has_memory_for(0)) return out_of_memory();
   KERF_TRY(check_wanted(creation));
   return built;

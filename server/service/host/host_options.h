@@ -15,6 +15,7 @@
 #include "server/service/host/journal.h"
 #include "server/service/host/saved_states.h"
 #include "server/service/host/sheet_event.h"
+#include "server/service/host/tenants.h"
 
 namespace kerf::host {
 
@@ -36,6 +37,8 @@ struct HostOptions {
   std::int32_t max_states_per_sheet = 16;    // Saved states of one sheet, >= 1.
   std::int64_t max_state_bytes = std::int64_t{256} << 20;  // Bytes of the saved states of all sheets, >= 0.
   std::int32_t max_step_ticks = 100'000;                   // Per call of step().
+  // Finds the tenants whose sheets have limits of their own; null: there are none.
+  FindTenant find_tenant;
   // Returns the destination of a new sheet's recording; null, or a null result: it is not recorded.
   std::function<std::shared_ptr<sheet::RecordingSink>(const std::string& id)> make_recording;
   // Encodes the ticks that sheets keep of their runs, see KeptRecording; null: they keep nothing.

@@ -46,7 +46,13 @@ void Host::save_state(const std::string& id, std::string state_id, bool overwrit
     KERF_TRY(states_.check(id, name, overwrite));
     KERF_TRY_ASSIGN(SavedState saved, runner.save_state(name));
     const auto state = std::make_shared<const SavedState>(std::move(saved));
-    KERF_TRY(states_.add(id, state, overwrite));
+    if (const std::optional<NamedTenant> tenant = find_tenant(id)) {
+      KERF_TRY(states_.add(id, state, overwrite, tenant->name, [&tenant](std::int64_t bytes) {
+        return check_state_bytes(tenant->name, tenant->limits, bytes);
+      }));
+    } else {
+      KERF_TRY(states_.add(id, state, overwrite));
+    }
     runner.store_named(state, done);
     return Nothing{};
   };
@@ -79,7 +85,7 @@ void Host::restore_state(const std::string& id, const std::string& state_id, Cal
         [done](Error error) { done(std::move(error)); });
     return Nothing{};
   };
-  const bool posted = builders_.make_strand().post([load, done] {
+  const bool posted = builders_.make_strand(turns_of(id)).post([load, done] {
     if (const Status handed_on = catch_exceptions(load); !handed_on.ok()) done(handed_on.error());
   });
   if (!posted) done(host_stopping());

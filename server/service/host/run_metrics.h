@@ -55,6 +55,8 @@ class RunMetrics {
   void start_ticking() { set_need(need_.value()); }
   void stop_ticking() { set_need(0); }
   void set_period(Nanoseconds period) { need_.set_period(period); }
+  // Returns the need that the board counts for this sheet, see WorkerNeed::value().
+  [[nodiscard]] std::int64_t counted_need() const { return counted_need_; }
 
   void tick_done(const Tick& tick, const sheet::TickReport& report, const std::vector<Result<CommandResult>>& results);
   // The sheet is another one from here on, with these counts, which the board has seen already.

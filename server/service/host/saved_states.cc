@@ -41,7 +41,22 @@ Status SavedStates::check(const std::string& sheet, const std::string& id, bool 
   return check_locked(of(sheet), id, overwrite);
 }
 
-Status SavedStates::add(const std::string& sheet, std::shared_ptr<const SavedState> state, bool overwrite) {
+std::int64_t SavedStates::bytes_locked(const std::string& tenant) const {
+  const std::string prefix = tenant + "-";
+  std::int64_t bytes = 0;
+  for (auto at = states_.lower_bound(prefix); at != states_.end() && at->first.starts_with(prefix); ++at) {
+    for (const auto& state : at->second) bytes += state->status.num_bytes;
+  }
+  return bytes;
+}
+
+std::int64_t SavedStates::bytes_of(const std::string& tenant) const {
+  const std::lock_guard lock(mutex_);
+  return bytes_locked(tenant);
+}
+
+Status SavedStates::add(const std::string& sheet, std::shared_ptr<const SavedState> state, bool overwrite,
+                        const std::string& tenant, const CheckSum& check_sum) {
   const std::lock_guard lock(mutex_);
   KERF_TRY(check_locked(of(sheet), state->status.id, overwrite));
   OfSheet& states = states_[sheet];
@@ -54,6 +69,7 @@ Status SavedStates::add(const std::string& sheet, std::shared_ptr<const SavedSta
                                                       " bytes; the saved states of this server may take " +
                                                       std::to_string(max_bytes_) + " together: delete some");
   }
+  if (!tenant.empty()) KERF_TRY(check_sum(bytes_locked(tenant) - freed + state->status.num_bytes));
   bytes_ = bytes;
   if (old != states.end()) states.erase(old);
   states.push_back(std::move(state));

@@ -51,8 +51,13 @@ class SavedStates {
   // kResourceExhausted TOO_MANY_STATES.
   [[nodiscard]] Status check(const std::string& sheet, const std::string& id, bool overwrite) const;
   // Adds a state, or replaces the one of its name. Errors of check(); kResourceExhausted STATES_TOO_LARGE if the states
-  // of the server would exceed `max_bytes`. A refusal changes nothing.
-  Status add(const std::string& sheet, std::shared_ptr<const SavedState> state, bool overwrite);
+  // of the server would exceed `max_bytes`; errors of `check_sum`. A refusal changes nothing.
+  // `tenant`: one whose states `check_sum` limits, by the bytes that they would take then; empty: none.
+  using CheckSum = std::function<Status(std::int64_t bytes)>;
+  Status add(const std::string& sheet, std::shared_ptr<const SavedState> state, bool overwrite,
+             const std::string& tenant = {}, const CheckSum& check_sum = nullptr);
+  // Returns the bytes of the states of all sheets of a tenant, see tenant_of().
+  [[nodiscard]] std::int64_t bytes_of(const std::string& tenant) const;
   // kNotFound STATE_NOT_FOUND
   [[nodiscard]] Result<std::shared_ptr<const SavedState>> find(const std::string& sheet, const std::string& id) const;
   // Returns the states of a sheet, those saved first at first.
@@ -68,6 +73,7 @@ class SavedStates {
   // These need mutex_ held.
   [[nodiscard]] Status check_locked(const OfSheet& states, const std::string& id, bool overwrite) const;
   [[nodiscard]] const OfSheet& of(const std::string& sheet) const;
+  [[nodiscard]] std::int64_t bytes_locked(const std::string& tenant) const;
 
   const std::int32_t max_per_sheet_;
   const std::int64_t max_bytes_;

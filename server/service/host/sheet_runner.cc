@@ -26,7 +26,7 @@ Nanoseconds period_of(const sheet::Sheet& sheet) {
 }  // namespace
 
 SheetRunner::SheetRunner(std::string id, sheet::Sheet sheet, Context context, Workers::Strand strand,
-                         std::shared_ptr<VertexShare> vertices)
+                         std::shared_ptr<SheetShare> share)
     : id_(std::move(id)),
       context_(context),
       strand_(std::move(strand)),
@@ -37,7 +37,7 @@ SheetRunner::SheetRunner(std::string id, sheet::Sheet sheet, Context context, Wo
       metrics_(context_.board, WorkerNeed(period_of(sheet_), expected_tick(sheet_))),
       recorder_(KeptRecording(context_.options.encode_tick, context_.options.max_recording_bytes)),
       held_timer_(context_.clock),
-      vertices_(std::move(vertices)),
+      share_(std::move(share)),
       unsaved_(context_.unsaved),
       serial_(context_.serial) {}
 
@@ -120,7 +120,7 @@ void SheetRunner::close(sheet::SinkEnd reason) {
   for (const auto& sink : sinks_.take()) attempt([&] { sink->ended(reason); });
   recorder_.end();
   unsaved_.clear();
-  vertices_->set(0);
+  share_->give_back();
 }
 
 Error SheetRunner::closed_error() const {

@@ -36,6 +36,7 @@
 #include "server/service/host/shared_slot.h"
 #include "server/service/host/sheet_event.h"
 #include "server/service/host/sheet_journal.h"
+#include "server/service/host/sheet_share.h"
 #include "server/service/host/sheet_status.h"
 #include "server/service/host/snapshot_sinks.h"
 #include "server/service/host/stored_run.h"
@@ -43,7 +44,6 @@
 #include "server/service/host/tick_progress.h"
 #include "server/service/host/tick_scale.h"
 #include "server/service/host/unsaved_work.h"
-#include "server/service/host/vertex_budget.h"
 #include "server/service/host/wake_timer.h"
 #include "server/service/host/workers.h"
 
@@ -72,7 +72,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
 
   // `vertices`: the sheet's share of the host's budget.
   SheetRunner(std::string id, sheet::Sheet sheet, Context context, Workers::Strand strand,
-              std::shared_ptr<VertexShare> vertices);
+              std::shared_ptr<SheetShare> share);
 
   // Runs `work` with this runner on its strand. Calls `refuse` with the reason if the runner is closed by then or
   // memory runs out.
@@ -307,7 +307,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   SceneChanges changes_;
   std::set<std::string> stream_grabs_;  // Grabs that end with their streams; those of a sheet that was reset, too.
   TickScale tick_scale_;
-  const std::shared_ptr<VertexShare> vertices_;
+  const std::shared_ptr<SheetShare> share_;
   fem::StepStats last_step_;         // Statistics of the last tick that advanced time.
   fem::FlagCounts flagged_ticks_{};  // Ticks with each flag since the sheet was made.
   std::optional<StepCall> step_call_;

@@ -84,7 +84,8 @@ void SheetRunner::publish_state() {
 void SheetRunner::publish_status() {
   SheetStatus status = unhashed_status();
   reached_tick_ = status.tick;
-  vertices_->set(status.num_vertices);
+  share_->set_vertices(status.num_vertices);
+  share_->set_need(metrics_.counted_need());
   if (journal_.holds_back()) return held_status_.add(journal_.last_edit(), std::move(status));
   last_status_.set(std::move(status));
 }

@@ -25,19 +25,4 @@ void VertexBudget::change(std::int64_t by) {
   in_use_ += by;
 }
 
-Status VertexShare::settle(std::int64_t count) {
-  if (count > count_) {
-    KERF_TRY(budget_.take(count - count_));
-    count_ = count;
-  }
-  set(count);
-  return Nothing{};
-}
-
-void VertexShare::set(std::int64_t count) {
-  if (count == count_) return;
-  budget_.change(count - count_);
-  count_ = count;
-}
-
 }  // namespace kerf::host

@@ -25,25 +25,4 @@ class VertexBudget {
   std::int64_t in_use_ = 0;  // guarded by mutex_
 };
 
-// Holds the vertices that one sheet takes of the budget, from before it is built until it is gone. Used by one thread
-// at a time.
-class VertexShare {
- public:
-  // `taken`: vertices of the sheet that the budget has counted already.
-  VertexShare(VertexBudget& budget, std::int64_t taken) : budget_(budget), count_(taken) {}
-  ~VertexShare() { set(0); }
-  VertexShare(const VertexShare&) = delete;
-  VertexShare& operator=(const VertexShare&) = delete;
-
-  // Sets the count of a sheet just built, which may exceed the number declared before. Errors of take().
-  Status settle(std::int64_t count);
-  // Sets the present count. Never refused: cuts add few vertices, and refusing a cut would be worse than exceeding the
-  // limit.
-  void set(std::int64_t count);
-
- private:
-  VertexBudget& budget_;
-  std::int64_t count_;
-};
-
 }  // namespace kerf::host

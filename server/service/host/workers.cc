@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <condition_variable>
-#include <deque>
 #include <list>
 #include <mutex>
 #include <optional>
@@ -12,6 +11,7 @@
 
 #include "server/base/check.h"
 #include "server/base/thread_priority.h"
+#include "server/service/host/fair_queue.h"
 
 namespace kerf::host {
 
@@ -20,6 +20,7 @@ using Pieces = std::list<std::function<void()>>;
 
 // Guarded by Pool::mutex.
 struct Workers::Order {
+  std::shared_ptr<FairQueue<std::shared_ptr<Order>>::Group> group;
   Pieces waiting;
   bool has_turn = false;  // In Pool::ready, or run by a thread.
 };
@@ -62,13 +63,13 @@ struct Workers::Pool {
   const Options options;
   // Guards everything below except `supervisor`.
   mutable std::mutex mutex;
-  std::condition_variable idle;              // Signals that nothing is outstanding.
-  std::condition_variable work_waits;        // For the threads.
-  std::condition_variable attention;         // For the supervisor: threads may be lacking, or one has retired.
-  std::deque<std::shared_ptr<Order>> ready;  // Waiting for their turn.
-  std::int64_t outstanding = 0;              // Pieces posted and not finished.
-  std::size_t num_idle = 0;                  // Idle threads.
-  std::size_t num_replaced = 0;              // Replaced threads in `threads`.
+  std::condition_variable idle;             // Signals that nothing is outstanding.
+  std::condition_variable work_waits;       // For the threads.
+  std::condition_variable attention;        // For the supervisor: threads may be lacking, or one has retired.
+  FairQueue<std::shared_ptr<Order>> ready;  // Waiting for their turn.
+  std::int64_t outstanding = 0;             // Pieces posted and not finished.
+  std::size_t num_idle = 0;                 // Idle threads.
+  std::size_t num_replaced = 0;             // Replaced threads in `threads`.
   bool supervisor_sleeps = false;  // True if the supervisor sleeps until it is notified; false if it wakes by itself.
   bool closed = false;             // True once join() saw nothing outstanding: posts are refused and threads end.
   Threads threads;
@@ -85,7 +86,7 @@ bool Workers::Pool::post(const std::shared_ptr<Order>& order, std::function<void
   order->waiting.splice(order->waiting.end(), piece);
   if (order->has_turn) return true;
   order->has_turn = true;
-  ready.push_back(order);
+  ready.push(order->group, order);
   const Wakes wakes = wakes_for_ready();
   lock.unlock();  // A woken thread would only wait for it.
   wake(wakes);
@@ -118,8 +119,7 @@ void Workers::Pool::run(Threads::iterator self) {
     work_waits.wait(lock, [&] { return closed || !ready.empty(); });
     if (ready.empty()) return;
     --num_idle;
-    const std::shared_ptr<Order> order = std::move(ready.front());
-    ready.pop_front();
+    const std::shared_ptr<Order> order = ready.pop();
     take_turn(order, *self, lock);
     if (self->replaced) break;
     ++num_idle;
@@ -139,13 +139,15 @@ void Workers::Pool::take_turn(const std::shared_ptr<Order>& order, Thread& self,
     lock.unlock();
     piece.front()();
     piece.clear();  // Destroys the captured objects before the pool may count as idle.
+    const Nanoseconds used = SteadyClock::now() - *self.busy_since;
     lock.lock();
+    ready.charge(*order->group, used);
     if (--outstanding == 0) idle.notify_all();
   }
   self.busy_since.reset();
   order->has_turn = !order->waiting.empty();
   if (!order->has_turn) return;
-  ready.push_back(order);
+  ready.push(order->group, order);
   if (self.replaced) wake(wakes_for_ready());  // Otherwise this thread takes the next ready strand itself.
 }
 
@@ -242,8 +244,11 @@ Workers::~Workers() {
   join();
 }
 
-Workers::Strand Workers::make_strand() {
-  return {pool_, std::make_shared<Order>()};
+Workers::Strand Workers::make_strand(const std::string& group) {
+  const auto order = std::make_shared<Order>();
+  const std::lock_guard lock(pool_->mutex);
+  order->group = pool_->ready.group(group);
+  return {pool_, order};
 }
 
 std::size_t Workers::num_threads() const {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <string>
 
 #include "server/service/host/clock.h"
 
@@ -11,7 +12,7 @@ namespace kerf::host {
 
 // Runs work on a pool of threads, in strands: work posted to one strand runs in order, never two pieces at once. In a
 // turn a thread runs the pieces that wait on a strand as the turn begins. Strands get turns in the order of their
-// requests.
+// requests, and groups of strands in turns, see FairQueue.
 //
 // Long work does not delay the rest. While strands wait and no thread is idle, each thread busy with one piece for
 // longer than `long_work` is replaced by a new one. The operating system shares the cores among them. The replaced
@@ -50,7 +51,8 @@ class Workers {
   Workers(const Workers&) = delete;
   Workers& operator=(const Workers&) = delete;
 
-  Strand make_strand();
+  // Returns a new strand. Strands of different groups share the threads in equal parts of the time, if all have work.
+  Strand make_strand(const std::string& group = {});
   // Returns the number of threads, including replaced ones still at work.
   [[nodiscard]] std::size_t num_threads() const;
   // Blocks until no work is queued or running. Not from a worker.

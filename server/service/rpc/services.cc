@@ -71,7 +71,7 @@ void answer_allowed(api::Api& api, const Context& context, const ByteBuffer* byt
   if (!caller.ok()) return reactor->Finish(to_status(caller.error()));
   const std::optional<Request> request = parse<Request>(bytes, reactor);
   if (!request) return;
-  if (const Status allowed = api::check_access(*caller, *request); !allowed.ok()) {
+  if (const Status allowed = api.allow(*caller, *request); !allowed.ok()) {
     return reactor->Finish(to_status(allowed.error()));
   }
   call(*request, *caller);
@@ -82,8 +82,8 @@ template <typename Request, typename Response>
 Reactor* answer(api::Api& api, void (api::Api::*method)(const Request&, api::Reply<Response>), Context* context,
                 const ByteBuffer* bytes, ByteBuffer* response) {
   Reactor* reactor = context->DefaultReactor();
-  answer_allowed<Request>(api, *context, bytes, reactor, [&](const Request& request, const auth::Caller& /*caller*/) {
-    (api.*method)(request, finisher<Response>(reactor, response));
+  answer_allowed<Request>(api, *context, bytes, reactor, [&](const Request& request, const auth::Caller& caller) {
+    (api.*method)(request, api.recorded(caller, request, finisher<Response>(reactor, response)));
   });
   return reactor;
 }
@@ -93,7 +93,7 @@ Reactor* answer(api::Api& api, void (api::Api::*method)(const Request&, const au
                 Context* context, const ByteBuffer* bytes, ByteBuffer* response) {
   Reactor* reactor = context->DefaultReactor();
   answer_allowed<Request>(api, *context, bytes, reactor, [&](const Request& request, const auth::Caller& caller) {
-    (api.*method)(request, caller, finisher<Response>(reactor, response));
+    (api.*method)(request, caller, api.recorded(caller, request, finisher<Response>(reactor, response)));
   });
   return reactor;
 }
@@ -114,8 +114,8 @@ template <typename Request, typename Response>
 Reactor* answer(api::Api& api, void (api::Api::*method)(const Request&, api::Reply<Response>, std::stop_token),
                 Context* context, const ByteBuffer* bytes, ByteBuffer* response) {
   auto* reactor = new CancellableReactor;  // Deletes itself in OnDone.
-  answer_allowed<Request>(api, *context, bytes, reactor, [&](const Request& request, const auth::Caller& /*caller*/) {
-    (api.*method)(request, finisher<Response>(reactor, response), reactor->token());
+  answer_allowed<Request>(api, *context, bytes, reactor, [&](const Request& request, const auth::Caller& caller) {
+    (api.*method)(request, api.recorded(caller, request, finisher<Response>(reactor, response)), reactor->token());
   });
   return reactor;
 }

@@ -118,8 +118,10 @@ auto begin_allowed(api::Api& api, const grpc::CallbackServerContext& context,
                    Result<std::unique_ptr<api::Upload>> (api::Api::*method)(const Start&)) {
   return [&api, caller = caller_of(api, context), method](const Start& start) -> Result<std::unique_ptr<api::Upload>> {
     KERF_TRY(caller);
-    KERF_TRY(api::check_access(*caller, start));
-    return (api.*method)(start);
+    KERF_TRY(api.allow(*caller, start));
+    KERF_TRY_ASSIGN(std::unique_ptr<api::Upload> upload, (api.*method)(start));
+    upload->record_with(api.recorder(*caller, start));
+    return upload;
   };
 }
 
@@ -134,7 +136,7 @@ class RecordingReactor final : public grpc::ServerWriteReactor<ByteBuffer> {
     const Result<auth::Caller> caller = caller_of(api, context);
     Status allowed = caller.ok() ? Status(Nothing{}) : Status(caller.error());
     if (allowed.ok() && !request.ok()) allowed = request.error();
-    if (allowed.ok()) allowed = api::check_access(*caller, *request);
+    if (allowed.ok()) allowed = api.allow(*caller, *request);
     if (!allowed.ok()) {
       Finish(to_status(allowed.error()));
       return;

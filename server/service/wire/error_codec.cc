@@ -43,6 +43,9 @@ CodeName code_name(ErrorCode code) {
   KERF_CHECK(false, "an ErrorCode outside its enumeration");
 }
 
+// Begins the field of an error that is about a tenant, and no field of the request.
+constexpr std::string_view kQuotaSubject = "tenant:";
+
 google::rpc::Status to_status(const Error& error) {
   google::rpc::Status status;
   status.set_code(status_code(error.code));
@@ -51,7 +54,13 @@ google::rpc::Status to_status(const Error& error) {
   info.set_reason(error.reason);
   info.set_domain("kerf");
   status.add_details()->PackFrom(info);
-  if (!error.field.empty()) {
+  if (error.field.starts_with(kQuotaSubject)) {
+    google::rpc::QuotaFailure failure;
+    google::rpc::QuotaFailure::Violation* violation = failure.add_violations();
+    violation->set_subject(error.field);
+    violation->set_description(error.message);
+    status.add_details()->PackFrom(failure);
+  } else if (!error.field.empty()) {
     google::rpc::BadRequest request;
     google::rpc::BadRequest::FieldViolation* violation = request.add_field_violations();
     violation->set_field(error.field);
@@ -73,6 +82,11 @@ bool passes_by_itself(const Error& error) {
                                                      "OVERLOADED",
                                                      "QUEUE_FULL",
                                                      "STORAGE_FULL",
+                                                     "TENANT_CUTS",
+                                                     "TENANT_IMAGE_STREAMS",
+                                                     "TENANT_LOAD",
+                                                     "TENANT_SHEETS",
+                                                     "TENANT_STREAMS",
                                                      "TOO_MANY_ANALYSES",
                                                      "TOO_MANY_CONNECTIONS",
                                                      "TOO_MANY_FILES",

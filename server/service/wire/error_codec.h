@@ -18,8 +18,8 @@ std::int32_t status_code(ErrorCode code);
 std::string_view status_name(ErrorCode code);  // "INVALID_ARGUMENT"
 
 // Returns a serialised google.rpc.Status for the trailer grpc-status-details-bin. It has code, message and details:
-// ErrorInfo{reason, domain "kerf"}, BadRequest if the error names a field, RetryInfo{kRetryDelay} if
-// passes_by_itself().
+// ErrorInfo{reason, domain "kerf"}, BadRequest if the error names a field, or QuotaFailure if that is "tenant:NAME",
+// and RetryInfo{kRetryDelay} if passes_by_itself().
 std::string encode_status(const Error& error);
 
 // True if the error reports a limit on things in use at the same time, such as sheets or uploads. It is also true for a

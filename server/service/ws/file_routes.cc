@@ -81,9 +81,11 @@ Result<std::unique_ptr<api::Upload>> begin_upload(
     Result<std::unique_ptr<api::Upload>> (api::Api::*method)(const Start&)) {
   KERF_TRY(caller);
   KERF_TRY(start);
-  KERF_TRY(api::check_access(*caller, *start));
+  KERF_TRY(api.allow(*caller, *start));
   start->set_num_bytes(static_cast<std::int64_t>(num_bytes));
-  return (api.*method)(*start);
+  KERF_TRY_ASSIGN(std::unique_ptr<api::Upload> upload, (api.*method)(*start));
+  upload->record_with(api.recorder(*caller, *start));
+  return upload;
 }
 
 }  // namespace
@@ -116,7 +118,7 @@ void FileRoutes::download(const Result<auth::Caller>& caller, std::string_view p
   const std::string file = std::string(path.substr(kSheets.size() + 1));
   v1::GetSheetRecordingRequest request;
   request.set_name(std::string(name));
-  if (const Status allowed = api::check_access(*caller, request); !allowed.ok()) return done(refusal(allowed.error()));
+  if (const Status allowed = api_.allow(*caller, request); !allowed.ok()) return done(refusal(allowed.error()));
   api_.get_sheet_recording(request, [file, done = std::move(done)](Result<std::shared_ptr<const std::string>> reply) {
     if (!reply.ok()) return done(refusal(reply.error()));
     done({200,

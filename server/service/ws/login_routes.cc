@@ -66,7 +66,7 @@ Result<auth::Caller> LoginRoutes::caller_of(const HttpRequest& request, Kind kin
   auth::Authenticator* const authenticator = api_.authenticator();
   const std::string_view login = login_in(request);
   if (authenticator == nullptr || !request.authorization.empty() || login.empty()) {
-    return api_.caller_of(request.authorization);
+    return api_.caller_of(request.authorization, request.peer);
   }
   if (kind == Kind::kPost && request.csrf != "1") {
     return permission_denied("CSRF_HEADER_MISSING",
@@ -77,7 +77,9 @@ Result<auth::Caller> LoginRoutes::caller_of(const HttpRequest& request, Kind kin
     return permission_denied("ORIGIN_MISSING", "a login is for browsers, which send an Origin; send a token instead",
                              "Origin");
   }
-  return authenticator->logins().find(login);
+  KERF_TRY_ASSIGN(auth::Caller caller, authenticator->logins().find(login));
+  caller.address = request.peer;
+  return caller;
 }
 
 bool LoginRoutes::is_route(std::string_view path) {
@@ -107,10 +109,12 @@ HttpResponse LoginRoutes::log_in(const HttpRequest& request, const AccessPolicy&
   const Result<std::string> login = begin_login(*authenticator, credential);
   if (!login.ok()) {
     if (login.error().code == ErrorCode::kUnauthenticated) count_failure(request.peer);
+    api_.record({auth::everybody().grant, request.peer}, "Login", login.error());
     return refusal(login.error());
   }
   const Result<auth::Caller> caller = authenticator->logins().find(*login);
   if (!caller.ok()) return refusal(caller.error());
+  api_.record({caller->grant, request.peer}, "Login", Nothing{});
   const std::int64_t seconds = std::max<std::int64_t>((*caller)->ends_at() - authenticator->now(), 0);
   HttpResponse response = json_answer(api_.describe(*caller));
   response.headers.emplace_back("Set-Cookie", set_cookie(policy, *login, seconds));
@@ -119,6 +123,8 @@ HttpResponse LoginRoutes::log_in(const HttpRequest& request, const AccessPolicy&
 
 HttpResponse LoginRoutes::log_out(const HttpRequest& request, const AccessPolicy& policy) {
   if (auth::Authenticator* const authenticator = api_.authenticator(); authenticator != nullptr) {
+    const Result<auth::Caller> caller = authenticator->logins().find(login_in(request));
+    if (caller.ok()) api_.record({caller->grant, request.peer}, "Logout", Nothing{});
     authenticator->logins().end(login_in(request));
     api_.check_callers();
   }

@@ -196,10 +196,15 @@ void add_recordings(Page& page, const RecordingCounts& recordings) {
 
 std::string metrics_page(const host::HostMetrics& host, const HttpCounts& http, const GrpcCounts& grpc,
                          std::int32_t watchers, const api::FrameCounts& frames, const api::PictureCounts& pictures,
-                         const RecordingCounts& recordings, const std::string& version) {
+                         const RecordingCounts& recordings, std::int64_t certificate_end_s,
+                         const std::string& version) {
   Page page;
   page.begin_gauge("kerf_build_info", "Always 1; the label is the version.");
   page.gauge_value({{"version", version}}, 1);
+  if (certificate_end_s != 0) {
+    page.gauge("kerf_certificate_end_unix_seconds", "When the server's certificate ends, in seconds since 1970.",
+               static_cast<double>(certificate_end_s));
+  }
   add_process(page);
   add_host(page, host);
   add_transports(page, http, grpc, watchers);

@@ -28,8 +28,9 @@ struct RecordingCounts {
 
 // Returns the page of /metrics, Prometheus text format 0.0.4. Every name starts with kerf_, or with process_ if all
 // servers have it. Names end in their unit, and those of counters in _total. `watchers`: streams of both transports.
+// `certificate_end_s`: end of the server's certificate, s since 1970; 0: it has none.
 std::string metrics_page(const host::HostMetrics& host, const HttpCounts& http, const GrpcCounts& grpc,
                          std::int32_t watchers, const api::FrameCounts& frames, const api::PictureCounts& pictures,
-                         const RecordingCounts& recordings, const std::string& version);
+                         const RecordingCounts& recordings, std::int64_t certificate_end_s, const std::string& version);
 
 }  // namespace kerf::ws

@@ -192,7 +192,7 @@ void Router::draw(const HttpRequest& from, const PicturePath& picture, std::stri
   if (!caller.ok()) return done(refusal(caller.error()));
   const Result<v1::RenderImageRequest> request = decode_still_query(picture, query);
   if (!request.ok()) return done(refusal(request.error()));
-  if (const Status allowed = api::check_access(*caller, *request); !allowed.ok()) {
+  if (const Status allowed = api_.allow(*caller, *request); !allowed.ok()) {
     return done(refusal(in_words_of_query(allowed.error())));
   }
   api_.render_image(*request, [done = std::move(done)](Result<v1::RenderImageResponse> reply) {

@@ -42,6 +42,10 @@ std::string close_text(std::string text) {
   return text;
 }
 
+TokenBucket::Time now() {
+  return std::chrono::steady_clock::now().time_since_epoch();
+}
+
 }  // namespace
 
 template <typename Stream>
@@ -49,9 +53,8 @@ SocketStream<Stream>::SocketStream(ConnectionContext& context, Stream& stream, R
     : context_(context),
       socket_(stream),
       open_(std::move(open)),
-      control_frames_(kControlFramesPerS, kControlFramesAtOnce, std::chrono::steady_clock::now()),
-      frame_bytes_(kFrameBytesPerS, 2.0 * static_cast<double>(context.options.max_message_bytes),
-                   std::chrono::steady_clock::now()),
+      control_frames_(kControlFramesPerS, kControlFramesAtOnce, now()),
+      frame_bytes_(kFrameBytesPerS, 2.0 * static_cast<double>(context.options.max_message_bytes), now()),
       woken_(socket_.get_executor()),
       write_limit_(socket_.get_executor()) {
   websocket::stream_base::timeout timeout{};
@@ -170,11 +173,11 @@ void SocketStream<Stream>::abort_after(std::chrono::milliseconds time) {
 template <typename Stream>
 void SocketStream<Stream>::limit_frames() {
   socket_.next_layer().watch([this](std::size_t bytes) {
-    const bool is_within = frame_bytes_.take(static_cast<double>(bytes), std::chrono::steady_clock::now());
+    const bool is_within = frame_bytes_.take(static_cast<double>(bytes), now());
     if (!is_within) flooded("messages and fragments");
   });
   socket_.control_callback([this](websocket::frame_type /*kind*/, beast::string_view /*payload*/) {
-    if (!control_frames_.take(1.0, std::chrono::steady_clock::now())) flooded("pings and pongs");
+    if (!control_frames_.take(1.0, now())) flooded("pings and pongs");
   });
 }
 

@@ -12,10 +12,10 @@
 #include <optional>
 #include <string_view>
 
+#include "server/base/token_bucket.h"
 #include "server/service/api/stream_session.h"
 #include "server/service/ws/connection.h"
 #include "server/service/ws/http_messages.h"
-#include "server/service/ws/token_bucket.h"
 #include "server/service/ws/transport.h"
 #include "server/service/ws/wake_event.h"
 #include "server/service/ws/watched_reads.h"

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <chrono>
 
-namespace kerf::ws {
+namespace kerf {
 
 // Limits a rate: `per_second` in the long run, and up to `burst` at once. Starts full.
 class TokenBucket {
  public:
-  using Time = std::chrono::steady_clock::time_point;
+  using Time = std::chrono::nanoseconds;  // since any moment
 
   // `per_second` and `burst` are > 0. `now` is the starting time.
   TokenBucket(double per_second, double burst, Time now)
@@ -32,4 +32,4 @@ class TokenBucket {
   Time at_;
 };
 
-}  // namespace kerf::ws
+}  // namespace kerf
