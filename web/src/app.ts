@@ -7,6 +7,7 @@ import type { StreamWishes } from './sheet/live_sheet';
 import { ShownSheet } from './sheet/shown_sheet';
 import type { FrameCopy, SheetCopy } from './stream/sheet_copy';
 import type { Pace } from './stream/watch';
+import type { Viewer } from './tools/tool';
 import { AccessPanel } from './ui/access/access_panel';
 import { takeCode } from './ui/access/link_code';
 import { LoginDialog } from './ui/access/login_dialog';
@@ -24,6 +25,7 @@ import { ImageMode } from './ui/image_mode';
 import { bindKeys } from './ui/keys';
 import { Notices } from './ui/notices';
 import { PhysicsPanel } from './ui/physics/physics_panel';
+import { People } from './ui/people/people';
 import { PiecePanel } from './ui/piece_panel';
 import { RecordingControl } from './ui/recording_control';
 import { ReplayBar } from './ui/replay_bar';
@@ -64,8 +66,13 @@ export class App {
   private readonly live: LiveSheet = new LiveSheet(
     () => this.wishes,
     {
-      onState: () => this.connectionChanged(),
+      onState: (state) => {
+        // The next connection begins with all who are there.
+        if (state !== 'live') this.people.clear();
+        this.connectionChanged();
+      },
       onFrame: (copy, frame) => this.receiveLive(copy, frame),
+      onNews: (news) => this.people.take(news),
       onSettings: (sheet) => this.shown.set(sheet),
       onRejection: (rejection) => this.tools.grab.rejected(rejection),
       onRecording: (progress, parts) => this.recording.took(progress, parts),
@@ -114,7 +121,7 @@ export class App {
     theme: this.theme,
     statistics: this.statistics,
     notices: this.notices,
-    isPicking: () => this.tools.tool.id !== 'view' || this.panels.open === 'pieces',
+    isPicking: () => this.tools.tool.id !== 'view' || this.panels.open === 'pieces' || this.people.arePointersShown,
     showConnections: () => this.connectionChanged(),
     setMeshDrawn: (isDrawn) => this.shown.setDrawn(isDrawn),
   });
@@ -132,14 +139,15 @@ export class App {
 
   // Controls of the sheet.
   private readonly firstHint = new FirstHint(element('first-hint'), element('first-hint-close'));
+  private readonly viewer: Viewer = {
+    stage: this.stage,
+    overlay: element('overlay'),
+    shown: this.shown,
+    live: this.live,
+    notices: this.notices,
+  };
   private readonly tools: ToolChoice = new ToolChoice(
-    {
-      stage: this.stage,
-      overlay: element('overlay'),
-      shown: this.shown,
-      live: this.live,
-      notices: this.notices,
-    },
+    this.viewer,
     this.replayBar,
     this.rights,
     { onTried: () => this.firstHint.close(), onFileWanted: () => this.svgFiles.choose() },
@@ -152,6 +160,13 @@ export class App {
   private readonly physics = new PhysicsPanel(this.live, this.shown, this.notices);
   private readonly pieces = new PiecePanel(this.live, this.shown);
   private readonly states = new StatePanel(this.live, this.notices, () => (this.imageMode.isOn ? 2 : 1));
+
+  private readonly people: People = new People({
+    viewer: this.viewer,
+    tools: this.tools,
+    imageMode: this.imageMode,
+    panels: this.panels,
+  });
   private readonly opener = new SheetOpener({
     live: this.live,
     shown: this.shown,
@@ -161,6 +176,7 @@ export class App {
     replayBar: this.replayBar,
     panels: this.panels,
     connection: this.connection,
+    people: this.people,
   });
   private readonly sheets = new SheetChoice({
     live: this.live,
@@ -214,6 +230,7 @@ export class App {
     imageMode: this.imageMode,
     tools: this.tools,
     pieces: this.pieces,
+    people: this.people,
     quality: new AdaptiveDrawing({
       stage: this.stage,
       live: this.live,
@@ -228,10 +245,12 @@ export class App {
     this.panels.add('pieces', this.pieces);
     this.panels.add('sheets', this.sheets);
     this.panels.add('states', this.states);
+    this.panels.add('people', this.people.panel);
     this.panels.add('access', this.accessPanel);
     document.addEventListener('visibilitychange', () => {
       this.live.pageSeen();
       this.imageMode.pageSeen();
+      this.people.pointing.update();
       if (!document.hidden) void this.session.look();
     });
     addEventListener('hashchange', () => {
@@ -257,6 +276,7 @@ export class App {
       saveMenu: this.saveMenu,
       svgFiles: this.svgFiles,
       panels: this.panels,
+      pointing: this.people.pointing,
       replayBar: this.replayBar,
       rights: this.rights,
     });
@@ -283,6 +303,7 @@ export class App {
   private gotAccess(access: Access | undefined): void {
     this.rights.set(access);
     this.accessPanel.show(access);
+    this.people.panel.show(access);
     if (!this.rights.may(Scope.CUT)) this.tools.choose('view');
   }
 

@@ -39,7 +39,8 @@ describe('DrawingLoop', () => {
     quality.begin.mockImplementation((_: number, isChanged: boolean) => isChanged);
     const tools = { tool: { update: vi.fn() }, cut: { isOnSheet: false } };
     const pieces = { update: vi.fn() };
-    const parts = { stage, shown, live, replayBar, look, imageMode, tools, pieces, quality, status, statistics };
+    const people = { place: vi.fn(), update: vi.fn() };
+    const parts = { stage, shown, live, replayBar, look, imageMode, tools, pieces, people, quality, status, statistics };
     loop = new DrawingLoop(parts as unknown as DrawnParts);
     loop.start();
   });

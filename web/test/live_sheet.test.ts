@@ -33,6 +33,7 @@ describe('LiveSheet', () => {
     onFrame: vi.fn(),
     onSettings: vi.fn(),
     onRejection: vi.fn(),
+    onNews: vi.fn(),
     onRecording: vi.fn(),
     onFailed: vi.fn(),
   };

@@ -1,5 +1,6 @@
 // The page's and the worker's side of a stream, with a channel between them as between a page and its worker.
 import { create, fromBinary, toBinary } from '@bufbuild/protobuf';
+import type { MessageInitShape } from '@bufbuild/protobuf';
 import type { AddressInfo } from 'node:net';
 import { MessageChannel } from 'node:worker_threads';
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
@@ -54,13 +55,16 @@ describe('RemoteWatch', () => {
   const onState = vi.fn();
   const onRejection = vi.fn();
   const onRecording = vi.fn();
+  const onNews = vi.fn();
   const ticks: number[] = [];
 
-  const send = (value: Frame) =>
-    socket!.send(toBinary(WatchResponseSchema, create(WatchResponseSchema, { kind: { case: 'frame', value } })));
+  const tell = (kind: MessageInitShape<typeof WatchResponseSchema>['kind']) =>
+    socket!.send(toBinary(WatchResponseSchema, create(WatchResponseSchema, { kind })));
+  const send = (value: Frame) => tell({ case: 'frame', value });
   const open = (strains = false, goesOn = false, isPaused = false) => {
     const url = `ws://127.0.0.1:${(server.address() as AddressInfo).port}/watch`;
-    const events = { onState, onRejection, onRecording, onFrame: ({ tick }: { tick: number }) => ticks.push(tick) };
+    const onFrame = ({ tick }: { tick: number }) => ticks.push(tick);
+    const events = { onState, onRejection, onNews, onRecording, onFrame };
     const port = channel.port1 as unknown as Port<ToWorker, FromWorker>;
     watch = new RemoteWatch(port, url, 'sheets/a', events, { strains, goesOn, pace: { isPaused, maxRateHz: 0 } });
     return watch;
@@ -71,6 +75,7 @@ describe('RemoteWatch', () => {
     requests.length = ticks.length = 0;
     onState.mockClear();
     onRecording.mockClear();
+    onNews.mockClear();
     server = new WebSocketServer({ port: 0, host: '127.0.0.1', handleProtocols: () => 'kerf.v1' });
     server.on('connection', (connection) => {
       socket = connection;
@@ -148,6 +153,33 @@ describe('RemoteWatch', () => {
     copyOf.mockRestore();
   });
 
+  it('hears of the audience between frames, in the order of the stream, without a copy or an acknowledgement of it', async () => {
+    const copyOf = vi.spyOn(SpareArrays.prototype, 'copyOf');
+    const watch = open();
+    expect(await requested('start')).toMatchObject({ value: { audience: true } });
+    const heard: string[] = [];
+    onNews.mockImplementation(({ case: kind }: { case: string }) => heard.push(`${kind} after ${ticks.length}`));
+    tell({ case: 'audience', value: { viewers: [{ number: 2, tokenId: 'alice' }], numViewers: 1, self: 2 } });
+    tell({ case: 'activity', value: { tokenId: 'alice', call: 'UndoCut' } });
+    send(frame(1, 5));
+    tell({ case: 'pointer', value: { viewer: 3, material: { x: 0.5, y: 0.25 } } });
+    send(frame(2, 6));
+    await vi.waitUntil(() => ticks.length === 2);
+    expect(heard).toEqual(['audience after 0', 'activity after 0', 'pointer after 1']);
+    expect(onNews.mock.calls[2][0].value).toMatchObject({ viewer: 3, material: { x: 0.5, y: 0.25 } });
+    expect(copyOf).toHaveBeenCalledTimes(2);
+    copyOf.mockRestore();
+    watch.acknowledge();
+    expect(await requested('ack')).toMatchObject({ value: { sequence: 2n } });
+    tell({ case: 'pointer', value: { viewer: 3 } });
+    await vi.waitUntil(() => heard.length === 4);
+    watch.acknowledge();
+    watch.send({ case: 'pointer', value: {} });
+    await requested('pointer');
+    expect(requests.map(({ case: kind }) => kind)).toEqual(['start', 'ack', 'pointer']);
+    onNews.mockReset();
+  });
+
   it('records from a stream that brings everything, and gives the file when it is stopped', async () => {
     const first = open();
     await requested('start');
@@ -213,7 +245,7 @@ describe('RemoteWatch', () => {
     const asked: ToWorker[] = [];
     const port: Port<ToWorker, FromWorker> = { onmessage: null, postMessage: (message) => asked.push(message) };
     const onFrame = vi.fn();
-    const events = { onState, onRejection, onRecording, onFrame };
+    const events = { onState, onRejection, onNews, onRecording, onFrame };
     const options = { strains: false, goesOn: false, pace: { isPaused: false, maxRateHz: 0 } };
     const closed = new RemoteWatch(port, 'ws://a/watch', 'sheets/a', events, options);
     const { id } = asked[0] as ToWorker & { kind: 'start' };

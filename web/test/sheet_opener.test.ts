@@ -29,10 +29,11 @@ describe('SheetOpener', () => {
       replayBar: part('replayBar', replayBar),
       panels: part('panels', { open: 'physics' }),
       connection: part('connection'),
+      people: part('people'),
     } as unknown as FollowingParts);
   });
 
-  const kLetGo = ['tool leave', 'recording stop', 'live close', 'imageMode close', 'shown clear'];
+  const kLetGo = ['tool leave', 'recording stop', 'live close', 'people clear', 'imageMode close', 'shown clear'];
 
   it('lets the last sheet go before it opens the next, and ends a recording', () => {
     opener.open('sheets/b');

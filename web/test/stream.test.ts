@@ -10,6 +10,7 @@ import { Encoding, Ended_Reason, WatchRequestSchema, WatchResponseSchema } from 
 import type { WatchRequest } from '../src/gen/kerf/v1/stream_pb';
 import { FrameClock } from '../src/stream/frame_clock';
 import { Watch } from '../src/stream/watch';
+import type { AudienceNews } from '../src/stream/watch';
 import type { ConnectionState } from '../src/stream/connection';
 
 // Node 18 and 20 have no WebSocket of their own.
@@ -110,16 +111,21 @@ describe('Watch', () => {
   let states: Inbox<{ state: ConnectionState; detail: string }>;
   let ticks: Inbox<number>;
   let rejections: Inbox<string>;
+  let news: Inbox<AudienceNews>;
 
   beforeEach(async () => {
-    [states, ticks, rejections] = [new Inbox(), new Inbox(), new Inbox()];
+    [states, ticks, rejections, news] = [new Inbox(), new Inbox(), new Inbox(), new Inbox()];
     server = new FakeServer();
     watch = new Watch(await server.url(), 'sheets/demo', {
       onState: (state, detail) => states.put({ state, detail }),
       onFrame: (mirror) => ticks.put(mirror.tick),
       onRejection: ({ message }) => rejections.put(message),
+      onNews: (message) => news.put(message),
     });
-    expect(await server.requests.next()).toMatchObject({ case: 'start', value: { name: 'sheets/demo', window: 0, epoch: '' } });
+    expect(await server.requests.next()).toMatchObject({
+      case: 'start',
+      value: { name: 'sheets/demo', window: 0, epoch: '', audience: true },
+    });
   });
 
   afterEach(() => {
@@ -184,6 +190,25 @@ describe('Watch', () => {
     const lost = await states.until(({ state }) => state === 'lost');
     expect(lost.detail).toContain('frame 3 after frame 1');
     expect(await server.requests.next()).toMatchObject({ case: 'start', value: { epoch: '' } });
+  });
+
+  it('hands on news of the audience as they come, and acknowledges frames only', async () => {
+    server.send({ case: 'audience', value: { viewers: [{ number: 4, tokenId: 'alice' }], numViewers: 1, self: 4 } });
+    server.send({ case: 'activity', value: { tokenId: 'bob', byLink: true, call: 'CreateCut', unixUs: 7n } });
+    const audience = await news.next();
+    expect(audience).toMatchObject({ case: 'audience', value: { self: 4, viewers: [{ number: 4, tokenId: 'alice' }] } });
+    expect(await news.next()).toMatchObject({ case: 'activity', value: { tokenId: 'bob', byLink: true, call: 'CreateCut' } });
+    expect(watch.state).toBe('connecting');
+    watch.acknowledge();
+    server.sendKeyframe(1n, 5n);
+    await ticks.next();
+    server.send({ case: 'pointer', value: { viewer: 9, material: { x: 0.25, y: 0.5 } } });
+    expect(await news.next()).toMatchObject({ case: 'pointer', value: { viewer: 9, material: { x: 0.25, y: 0.5 } } });
+    watch.acknowledge();
+    watch.send({ case: 'pointer', value: { material: { x: 1, y: 2 } } });
+    expect(await server.requests.next()).toMatchObject({ case: 'ack', value: { sequence: 1n } });
+    const { case: kind, value } = (await server.requests.next()) as { case: string; value: { material: object } };
+    expect([kind, value.material]).toMatchObject(['pointer', { x: 1, y: 2 }]);
   });
 
   it('tells a rejection, and stays ended when the sheet is deleted', async () => {

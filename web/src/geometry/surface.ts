@@ -142,6 +142,12 @@ export class Surface {
     return place && this.worldAt(place);
   }
 
+  /** Returns the world position of a material point that lies in a triangle; else undefined. */
+  onSheet(point: Point2): Vector3 | undefined {
+    const place = this.locator.find(point);
+    return place && this.worldAt(place);
+  }
+
   /** Returns the place of a material point; beside the sheet its weights are outside 0..1. */
   placeOf(point: Point2): Place | undefined {
     return this.locator.find(point) ?? this.nearestOnBoundary(point);

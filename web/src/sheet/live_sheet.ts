@@ -4,13 +4,14 @@ import type { Sheet } from '../gen/kerf/v1/sheets_pb';
 import type { Rejection } from '../gen/kerf/v1/stream_pb';
 import { NewestAnswer } from '../newest_answer';
 import type { Reporter } from '../notifier';
+import type { ConnectionState } from '../stream/connection';
 import { FrameClock, unixTimeMs } from '../stream/frame_clock';
 import type { RemoteWatch } from '../stream/remote_watch';
 import { SettingsFollower } from '../stream/settings_follower';
 import type { FrameCopy, SheetCopy } from '../stream/sheet_copy';
 import { SheetStream } from '../stream/sheet_stream';
 import type { RecordingProgress } from '../stream/stream_recorder';
-import type { Pace } from '../stream/watch';
+import type { AudienceNews, Pace } from '../stream/watch';
 import type { OpenSheet } from './open_sheet';
 
 /** The stream that the viewer wants now. */
@@ -21,10 +22,11 @@ export interface StreamWishes {
 
 export interface LiveSheetEvents {
   /** Called when the state of the connection has changed. */
-  onState(): void;
+  onState(state: ConnectionState): void;
   onFrame(copy: SheetCopy, frame: FrameCopy): void;
   onSettings(sheet: Sheet): void;
   onRejection(rejection: Rejection): void;
+  onNews(news: AudienceNews): void;
   /** @param parts  content of the file once the recording is finished, else undefined */
   onRecording(progress: RecordingProgress, parts: ArrayBuffer[] | undefined): void;
   /** Called when the stream has failed and its recording is lost. `why` is a sentence for people. */
@@ -56,10 +58,11 @@ export class LiveSheet implements OpenSheet {
       onState: (state) => {
         // The first frame of the next connection then fetches the settings again.
         if (state !== 'live') this.settings.reset();
-        events.onState();
+        events.onState(state);
       },
       onFrame: (copy, frame) => this.received(copy, frame),
       onRejection: (rejection) => events.onRejection(rejection),
+      onNews: (news) => events.onNews(news),
       onRecording: (progress, parts) => {
         events.onRecording(progress, parts);
         // Sets the pace here, because a recording may also end in a hidden page, where no drawing does so.

@@ -3,7 +3,7 @@ import type { ConnectionState } from './connection';
 import { SheetCopy, copiedBuffers } from './sheet_copy';
 import type { FrameCopy } from './sheet_copy';
 import type { RecordingProgress } from './stream_recorder';
-import type { Pace, WatchRequestKind } from './watch';
+import type { AudienceNews, Pace, WatchRequestKind } from './watch';
 import type { FromWorker, Port, ToWorker } from './watch_messages';
 
 export interface RemoteWatchEvents {
@@ -15,6 +15,8 @@ export interface RemoteWatchEvents {
    */
   onFrame(copy: SheetCopy, frame: FrameCopy): void;
   onRejection(rejection: Rejection): void;
+  /** See WatchEvents.onNews(). */
+  onNews(news: AudienceNews): void;
   /** @param parts  content of the file once the recording is finished, else undefined */
   onRecording(progress: RecordingProgress, parts: ArrayBuffer[] | undefined): void;
 }
@@ -67,7 +69,7 @@ export class RemoteWatch {
     this.port.postMessage({ kind: 'acknowledge', id: this.id, spare }, spare);
   }
 
-  /** Sends a grab, drag or release; false if there is no connection, and the server has then already ended the grab. */
+  /** Sends a grab, drag, release or pointer; false if there is no connection, with which grabs and pointers end. */
   send(request: WatchRequestKind): boolean {
     if (this.state !== 'live') return false;
     this.port.postMessage({ kind: 'send', id: this.id, request });
@@ -124,6 +126,8 @@ export class RemoteWatch {
         return this.events.onRecording(message.progress, message.parts);
       case 'rejection':
         return this.events.onRejection(message.rejection);
+      case 'news':
+        return this.events.onNews(message.news);
       case 'frame':
         if (message.isFirst || !this.copy) this.copy = new SheetCopy();
         else if (this.copy.epoch !== message.frame.epoch) this.copy = new SheetCopy(true);

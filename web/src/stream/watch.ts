@@ -1,13 +1,16 @@
 import { create, fromBinary, toBinary } from '@bufbuild/protobuf';
 import type { MessageInitShape } from '@bufbuild/protobuf';
 import { Ended_Reason, WatchRequestSchema, WatchResponseSchema } from '../gen/kerf/v1/stream_pb';
-import type { Ended, Frame, Rejection } from '../gen/kerf/v1/stream_pb';
+import type { Ended, Frame, Rejection, WatchResponse } from '../gen/kerf/v1/stream_pb';
 import { Connection, endedText, heldUs } from './connection';
 import type { ConnectionState } from './connection';
 import { SheetMirror } from './mirror';
 import type { Delivery } from './stream_meter';
 
 export type WatchRequestKind = MessageInitShape<typeof WatchRequestSchema>['kind'];
+
+/** A message about the others who watch the sheet. */
+export type AudienceNews = Extract<WatchResponse['kind'], { case: 'audience' | 'activity' | 'pointer' }>;
 
 export interface WatchEvents {
   /** Called for a new state; `detail` is its reason, for people, and empty when all is well. */
@@ -18,6 +21,8 @@ export interface WatchEvents {
    */
   onFrame(mirror: SheetMirror, delivery: Delivery, bytes: Uint8Array): void;
   onRejection(rejection: Rejection): void;
+  /** Called for each message about the audience. The first ones of a connection come before its first frame. */
+  onNews(news: AudienceNews): void;
 }
 
 export interface WatchOptions {
@@ -92,7 +97,7 @@ export class Watch {
     if (this.state === 'live') this.sendPace();
   }
 
-  /** Sends a grab, drag or release; false if there is no connection, and the server has then already ended the grab. */
+  /** Sends a grab, drag, release or pointer; false if there is no connection, with which grabs and pointers end. */
   send(kind: WatchRequestKind): boolean {
     return this.connection.send(toBinary(WatchRequestSchema, create(WatchRequestSchema, { kind })));
   }
@@ -118,7 +123,7 @@ export class Watch {
     const { epoch } = this.incoming;
     const topologyVersion = epoch === '' ? 0 : this.incoming.topologyVersion;
     const { strains } = this.options;
-    this.send({ case: 'start', value: { name: this.name, epoch, topologyVersion, strains } });
+    this.send({ case: 'start', value: { name: this.name, epoch, topologyVersion, strains, audience: true } });
   }
 
   private receive(bytes: Uint8Array): void {
@@ -126,6 +131,7 @@ export class Watch {
     if (kind.case === 'frame') this.take(kind.value, bytes);
     else if (kind.case === 'rejection') this.events.onRejection(kind.value);
     else if (kind.case === 'ended') this.ended(kind.value);
+    else if (kind.case !== undefined) this.events.onNews(kind);
   }
 
   private take(frame: Frame, bytes: Uint8Array): void {

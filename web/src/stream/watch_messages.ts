@@ -2,7 +2,7 @@ import type { Rejection } from '../gen/kerf/v1/stream_pb';
 import type { ConnectionState } from './connection';
 import type { FrameCopy } from './sheet_copy';
 import type { RecordingProgress } from './stream_recorder';
-import type { Pace, WatchRequestKind } from './watch';
+import type { AudienceNews, Pace, WatchRequestKind } from './watch';
 
 // Messages between the page and the worker that holds its connection. `id` numbers the page's streams; messages about
 // an earlier stream are ignored.
@@ -26,6 +26,7 @@ export type FromWorker =
   /** `isFirst`: true for the first frame of a connection. */
   | { kind: 'frame'; id: number; frame: FrameCopy; isFirst: boolean }
   | { kind: 'rejection'; id: number; rejection: Rejection }
+  | { kind: 'news'; id: number; news: AudienceNews }
   | { kind: 'recording'; progress: RecordingProgress }
   /** `parts`: content of the file. */
   | { kind: 'recorded'; progress: RecordingProgress; parts: ArrayBuffer[] };

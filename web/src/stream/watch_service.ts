@@ -1,9 +1,9 @@
-import type { ConnectionState } from './connection';
 import { FrameCopier } from './frame_copier';
 import type { SheetMirror } from './mirror';
 import type { Delivery } from './stream_meter';
 import { StreamRecorder } from './stream_recorder';
 import { Watch } from './watch';
+import type { WatchEvents } from './watch';
 import type { FromWorker, Port, ToWorker } from './watch_messages';
 
 // Interval of progress messages of a recording, which the page shows as text.
@@ -59,14 +59,14 @@ export class WatchService {
     this.id = id;
     this.name = name;
     this.shown = undefined;
-    const events = {
-      onState: (state: ConnectionState, detail: string) => this.post({ kind: 'state', id, state, detail }),
-      onFrame: (mirror: SheetMirror, delivery: Delivery, bytes: Uint8Array) => {
+    const events: WatchEvents = {
+      onState: (state, detail) => this.post({ kind: 'state', id, state, detail }),
+      onFrame: (mirror, delivery, bytes) => {
         this.record(mirror, bytes);
         this.handOn(id, mirror, delivery);
       },
-      onRejection: (rejection: (FromWorker & { kind: 'rejection' })['rejection']) =>
-        this.post({ kind: 'rejection', id, rejection }),
+      onRejection: (rejection) => this.post({ kind: 'rejection', id, rejection }),
+      onNews: (news) => this.post({ kind: 'news', id, news }),
     };
     const startsWhole = () => this.recorder !== undefined;
     this.watch = new Watch(url, name, events, { strains, from, startsWhole });

@@ -62,6 +62,11 @@ export class KeyboardPointer {
     return true;
   }
 
+  /** Place of the cross, CSS pixels; undefined while there is none. */
+  get at(): Vector2 | undefined {
+    return this.px;
+  }
+
   private pointer(px: Vector2): Pointer {
     return { px: px.clone(), ray: this.viewer.stage.rayAt(px) };
   }

@@ -17,6 +17,7 @@ export interface DrawnParts {
   readonly imageMode: Pick<ImageMode, 'isShown' | 'ageMs' | 'format' | 'figures' | 'look' | 'draw'>;
   readonly tools: { readonly tool: { update(): void }; readonly cut: { readonly isOnSheet: boolean } };
   readonly pieces: { update(): void };
+  readonly people: { place(): void; update(): void };
   readonly quality: Pick<AdaptiveDrawing, 'begin'>;
   readonly status: Pick<StatusLine, 'drawn' | 'update'>;
   readonly statistics: Pick<StatisticsPanel, 'drawn' | 'update'>;
@@ -34,7 +35,7 @@ export class DrawingLoop {
 
   private turn(nowMs: number): void {
     this.start();
-    const { stage, shown, live, replayBar, imageMode, tools, quality } = this.parts;
+    const { stage, shown, live, replayBar, imageMode, tools, people, quality } = this.parts;
     live.followPace();
     if (live.advance(nowMs) || replayBar.advance(nowMs)) shown.showAgain();
     // Lets folds hide a drawing on the sheet also over a picture of the server.
@@ -43,6 +44,7 @@ export class DrawingLoop {
     if (isStale) {
       this.takeFrame();
       tools.tool.update();
+      people.place();
       stage.draw();
       imageMode.look();
     }
@@ -50,6 +52,7 @@ export class DrawingLoop {
     const isDrawn = imageMode.draw() || (isStale && !imageMode.isShown);
     if (isDrawn) this.drawn(nowMs);
     this.showFigures(nowMs);
+    people.update();
   }
 
   private takeFrame(): void {

@@ -19,6 +19,7 @@ export interface FollowingParts {
   readonly replayBar: Pick<ReplayBar, 'hasFile' | 'leave'>;
   readonly panels: Pick<SidePanels, 'open' | 'close'>;
   readonly connection: Pick<ConnectionChip, 'show'>;
+  readonly people: { clear(): void };
 }
 
 /** Switches the shown sheet: a live one, a recording in its place, or none. */
@@ -77,10 +78,11 @@ export class SheetOpener {
 
   // Ends all that belongs to the last sheet, which stays visible until the next arrives.
   private letGo(): void {
-    const { live, shown, tools, recording, imageMode } = this.parts;
+    const { live, shown, tools, recording, imageMode, people } = this.parts;
     tools.tool.leave();
     recording.stop();
     live.close();
+    people.clear();
     imageMode.close();
     shown.clear();
   }

@@ -52,6 +52,7 @@ export interface KeyedParts {
   readonly saveMenu: Toggled;
   readonly svgFiles: { choose(): void };
   readonly panels: Pick<SidePanels, 'toggle' | 'close'>;
+  readonly pointing: Toggled;
 }
 
 /** One action of keys. */
@@ -304,6 +305,14 @@ function panelGroup(parts: KeyedParts): ShortcutGroup {
       panel('M', 'physics', 'Gravity, wind, pins and material'),
       panel('J', 'pieces', 'All pieces with their sizes'),
       panel('Y', 'states', 'Saved states: save one, go back to one'),
+      panel('Shift+P', 'people', 'Who watches the sheet, and what they did'),
+      {
+        chords: ['Z'],
+        what: 'Show others where you point, or stop',
+        button: '#pointing',
+        isClicked: true,
+        run: () => parts.pointing.toggle(),
+      },
       { chords: ['Escape'], what: 'Close the panel', run: () => parts.panels.close() },
     ],
   };

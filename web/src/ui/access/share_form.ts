@@ -6,6 +6,7 @@ import { sheetId } from '../../sheets';
 import { element, setText } from '../dom';
 import { errorText } from '../error_text';
 import { scopeText, untilText } from './access_text';
+import { copyField } from './copy_field';
 
 /** Makes links to the open sheet, with which others log in. */
 export class ShareForm {
@@ -18,14 +19,14 @@ export class ShareForm {
 
   constructor(
     private readonly live: Pick<OpenSheet, 'sheetName'>,
-    private readonly notifier: Notifier,
+    notifier: Notifier,
     private readonly send: typeof call = call,
   ) {
     element('share-form').addEventListener('submit', (event) => {
       event.preventDefault();
       void this.make();
     });
-    this.copyButton.addEventListener('click', () => void this.copy());
+    this.copyButton.addEventListener('click', () => void copyField(this.link, 'The link is copied', notifier));
   }
 
   /** Forgets the last link. */
@@ -50,20 +51,6 @@ export class ShareForm {
       this.copyButton.focus();
     } catch (error) {
       this.showError(errorText(error as Error));
-    }
-  }
-
-  private async copy(): Promise<void> {
-    try {
-      await navigator.clipboard.writeText(this.link.value);
-      this.notifier.notify('success', 'The link is copied');
-    } catch {
-      // Browsers have no clipboard for pages without TLS. A click moves the focus to the sheet first (ui/keys.ts).
-      setTimeout(() => {
-        this.link.focus();
-        this.link.select();
-      });
-      this.notifier.notify('info', 'The browser does not let the page copy: copy the marked link by hand');
     }
   }
 
