@@ -10,8 +10,8 @@ const viewer = (number: number, tokenId: string, more: Partial<Pick<Viewer, 'byL
 const kPictures = { pictures: true };
 
 describe('pagesOf', () => {
-  const numbers = (viewers: Viewer[], self: number, numOwnPictures = 0) =>
-    pagesOf({ viewers, self }, numOwnPictures).map(({ number }) => number);
+  const numbers = (viewers: Viewer[], self: number, showsPictures = false) =>
+    pagesOf({ viewers, self }, showsPictures).map(({ number }) => number);
 
   it('begins with this page and keeps the order of the others', () => {
     expect(numbers([viewer(3, 'alice'), viewer(5, 'bob'), viewer(9, 'carol')], 5)).toEqual([5, 3, 9]);
@@ -26,18 +26,20 @@ describe('pagesOf', () => {
 
   it('leaves out the pictures of this page, which are the newest, and only if it has some', () => {
     const viewers = [viewer(1, 'lab'), viewer(2, 'lab', kPictures), viewer(3, 'lab', kPictures)];
-    expect(numbers(viewers, 1, 0)).toEqual([1, 2, 3]);
-    expect(numbers(viewers, 1, 1)).toEqual([1, 2]);
+    expect(numbers(viewers, 1, false)).toEqual([1, 2, 3]);
+    expect(numbers(viewers, 1, true)).toEqual([1, 2]);
   });
 
-  it('cannot tell whose pictures they are on a server without tokens, but for its own', () => {
-    const viewers = [viewer(1, ''), viewer(2, ''), viewer(3, '', kPictures)];
-    expect(numbers(viewers, 2, 0)).toEqual([2, 1, 3]);
-    expect(numbers(viewers, 2, 1)).toEqual([2, 1]);
+  it('does so on a server without tokens, where all have the same name', () => {
+    const viewers = [viewer(1, ''), viewer(2, ''), viewer(3, '', kPictures), viewer(4, '', kPictures)];
+    expect(numbers(viewers, 2, false)).toEqual([2, 1, 3]);
+    expect(numbers(viewers, 2, true)).toEqual([2, 1]);
+    // Those of pictures alone are never taken for this page.
+    expect(numbers([viewer(1, ''), viewer(2, '', kPictures)], 1, false)).toEqual([1, 2]);
   });
 
   it('does without this page where it is not listed', () => {
-    expect(numbers([viewer(1, 'alice'), viewer(2, 'bob')], 70, 1)).toEqual([1, 2]);
+    expect(numbers([viewer(1, 'alice'), viewer(2, 'bob')], 70, true)).toEqual([1, 2]);
   });
 });
 
@@ -50,11 +52,11 @@ describe('Company', () => {
   beforeEach(() => (company = new Company()));
 
   it('knows who is there, and how many are not listed', () => {
-    expect([company.isKnown, company.pages(0), company.numUnlisted]).toEqual([false, [], 0]);
+    expect([company.isKnown, company.pages(false), company.numUnlisted]).toEqual([false, [], 0]);
     const viewers = [viewer(2, 'alice'), viewer(7, 'bob', { byLink: true })];
     company.takeAudience(create(AudienceSchema, { viewers, numViewers: 12, self: 7 }));
     expect([company.isKnown, company.numUnlisted, [...company.numbers]]).toEqual([true, 10, [2, 7]]);
-    expect(company.pages(0).map(({ number }) => number)).toEqual([7, 2]);
+    expect(company.pages(false).map(({ number }) => number)).toEqual([7, 2]);
     expect([company.viewer(2)?.tokenId, company.viewer(3)]).toEqual(['alice', undefined]);
     expect(viewers.map((each) => company.isSelf(each))).toEqual([false, true]);
   });

@@ -16,22 +16,19 @@ function isSamePerson(one: Pick<Viewer, 'tokenId' | 'byLink'>, other: Pick<Viewe
 
 /**
  * Returns the viewers of an audience with each page once, this page first. A page that shows pictures of the server has
- * two streams.
- * @param numOwnPictures  streams of pictures to this page
+ * two streams. So one stream of pictures is left out for each page of the same name.
+ * @param showsPictures  true if this page does
  */
-export function pagesOf({ viewers, self }: Pick<Audience, 'viewers' | 'self'>, numOwnPictures: number): Viewer[] {
+export function pagesOf({ viewers, self }: Pick<Audience, 'viewers' | 'self'>, showsPictures: boolean): Viewer[] {
   const own = viewers.find(({ number }) => number === self);
   const kept = new Set(viewers);
   const newestFirst = [...viewers].reverse();
   for (const page of viewers) {
     if (page.pictures) continue;
-    // Without tokens all have the same name, so pictures may belong to any of them, or be watched alone.
-    const numPictures = page === own ? numOwnPictures : page.tokenId === '' ? 0 : 1;
-    for (let i = 0; i < numPictures; ++i) {
-      const isItsPicture = (other: Viewer) => other.pictures && kept.has(other) && isSamePerson(page, other);
-      const pictures = newestFirst.find(isItsPicture);
-      if (pictures) kept.delete(pictures);
-    }
+    if (page === own && !showsPictures) continue;
+    const isItsPicture = (other: Viewer) => other.pictures && kept.has(other) && isSamePerson(page, other);
+    const pictures = newestFirst.find(isItsPicture);
+    if (pictures) kept.delete(pictures);
   }
   const others = viewers.filter((viewer) => kept.has(viewer) && viewer !== own);
   return own ? [own, ...others] : others;
@@ -69,8 +66,8 @@ export class Company {
   }
 
   /** See pagesOf(). */
-  pages(numOwnPictures: number): Viewer[] {
-    return this.audience ? pagesOf(this.audience, numOwnPictures) : [];
+  pages(showsPictures: boolean): Viewer[] {
+    return this.audience ? pagesOf(this.audience, showsPictures) : [];
   }
 
   /** Number of viewers that are not listed. */

@@ -41,7 +41,7 @@ export class People {
       company: this.company,
       live: viewer.live,
       notices: viewer.notices,
-      numOwnPictures: () => this.numOwnPictures,
+      showsPictures: () => parts.imageMode.isOn,
       share: () => {
         panels.toggle('access');
         element('share-scope').focus();
@@ -88,13 +88,9 @@ export class People {
     this.panel.update();
   }
 
-  private get numOwnPictures(): number {
-    return this.parts.imageMode.isOn ? 1 : 0;
-  }
-
   // Announces who has joined, for those who do not see the count.
   private greet(): void {
-    const names = this.company.pages(this.numOwnPictures).map((page) => [page.number, personName(page)] as const);
+    const names = this.company.pages(this.parts.imageMode.isOn).map((page) => [page.number, personName(page)] as const);
     const text = joinedText(this.arrivals.saw(new Map(names), performance.now()));
     if (text !== '') this.joined.replaceChildren(text);
   }

@@ -15,8 +15,8 @@ export interface PeoplePanelParts {
   readonly company: Company;
   readonly live: Pick<OpenSheet, 'sheetName'>;
   readonly notices: Notifier;
-  /** Number of streams of pictures to this page. */
-  numOwnPictures(): number;
+  /** True if this page shows pictures of the server. */
+  showsPictures(): boolean;
   /** Opens the form for links. */
   share(): void;
 }
@@ -59,11 +59,11 @@ export class PeoplePanel implements Panel {
   /** Shows the newest state. It is called at each animation frame, and cheap if nothing has changed. */
   update(): void {
     const { company } = this.parts;
-    const numOwnPictures = this.parts.numOwnPictures();
-    const state = `${company.version} ${numOwnPictures} ${this.isOpen}`;
+    const showsPictures = this.parts.showsPictures();
+    const state = `${company.version} ${showsPictures} ${this.isOpen}`;
     if (state === this.shown) return;
     this.shown = state;
-    const pages = company.pages(numOwnPictures);
+    const pages = company.pages(showsPictures);
     const numOthers = Math.max(0, pages.length + company.numUnlisted - 1);
     this.count.hidden = numOthers === 0;
     const word = make('span', { className: 'visually-hidden' }, numOthers === 1 ? ' other' : ' others');
