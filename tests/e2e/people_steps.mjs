@@ -1,7 +1,7 @@
 // Who watches a sheet, what they do and where they point, with several pages on a kerfd that asks for tokens.
 import { audit } from './axe.mjs';
 import { GuardedServer } from './guarded_server.mjs';
-import { check } from './harness.mjs';
+import { check, kPatienceMs } from './harness.mjs';
 import { ViewerPage } from './viewer_page.mjs';
 
 const kScene = {
@@ -29,14 +29,20 @@ export function peopleSteps(steps, browser, server) {
     await opened.untilDrawn(kLive);
     return opened;
   };
-  // Waits until the lines of a list have these parts: names, marks, rights, times.
-  const lists = async ({ page }, id, wanted) => {
-    const read = (list) => [...document.querySelectorAll(`#${list} li`)].map((li) => [...li.children].map((e) => e.textContent).filter(Boolean).join('|'));
-    const isSo = ([list, text]) =>
-      [...document.querySelectorAll(`#${list} li`)].map((li) => [...li.children].map((e) => e.textContent).filter(Boolean).join('|')).join('\n') === text;
-    await page.waitForFunction(isSo, [id, wanted.join('\n')]).catch(async (error) => {
-      throw new Error(`#${id} has ${JSON.stringify(await page.evaluate(read, id))}, not ${JSON.stringify(wanted)}: ${error.message}`);
-    });
+  // Lines of a list with their parts: names, marks, rights, times.
+  const linesOf = ({ page }, id) =>
+    page.$$eval(`#${id} li`, (lines) =>
+      lines.map(({ children }) => [...children].map((part) => part.textContent).filter(Boolean).join('|')),
+    );
+  // Waits until a list has these lines.
+  const lists = async (of, id, wanted) => {
+    const end = Date.now() + kPatienceMs;
+    for (;;) {
+      const lines = await linesOf(of, id);
+      if (lines.join('\n') === wanted.join('\n')) return;
+      check(Date.now() < end, `#${id} has ${JSON.stringify(lines)}, not ${JSON.stringify(wanted)}`);
+      await of.allDrawn();
+    }
   };
   // Waits until the newest change is this one.
   const reads = ({ page }, what) =>
@@ -168,10 +174,11 @@ export function peopleSteps(steps, browser, server) {
   });
 
   steps.step('another stream of the same page begins with all of it', async () => {
+    const changes = await linesOf(viewer, 'people-changes');
     await viewer.page.keyboard.press('x');
     await viewer.until('k.numStrains > 0');
     await viewer.shows('#people-count', '1 other');
-    await reads(viewer, 'bob changed gravity 3 times');
+    await lists(viewer, 'people-changes', changes);
     await lists(guest, 'people-list', ['guest of lab|you|look and cut', 'lab|everything']);
     check((await guest.page.textContent('#people-joined')) !== 'lab has joined', 'who was there is said to have joined');
   });
