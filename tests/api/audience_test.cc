@@ -40,7 +40,7 @@ class AudienceTest : public ::testing::Test {
       if (message->has_audience()) {
         std::string line = std::to_string(message->audience().num_viewers()) + ":";
         for (const v1::Viewer& viewer : message->audience().viewers()) {
-          line += " " + viewer.token_id() + (viewer.number() == message->audience().self() ? "*" : "");
+          line += " " + viewer.token_id() + (viewer.number() == message->audience().own_number() ? "*" : "");
         }
         lines.push_back(line);
       } else if (message->has_activity()) {

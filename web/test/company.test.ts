@@ -10,8 +10,8 @@ const viewer = (number: number, tokenId: string, more: Partial<Pick<Viewer, 'byL
 const kPictures = { pictures: true };
 
 describe('pagesOf', () => {
-  const numbers = (viewers: Viewer[], self: number, showsPictures = false) =>
-    pagesOf({ viewers, self }, showsPictures).map(({ number }) => number);
+  const numbers = (viewers: Viewer[], ownNumber: number, showsPictures = false) =>
+    pagesOf({ viewers, ownNumber }, showsPictures).map(({ number }) => number);
 
   it('begins with this page and keeps the order of the others', () => {
     expect(numbers([viewer(3, 'alice'), viewer(5, 'bob'), viewer(9, 'carol')], 5)).toEqual([5, 3, 9]);
@@ -54,7 +54,7 @@ describe('Company', () => {
   it('knows who is there, and how many are not listed', () => {
     expect([company.isKnown, company.pages(false), company.numUnlisted]).toEqual([false, [], 0]);
     const viewers = [viewer(2, 'alice'), viewer(7, 'bob', { byLink: true })];
-    company.takeAudience(create(AudienceSchema, { viewers, numViewers: 12, self: 7 }));
+    company.takeAudience(create(AudienceSchema, { viewers, numViewers: 12, ownNumber: 7 }));
     expect([company.isKnown, company.numUnlisted, [...company.numbers]]).toEqual([true, 10, [2, 7]]);
     expect(company.pages(false).map(({ number }) => number)).toEqual([7, 2]);
     expect([company.viewer(2)?.tokenId, company.viewer(3)]).toEqual(['alice', undefined]);
@@ -92,7 +92,7 @@ describe('Company', () => {
     };
     noted(() => did('alice', 'CreateCut'));
     noted(() => did('alice', 'CreateCut'));
-    noted(() => company.takeAudience(create(AudienceSchema, { self: 1 })));
+    noted(() => company.takeAudience(create(AudienceSchema, { ownNumber: 1 })));
     noted(() => company.clear());
     expect(new Set(versions).size).toBe(5);
     expect([company.isKnown, company.changes]).toEqual([false, []]);

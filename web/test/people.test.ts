@@ -54,8 +54,8 @@ describe('People', () => {
   let overlay: FakeElement;
   let people: People;
 
-  const listed = (self: number, numViewers: number, ...viewers: MessageInitShape<typeof ViewerSchema>[]) =>
-    people.take({ case: 'audience', value: create(AudienceSchema, { self, numViewers, viewers }) });
+  const listed = (ownNumber: number, numViewers: number, ...viewers: MessageInitShape<typeof ViewerSchema>[]) =>
+    people.take({ case: 'audience', value: create(AudienceSchema, { ownNumber, numViewers, viewers }) });
   const did = (tokenId: string, call: string, unixUs = 0n, byLink = false) =>
     people.take({ case: 'activity', value: create(ActivitySchema, { tokenId, call, unixUs, byLink }) });
   const points = (viewer: number, material?: { x: number; y: number }) =>

@@ -159,7 +159,7 @@ describe('RemoteWatch', () => {
     expect(await requested('start')).toMatchObject({ value: { audience: true } });
     const heard: string[] = [];
     onNews.mockImplementation(({ case: kind }: { case: string }) => heard.push(`${kind} after ${ticks.length}`));
-    tell({ case: 'audience', value: { viewers: [{ number: 2, tokenId: 'alice' }], numViewers: 1, self: 2 } });
+    tell({ case: 'audience', value: { viewers: [{ number: 2, tokenId: 'alice' }], numViewers: 1, ownNumber: 2 } });
     tell({ case: 'activity', value: { tokenId: 'alice', call: 'UndoCut' } });
     send(frame(1, 5));
     tell({ case: 'pointer', value: { viewer: 3, material: { x: 0.5, y: 0.25 } } });

@@ -193,10 +193,10 @@ describe('Watch', () => {
   });
 
   it('hands on news of the audience as they come, and acknowledges frames only', async () => {
-    server.send({ case: 'audience', value: { viewers: [{ number: 4, tokenId: 'alice' }], numViewers: 1, self: 4 } });
+    server.send({ case: 'audience', value: { viewers: [{ number: 4, tokenId: 'alice' }], numViewers: 1, ownNumber: 4 } });
     server.send({ case: 'activity', value: { tokenId: 'bob', byLink: true, call: 'CreateCut', unixUs: 7n } });
     const audience = await news.next();
-    expect(audience).toMatchObject({ case: 'audience', value: { self: 4, viewers: [{ number: 4, tokenId: 'alice' }] } });
+    expect(audience).toMatchObject({ case: 'audience', value: { ownNumber: 4, viewers: [{ number: 4, tokenId: 'alice' }] } });
     expect(await news.next()).toMatchObject({ case: 'activity', value: { tokenId: 'bob', byLink: true, call: 'CreateCut' } });
     expect(watch.state).toBe('connecting');
     watch.acknowledge();

@@ -89,7 +89,7 @@ std::optional<v1::WatchResponse> Audience::Seat::next() {
   if (members_seen_ < of_sheet.members_version) {
     members_seen_ = of_sheet.members_version;
     v1::Audience& audience = *response.mutable_audience();
-    audience.set_self(number_);
+    audience.set_own_number(number_);
     audience.set_num_viewers(static_cast<std::int32_t>(of_sheet.members.size()));
     for (const auto& [number, member] : of_sheet.members) {
       if (audience.viewers().size() == static_cast<int>(kMaxListedViewers)) break;

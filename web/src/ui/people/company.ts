@@ -19,8 +19,8 @@ function isSamePerson(one: Pick<Viewer, 'tokenId' | 'byLink'>, other: Pick<Viewe
  * two streams. So one stream of pictures is left out for each page of the same name.
  * @param showsPictures  true if this page does
  */
-export function pagesOf({ viewers, self }: Pick<Audience, 'viewers' | 'self'>, showsPictures: boolean): Viewer[] {
-  const own = viewers.find(({ number }) => number === self);
+export function pagesOf({ viewers, ownNumber }: Pick<Audience, 'viewers' | 'ownNumber'>, showsPictures: boolean): Viewer[] {
+  const own = viewers.find(({ number }) => number === ownNumber);
   const kept = new Set(viewers);
   const newestFirst = [...viewers].reverse();
   for (const page of viewers) {
@@ -62,7 +62,7 @@ export class Company {
   }
 
   isSelf({ number }: Viewer): boolean {
-    return number === this.audience?.self;
+    return number === this.audience?.ownNumber;
   }
 
   /** See pagesOf(). */
