@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Asks a kerfd with tokens for every method, over gRPC and as a JSON call, with each scope, and compares with server/access.md.
+"""Asks a kerfd with tokens for every method, over gRPC and as a JSON call, with each scope, of each tenant and of none, and compares
+with server/access.md.
 
     access_test.py --kerfd KERFD --kerf KERF --work FOLDER
 """
@@ -19,6 +20,8 @@ import urllib.request
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SCOPES = ("view", "cut", "admin")
+TENANTS = ("lab", "shop")
+OF_THE_SERVER = ("ListSheets", "GetServerInfo", "GetAccess", "CreateLink")
 OPTIONS = None
 STREAMS = ("Watch", "Subscribe", "WatchImages", "UploadSheet", "ReplayRecording", "GetSheetRecording")
 
@@ -43,10 +46,13 @@ def path(name):
 
 class EveryMethod(unittest.TestCase):
     def setUp(self):
-        for name, scope, sheets in (*((scope, scope, "*") for scope in SCOPES), ("mine", "admin", "mine")):
-            subprocess.run([OPTIONS.kerf, "token", "new", name, "--scope", scope, "--sheets", sheets, "--file", path("tokens"),
-                            "--out", path(name)], check=True, capture_output=True)
-        self.tokens = {name: pathlib.Path(path(name)).read_text().strip() for name in (*SCOPES, "mine")}
+        pathlib.Path(path("tokens")).write_text("".join(f"tenant {tenant} cuts-per-s=0\n" for tenant in TENANTS))
+        tokens = {scope: ("--scope", scope) for scope in SCOPES} | {"mine": ("--scope", "admin", "--sheets", "mine")}
+        tokens |= {f"{tenant}-{scope}": ("--scope", scope, "--tenant", tenant) for tenant in TENANTS for scope in SCOPES}
+        for name, options in tokens.items():
+            subprocess.run([OPTIONS.kerf, "token", "new", name, *options, "--file", path("tokens"), "--out", path(name)], check=True,
+                           capture_output=True)
+        self.tokens = {name: pathlib.Path(path(name)).read_text().strip() for name in tokens}
         self.server = subprocess.Popen(
             [OPTIONS.kerfd, "--listen", "127.0.0.1:0", "--http", "127.0.0.1:0", "--no-render", "--max-load", "0", "--data", path("data"),
              "--tokens", path("tokens")], stdout=subprocess.PIPE, text=True)
@@ -126,11 +132,49 @@ class EveryMethod(unittest.TestCase):
         expected = page()
         methods = [method for service in self.services() for method in service.methods]
         self.assertEqual(sorted(method.name for method in methods), sorted(expected), "server/access.md has each call once")
+        for tenant in TENANTS:
+            self.make_sheet(f"{tenant}-1", self.tokens[f"{tenant}-admin"])
+        before = [self.state(f"{tenant}-1") for tenant in TENANTS]
         for method in methods:
             ways = [self.over_grpc] if method.name in STREAMS else [self.over_grpc, self.as_json]
             for ask in ways:
                 with self.subTest(method.name, way=ask.__name__):
                     self.check(method, ask, expected[method.name])
+                    self.check_tenants(method, ask, expected[method.name])
+        self.assertEqual([self.state(f"{tenant}-1") for tenant in TENANTS], before, "nothing reached the other tenant's sheet")
+
+    def call(self, name, body, token):
+        headers = {"Content-Type": "application/json", "Authorization": f"Bearer {token}"}
+        request = urllib.request.Request(f"{self.ready['http']}/kerf.v1.{name}", json.dumps(body).encode(), headers)
+        with urllib.request.urlopen(request, timeout=30) as answer:
+            return json.loads(answer.read())
+
+    def make_sheet(self, sheet, token):
+        grid = {"columns": 5, "rows": 5, "width_m": 1, "height_m": 1}
+        self.call("SheetService/CreateSheet", {"sheet_id": sheet, "paused": True, "scene": {"grid": grid}}, token)
+
+    def state(self, sheet):
+        return self.call("SheetService/GetSheetState", {"name": f"sheets/{sheet}"}, self.tokens["admin"])["state_hash"]
+
+    def check_tenants(self, method, ask, least):
+        needed = SCOPES.index("admin" if least == "all" else least)
+        makes_sheets = method.name in ("CreateSheet", "UploadSheet", "ReplayRecording")
+        for tenant, other in (TENANTS, TENANTS[::-1]):
+            for scope in SCOPES:
+                reason = ask(method, f"{other}-1", self.tokens[f"{tenant}-{scope}"])
+                if SCOPES.index(scope) < needed:
+                    self.assertEqual(reason, "SCOPE_TOO_LOW", (tenant, scope))
+                elif least == "all" or makes_sheets:
+                    self.assertEqual(reason, "SHEET_NOT_ALLOWED", (tenant, scope))
+                elif method.name in OF_THE_SERVER:
+                    self.assertEqual(reason, "", (tenant, scope))
+                else:
+                    self.assertEqual(reason, "SHEET_NOT_FOUND", (tenant, scope))
+                own = ask(method, f"{tenant}-none", self.tokens[f"{tenant}-{scope}"])
+                if SCOPES.index(scope) < needed:
+                    self.assertEqual(own, "SCOPE_TOO_LOW", (tenant, scope))
+                else:
+                    self.assertEqual(own == "SHEET_NOT_ALLOWED", least == "all", (tenant, scope))
 
     def check(self, method, ask, least):
         self.assertEqual(ask(method, "none", None), "TOKEN_MISSING")
@@ -147,7 +191,7 @@ class EveryMethod(unittest.TestCase):
         makes_sheets = method.name in ("CreateSheet", "UploadSheet", "ReplayRecording")
         if least == "all" or makes_sheets:
             self.assertEqual(foreign, "SHEET_NOT_ALLOWED")
-        elif method.name in ("ListSheets", "GetServerInfo", "GetAccess", "CreateLink"):
+        elif method.name in OF_THE_SERVER:
             self.assertEqual(foreign, "")
         else:
             self.assertEqual(foreign, "SHEET_NOT_FOUND")
