@@ -32,7 +32,8 @@ def reason(answer):
 class Server:
     """A kerfd that its owner stops or kills."""
 
-    def __init__(self, kerfd, *options, environment=None):
+    def __init__(self, kerfd, *options, environment=None, token=None):
+        self.headers = {"Authorization": f"Bearer {token}"} if token else {}
         self.errors = tempfile.TemporaryFile(mode="w+")
         self.process = subprocess.Popen([kerfd, *LISTEN, *options], stdout=subprocess.PIPE, stderr=self.errors, text=True,
                                         env={**os.environ, **(environment or {})})
@@ -58,7 +59,7 @@ class Server:
     def call(self, method, message):
         """Returns the answer, {"refused": status} if it is refused, or None if the server was gone before it came."""
         request = urllib.request.Request(f"{self.ready['http']}/kerf.v1.{method}", json.dumps(message).encode(),
-                                         {"Content-Type": "application/json"})
+                                         {"Content-Type": "application/json", **self.headers})
         try:
             with urllib.request.urlopen(request, timeout=PATIENCE_S) as response:
                 return json.loads(response.read())

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""Asks a kerfd with tokens for every method, over gRPC and as a JSON call, with each scope, of each tenant and of none, and compares
-with server/access.md.
+"""Asks a kerfd with tokens for every method and compares with server/access.md.
+
+Each is asked over gRPC and as a JSON call, with each scope, of two tenants and of none.
 
     access_test.py --kerfd KERFD --kerf KERF --work FOLDER
 """
