@@ -47,11 +47,11 @@ class FullDisk : public testing::Test {
 
   StoreOnLossyDisk on_;
   Calls calls_;
-  std::unique_ptr<store::SqliteStore> store_;
   std::int64_t sheet_ = 0;
   std::mutex mutex_;
   std::condition_variable changed_;
   int attempts_ = 0;
+  std::unique_ptr<store::SqliteStore> store_;  // Ends first: its thread calls attempt() until then.
 };
 
 TEST_F(FullDisk, ChangesWaitInOrderAndNoneIsLost) {
