@@ -45,15 +45,28 @@ export class GuardedServer {
 
   /** Withdraws all tokens, and with them all logins; then the server knows the tokens once more. */
   async withdraw(id) {
-    for (const [lines, status] of [[[], 401], [this.#lines, 200]]) {
-      this.#write(lines);
-      this.server.process.child.kill('SIGHUP');
-      const asks = () => this.post(id, 'AccessService/GetAccess', {});
-      const end = Date.now() + 20_000;
-      let answer = await asks();
-      while (answer.status !== status && Date.now() < end) answer = await asks();
-      check(answer.status === status, `the token file was not read again: ${answer.status}`);
-    }
+    await this.#read(id, [], 401);
+    await this.#read(id, this.#lines, 200);
+  }
+
+  /** Makes all tokens end, and with them all logins. */
+  async expire(id) {
+    await this.#read(id, this.#lines.map((line) => `${line} until=2020-01-01`), 401);
+  }
+
+  /** Makes all tokens good again after expire(). */
+  async renew(id) {
+    await this.#read(id, this.#lines, 200);
+  }
+
+  async #read(id, lines, status) {
+    this.#write(lines);
+    this.server.process.child.kill('SIGHUP');
+    const asks = () => this.post(id, 'AccessService/GetAccess', {});
+    const end = Date.now() + 20_000;
+    let answer = await asks();
+    while (answer.status !== status && Date.now() < end) answer = await asks();
+    check(answer.status === status, `the token file was not read again: ${answer.status}`);
   }
 
   get #file() {

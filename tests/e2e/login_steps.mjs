@@ -1,4 +1,5 @@
 // Tokens, links and rights in the viewer, with a kerfd that asks for them.
+import { createServer } from 'node:http';
 import { audit } from './axe.mjs';
 import { GuardedServer } from './guarded_server.mjs';
 import { check } from './harness.mjs';
@@ -136,6 +137,51 @@ export function loginSteps(steps, browser, server) {
     await enters(viewer, all);
     await viewer.until('k.connection === "live"');
     await page.waitForSelector('[data-tool=cut]', { state: 'visible' });
+  });
+
+  steps.step('a token that has ended is refused with its reason', async () => {
+    await gate.expire('lab');
+    await asks(viewer);
+    await give(viewer, all);
+    await viewer.shows('#login-error', 'the token or login has expired; log in with a newer one');
+    await gate.renew('lab');
+    await enters(viewer, all);
+    await viewer.until('k.connection === "live"');
+  });
+
+  steps.step('a page of another server on this machine can do nothing with the login', async () => {
+    const sceneTick = async () => {
+      const answer = await gate.post('lab', 'SheetService/GetSheet', { name: 'sheets/guarded' });
+      return Number((await answer.json()).scene_tick);
+    };
+    const foreign = createServer((request, response) => response.setHeader('content-type', 'text/html').end('<p>elsewhere'));
+    await new Promise((listening) => foreign.listen(0, '127.0.0.1', listening));
+    const before = await sceneTick();
+    const context = await browser.newContext(kDesktop);
+    const own = await ViewerPage.open(context, `${gate.url}/?sheet=guarded`, {});
+    await asks(own);
+    await enters(own, all);
+    const page = await context.newPage();
+    await page.goto(`http://127.0.0.1:${foreign.address().port}/`);
+    const tried = await page.evaluate(async (url) => {
+      const body = JSON.stringify({ name: 'sheets/guarded' });
+      const asks = (headers) =>
+        fetch(`${url}/kerf.v1.SheetService/ResetSheet`, { method: 'POST', body, credentials: 'include', headers }).then(
+          ({ status }) => status,
+          () => 'no answer',
+        );
+      const socket = new WebSocket(`${url.replace('http', 'ws')}/watch`, 'kerf.v1');
+      const watched = new Promise((ended) => {
+        socket.onopen = () => ended('open');
+        socket.onclose = () => ended('no answer');
+      });
+      return [await asks({}), await asks({ 'x-kerf-csrf': '1' }), await watched];
+    }, gate.url);
+    check(tried.every((answer) => answer === 'no answer'), `it was answered: ${tried}`);
+    check(before > 0 && (await sceneTick()) >= before, 'the sheet was reset');
+    await context.close();
+    foreign.close();
+    foreign.closeAllConnections();
   });
 
   steps.step('a logout begins the page again, and reaches other tabs', async () => {
