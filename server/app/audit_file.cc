@@ -20,33 +20,66 @@ Result<int> open_appending(const std::string& path) {
 
 }  // namespace
 
-Result<std::unique_ptr<AuditFile>> AuditFile::open(const std::string& path) {
+Result<std::unique_ptr<AuditFile>> AuditFile::open(const std::string& path, std::chrono::milliseconds retry) {
   KERF_TRY_ASSIGN(const int number, open_appending(path));
-  return std::unique_ptr<AuditFile>(new AuditFile(path, number));
+  return std::unique_ptr<AuditFile>(new AuditFile(path, number, retry));
 }
 
+AuditFile::AuditFile(std::string path, int number, std::chrono::milliseconds retry)
+    : path_(std::move(path)), retry_(retry), number_(number), thread_([this] { run(); }) {}
+
 AuditFile::~AuditFile() {
+  {
+    const std::lock_guard lock(mutex_);
+    is_over_ = true;
+  }
+  changed_.notify_all();
+  thread_.join();
   ::close(number_);
 }
 
 bool AuditFile::append(std::string_view line) {
-  const std::lock_guard lock(mutex_);
-  const std::string text = (is_torn_ ? "\n" : "") + std::string(line);
-  const ssize_t written = ::write(number_, text.data(), text.size());
-  if (written == static_cast<ssize_t>(text.size())) {
-    is_torn_ = false;
-    return true;
+  {
+    const std::lock_guard lock(mutex_);
+    if (waiting_.size() + line.size() > kMaxWaitingBytes) return false;
+    waiting_ += line;
   }
-  if (written > 0) is_torn_ = true;
-  return false;
+  changed_.notify_all();
+  return true;
 }
 
 Status AuditFile::reopen() {
   KERF_TRY_ASSIGN(const int number, open_appending(path_));
   const std::lock_guard lock(mutex_);
-  ::close(std::exchange(number_, number));
-  is_torn_ = false;
+  if (next_number_) ::close(*next_number_);
+  next_number_ = number;
   return Nothing{};
+}
+
+void AuditFile::flush() {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [this] { return waiting_.empty() && !is_writing_; });
+}
+
+void AuditFile::run() {
+  std::unique_lock lock(mutex_);
+  while (true) {
+    changed_.wait(lock, [this] { return is_over_ || !waiting_.empty(); });
+    if (waiting_.empty()) return;
+    if (next_number_) ::close(std::exchange(number_, *std::exchange(next_number_, std::nullopt)));
+    std::string lines = std::exchange(waiting_, {});
+    is_writing_ = true;
+    lock.unlock();
+    const ssize_t written = ::write(number_, lines.data(), lines.size());
+    lock.lock();
+    is_writing_ = false;
+    lines.erase(0, written > 0 ? static_cast<std::size_t>(written) : 0);
+    waiting_.insert(0, lines);
+    changed_.notify_all();
+    if (lines.empty()) continue;
+    if (is_over_) return;
+    changed_.wait_for(lock, retry_, [this] { return is_over_; });
+  }
 }
 
 }  // namespace kerf::app

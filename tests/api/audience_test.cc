@@ -157,6 +157,16 @@ TEST_F(WatchAudienceTest, AStreamHasItOnlyIfItAsks) {
   EXPECT_EQ(asks.others.back().audience().num_viewers(), 1);
 }
 
+TEST_F(WatchAudienceTest, NothingIsKeptOfSheetsThatAreGone) {
+  ASSERT_TRUE(create_sheet("a", true).ok());
+  ASSERT_TRUE(call_json("/kerf.v1.SheetService/ResetSheet", R"({"name":"sheets/a"})").ok());
+  ASSERT_TRUE(call_json("/kerf.v1.SheetService/DeleteSheet", R"({"name":"sheets/a"})").ok());
+  ASSERT_TRUE(create_sheet("a", true).ok());
+  Viewer viewer(*api_);
+  start(viewer, true);
+  EXPECT_EQ(viewer.others.size(), 1u) << "the audience alone";
+}
+
 TEST_F(WatchAudienceTest, HandsAndCallsOfOthersAreShown) {
   ASSERT_TRUE(create_sheet("a", true).ok());
   Viewer viewer(*api_), hand(*api_);

@@ -97,7 +97,8 @@ void add_quotas(const ApiCore& core, v1::Access& access) {
 void record(const ApiCore& core, const auth::Caller& caller, const std::string& call, const std::string& sheet,
             const std::string& request_id, const Status& outcome) {
   if (core.options.audit != nullptr) core.options.audit->add({caller, call, sheet, request_id}, outcome);
-  if (outcome.ok() && !sheet.empty()) core.audience->add(sheet, caller, call);
+  // Leaves out sheets that are gone, or never were: what is kept of them would stay.
+  if (outcome.ok() && !sheet.empty() && core.host.has_sheet(sheet)) core.audience->add(sheet, caller, call);
 }
 
 Result<std::shared_ptr<const void>> open_stream(const ApiCore& core, const auth::Caller& caller, bool pictures) {

@@ -191,6 +191,8 @@ class Host {
   // workers. -, >= 0. Above 1 the sheets cannot all keep pace.
   [[nodiscard]] double load() const;
   [[nodiscard]] const HostOptions& options() const;
+  // True while there is a sheet of this id, those being built left out.
+  [[nodiscard]] bool has_sheet(const std::string& id) const { return find(id) != nullptr; }
   // Returns what the sheets of a tenant take.
   [[nodiscard]] TenantUse tenant_use(const std::string& tenant) const;
 
