@@ -5,6 +5,7 @@ import http.client
 import json
 import os
 import socket
+import ssl
 import struct
 
 PATIENCE_S = 20.0
@@ -18,7 +19,9 @@ END_STREAM, END_HEADERS = 1, 4
 
 
 def connect(address, source="127.0.0.2", patience_s=PATIENCE_S, receive_buffer=None):
-    """Connects from another loopback address than the measurements have, as limits count by address."""
+    """Connects from another loopback address than the measurements have, as limits count by address.
+
+    `address`: host and port, then the context of TLS where the server speaks it."""
     peer = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
     try:
         peer.setsockopt(socket.IPPROTO_IP, BIND_WITHOUT_PORT, 1)
@@ -26,8 +29,10 @@ def connect(address, source="127.0.0.2", patience_s=PATIENCE_S, receive_buffer=N
         if receive_buffer is not None:
             peer.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, receive_buffer)
         peer.settimeout(patience_s)
-        peer.connect(address)
+        peer.connect(address[:2])
         peer.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        for context in address[2:]:
+            peer = context.wrap_socket(peer, server_hostname="localhost")
     except OSError:
         peer.close()
         raise
@@ -41,7 +46,7 @@ def drain(peer):
         while True:
             if not peer.recv(1 << 16):
                 return False
-    except BlockingIOError:
+    except (BlockingIOError, ssl.SSLWantReadError):
         return True
     finally:
         peer.settimeout(PATIENCE_S)
@@ -86,12 +91,12 @@ def request_bytes(target, body):
     return f"POST {target} HTTP/1.1\r\nHost: localhost\r\nContent-Length: {len(body)}\r\n\r\n".encode() + body
 
 
-def open_websocket(address, receive_buffer=None):
-    """Shakes hands at /watch."""
-    peer = connect(address, receive_buffer=receive_buffer)
+def open_websocket(address, receive_buffer=None, headers="", source="127.0.0.2"):
+    """Shakes hands at /watch. `headers`: whole lines."""
+    peer = connect(address, source, receive_buffer=receive_buffer)
     key = base64.b64encode(os.urandom(16)).decode()
     peer.sendall(("GET /watch HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
-                  f"Sec-WebSocket-Key: {key}\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Protocol: kerf.v1\r\n\r\n").encode())
+                  f"Sec-WebSocket-Key: {key}\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Protocol: kerf.v1\r\n{headers}\r\n").encode())
     answer = b""
     while b"\r\n\r\n" not in answer:
         part = peer.recv(1)
@@ -134,16 +139,14 @@ CALL_FIELDS = {b":method": b"POST", b":scheme": b"http", b":path": b"/kerf.v1.Sh
                b":authority": b"localhost", b"te": b"trailers", b"content-type": b"application/grpc"}
 
 
-def call_headers(**changed):
+def call_headers(token="", **changed):
     """Codes the headers of a call, with others in place of them or after them."""
-    fields = {**CALL_FIELDS, **{name.encode(): value for name, value in changed.items()}}
+    known = {b"authorization": f"Bearer {token}".encode()} if token else {}
+    fields = {**CALL_FIELDS, **known, **{name.encode(): value for name, value in changed.items()}}
     return b"".join(header(name, value) for name, value in fields.items())
 
 
-CALL_HEADERS = call_headers()
-
-
-def open_http2(address):
-    peer = connect(address)
+def open_http2(address, source="127.0.0.2"):
+    peer = connect(address, source)
     peer.sendall(PREFACE + frame(SETTINGS, 0, 0))
     return peer

@@ -12,9 +12,9 @@ import subprocess
 import time
 import typing
 
-from clients import (CALL_HEADERS, CONTINUATION, DATA, END_HEADERS, END_STREAM, HEADERS, LINGER_NOT, PING, PREFACE, RST_STREAM,
-                     SETTINGS, Caller, call_headers, connect, drain, frame, header, length, open_http2, open_websocket, reason,
-                     request_bytes, websocket_frame)
+from clients import (CONTINUATION, DATA, END_HEADERS, END_STREAM, HEADERS, LINGER_NOT, PING, PREFACE, RST_STREAM, SETTINGS, Caller,
+                     call_headers, connect, drain, frame, header, length, open_http2, open_websocket, reason, request_bytes,
+                     websocket_frame)
 
 CREATE = "/kerf.v1.SheetService/CreateSheet"
 FINE_DISC = {"outline": {"boundary": {"circle": {"center": {"x": 0.5, "y": 0.5}, "radius_m": 0.5}}, "edge_length_m": 0.0015}}
@@ -154,19 +154,21 @@ def malformed(target, _):
         drain(peer)
 
 
+def reset_call(target, stream, with_message):
+    """Makes a call that is reset at once; after a message, the server begins it."""
+    if with_message:
+        call = frame(HEADERS, END_HEADERS, stream, target.headers) + frame(DATA, END_STREAM, stream, bytes(5))
+    else:
+        call = frame(HEADERS, END_HEADERS | END_STREAM, stream, target.headers)
+    return call + frame(RST_STREAM, 0, stream, struct.pack(">I", 8))
+
+
 def rapid_reset(target, number):
-    """Resets calls at once; on half of the connections after a message, so that the call begins."""
+    """Resets calls at once; on half of the connections after a message."""
     with open_http2(target.grpc) as peer:
         target.count("connections")
         for first in range(1, 1 << 30, 200):
-            calls = b""
-            for stream in range(first, first + 200, 2):
-                if number % 2:
-                    calls += frame(HEADERS, END_HEADERS, stream, CALL_HEADERS) + frame(DATA, END_STREAM, stream, bytes(5))
-                else:
-                    calls += frame(HEADERS, END_HEADERS | END_STREAM, stream, CALL_HEADERS)
-                calls += frame(RST_STREAM, 0, stream, struct.pack(">I", 8))
-            peer.sendall(calls)
+            peer.sendall(b"".join(reset_call(target, stream, number % 2) for stream in range(first, first + 200, 2)))
             target.count("resets", 100)
             if not drain(peer):
                 target.count("closed by server")
@@ -178,7 +180,7 @@ def header_flood(target, _):
     more = frame(CONTINUATION, 0, 1, header(b"x-flood", b"x" * 16000))
     with open_http2(target.grpc) as peer:
         target.count("connections")
-        peer.sendall(frame(HEADERS, 0, 1, CALL_HEADERS))
+        peer.sendall(frame(HEADERS, 0, 1, target.headers))
         while True:
             peer.sendall(more)
             target.count("frames of 16 kB")
@@ -192,7 +194,7 @@ def endless_header(target, number):
     start, more = ((b"\0" + length(1 << 30), b"x" * 16000), (b"\0\x7f", b"\x80" * 16000))[number % 2]
     with open_http2(target.grpc) as peer:
         target.count("connections")
-        peer.sendall(frame(HEADERS, 0, 1, CALL_HEADERS + start))
+        peer.sendall(frame(HEADERS, 0, 1, target.headers + start))
         while True:
             peer.sendall(frame(CONTINUATION, 0, 1, more))
             target.count("frames of 16 kB")
@@ -207,7 +209,7 @@ def wrong_headers(target, _):
                           "x-bin"))
     filler = header(b"x-flood", b"x" * random.choice((10, 9000, 14000)))
     with open_http2(target.grpc) as peer:
-        peer.sendall(frame(HEADERS, END_HEADERS | END_STREAM, 1, call_headers(**{name: b"=?"}) + filler))
+        peer.sendall(frame(HEADERS, END_HEADERS | END_STREAM, 1, call_headers(target.token, **{name: b"=?"}) + filler))
         target.count(name)
         peer.settimeout(0.05)
         peer.recv(1 << 16)

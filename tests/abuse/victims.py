@@ -13,7 +13,7 @@ import tempfile
 import threading
 import time
 
-from clients import Caller
+from clients import Caller, call_headers
 
 VICTIMS = [f"v{number}" for number in range(9)]
 INFO_PATIENCE_S = 15
@@ -65,13 +65,7 @@ class Server:
         return (self.folder / "errors").read_text()[-400:]
 
     def memory_mb(self, field):
-        """Reads a size from /proc, such as VmRSS; 0 where the process has ended."""
-        try:
-            text = pathlib.Path(f"/proc/{self.process.pid}/status").read_text()
-        except OSError:
-            return 0
-        found = re.search(rf"^{field}:\s+(\d+) kB", text, re.MULTILINE)
-        return int(found.group(1)) / 1024 if found else 0
+        return memory_mb(self.process, field)
 
     def samples(self):
         """Notes the time and the tick of each victim."""
@@ -135,6 +129,16 @@ class Server:
         self.kept.cleanup()
 
 
+def memory_mb(process, field):
+    """Reads a size from /proc, such as VmRSS; 0 where the process has ended."""
+    try:
+        text = pathlib.Path(f"/proc/{process.pid}/status").read_text()
+    except OSError:
+        return 0
+    found = re.search(rf"^{field}:\s+(\d+) kB", text, re.MULTILINE)
+    return int(found.group(1)) / 1024 if found else 0
+
+
 def address_of(text):
     host, port = text.rsplit(":", 1)
     return host, int(port)
@@ -145,6 +149,8 @@ class Target:
 
     def __init__(self, server):
         self.grpc, self.http, self.kerf, self.folder = server.grpc, server.http, server.kerf, server.folder
+        self.token = getattr(server, "token", "")  # that the attacker has; empty where none is needed
+        self.headers = call_headers(self.token)
         self.counts = {}
         self.lock = threading.Lock()
 
