@@ -14,7 +14,7 @@ BIND_WITHOUT_PORT = 24  # IP_BIND_ADDRESS_NO_PORT, which Python has no name for
 
 # Kinds and flags of HTTP/2's frames, RFC 9113.
 PREFACE = b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n"
-DATA, HEADERS, RST_STREAM, SETTINGS, PING, CONTINUATION = 0, 1, 3, 4, 6, 9
+DATA, HEADERS, RST_STREAM, SETTINGS, PING, GOAWAY, CONTINUATION = 0, 1, 3, 4, 6, 7, 9
 END_STREAM, END_HEADERS = 1, 4
 
 
@@ -150,3 +150,27 @@ def open_http2(address, source="127.0.0.2"):
     peer = connect(address, source)
     peer.sendall(PREFACE + frame(SETTINGS, 0, 0))
     return peer
+
+
+def frames_of(peer):
+    """Reads frames until the server closes; gives the kind, the stream and the content of each."""
+    data = b""
+    while part := peer.recv(1 << 16):
+        data += part
+        while len(data) >= 9 and len(data) >= (end := 9 + int.from_bytes(data[:3], "big")):
+            yield data[3], int.from_bytes(data[5:9], "big"), data[9:end]
+            data = data[end:]
+
+
+# Statuses by their index in HPACK's table, RFC 7541.
+STATUSES = {0x88: 200, 0x89: 204, 0x8A: 206, 0x8B: 304, 0x8C: 400, 0x8D: 404, 0x8E: 500}
+
+
+def answers_of(peer):
+    """Gives the HTTP status of each answer as HAProxy codes it, or 0 for a call that is reset or a connection that ends."""
+    for kind, _, content in frames_of(peer):
+        if kind == HEADERS:
+            yield STATUSES.get(content[0]) or int(content[2:5])
+        elif kind in (RST_STREAM, GOAWAY):
+            yield 0
+    yield 0

@@ -108,6 +108,14 @@ def reason_of(body):
     return next(detail["reason"] for detail in json.loads(body)["details"] if "reason" in detail)
 
 
+def start_proxy(test, server, ready=None, **environment):
+    """Starts one more HAProxy for a test, before the same kerfd or before another server."""
+    with free_socket() as listener:
+        proxy = Proxy(server.folder, listener, ready or server.ready, **environment)
+    test.addCleanup(proxy.stop)
+    return proxy
+
+
 class Guarded:
     """`grpc` and `http` are the addresses that an attack is told: those of the proxy, or with `direct` of kerfd itself."""
 
@@ -164,7 +172,7 @@ class Guarded:
                 raise RuntimeError(f"{name} is at tick {tick} already, beyond {last}")
             self.call("SheetService/StepSheet", name=f"sheets/{name}", ticks=last - tick)
             sheet = self.call("SheetService/GetSheet", name=f"sheets/{name}")
-            found.append((sheet["tick"], sheet["stateHash"] if "stateHash" in sheet else sheet["state_hash"]))
+            found.append((sheet["tick"], sheet["state_hash"]))
         return found
 
     def forget_peak(self):
