@@ -117,7 +117,7 @@ def start_proxy(test, server, ready=None, **environment):
 
 
 class Guarded:
-    """`grpc` and `http` are the addresses that an attack is told: those of the proxy, or with `direct` of kerfd itself."""
+    """Shows attacks the addresses `grpc` and `http`: those of the proxy, or with `direct` of kerfd itself."""
 
     def __init__(self, kerfd, kerf, direct=False):
         self.kerf = kerf

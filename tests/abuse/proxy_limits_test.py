@@ -12,10 +12,12 @@ import pathlib
 import queue
 import select
 import shutil
+import socket
 import ssl
 import subprocess
 import sys
 import threading
+import time
 import unittest
 
 from clients import END_HEADERS, END_STREAM, HEADERS, answers_of, call_headers, connect, drain, frame, header, open_http2
@@ -154,6 +156,13 @@ class Addresses(unittest.TestCase):
         for peer in peers:
             threading.Thread(target=lambda peer=peer: [refused.put(each) for each in answers_of(peer) if each], daemon=True).start()
         self.assertEqual([refused.get(timeout=PATIENCE_S) for _ in range(22)], 22 * [429])
+        for peer in peers:
+            peer.shutdown(socket.SHUT_RDWR)
+        end = time.monotonic() + PATIENCE_S
+        with Browser(server.proxy, "127.0.0.11") as browser:  # calls that have ended do not count
+            while (status := browser.ask("/healthz")[0]) == 429 and time.monotonic() < end:
+                pass
+            self.assertEqual(status, 200)
 
     def test_log_in_wrongly_five_times_a_minute(self):
         def wrong(_):

@@ -9,6 +9,7 @@ import http.server
 import json
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
@@ -54,6 +55,17 @@ class File(unittest.TestCase):
         for algorithm in ("HS256", "none", "RS512", ""):
             self.assertIn("RS256 or ES256", self.check(**{**variables, "KERF_JWT_ALGORITHM": algorithm}).stderr)
         self.assertEqual(self.check(KERF_PROXY_CERT="/none.crt").returncode, 1)
+
+
+    def test_has_the_variables_and_defaults_of_its_page(self):
+        text, page = ((ROOT / "deploy" / name).read_text() for name in ("haproxy.cfg", "proxy.md"))
+        table = dict(re.findall(r"^\| (`KERF_.*?) \| (.*?) \|", page.split("## Variables")[1].split("## ")[0], re.MULTILINE))
+        listed = {}
+        for names, defaults in table.items():
+            found = re.findall(r"\w+", names)
+            listed.update(zip(found, re.findall(r"[^`, ]+", defaults) if defaults != "none" else [""] * len(found)))
+        defaults = dict(re.findall(r"presetenv (\w+) (\S+)", text))
+        self.assertEqual(listed, {**dict.fromkeys(re.findall(r"KERF_[A-Z_]+", text), ""), **defaults})
 
 
 class Callers(unittest.TestCase):

@@ -143,6 +143,10 @@ LONG = {
                      "answers and ends in order",
                      "cmake --preset release >/dev/null; cmake --build --preset release --target kerfd kerf >/dev/null; "
                      "tests/abuse/attacks.py build/release/bin/kerfd build/release/bin/kerf", "8 minutes on two cores"),
+    "proxy": Proof("ten kinds of attack through HAProxy with deploy/haproxy.cfg let kerfd's memory grow by no more than 16 MiB, and "
+                   "change no bit of the sheets beside them",
+                   "cmake --preset release >/dev/null; cmake --build --preset release --target kerfd kerf >/dev/null; "
+                   "tests/abuse/proxy.py --kerfd build/release/bin/kerfd --seconds 60", "15 minutes on two cores"),
     "fuzz": Proof("an hour of each fuzzer, on top of what earlier runs found",
                   "tests/fuzz/run_fuzzers 0", "four hours"),
     "trials": Proof("random trials from a new seed, as in `deploy/test deep`, ten seeds long",
