@@ -53,6 +53,7 @@ struct Arguments {
   std::vector<std::string> allowed_origins;
   std::string tokens;
   std::string audit_log;
+  bool behind_proxy = false;
   std::string record_dir;
   std::string data_dir;
   std::string backups_dir;
@@ -60,7 +61,7 @@ struct Arguments {
   std::string restore_store;
   double max_replay_s = Config().max_replay_s;
   bool fresh = false;
-  int max_connections_per_address = Config().max_connections_per_address;
+  std::optional<int> max_connections_per_address;
 };
 
 void declare_limits(CLI::App& parser, Arguments& arguments) {
@@ -83,9 +84,8 @@ void declare_limits(CLI::App& parser, Arguments& arguments) {
   parser
       .add_option("--max-connections-per-address", arguments.max_connections_per_address,
                   "Connections that one address (one /64 of IPv6) may have open, for gRPC and for HTTP each, 1..10000; "
-                  "0: no limit per address, as behind a proxy, where all users share its address")
-      ->type_name("N")
-      ->capture_default_str();
+                  "0: no limit per address (default: 128; with --behind-proxy 0)")
+      ->type_name("N");
 }
 
 void declare_tls(CLI::App& parser, CertificateFiles& files) {
@@ -152,6 +152,10 @@ void declare(CLI::App& parser, Arguments& arguments) {
                   "and its outcome. SIGHUP opens it again")
       ->check(check_file_named)
       ->type_name("FILE");
+  parser.add_flag(
+      "--behind-proxy", arguments.behind_proxy,
+      "All clients come through a proxy on this machine, such as deploy/haproxy.cfg: believe the addresses that "
+      "it gives as x-forwarded-for, and leave limits per connection to it");
   parser
       .add_option("--allow-origin", arguments.allowed_origins,
                   "Web origin, such as https://viewer.example.org, whose pages may use this server; repeatable")
@@ -255,6 +259,15 @@ Status check_tls(const CertificateFiles& files) {
   return Nothing{};
 }
 
+Status check_proxy(const Config& config) {
+  if (!config.behind_proxy || (ws::is_loopback(config.grpc.host) && ws::is_loopback(config.http.host)))
+    return Nothing{};
+  return invalid_argument("REACHED_WITHOUT_PROXY",
+                          "--behind-proxy: others could come without the proxy and give any address; let --listen and "
+                          "--http be 127.0.0.1",
+                          "--behind-proxy");
+}
+
 Result<std::variant<Config, Notice>> to_config(const Arguments& arguments) {
   KERF_TRY(check_tls(arguments.tls));
   Config config;
@@ -289,13 +302,15 @@ Result<std::variant<Config, Notice>> to_config(const Arguments& arguments) {
                                 std::to_string(kMostTotalVertices),
                             "--max-total-vertices");
   }
-  if (arguments.max_connections_per_address < 0 || arguments.max_connections_per_address > kMostConnections) {
+  const int per_address =
+      arguments.max_connections_per_address.value_or(arguments.behind_proxy ? 0 : config.max_connections_per_address);
+  if (per_address < 0 || per_address > kMostConnections) {
     return invalid_argument("MAX_CONNECTIONS_PER_ADDRESS_OUT_OF_RANGE",
-                            "--max-connections-per-address: " + std::to_string(arguments.max_connections_per_address) +
-                                " is not in 0.." + std::to_string(kMostConnections),
+                            "--max-connections-per-address: " + std::to_string(per_address) + " is not in 0.." +
+                                std::to_string(kMostConnections),
                             "--max-connections-per-address");
   }
-  config.max_connections_per_address = arguments.max_connections_per_address;
+  config.max_connections_per_address = per_address;
   config.scenes.assign(arguments.scenes.begin(), arguments.scenes.end());
   config.web = arguments.web;
   config.docs = arguments.docs;
@@ -305,6 +320,8 @@ Result<std::variant<Config, Notice>> to_config(const Arguments& arguments) {
   config.allowed_origins = arguments.allowed_origins;
   config.tokens = arguments.tokens;
   config.audit_log = arguments.audit_log;
+  config.behind_proxy = arguments.behind_proxy;
+  KERF_TRY(check_proxy(config));
   config.record_dir = arguments.record_dir;
   config.keeps_nothing = arguments.data_dir == "none";
   if (!config.keeps_nothing) config.data_dir = arguments.data_dir;

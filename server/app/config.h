@@ -32,6 +32,7 @@ struct Config {
   bool render = true;                         // Draws pictures if EGL works.
   std::string render_device = "auto";         // As render::RendererOptions::device; only "auto" may find no device.
   CertificateFiles tls;                       // Both ports speak TLS if it names files.
+  bool behind_proxy = false;                  // All clients come through a proxy on this machine.
   std::vector<std::string> allowed_origins;   // Origins of foreign web pages that may use this server.
   std::filesystem::path tokens;               // Token file; empty: everybody may do everything.
   std::filesystem::path audit_log;            // File that gets a line for each change; empty: none.

@@ -311,6 +311,7 @@ Status Server::Impl::start() {
   options.authenticator = access.authenticator();
   options.tenants = &access.tenants();
   options.audit = access.audit();
+  options.is_behind_proxy = config.behind_proxy;
   api = std::make_unique<api::Api>(*host, renderer.get(), options, clock);
   KERF_TRY(make_sheets(std::move(scenes)));
   if (const Status begun = begin(std::move(files)); !begun.ok()) {

@@ -130,7 +130,7 @@ class Guarded:
         scenes = [self.folder / f"{name}.json" for name in CALM]
         self.proxy = None
         listener = None if direct else free_socket()
-        behind = [] if direct else ["--allow-origin", f"https://{HOST}", "--max-connections-per-address", "0"]
+        behind = [] if direct else ["--allow-origin", f"https://{HOST}", "--behind-proxy"]
         self.errors = open(self.folder / "kerfd.errors", "w")
         self.process = subprocess.Popen(
             [kerfd, "--listen", "127.0.0.1:0", "--http", "127.0.0.1:0", "--data", "none", "--no-render", "--max-load", "0",

@@ -41,6 +41,9 @@ TEST_F(KerfdTlsTest, RefusesOptionsThatDoNotGoTogether) {
   EXPECT_NE(refusal(free_ports({"--tls-key", key_})).find("--tls-cert"), std::string::npos);
   EXPECT_NE(refusal(free_ports({"--tls-client-ca", cert_})).find("--tls-cert"), std::string::npos);
   EXPECT_NE(refusal(free_ports({"--tls-cert", "", "--tls-key", ""})).find("is empty"), std::string::npos);
+  const std::string reached = refusal({"--listen", "127.0.0.1:0", "--http", "0.0.0.0:0", "--tls-cert", cert_,
+                                       "--tls-key", key_, "--tokens", cert_, "--behind-proxy"});
+  EXPECT_NE(reached.find("--behind-proxy: others could come without the proxy"), std::string::npos) << reached;
   write("server.pem", "nothing");
   const std::string bad = refusal(with_tls());
   EXPECT_NE(bad.find("--tls-cert: \"" + cert_ + "\" has no certificate"), std::string::npos) << bad;

@@ -2,7 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <fstream>
+#include <iterator>
 #include <string>
+#include <thread>
 
 #include "server/service/auth/token_file.h"
 #include "tests/ws/http_fixture.h"
@@ -116,6 +120,48 @@ TEST_F(LoginTest, ALinkLogsIn) {
   EXPECT_EQ(call("SheetService/GetSheet", kGet, cookie + kCsrf).status, 200);
   expect_refused(call("SheetService/DeleteSheet", kGet, cookie + kCsrf), 403, "SCOPE_TOO_LOW");
   expect_refused(post("/login", json), 401, "CODE_UNKNOWN");
+}
+
+TEST_F(LoginTest, AddressesInHeadersCountOnlyBehindAProxy) {
+  const std::string guess = R"({"token":"kerf_admin_x"})";
+  for (int i = 0; i < 10; ++i) {
+    const std::string header = "X-Forwarded-For: 192.0.2." + std::to_string(i) + "\r\n";
+    expect_refused(post("/login", guess, header), 401, "TOKEN_UNKNOWN");
+  }
+  expect_refused(post("/login", guess, "X-Forwarded-For: 192.0.2.99\r\n"), 429, "TOO_MANY_LOGINS");
+}
+
+class LoginBehindProxyTest : public HttpServerTest {
+ protected:
+  LoginBehindProxyTest() {
+    app::Config config = test_config();
+    config.tokens = folder_.write("tokens", admin_.line + "\n");
+    config.audit_log = (folder_ / "audit.log").string();
+    config.behind_proxy = true;
+    start(config);
+  }
+  // Returns the status of a login through the proxy of a client.
+  [[nodiscard]] int log_in(const std::string& address, const std::string& token) const {
+    return request(port_, "POST", "/login", "X-Forwarded-For: " + address + "\r\n", R"({"token":")" + token + R"("})")
+        .status;
+  }
+
+  const auth::NewToken admin_ = auth::make_token({"admin", auth::Scope::kAdmin, "", "", ""}).value();
+};
+
+TEST_F(LoginBehindProxyTest, GuessesCountByTheAddressThatTheProxyGives) {
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(log_in("192.0.2.7", "guess"), 401);
+  EXPECT_EQ(log_in("192.0.2.7", admin_.text), 429);
+  EXPECT_EQ(log_in("2001:db8::7", admin_.text), 200);
+  EXPECT_EQ(log_in(std::string(46, '1'), "guess"), 401) << "no address: that of the proxy counts";
+  const auto has = [this](const std::string& text) {
+    std::ifstream file(folder_ / "audit.log");
+    return std::string(std::istreambuf_iterator<char>(file), {}).find(text) != std::string::npos;
+  };
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  while (!has(R"("address":"2001:db8::7")") && std::chrono::steady_clock::now() < end) std::this_thread::yield();
+  EXPECT_TRUE(
+      has(R"("call":"Login","outcome":"OK","token_id":"admin","by_link":false,"tenant":"","address":"2001:db8::7")"));
 }
 
 TEST_F(LoginTest, GuessesAreSlowedDown) {

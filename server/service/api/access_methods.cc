@@ -119,6 +119,12 @@ Result<auth::Caller> Api::caller_of(std::string_view authorization, std::string 
   return caller;
 }
 
+std::string Api::address_of(std::string peer, std::string_view forwarded_for) const {
+  constexpr std::size_t kLongestAddress = 45;  // of IPv6 with an address of IPv4 in it
+  const bool is_named = core_->options.is_behind_proxy && !forwarded_for.empty();
+  return is_named && forwarded_for.size() <= kLongestAddress ? std::string(forwarded_for) : std::move(peer);
+}
+
 Status Api::allow(const auth::Caller& caller, const google::protobuf::Message& request) const {
   Status allowed = check_access(caller, request);
   if (allowed.ok()) allowed = count_for_tenant(*core_, caller, request);

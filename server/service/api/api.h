@@ -150,7 +150,9 @@ struct ApiOptions {
   KeptStore* store = nullptr;                    // Outlives the Api. nullptr: the server keeps nothing.
   auth::Authenticator* authenticator = nullptr;  // Outlives the Api. nullptr: everybody may do everything.
   Tenants* tenants = nullptr;                    // Outlives the Api and its streams. nullptr: there are none.
-  AuditLog* audit = nullptr;                     // Outlives the Api and its streams. nullptr: there is none.
+  // All callers come through a proxy on this machine, which says for each whom it speaks for.
+  bool is_behind_proxy = false;
+  AuditLog* audit = nullptr;  // Outlives the Api and its streams. nullptr: there is none.
 };
 
 // Counts the work done for streams of frames so far.
@@ -197,8 +199,10 @@ class Api {
   Api& operator=(const Api&) = delete;
 
   // Returns who sent `authorization`, the value of that header or metadata: everybody if the server asks for no tokens.
-  // `address`: of the peer. Errors: those of auth::Authenticator::find_bearer().
+  // `address`: see address_of(). Errors: those of auth::Authenticator::find_bearer().
   [[nodiscard]] Result<auth::Caller> caller_of(std::string_view authorization, std::string address) const;
+  // Returns the address of a caller: that of the peer, or behind a proxy the one that it gives as `x-forwarded-for`.
+  [[nodiscard]] std::string address_of(std::string peer, std::string_view forwarded_for) const;
   // Decides whether a caller may send a request, see check_access(), and counts it for the caller's tenant. Errors:
   // those; kResourceExhausted TENANT_CUTS, TENANT_VERTICES. A refusal is recorded, if the request would be.
   [[nodiscard]] Status allow(const auth::Caller& caller, const google::protobuf::Message& request) const;

@@ -62,7 +62,7 @@ class Grant {
 // Who calls, and from where.
 struct Caller {
   std::shared_ptr<const Grant> grant;  // never null
-  std::string address;                 // The peer's, as HOST or HOST:PORT; empty: unknown.
+  std::string address;                 // IPv4 or IPv6, without a port; empty: unknown.
 
   const Grant* operator->() const { return grant.get(); }
 };

@@ -156,8 +156,7 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
     }
     RequestMessage message = parser.release();
     Framing framing{message.version(), message.keep_alive(), message.method() == http::verb::head};
-    HttpRequest request = to_request(message);
-    request.peer = peer_;
+    HttpRequest request = from_peer(to_request(message));
     const std::optional<Result<std::shared_ptr<api::ImageSession>>> player = context_.router.play(request);
     if (player && player->ok()) {
       co_await play(**player);
@@ -187,7 +186,7 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
 
   // Returns the refusal of a body before it is read, if any. For an accepted file it sets `room`.
   std::optional<HttpResponse> admit_body(Parser& parser, std::shared_ptr<const api::UploadRoom>& room) {
-    const Router::BodyLimit limit = context_.router.body_limit(head_of(parser.get()));
+    const Router::BodyLimit limit = context_.router.body_limit(from_peer(head_of(parser.get())));
     if (limit.refused) return limit.refused;
     const auto max_bytes = static_cast<std::uint64_t>(limit.max_bytes);
     const std::uint64_t announced = parser.content_length().value_or(max_bytes);
@@ -224,7 +223,7 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
 
   asio::awaitable<void> upgrade(RequestMessage message) {
     const std::string subprotocols = header(message, http::field::sec_websocket_protocol);
-    Router::Upgrade upgrade = context_.router.upgrade(to_request(message), subprotocols);
+    Router::Upgrade upgrade = context_.router.upgrade(from_peer(to_request(message)), subprotocols);
     if (upgrade.refused) {
       co_await write(*upgrade.refused, Framing());
       co_return;
@@ -354,6 +353,11 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
       co_await stream_.async_shutdown(asio::redirect_error(asio::use_awaitable, ignored));
     }
     co_return;
+  }
+
+  HttpRequest from_peer(HttpRequest request) const {
+    request.peer = context_.router.address_of(peer_, request.forwarded_for);
+    return request;
   }
 
   ConnectionContext& context_;

@@ -34,6 +34,7 @@ HttpRequest head_of(const RequestMessage& message) {
           header(message, http::field::authorization),
           header(message, http::field::cookie),
           header_named(message, "x-kerf-csrf"),
+          header_named(message, "x-forwarded-for"),
           {},
           {}};
 }

@@ -229,6 +229,10 @@ void Router::call(HttpRequest request, std::string_view path, std::function<void
       std::move(stop));
 }
 
+std::string Router::address_of(std::string peer, std::string_view forwarded_for) const {
+  return api_.address_of(std::move(peer), forwarded_for);
+}
+
 Router::BodyLimit Router::body_limit(const HttpRequest& head) const {
   const std::string_view path = split_target(head.target).path;
   const std::int64_t limit = head.method == "POST" ? files_.upload_limit(path) : 0;

@@ -37,6 +37,7 @@ struct HttpRequest {
   std::string authorization;    // Authorization
   std::string cookie;           // Cookie
   std::string csrf;             // x-kerf-csrf
+  std::string forwarded_for;    // x-forwarded-for
   std::string body;
   std::string peer;  // Address of the client.
 };
@@ -87,6 +88,8 @@ class Router {
     std::optional<HttpResponse> refused;
   };
   [[nodiscard]] BodyLimit body_limit(const HttpRequest& head) const;
+  // See api::Api::address_of().
+  [[nodiscard]] std::string address_of(std::string peer, std::string_view forwarded_for) const;
 
  private:
   // Answers /healthz and /readyz, which load balancers request without a valid Host.
