@@ -225,7 +225,7 @@ class Headers(unittest.TestCase):
             self.assertEqual(browser.ask("/", x_kerf_tenant="a", x_kerf_node="b", x_kerf_csrf="1", X_Forwarded_For="192.0.2.1",
                                          Forwarded="for=192.0.2.1", X_Real_IP="192.0.2.1", Cookie="a=1; kerf=2; b=3")[0], 200)
         kept = {name: value for name, value in Seen.headers_seen.items() if name not in ("host", "accept-encoding", "connection")}
-        self.assertEqual(kept, {"x-kerf-csrf": "1", "cookie": "a=1; b=3"})
+        self.assertEqual(kept, {"x-kerf-csrf": "1", "cookie": "a=1; b=3", "x-forwarded-for": "127.0.0.1"}, "the true address alone")
 
 
 if __name__ == "__main__":
