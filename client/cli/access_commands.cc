@@ -59,9 +59,9 @@ std::string describe_access(const v1::Access& access, const std::string& address
   for (const v1::Quota& quota : access.quotas()) {
     std::array<char, 96> line{};
     if (quota.limit() == 0.0) {
-      std::snprintf(line.data(), line.size(), "\n  %-13s %10.6g, no limit", quota.name().c_str(), quota.used());
+      std::snprintf(line.data(), line.size(), "\n  %-13s %10.9g, no limit", quota.name().c_str(), quota.used());
     } else {
-      std::snprintf(line.data(), line.size(), "\n  %-13s %10.6g of %g", quota.name().c_str(), quota.used(),
+      std::snprintf(line.data(), line.size(), "\n  %-13s %10.9g of %.9g", quota.name().c_str(), quota.used(),
                     quota.limit());
     }
     text += line.data();

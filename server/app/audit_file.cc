@@ -1,6 +1,8 @@
 #include "server/app/audit_file.h"
 
 #include <cerrno>
+#include <filesystem>
+#include <fstream>
 #include <system_error>
 #include <utility>
 
@@ -11,18 +13,31 @@ namespace kerf::app {
 namespace {
 
 Result<int> open_appending(const std::string& path) {
-  const int number = ::open(path.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC, 0600);
+  // A pipe without a reader is an error at once, and a full one is tried again later.
+  const int number = ::open(path.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_NONBLOCK | O_CLOEXEC, 0600);
   if (number >= 0) return number;
   return invalid_argument("BAD_AUDIT_LOG",
                           "--audit-log: cannot append to \"" + path + "\": " + std::generic_category().message(errno),
                           "--audit-log");
 }
 
+// Returns true if the last line of a file has no end, as the process that wrote it was killed.
+bool is_torn(const std::string& path) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) return false;
+  std::ifstream file(path, std::ios::ate | std::ios::binary);
+  if (!file || file.tellg() <= 0) return false;
+  file.seekg(-1, std::ios::end);
+  return file.get() != '\n';
+}
+
 }  // namespace
 
 Result<std::unique_ptr<AuditFile>> AuditFile::open(const std::string& path, std::chrono::milliseconds retry) {
   KERF_TRY_ASSIGN(const int number, open_appending(path));
-  return std::unique_ptr<AuditFile>(new AuditFile(path, number, retry));
+  auto file = std::unique_ptr<AuditFile>(new AuditFile(path, number, retry));
+  if (is_torn(path)) file->append("\n");
+  return file;
 }
 
 AuditFile::AuditFile(std::string path, int number, std::chrono::milliseconds retry)

@@ -48,16 +48,25 @@ TEST_F(AuditLogTest, ALineSaysWhoDidWhatFromWhere) {
   EXPECT_EQ(second.at("outcome"), "QUEUE_FULL");
 }
 
-TEST_F(AuditLogTest, RefusalsAreLimitedAndCounted) {
-  for (int i = 0; i < 500; ++i) log_.add({alice(), "Login", "", ""}, unauthenticated("TOKEN_UNKNOWN", "no"));
-  EXPECT_EQ(lines_.size(), 120u);
-  log_.add({alice(), "CreateCut", "lab-1", ""}, Nothing{});
-  ASSERT_EQ(lines_.size(), 121u) << "changes are never left out";
-  EXPECT_EQ(json::parse(lines_.back()).at("left_out"), "380");
+TEST_F(AuditLogTest, RefusalsOfEachTokenAreLimitedAndCounted) {
+  const Error unknown = unauthenticated("TOKEN_UNKNOWN", "no");
+  for (int i = 0; i < 500; ++i) log_.add({auth::everybody(), "Authorize", "", ""}, unknown);
+  EXPECT_EQ(lines_.size(), 60u);
+  log_.add({alice(), "DeleteSheet", "lab-1", ""}, permission_denied("SCOPE_TOO_LOW", "no"));
+  ASSERT_EQ(lines_.size(), 61u) << "strangers do not hide what a token tries";
+  EXPECT_EQ(json::parse(lines_.back()).at("left_out"), "440");
+  for (int i = 0; i < 500; ++i) log_.add({alice(), "CreateCut", "lab-1", ""}, Nothing{});
+  EXPECT_EQ(lines_.size(), 561u) << "changes are never left out";
   clock_.move_to(clock_.now() + std::chrono::minutes(1));
-  log_.add({alice(), "Login", "", ""}, unauthenticated("TOKEN_UNKNOWN", "no"));
-  EXPECT_EQ(lines_.size(), 122u);
-  EXPECT_EQ(json::parse(lines_.back()).at("left_out"), "0");
+  for (int i = 0; i < 100; ++i) log_.add({auth::everybody(), "Authorize", "", ""}, unknown);
+  EXPECT_EQ(lines_.size(), 621u);
+}
+
+TEST_F(AuditLogTest, LongNamesAreCut) {
+  log_.add({alice(), "CreateCut", std::string(1'000'000, '\1'), std::string(63, 'a') + "\u00e9\u00e9"},
+           permission_denied("SCOPE_TOO_LOW", "no"));
+  EXPECT_LT(lines_.at(0).size(), 1000u);
+  EXPECT_EQ(json::parse(lines_[0]).at("request_id"), std::string(63, 'a') + "...");
 }
 
 TEST_F(AuditLogTest, CountsWhatCouldNotBeWritten) {
@@ -107,10 +116,27 @@ TEST_F(AuditedApiTest, HasChangesAndRefusalsButNotReads) {
   EXPECT_FALSE(call_json("/kerf.v1.SheetService/ResetSheet", R"({"name":"sheets/a"})").ok());
   EXPECT_FALSE(call_json("/kerf.v1.SheetService/DeleteSheet", R"({"name":"sheets/lab-1"})").ok());
   EXPECT_TRUE(call_json("/kerf.v1.AccessService/CreateLink", R"({"sheet_id":"lab-1"})").ok());
+  const auto cut = [this](const std::string& more) {
+    return call_json(
+        "/kerf.v1.CutService/CreateCut",
+        R"({"parent":"sheets/lab-1","cut":{"curve":{"polyline":{"points":[{"x":5},{"x":6}]}}})" + more + "}");
+  };
+  EXPECT_TRUE(cut(R"(,"validate_only":true)").ok()) << "this changes nothing";
+  EXPECT_TRUE(cut("").ok());
   EXPECT_EQ(lines_.at(0).at("address"), "192.0.2.7:4711");
   EXPECT_THAT(said(), ::testing::ElementsAre("ResetSheet lab-1 OK", "ResetSheet lab-2 SHEET_NOT_FOUND",
                                              "ResetSheet a SHEET_NOT_FOUND", "DeleteSheet lab-1 SCOPE_TOO_LOW",
-                                             "CreateLink lab-1 OK"));
+                                             "CreateLink lab-1 OK", "CreateCut lab-1 NO_INTERSECTION"));
+}
+
+TEST_F(AuditedApiTest, NamesATokenThatHasEnded) {
+  const auth::NewToken bob = auth::make_token({"bob", auth::Scope::kCut, "", "1971-01-02", ""}).value();
+  authenticator_ = std::make_unique<auth::Authenticator>([] { return std::int64_t{1} << 40; });
+  authenticator_->set_tokens(auth::parse_token_file(bob.line).value().tokens);
+  make_api({}, nullptr);
+  EXPECT_FALSE(api_->caller_of("Bearer " + bob.text, "192.0.2.8").ok());
+  EXPECT_EQ(lines_.at(0).at("token_id"), "bob");
+  EXPECT_EQ(lines_.at(0).at("outcome"), "TOKEN_EXPIRED");
 }
 
 TEST_F(AuditedApiTest, HasTokensThatAreRefused) {

@@ -90,14 +90,29 @@ TEST_F(LoginsTest, LinksEndWithTheirToken) {
 }
 
 TEST_F(LoginsTest, AreBoundedAndForgetOldOnes) {
-  const auto alice = token();
-  for (std::size_t i = 0; i < kMaxLogins; ++i) ASSERT_TRUE(logins_.begin(alice).ok());
-  for (std::size_t i = 0; i < kMaxLinks; ++i) ASSERT_TRUE(logins_.make_link(alice, terms(3600)).ok());
+  const auto of = [this](std::size_t number) {
+    return Caller{std::make_shared<Grant>("t" + std::to_string(number), Rights{Scope::kCut, "*", 0}, clock_), {}};
+  };
+  for (std::size_t i = 0; i < kMaxLogins; ++i) ASSERT_TRUE(logins_.begin(of(i / kMaxLoginsOfToken)).ok());
+  for (std::size_t i = 0; i < kMaxLinks; ++i) {
+    ASSERT_TRUE(logins_.make_link(of(i / kMaxLinksOfToken), terms(3600)).ok());
+  }
+  EXPECT_EQ(logins_.begin(of(99)).error().reason, "TOO_MANY_LOGINS");
+  EXPECT_EQ(logins_.make_link(of(99), terms(3600)).error().reason, "TOO_MANY_LINKS");
+  now_ += kLoginSeconds;
+  EXPECT_TRUE(logins_.begin(of(99)).ok());
+  EXPECT_TRUE(logins_.make_link(of(99), terms(3600)).ok());
+}
+
+TEST_F(LoginsTest, OneTokenDoesNotTakeThemAll) {
+  const Caller alice = token();
+  const Caller bob{std::make_shared<Grant>("bob", Rights{Scope::kCut, "*", 0}, clock_), {}};
+  for (std::size_t i = 0; i < kMaxLoginsOfToken; ++i) ASSERT_TRUE(logins_.begin(alice).ok());
+  for (std::size_t i = 0; i < kMaxLinksOfToken; ++i) ASSERT_TRUE(logins_.make_link(alice, terms(3600)).ok());
   EXPECT_EQ(logins_.begin(alice).error().reason, "TOO_MANY_LOGINS");
   EXPECT_EQ(logins_.make_link(alice, terms(3600)).error().reason, "TOO_MANY_LINKS");
-  now_ += kLoginSeconds;
-  EXPECT_TRUE(logins_.begin(alice).ok());
-  EXPECT_TRUE(logins_.make_link(alice, terms(3600)).ok());
+  EXPECT_TRUE(logins_.begin(bob).ok());
+  EXPECT_TRUE(logins_.make_link(bob, terms(3600)).ok());
 }
 
 }  // namespace

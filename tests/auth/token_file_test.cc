@@ -54,6 +54,7 @@ TEST(TokenFile, NamesTheLineThatIsWrong) {
                                    {"bob " + kDigest + " scope=cut tenant=lab sheets=shop-*", "begin with lab-"},
                                    {"tenant " + kDigest + " scope=cut", "a tenant's name"},
                                    {"tenant", "a tenant's name"},
+                                   {"tenant sheet", "choose another name"},
                                    {"tenant 1lab", "a tenant's name"},
                                    {"tenant lab-a", "a tenant's name"},
                                    {"tenant " + std::string(17, 'a'), "a tenant's name"},

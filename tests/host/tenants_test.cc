@@ -101,6 +101,39 @@ TEST_F(TenantsTest, LimitTheWorkersThatRunningSheetsNeed) {
   EXPECT_EQ(reason_of("shop-2", huge, false), "done");
 }
 
+TEST_F(TenantsTest, LimitTheNeedOfSheetsThatAreResumedOrMadeFaster) {
+  for (const char* const id : {"lab-1", "lab-2", "lab-3"}) ASSERT_EQ(reason_of(id, small_sheet(), true), "done");
+  const auto resume = [this](const std::string& id) {
+    Answers<SheetStatus> answers;
+    host_->resume(id, answers.callback());
+    host_->wait_idle();
+    return answers.reason(0);
+  };
+  const auto hasten = [this](const std::string& id, double speed) {
+    Answers<SheetStatus> answers;
+    host_->set_speed(id, speed, answers.callback());
+    host_->wait_idle();
+    return answers.reason(0);
+  };
+  ASSERT_EQ(resume("lab-1"), "done");
+  const double each = host_->tenant_use("lab").workers;
+  ASSERT_GT(each, 0.0);
+  limits_.max_workers = 1.5 * each;
+  EXPECT_EQ(resume("lab-1"), "done") << "it runs already";
+  EXPECT_EQ(hasten("lab-1", 4.0), "TENANT_LOAD");
+  EXPECT_EQ(resume("lab-2"), "TENANT_LOAD");
+  EXPECT_EQ(hasten("lab-2", 0.25), "done") << "it is paused";
+  EXPECT_EQ(resume("lab-2"), "done");
+  EXPECT_EQ(resume("lab-3"), "TENANT_LOAD");
+  EXPECT_NEAR(host_->tenant_use("lab").workers, 1.25 * each, 1e-5);
+}
+
+TEST_F(TenantsTest, NoSheetAloneGetsMoreVerticesByCuts) {
+  limits_.max_vertices = 40;
+  ASSERT_EQ(reason_of("lab-1", small_sheet()), "done");  // 25
+  EXPECT_EQ(status("lab-1").config->max_vertices, 40);
+}
+
 TEST_F(TenantsTest, LimitSavedStates) {
   ASSERT_EQ(reason_of("lab-1", small_sheet()), "done");
   ASSERT_EQ(reason_of("lab-2", small_sheet()), "done");

@@ -176,6 +176,8 @@ Status check_access(const auth::Caller& caller, const Message& request) {
 }
 
 bool is_recorded(const Message& request) {
+  const FieldDescriptor* const dry = request.GetDescriptor()->FindFieldByName("validate_only");
+  if (dry != nullptr && request.GetReflection()->GetBool(request, dry)) return false;
   const auto rule = rules().find(request.GetDescriptor()->name());
   return rule != rules().end() && rule->second.is_recorded;
 }

@@ -4,12 +4,14 @@
 #include <utility>
 
 #include "kerf/v1/access_service.pb.h"
+#include "kerf/v1/cuts.pb.h"
 #include "server/core/scene/sheet_config.h"
 #include "server/service/api/access.h"
 #include "server/service/api/audit_log.h"
 #include "server/service/api/core.h"
 #include "server/service/api/tenants.h"
 #include "server/service/auth/authenticator.h"
+#include "server/service/auth/token_file.h"
 
 // Implements the methods of AccessService, and finds out who calls.
 namespace kerf::api {
@@ -52,6 +54,13 @@ Result<auth::Rights> decode_rights(const v1::CreateLinkRequest& request, const a
   return rights;
 }
 
+// Returns a grant with the id of a token that was good once; of any other, nothing is known.
+std::shared_ptr<const auth::Grant> known_part(std::string_view authorization, const Error& error) {
+  if (error.reason != "TOKEN_EXPIRED") return auth::everybody().grant;
+  const std::string_view token = authorization.substr(authorization.find(' ') + 1);
+  return std::make_shared<const auth::Grant>(std::string(auth::id_in(token)), auth::Rights(), nullptr);
+}
+
 std::string request_id_of(const google::protobuf::Message& request) {
   const auto* const field = request.GetDescriptor()->FindFieldByName("request_id");
   return field == nullptr ? std::string() : request.GetReflection()->GetString(request, field);
@@ -62,10 +71,10 @@ Status count_for_tenant(const ApiCore& core, const auth::Caller& caller, const g
   const std::string& tenant = caller->rights().tenant;
   if (core.options.tenants == nullptr || tenant.empty()) return Nothing{};
   const std::string call = call_of(request);
-  const bool cuts = call == "CreateCut" || call == "CreateCuts" || call == "RedoCut";
-  if (!cuts && call != "UndoCut") return Nothing{};
-  KERF_TRY(core.options.tenants->take_cut(tenant));
-  if (!cuts) return Nothing{};
+  const bool cuts = call == "CreateCut" || call == "CreateCuts" || call == "RedoCut" || call == "UndoCut";
+  if (cuts) KERF_TRY(core.options.tenants->take_cut(tenant));
+  if (!cuts && call != "RestoreState") return Nothing{};
+  if (call == "UndoCut") return Nothing{};  // It may give vertices back.
   const std::optional<host::TenantLimits> limits = core.options.tenants->sheet_limits(tenant);
   return limits ? host::check_vertices(tenant, *limits, core.host.tenant_use(tenant).vertices + 1) : Status(Nothing{});
 }
@@ -97,8 +106,9 @@ void add_quotas(const ApiCore& core, v1::Access& access) {
 void record(const ApiCore& core, const auth::Caller& caller, const std::string& call, const std::string& sheet,
             const std::string& request_id, const Status& outcome) {
   if (core.options.audit != nullptr) core.options.audit->add({caller, call, sheet, request_id}, outcome);
-  // Leaves out sheets that are gone, or never were: what is kept of them would stay.
-  if (outcome.ok() && !sheet.empty() && core.host.has_sheet(sheet)) core.audience->add(sheet, caller, call);
+  // Leaves out sheets that are gone, or never were: what is kept of them would stay. A link changes no sheet.
+  const bool is_shown = outcome.ok() && !sheet.empty() && call != "CreateLink" && core.host.has_sheet(sheet);
+  if (is_shown) core.audience->add(sheet, caller, call);
 }
 
 Result<std::shared_ptr<const void>> open_stream(const ApiCore& core, const auth::Caller& caller, bool pictures) {
@@ -114,7 +124,7 @@ Result<auth::Caller> Api::caller_of(std::string_view authorization, std::string 
   if (caller.ok()) {
     caller->address = std::move(address);
   } else if (caller.error().reason != "TOKEN_MISSING") {
-    record({auth::everybody().grant, std::move(address)}, "Authorize", caller.error());
+    record({known_part(authorization, caller.error()), std::move(address)}, "Authorize", caller.error());
   }
   return caller;
 }
@@ -142,6 +152,15 @@ Recorder Api::recorder(const auth::Caller& caller, const google::protobuf::Messa
 
 void Api::record(const auth::Caller& caller, const std::string& call, const Status& outcome) const {
   api::record(*core_, caller, call, {}, {}, outcome);
+}
+
+Status outcome_of(const v1::CutResult& result) {
+  if (result.status() != v1::CutResult::NO_INTERSECTION) return Nothing{};
+  return failed_precondition("NO_INTERSECTION", "the cut missed the sheet, or retraced an earlier one");
+}
+Status outcome_of(const v1::CreateCutsResponse& result) {
+  if (result.status() != v1::CutResult::NO_INTERSECTION) return Nothing{};
+  return failed_precondition("NO_INTERSECTION", "the cuts missed the sheet, or retraced earlier ones");
 }
 
 std::string id_of(const v1::Sheet& sheet) {

@@ -323,6 +323,9 @@ class Api {
 
 // Returns the id in the name of a sheet.
 std::string id_of(const v1::Sheet& sheet);
+// Return NO_INTERSECTION for cuts that were answered and changed nothing.
+Status outcome_of(const v1::CutResult& result);
+Status outcome_of(const v1::CreateCutsResponse& result);
 
 template <typename T>
 Reply<T> Api::recorded(const auth::Caller& caller, const google::protobuf::Message& request, Reply<T> reply) const {
@@ -333,7 +336,11 @@ Reply<T> Api::recorded(const auth::Caller& caller, const google::protobuf::Messa
     if constexpr (std::is_same_v<T, v1::Sheet>) {
       if (result.ok()) sheet = id_of(*result);
     }
-    record(result.ok() ? Status(Nothing{}) : Status(result.error()), sheet);
+    Status outcome = result.ok() ? Status(Nothing{}) : Status(result.error());
+    if constexpr (std::is_same_v<T, v1::CutResult> || std::is_same_v<T, v1::CreateCutsResponse>) {
+      if (result.ok()) outcome = outcome_of(*result);
+    }
+    record(outcome, sheet);
     reply(std::move(result));
   };
 }

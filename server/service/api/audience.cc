@@ -4,12 +4,41 @@
 #include <utility>
 
 namespace kerf::api {
-std::vector<std::function<void()>> Audience::wakes(const OfSheet& sheet, std::int32_t but) {
-  std::vector<std::function<void()>> found;
+Audience::Wakes Audience::begin_turn(OfSheet& sheet) {
+  ++sheet.num_turns;
+  sheet.last_turn = clock_.now();
+  Wakes found;
   for (const auto& [number, member] : sheet.members) {
-    if (number != but && member.wake) found.push_back(member.wake);
+    if (member.wake) found.push_back(member.wake);
   }
   return found;
+}
+
+Audience::Wakes Audience::changed(const std::string& name, OfSheet& sheet) {
+  if (sheet.num_turns == 0 || clock_.now() >= sheet.last_turn + kTurn) return begin_turn(sheet);
+  if (!std::exchange(sheet.is_turn_planned, true)) {
+    clock_.schedule(sheet.last_turn + kTurn, [weak = weak_from_this(), name] {
+      if (const auto self = weak.lock()) self->take_planned_turn(name);
+    });
+  }
+  return {};
+}
+
+void Audience::take_planned_turn(const std::string& sheet) {
+  Wakes wakes;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto found = sheets_.find(sheet);
+    if (found == sheets_.end()) return;
+    found->second.is_turn_planned = false;
+    wakes = begin_turn(found->second);
+  }
+  for (const auto& wake : wakes) wake();
+}
+
+std::size_t Audience::num_pointing(const OfSheet& sheet) {
+  const auto points = [](const auto& each) { return each.second.pointer.has_value(); };
+  return static_cast<std::size_t>(std::count_if(sheet.members.begin(), sheet.members.end(), points));
 }
 
 void Audience::remove_unused(const std::string& sheet) {
@@ -19,7 +48,7 @@ void Audience::remove_unused(const std::string& sheet) {
 
 std::shared_ptr<Audience::Seat> Audience::join(const std::string& sheet, const auth::Caller& caller, bool pictures,
                                                std::function<void()> wake) {
-  std::vector<std::function<void()>> others;
+  Wakes wakes;
   std::int32_t number = 0;
   {
     const std::lock_guard lock(mutex_);
@@ -31,33 +60,29 @@ std::shared_ptr<Audience::Seat> Audience::join(const std::string& sheet, const a
     viewer.set_scope(static_cast<v1::Scope>(caller->rights().scope));  // They have the same numbers.
     viewer.set_by_link(caller->is_by_link());
     viewer.set_pictures(pictures);
-    of_sheet.members.emplace(number, Member{std::move(viewer),
-                                            std::move(wake),
-                                            {},
-                                            0,
-                                            TokenBucket(kPointersPerSecond, kPointersPerSecond, clock_.now())});
+    of_sheet.members.emplace(number, Member{std::move(viewer), std::move(wake), {}, 0});
     of_sheet.members_version = ++last_version_;
-    others = wakes(of_sheet, 0);
+    wakes = changed(sheet, of_sheet);
   }
-  for (const auto& call : others) call();
+  for (const auto& each : wakes) each();
   return std::make_shared<Seat>(shared_from_this(), sheet, number);
 }
 
 void Audience::leave(const std::string& sheet, std::int32_t number) {
-  std::vector<std::function<void()>> others;
+  Wakes wakes;
   {
     const std::lock_guard lock(mutex_);
     OfSheet& of_sheet = sheets_[sheet];
     of_sheet.members.erase(number);
     of_sheet.members_version = ++last_version_;
-    others = wakes(of_sheet, number);
+    if (!of_sheet.members.empty()) wakes = changed(sheet, of_sheet);
     remove_unused(sheet);
   }
-  for (const auto& call : others) call();
+  for (const auto& wake : wakes) wake();
 }
 
 void Audience::add(const std::string& sheet, const auth::Caller& caller, const std::string& call) {
-  std::vector<std::function<void()>> viewers;
+  Wakes wakes;
   {
     const std::lock_guard lock(mutex_);
     OfSheet& of_sheet = sheets_[sheet];
@@ -69,9 +94,9 @@ void Audience::add(const std::string& sheet, const auth::Caller& caller, const s
     of_sheet.activities.push_back(std::move(activity));
     if (of_sheet.activities.size() > kMaxActivities) of_sheet.activities.pop_front();
     ++of_sheet.num_activities;
-    viewers = wakes(of_sheet, 0);
+    if (!of_sheet.members.empty()) wakes = changed(sheet, of_sheet);
   }
-  for (const auto& wake : viewers) wake();
+  for (const auto& wake : wakes) wake();
 }
 
 void Audience::forget(const std::string& sheet) {
@@ -85,6 +110,7 @@ void Audience::forget(const std::string& sheet) {
 std::optional<v1::WatchResponse> Audience::Seat::next() {
   const std::lock_guard lock(audience_->mutex_);
   const OfSheet& of_sheet = audience_->sheets_[sheet_];
+  if (turn_seen_ == of_sheet.num_turns) return std::nullopt;
   v1::WatchResponse response;
   if (members_seen_ < of_sheet.members_version) {
     members_seen_ = of_sheet.members_version;
@@ -110,7 +136,10 @@ std::optional<v1::WatchResponse> Audience::Seat::next() {
     if (number == number_ || member.pointer_version <= pointers_seen_) continue;
     if (next == nullptr || member.pointer_version < next->pointer_version) next = &member;
   }
-  if (next == nullptr) return std::nullopt;
+  if (next == nullptr) {
+    turn_seen_ = of_sheet.num_turns;
+    return std::nullopt;
+  }
   pointers_seen_ = next->pointer_version;
   response.mutable_pointer()->set_viewer(next->viewer.number());
   if (next->pointer) *response.mutable_pointer()->mutable_material() = *next->pointer;
@@ -118,7 +147,7 @@ std::optional<v1::WatchResponse> Audience::Seat::next() {
 }
 
 void Audience::Seat::point(const v1::Pointer& pointer) {
-  std::vector<std::function<void()>> others;
+  Wakes wakes;
   {
     const std::lock_guard lock(audience_->mutex_);
     OfSheet& of_sheet = audience_->sheets_[sheet_];
@@ -126,12 +155,13 @@ void Audience::Seat::point(const v1::Pointer& pointer) {
     if (self == of_sheet.members.end()) return;
     Member& member = self->second;
     const bool ends = !pointer.has_material();
-    if (ends ? !member.pointer : !member.pointers.take(1.0, audience_->clock_.now())) return;
+    if (ends && !member.pointer) return;
+    if (!ends && !member.pointer && num_pointing(of_sheet) >= kMaxPointing) return;
     member.pointer = ends ? std::nullopt : std::optional(pointer.material());
     member.pointer_version = ++audience_->last_version_;
-    others = wakes(of_sheet, number_);
+    wakes = audience_->changed(sheet_, of_sheet);
   }
-  for (const auto& wake : others) wake();
+  for (const auto& wake : wakes) wake();
 }
 
 }  // namespace kerf::api

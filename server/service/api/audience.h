@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -11,7 +12,6 @@
 #include <vector>
 
 #include "kerf/v1/stream.pb.h"
-#include "server/base/token_bucket.h"
 #include "server/service/auth/grant.h"
 #include "server/service/host/clock.h"
 
@@ -22,7 +22,9 @@ class Audience : public std::enable_shared_from_this<Audience> {
  public:
   static constexpr std::size_t kMaxListedViewers = 64;
   static constexpr std::size_t kMaxActivities = 32;  // of each sheet
-  static constexpr double kPointersPerSecond = 20.0;
+  static constexpr std::size_t kMaxPointing = 8;     // viewers of a sheet that point at the same time
+  // Time between two turns in which the streams of a sheet get what is new. What changes in between comes together.
+  static constexpr host::Nanoseconds kTurn = std::chrono::milliseconds(50);
 
   explicit Audience(host::Clock& clock) : clock_(clock) {}
   Audience(const Audience&) = delete;
@@ -30,8 +32,8 @@ class Audience : public std::enable_shared_from_this<Audience> {
 
   // The place of one stream among those who watch a sheet, until it is destroyed.
   class Seat;
-  // Takes a seat. `wake`: called without a lock whenever next() has something new, until the seat is destroyed; null:
-  // the stream asks for nothing. `pictures`: it gets pictures alone.
+  // Takes a seat. `wake`: called without a lock in each turn with something new, until the seat is destroyed; null: the
+  // stream asks for nothing. `pictures`: it gets pictures alone.
   std::shared_ptr<Seat> join(const std::string& sheet, const auth::Caller& caller, bool pictures,
                              std::function<void()> wake);
 
@@ -46,18 +48,25 @@ class Audience : public std::enable_shared_from_this<Audience> {
     std::function<void()> wake;
     std::optional<v1::Vec2> pointer;   // where it points
     std::int64_t pointer_version = 0;  // of its last change; 0: it never pointed
-    TokenBucket pointers;
   };
   struct OfSheet {
     std::map<std::int32_t, Member> members;  // by number
     std::int64_t members_version = 0;
     std::deque<v1::Activity> activities;
     std::int64_t num_activities = 0;  // all of them, also the forgotten ones
+    std::int64_t num_turns = 0;
+    host::Nanoseconds last_turn{0};
+    bool is_turn_planned = false;
   };
+  using Wakes = std::vector<std::function<void()>>;
 
-  // These need mutex_ held.
-  static std::vector<std::function<void()>> wakes(const OfSheet& sheet, std::int32_t but);
+  // These need mutex_ held. Something of a sheet has changed: returns whom to wake now, or plans a turn.
+  Wakes changed(const std::string& name, OfSheet& sheet);
+  Wakes begin_turn(OfSheet& sheet);
+  static std::size_t num_pointing(const OfSheet& sheet);
   void remove_unused(const std::string& sheet);
+
+  void take_planned_turn(const std::string& sheet);
 
   void leave(const std::string& sheet, std::int32_t number);
 
@@ -86,6 +95,7 @@ class Audience::Seat {
   const std::string sheet_;
   const std::int32_t number_;
   // These mark what next() has given.
+  std::int64_t turn_seen_ = 0;     // number of the last turn of which everything was given
   std::int64_t members_seen_ = 0;  // version
   std::int64_t activities_seen_ = 0;
   std::int64_t pointers_seen_ = 0;  // version

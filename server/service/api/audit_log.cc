@@ -11,12 +11,15 @@ namespace {
 constexpr double kSecondsOfMinute = 60.0;
 constexpr std::int64_t kMicroseconds = 1'000'000;
 
-}  // namespace
+// Cuts a text between two characters of UTF-8.
+std::string shortened(const std::string& text) {
+  if (text.size() <= AuditLog::kLongestName) return text;
+  std::size_t end = AuditLog::kLongestName;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;
+  return text.substr(0, end) + "...";
+}
 
-AuditLog::AuditLog(Append append, host::Clock& clock)
-    : append_(std::move(append)),
-      clock_(clock),
-      refusals_(kRefusalsPerMinute / kSecondsOfMinute, kRefusalsPerMinute, clock.now()) {}
+}  // namespace
 
 void AuditLog::add(const Entry& entry, const Status& outcome) {
   v1::AuditEntry line;
@@ -26,12 +29,16 @@ void AuditLog::add(const Entry& entry, const Status& outcome) {
   line.set_by_link(entry.caller->is_by_link());
   line.set_tenant(entry.caller->rights().tenant);
   line.set_address(entry.caller.address);
-  line.set_sheet(entry.sheet);
-  line.set_request_id(entry.request_id);
+  line.set_sheet(shortened(entry.sheet));
+  line.set_request_id(shortened(entry.request_id));
   const std::lock_guard lock(mutex_);
-  if (!outcome.ok() && !refusals_.take(1.0, clock_.now())) {
-    ++left_out_;
-    return;
+  if (!outcome.ok()) {
+    constexpr double kPerSecond = kMaxRefusals / kSecondsOfMinute;
+    TokenBucket& bucket = refusals_.try_emplace(line.token_id(), kPerSecond, kMaxRefusals, clock_.now()).first->second;
+    if (!bucket.take(1.0, clock_.now())) {
+      ++left_out_;
+      return;
+    }
   }
   const std::int64_t unix_us = clock_.unix_us();
   line.mutable_time()->set_seconds(unix_us / kMicroseconds);

@@ -1,10 +1,13 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <mutex>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "server/base/result.h"
 #include "server/base/token_bucket.h"
@@ -14,15 +17,18 @@
 namespace kerf::api {
 
 // Writes a line for each call that changes something, and for each token that is refused: a kerf.v1.AuditEntry as JSON.
-// Refusals beyond kRefusalsPerMinute are left out and counted, so that a stranger cannot fill the disk. Thread-safe.
+// Of the refusals of each token, and of all unknown ones together, kMaxRefusals at once and as many a minute are
+// written. The others are counted, so that no caller fills the disk or hides what others do. Long names are cut.
+// Thread-safe.
 class AuditLog {
  public:
-  static constexpr double kRefusalsPerMinute = 120.0;
+  static constexpr double kMaxRefusals = 60.0;
+  static constexpr std::size_t kLongestName = 64;  // Bytes of a sheet's id and of a request_id.
 
   // Appends a line, which ends with "\n", whole or not at all. Returns false if that fails.
   using Append = std::function<bool(std::string_view line)>;
   // `clock` must outlive this.
-  AuditLog(Append append, host::Clock& clock);
+  AuditLog(Append append, host::Clock& clock) : append_(std::move(append)), clock_(clock) {}
 
   struct Entry {
     auth::Caller caller;
@@ -37,8 +43,8 @@ class AuditLog {
   const Append append_;
   host::Clock& clock_;
   std::mutex mutex_;
-  TokenBucket refusals_;       // guarded by mutex_
-  std::int64_t left_out_ = 0;  // guarded by mutex_
+  std::map<std::string, TokenBucket> refusals_;  // by the id of the token; guarded by mutex_
+  std::int64_t left_out_ = 0;                    // guarded by mutex_
 };
 
 }  // namespace kerf::api

@@ -34,6 +34,15 @@ Status Upload::append(std::string part) {
   return Nothing{};
 }
 
+Result<std::unique_ptr<Upload>> recorded_upload(Result<std::unique_ptr<Upload>> upload, const Recorder& record) {
+  if (upload.ok()) {
+    (*upload)->record_with(record);
+  } else if (record) {
+    record(upload.error(), {});
+  }
+  return upload;
+}
+
 void Upload::finish(Reply<v1::Sheet> reply, const std::stop_token& stop) {
   const auto size = static_cast<std::int64_t>(content_.size());
   const auto answer = [room = room_, record = record_, reply = std::move(reply)](Result<v1::Sheet> sheet) {

@@ -53,4 +53,7 @@ class Upload {
   std::string content_;
 };
 
+// Has `record` record what becomes of an upload, also if it was refused at its start. Returns the upload.
+Result<std::unique_ptr<Upload>> recorded_upload(Result<std::unique_ptr<Upload>> upload, const Recorder& record);
+
 }  // namespace kerf::api

@@ -1,5 +1,7 @@
 #include "server/service/auth/logins.h"
 
+#include <algorithm>
+#include <cstddef>
 #include <utility>
 
 namespace kerf::auth {
@@ -13,6 +15,12 @@ void Logins::forget_old(std::int64_t now) {
 
 Result<std::string> Logins::add_login(const Caller& parent, std::int64_t until_unix_s) {
   forget_old(clock_());
+  const auto of_token = [&parent](const auto& one) { return one.second.grant->token_id() == parent->token_id(); };
+  if (std::count_if(logins_.begin(), logins_.end(), of_token) >= static_cast<std::ptrdiff_t>(kMaxLoginsOfToken)) {
+    return resource_exhausted("TOO_MANY_LOGINS",
+                              "this token has " + std::to_string(kMaxLoginsOfToken) +
+                                  " logins, which is the limit; log out elsewhere or try again later");
+  }
   if (logins_.size() >= kMaxLogins) {
     return resource_exhausted("TOO_MANY_LOGINS",
                               "there are " + std::to_string(kMaxLogins) +
@@ -53,6 +61,11 @@ Result<std::string> Logins::make_link(const Caller& parent, const LinkTerms& ter
   const std::lock_guard lock(mutex_);
   const std::int64_t now = clock_();
   forget_old(now);
+  const auto of_token = [&parent](const auto& one) { return one.second.grant->token_id() == parent->token_id(); };
+  if (std::count_if(links_.begin(), links_.end(), of_token) >= static_cast<std::ptrdiff_t>(kMaxLinksOfToken)) {
+    return resource_exhausted("TOO_MANY_LINKS", "this token has " + std::to_string(kMaxLinksOfToken) +
+                                                    " links, which is the limit; try again once some have ended");
+  }
   if (links_.size() >= kMaxLinks) {
     return resource_exhausted("TOO_MANY_LINKS", "there are " + std::to_string(kMaxLinks) +
                                                     " links, which is the limit; try again once some have ended");

@@ -16,6 +16,8 @@ namespace kerf::auth {
 
 inline constexpr std::size_t kMaxLogins = 4096;
 inline constexpr std::size_t kMaxLinks = 1024;
+inline constexpr std::size_t kMaxLoginsOfToken = 512;  // Those by its links included.
+inline constexpr std::size_t kMaxLinksOfToken = 128;
 inline constexpr std::int64_t kLoginSeconds = 12 * 3600;
 inline constexpr std::int64_t kLinkOnceSeconds = 60;  // Time within which a link is opened that can be opened once.
 
@@ -31,7 +33,7 @@ class Logins {
   explicit Logins(UnixClock clock) : clock_(std::move(clock)) {}
 
   // Begins a login with the rights of `parent`, for at most 12 h, and returns its secret. Error kResourceExhausted
-  // TOO_MANY_LOGINS.
+  // TOO_MANY_LOGINS, of the token or of all.
   Result<std::string> begin(const Caller& parent);
   // Returns what a login was granted. Errors: kUnauthenticated LOGIN_UNKNOWN, those of Grant::check().
   [[nodiscard]] Result<Caller> find(std::string_view secret) const;

@@ -18,6 +18,8 @@ constexpr std::size_t kMaxTenantName = 16;
 constexpr std::size_t kMaxPattern = 128;
 constexpr double kMostOfALimit = 1e9;
 constexpr std::string_view kTenant = "tenant";
+constexpr std::string_view kServersOwn = "sheet";  // begins the ids that the server chooses
+constexpr std::size_t kMaxTenants = 1000;
 constexpr std::size_t kSecretLength = 43;
 
 bool is_plain(char c) {
@@ -149,6 +151,8 @@ std::string take_tenant(const std::vector<std::string_view>& words, Tenant& tena
   if (words.size() < 2 || !is_tenant_name(words[1])) {
     return "a tenant's name has 1 to 16 small letters and digits, a letter first";
   }
+  if (words[1] == kServersOwn)
+    return "sheets that the server names begin with sheet-; choose another name for a tenant";
   tenant.name = words[1];
   if (!are_different(words, 2)) return "a limit is there twice";
   for (std::size_t i = 2; i < words.size(); ++i) {
@@ -183,7 +187,8 @@ std::string take_setting(const Setting& setting, Rights& rights) {
 // Reads a line. Returns what is wrong with it; nothing if it is right.
 std::string take_line(const std::vector<std::string_view>& words, Token& token) {
   if (words.size() < 3) return "a line is ID SHA-256 scope=SCOPE";
-  if (!is_id(words[0]) || words[0] == kTenant) return "an id has 1 to 32 small letters, digits and hyphens";
+  if (words[0] == kTenant) return "a token cannot be called tenant, as that word begins the line of a tenant";
+  if (!is_id(words[0])) return "an id has 1 to 32 small letters, digits and hyphens";
   token.id = words[0];
   const std::optional<Digest> digest = digest_in(words[1]);
   if (!digest) return "the second word must be the SHA-256 of the token, 64 hexadecimal digits";
@@ -233,7 +238,8 @@ Result<TokenFile> parse_token_file(std::string_view text) {
     std::string wrong = is_tenant ? take_tenant(words, tenant) : take_line(words, token);
     if (wrong.empty() && is_tenant && !tenants.insert(tenant.name).second) wrong = "the tenant is there twice";
     if (wrong.empty() && !is_tenant && !ids.insert(token.id).second) wrong = "the id is there twice";
-    if (wrong.empty() && file.tokens.size() == kMaxTokens) wrong = "there are more than 10,000 tokens";
+    if (wrong.empty() && !is_tenant && file.tokens.size() == kMaxTokens) wrong = "there are more than 10,000 tokens";
+    if (wrong.empty() && is_tenant && file.tenants.size() == kMaxTenants) wrong = "there are more than 1,000 tenants";
     if (!wrong.empty()) return invalid_argument("BAD_TOKEN_FILE", "line " + std::to_string(number) + ": " + wrong);
     if (is_tenant) {
       file.tenants.push_back(std::move(tenant));

@@ -31,6 +31,11 @@ class WorkerNeed {
   double share_;  // -, 0..1, running mean.
 };
 
+// Returns a need as a number of workers.
+inline double in_workers(std::int64_t need) {
+  return static_cast<double>(need) / static_cast<double>(WorkerNeed::kWhole);
+}
+
 // Decides whether one more sheet may run. The load is the sum of the needs of all running sheets, in workers, over the
 // number of workers. After a refusal, sheets are refused until the load is below kReopenShare of the limit. Thus
 // admissions and refusals do not alternate. A plain value.

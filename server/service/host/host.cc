@@ -212,7 +212,8 @@ void Host::pause(const std::string& id, Callback<SheetStatus> done) {
 }
 
 void Host::resume(const std::string& id, Callback<SheetStatus> done) {
-  on_strand(id, done, [done](SheetRunner& r) {
+  on_strand(id, done, [this, id, done](SheetRunner& r) {
+    if (Status s = check_run(id, r, r.speed()); !s.ok()) return r.answer<SheetStatus>(done, s.error());
     if (Status s = r.resume(); !s.ok()) return r.answer<SheetStatus>(done, s.error());
     r.answer<SheetStatus>(done, r.status());
   });
@@ -224,7 +225,10 @@ void Host::set_speed(const std::string& id, double speed, Callback<SheetStatus> 
     message << "speed is " << speed << "; must be in " << kMinSpeed << ".." << kMaxSpeed << ", and 1 is live";
     return done(invalid_argument("OUT_OF_RANGE", message.str(), "speed"));
   }
-  on_strand(id, done, [speed, done](SheetRunner& r) {
+  on_strand(id, done, [this, id, speed, done](SheetRunner& r) {
+    if (!r.is_paused()) {
+      if (Status s = check_run(id, r, speed); !s.ok()) return r.answer<SheetStatus>(done, s.error());
+    }
     r.set_speed(speed);
     r.answer<SheetStatus>(done, r.status());
   });
@@ -295,7 +299,7 @@ TenantUse Host::use_of(const std::string& tenant) const {
     use.vertices += share->vertices();
     need += share->need();
   }
-  use.workers = static_cast<double>(need) / static_cast<double>(WorkerNeed::kWhole);
+  use.workers = in_workers(need);
   use.state_bytes = states_.bytes_of(tenant);
   return use;
 }
@@ -305,6 +309,16 @@ std::optional<Host::NamedTenant> Host::find_tenant(const std::string& id) const 
   if (name.empty()) return std::nullopt;
   const std::optional<TenantLimits> limits = options_.find_tenant(name);
   return limits ? std::optional(NamedTenant{std::move(name), *limits}) : std::nullopt;
+}
+
+Status Host::check_run(const std::string& id, SheetRunner& runner, double speed) {
+  const std::optional<NamedTenant> tenant = find_tenant(id);
+  if (!tenant) return Nothing{};
+  const std::int64_t need = runner.need_at(speed);
+  const std::lock_guard lock(mutex_);
+  KERF_TRY(check_need(tenant->name, tenant->limits, use_of(tenant->name), in_workers(need - runner.share().need())));
+  runner.share().set_need(need);
+  return Nothing{};
 }
 
 std::string Host::turns_of(const std::string& id) const {

@@ -163,7 +163,7 @@ class Host {
 
   // Pauses a sheet; ends a running step() call.
   void pause(const std::string& id, Callback<SheetStatus> done);
-  // Resumes a sheet. kFailedPrecondition STEPPING while a step() call runs.
+  // Resumes a sheet. kFailedPrecondition STEPPING while a step() call runs; kResourceExhausted TENANT_LOAD.
   void resume(const std::string& id, Callback<SheetStatus> done);
   // Sets the ratio of simulated to wall time, -, kMinSpeed..kMaxSpeed; initially 1. The speed changes the deadlines
   // only: ticks compute the same at any speed, and a step() call ignores it. kInvalidArgument OUT_OF_RANGE, field
@@ -239,8 +239,11 @@ class Host {
   // Reserves the name, and as many vertices as the config declares. A sheet made again is within its tenant's limits.
   Result<std::shared_ptr<SheetShare>> reserve(const std::string& id, const scene::SheetConfig& config,
                                               const Creation& creation);
-  // Takes the vertices of a sheet just built. Errors of SheetShare::settle() and check_vertices().
-  Status settle(const Creation& creation, std::int64_t vertices);
+  // Takes the vertices of a sheet just built, and its need if it is to run. Errors of SheetShare::settle(),
+  // check_vertices() and check_need().
+  Status settle(const Creation& creation, const sheet::Sheet& built);
+  // Checks whether a sheet may run at this speed; an expected need counts from then on. Error TENANT_LOAD.
+  Status check_run(const std::string& id, SheetRunner& runner, double speed);
   [[nodiscard]] TenantUse use_of(const std::string& tenant) const;  // Needs mutex_ held.
   // Returns the tenant of a sheet; nothing if it has none.
   [[nodiscard]] std::optional<NamedTenant> find_tenant(const std::string& id) const;

@@ -143,12 +143,19 @@ void Host::refuse(Creation& creation, const Error& error) {
   creation.done(error);
 }
 
-Status Host::settle(const Creation& creation, std::int64_t vertices) {
-  const std::optional<NamedTenant> tenant = find_tenant(creation.id);
-  const std::int64_t more = vertices - creation.share->vertices();
-  if (tenant && !creation.stored && more > 0) {
-    const std::lock_guard lock(mutex_);
-    KERF_TRY(check_vertices(tenant->name, tenant->limits, use_of(tenant->name).vertices + more));
+Status Host::settle(const Creation& creation, const sheet::Sheet& built) {
+  const std::int64_t vertices = built.mesh().num_vertices();
+  const std::optional<NamedTenant> tenant = creation.stored ? std::nullopt : find_tenant(creation.id);
+  const std::lock_guard lock(mutex_);
+  if (tenant) {
+    const TenantUse use = use_of(tenant->name);
+    KERF_TRY(check_vertices(tenant->name, tenant->limits, use.vertices + vertices - creation.share->vertices()));
+    if (creation.need) {  // A mesh that declared no size was expected to need nothing.
+      const Nanoseconds period(std::llround(1.0e9 * built.dt()));
+      const std::int64_t need = WorkerNeed(period, WorkerNeed::guessed_tick(vertices)).value();
+      KERF_TRY(check_need(tenant->name, tenant->limits, use, in_workers(need - creation.share->need())));
+      creation.share->set_need(need);
+    }
   }
   return creation.share->settle(vertices);
 }
@@ -176,8 +183,7 @@ Result<std::shared_ptr<SheetShare>> Host::reserve(const std::string& id, const s
   const std::int64_t taken = declared <= scene::kMaxVertices ? std::max<std::int64_t>(declared, 1) : 0;
   const std::int64_t need = creation.paused ? 0 : guessed_need(config).value_or(0);
   if (const std::optional<NamedTenant> tenant = find_tenant(id); tenant && !creation.stored) {
-    KERF_TRY(check_new_sheet(tenant->name, tenant->limits, use_of(tenant->name), taken,
-                             static_cast<double>(need) / static_cast<double>(WorkerNeed::kWhole)));
+    KERF_TRY(check_new_sheet(tenant->name, tenant->limits, use_of(tenant->name), taken, in_workers(need)));
   }
   KERF_TRY(vertices_.take(taken));
   auto share = std::make_shared<SheetShare>(vertices_, taken, need);
@@ -195,6 +201,11 @@ Result<std::shared_ptr<SheetShare>> Host::reserve(const std::string& id, const s
 Result<sheet::Sheet> Host::build(scene::SheetConfig config, const Creation& creation) {
   // Stored in the config and so in a recording: a cut refused here is refused in a replay too.
   config.max_vertices = std::min(config.max_vertices, options_.max_vertices_per_sheet);
+  const std::optional<NamedTenant> tenant = creation.stored ? std::nullopt : find_tenant(creation.id);
+  if (tenant && tenant->limits.max_vertices > 0) {
+    const std::int64_t most = std::max<std::int64_t>(tenant->limits.max_vertices, 3);
+    config.max_vertices = static_cast<std::int32_t>(std::min<std::int64_t>(config.max_vertices, most));
+  }
   const std::int64_t declared = declared_vertices(config);
   const std::int64_t bytes = declared <= scene::kMaxVertices ? bytes_to_build(config, declared) : 0;
   Status wanted = check_wanted(creation);
@@ -214,7 +225,7 @@ Result<sheet::Sheet> Host::build(scene::SheetConfig config, const Creation& crea
   });
   KERF_TRY(wanted);
   KERF_TRY(built);
-  KERF_TRY(settle(creation, built->mesh().num_vertices()));
+  KERF_TRY(settle(creation, *built));
   if (!has_memory_for(0)) return out_of_memory();
   KERF_TRY(check_wanted(creation));
   return built;

@@ -55,6 +55,8 @@ class RunMetrics {
   void start_ticking() { set_need(need_.value()); }
   void stop_ticking() { set_need(0); }
   void set_period(Nanoseconds period) { need_.set_period(period); }
+  // Returns its need while it ticks.
+  [[nodiscard]] std::int64_t need() const { return need_.value(); }
   // Returns the need that the board counts for this sheet, see WorkerNeed::value().
   [[nodiscard]] std::int64_t counted_need() const { return counted_need_; }
 

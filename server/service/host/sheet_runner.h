@@ -139,6 +139,11 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   void pause();
   Status resume();
   void set_speed(double speed);
+  // Returns the share of a worker that it needs, or would need, while it ticks at a speed, see WorkerNeed.
+  [[nodiscard]] std::int64_t need_at(double speed) const;
+  [[nodiscard]] double speed() const { return clock_.pace().speed(); }
+  [[nodiscard]] bool is_paused() const { return clock_.is_paused(); }
+  [[nodiscard]] SheetShare& share() const { return *share_; }
   void step(std::int64_t ticks, Callback<SheetStatus> done, std::stop_token stop);
   Result<std::int64_t> schedule(scene::Command command, std::int64_t at_tick, const RequestName<std::int64_t>& request);
   [[nodiscard]] const std::vector<ScheduledCommand>& scheduled() const { return queue_.scheduled(); }

@@ -5,6 +5,8 @@
 #include "server/core/scene/sheet_materials.h"
 #include "server/service/host/sheet_runner.h"
 
+#include <algorithm>
+
 // Describes a SheetRunner's sheet to callers, sinks and the last status.
 namespace kerf::host {
 
@@ -88,6 +90,11 @@ void SheetRunner::publish_status() {
   share_->set_need(metrics_.counted_need());
   if (journal_.holds_back()) return held_status_.add(journal_.last_edit(), std::move(status));
   last_status_.set(std::move(status));
+}
+
+std::int64_t SheetRunner::need_at(double speed) const {
+  const double need = static_cast<double>(metrics_.need()) * speed / clock_.pace().speed();
+  return std::min(static_cast<std::int64_t>(need), WorkerNeed::kWhole);
 }
 
 RunState SheetRunner::run_state() const {

@@ -37,13 +37,16 @@ Status check_new_sheet(const std::string& tenant, const TenantLimits& limits, co
     return beyond("TENANT_SHEETS", tenant, std::to_string(limits.max_sheets) + " sheets, and has them", "delete one",
                   "sheets");
   }
-  if (limits.max_workers > 0.0 && workers > 0.0 && use.workers + workers > limits.max_workers) {
-    return beyond("TENANT_LOAD", tenant,
-                  in_text(limits.max_workers) + " workers busy, and its running sheets need " + in_text(use.workers) +
-                      " while this one needs " + in_text(workers),
-                  "pause a sheet, or make this one paused", "workers");
-  }
+  KERF_TRY(check_need(tenant, limits, use, workers));
   return check_vertices(tenant, limits, use.vertices + vertices);
+}
+
+Status check_need(const std::string& tenant, const TenantLimits& limits, const TenantUse& use, double workers) {
+  if (limits.max_workers == 0.0 || workers <= 0.0 || use.workers + workers <= limits.max_workers) return Nothing{};
+  return beyond("TENANT_LOAD", tenant,
+                in_text(limits.max_workers) + " workers busy, and its running sheets need " + in_text(use.workers) +
+                    " while this one needs " + in_text(workers),
+                "pause a sheet, or make this one paused", "workers");
 }
 
 Status check_vertices(const std::string& tenant, const TenantLimits& limits, std::int64_t vertices) {

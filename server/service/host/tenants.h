@@ -37,6 +37,8 @@ std::string tenant_of(std::string_view sheet_id);
 // kResourceExhausted TENANT_SHEETS, TENANT_VERTICES or TENANT_LOAD.
 Status check_new_sheet(const std::string& tenant, const TenantLimits& limits, const TenantUse& use,
                        std::int64_t vertices, double workers);
+// Checks whether its running sheets may need this many workers more. kResourceExhausted TENANT_LOAD.
+Status check_need(const std::string& tenant, const TenantLimits& limits, const TenantUse& use, double workers);
 // Checks whether it may have this many vertices. kResourceExhausted TENANT_VERTICES.
 Status check_vertices(const std::string& tenant, const TenantLimits& limits, std::int64_t vertices);
 // Checks whether its saved states may take this many bytes. kResourceExhausted TENANT_STATES.

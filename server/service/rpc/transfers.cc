@@ -119,9 +119,7 @@ auto begin_allowed(api::Api& api, const grpc::CallbackServerContext& context,
   return [&api, caller = caller_of(api, context), method](const Start& start) -> Result<std::unique_ptr<api::Upload>> {
     KERF_TRY(caller);
     KERF_TRY(api.allow(*caller, start));
-    KERF_TRY_ASSIGN(std::unique_ptr<api::Upload> upload, (api.*method)(start));
-    upload->record_with(api.recorder(*caller, start));
-    return upload;
+    return api::recorded_upload((api.*method)(start), api.recorder(*caller, start));
   };
 }
 

@@ -83,9 +83,7 @@ Result<std::unique_ptr<api::Upload>> begin_upload(
   KERF_TRY(start);
   KERF_TRY(api.allow(*caller, *start));
   start->set_num_bytes(static_cast<std::int64_t>(num_bytes));
-  KERF_TRY_ASSIGN(std::unique_ptr<api::Upload> upload, (api.*method)(*start));
-  upload->record_with(api.recorder(*caller, *start));
-  return upload;
+  return api::recorded_upload((api.*method)(*start), api.recorder(*caller, *start));
 }
 
 }  // namespace
