@@ -5,6 +5,7 @@
 #include "server/app/certificates.h"
 
 namespace kerf::app {
+
 Status AccessControl::start(const std::filesystem::path& token_file, const std::filesystem::path& audit_log) {
   if (!token_file.empty()) {
     token_file_ = token_file;
