@@ -6,51 +6,71 @@ import math
 import os
 import pathlib
 from collections.abc import Sequence
-from typing import Any, Optional, Tuple
+from typing import TYPE_CHECKING, Any, List, Optional, Tuple, Union
 
 from kerf.v1 import geometry_pb2
 
-Point = Tuple[float, float]
+if TYPE_CHECKING:
+    import numpy
+
+Point = Union[Tuple[float, float], Sequence[float], "numpy.ndarray[Any, Any]"]
+Points = Union[Point, Sequence[Point]]
 
 
 def vec2(point: Point) -> geometry_pb2.Vec2:
     x, y = point
-    return geometry_pb2.Vec2(x=x, y=y)
+    return geometry_pb2.Vec2(x=float(x), y=float(y))
 
 
-def polyline(*points: Point) -> geometry_pb2.Curve:
-    """Returns straight pieces; closed if the last point equals the first. 2..4096 points.
+def rows_of(points: Sequence[Any], width: int) -> List[Tuple[float, ...]]:
+    """Returns points that are given one by one, or as one array or list of them, as rows of numbers."""
+    given = points[0] if len(points) == 1 else points
+    try:
+        rows = [tuple(float(number) for number in row) for row in given]
+    except (TypeError, ValueError):
+        rows = []
+    if not rows or any(len(row) != width for row in rows):
+        wanted = "x, y" if width == 2 else "x, y, weight"
+        raise ValueError(f"points must be ({wanted}), one by one or as an array of shape (n, {width}), not {given!r:.200}")
+    return rows
+
+
+def polyline(*points: Points) -> geometry_pb2.Curve:
+    """Returns straight pieces; closed if the last point equals the first. 2..4096 points, one by one or as an array of
+    shape (n, 2).
 
     >>> sheet.cut(polyline((-0.1, 0.3), (1.1, 0.35))).pieces
     2
     """
-    return geometry_pb2.Curve(polyline=geometry_pb2.Polyline(points=[vec2(point) for point in points]))
+    return geometry_pb2.Curve(polyline=geometry_pb2.Polyline(points=[vec2(point) for point in rows_of(points, 2)]))
 
 
-def bezier(*points: Point) -> geometry_pb2.Curve:
-    """Returns n cubic Bezier pieces joined end to start, from 3 n + 1 points; n in 1..64.
+def bezier(*points: Points) -> geometry_pb2.Curve:
+    """Returns n cubic Bezier pieces joined end to start, from 3 n + 1 points; n in 1..64. Points are given as for
+    polyline().
 
     >>> sheet.cut(bezier((-0.1, 0.3), (0.3, 0.6), (0.7, 0.1), (1.1, 0.4))).pieces
     2
     """
-    return geometry_pb2.Curve(bezier=geometry_pb2.CubicBezier(points=[vec2(point) for point in points]))
+    return geometry_pb2.Curve(bezier=geometry_pb2.CubicBezier(points=[vec2(point) for point in rows_of(points, 2)]))
 
 
-def rational(*points: Tuple[float, float, float]) -> geometry_pb2.Curve:
+def rational(*points: Union[Tuple[float, float, float], Sequence[Any], "numpy.ndarray[Any, Any]"]) -> geometry_pb2.Curve:
     """Returns a rational Bezier curve of three (quadratic) or four (cubic) points x, y, weight. Weights are in
     1e-6..1e6.
 
     >>> sheet.cut(rational((-0.1, 0.9, 1), (0.5, 0.5, 3), (1.1, 0.9, 1))).pieces
     2
     """
-    if len(points) not in (3, 4):
-        raise ValueError(f"a rational curve has 3 points or 4, not {len(points)}")
-    path = Path(points[0][:2])
-    weights = [weight for _, _, weight in points]
-    if len(points) == 3:
-        path.quadratic(points[1][:2], points[2][:2], weights=weights)
+    rows = rows_of(points, 3)
+    if len(rows) not in (3, 4):
+        raise ValueError(f"a rational curve has 3 points or 4, not {len(rows)}")
+    path = Path(rows[0][:2])
+    weights = [float(weight) for _, _, weight in rows]
+    if len(rows) == 3:
+        path.quadratic(rows[1][:2], rows[2][:2], weights=weights)
     else:
-        path.cubic(points[1][:2], points[2][:2], points[3][:2], weights=weights)
+        path.cubic(rows[1][:2], rows[2][:2], rows[3][:2], weights=weights)
     return path.curve()
 
 

@@ -11,6 +11,20 @@ RING = ('<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 100 100"><g transf
 
 
 class Curves(Case):
+    def test_points_come_one_by_one_or_as_an_array(self):
+        import numpy as np
+        line, curve = [(-0.1, 0.3), (1.1, 0.35)], [(0.2, 0.5), (0.4, 0.8), (0.6, 0.2), (0.8, 0.5)]
+        weighted = [(-0.1, 0.9, 1), (0.5, 0.5, 3), (1.1, 0.9, 1)]
+        for make, points in ((kerf.polyline, line), (kerf.bezier, curve), (kerf.rational, weighted)):
+            expected = make(*points)
+            for given in (points, tuple(points), np.array(points), np.array(points, dtype=np.float64).tolist()):
+                self.assertEqual(make(given), expected)
+                self.assertEqual(make(*given), expected)
+        self.assertAlmostEqual(kerf.polyline(np.array(line, dtype=np.float32)).polyline.points[1].x, 1.1, places=6)
+        for wrong in ((), (1, 2), ((1, 2, 3), (4, 5, 6)), ("ab",), (None, None), ((1, 2), (3,)), (np.zeros((2, 2, 2)),)):
+            with self.subTest(wrong), self.assertRaisesRegex(ValueError, "points must be"):
+                kerf.polyline(*wrong)
+
     def test_polyline_bezier_and_circle(self):
         self.assertEqual(self.pieces_after(kerf.polyline((-0.1, 0.3), (1.1, 0.35))), 2)
         self.assertEqual(self.pieces_after(kerf.bezier((0.2, 0.5), (0.4, 0.8), (0.6, 0.2), (0.8, 0.5))), 2)
