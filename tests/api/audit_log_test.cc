@@ -110,7 +110,7 @@ TEST_F(AuditedApiTest, HasChangesAndRefusalsButNotReads) {
   ASSERT_TRUE(create_sheet("lab-1", true).ok());
   EXPECT_TRUE(call_json("/kerf.v1.SheetService/GetSheet", R"({"name":"sheets/lab-1"})").ok());
   EXPECT_FALSE(call_json("/kerf.v1.SheetService/GetSheet", R"({"name":"sheets/a"})").ok());
-  EXPECT_THAT(said(), ::testing::ElementsAre()) << "the fixture creates as the transport of nobody";
+  EXPECT_THAT(said(), ::testing::ElementsAre()) << "the fixture calls the method itself";
   EXPECT_TRUE(call_json("/kerf.v1.SheetService/ResetSheet", R"({"name":"sheets/lab-1"})").ok());
   EXPECT_FALSE(call_json("/kerf.v1.SheetService/ResetSheet", R"({"name":"sheets/lab-2"})").ok());
   EXPECT_FALSE(call_json("/kerf.v1.SheetService/ResetSheet", R"({"name":"sheets/a"})").ok());

@@ -17,9 +17,8 @@
 namespace kerf::api {
 
 // Writes a line for each call that changes something, and for each token that is refused: a kerf.v1.AuditEntry as JSON.
-// Of the refusals of each token, and of all unknown ones together, kMaxRefusals at once and as many a minute are
-// written. The others are counted, so that no caller fills the disk or hides what others do. Long names are cut.
-// Thread-safe.
+// Writes kMaxRefusals refusals of each token at once, and as many a minute; all unknown tokens count as one. Counts the
+// others, so that no caller fills the disk or hides what others do. Cuts long names. Thread-safe.
 class AuditLog {
  public:
   static constexpr double kMaxRefusals = 60.0;
