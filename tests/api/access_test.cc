@@ -126,6 +126,14 @@ TEST(Access, NewSheetsHaveIdsWithinReach) {
   EXPECT_TRUE(check_access(all, v1::BackupStoreRequest()).ok());
 }
 
+TEST(Access, DryRunsAreNotRecorded) {
+  v1::CreateCutRequest cut;
+  EXPECT_TRUE(is_recorded(cut));
+  cut.set_validate_only(true);
+  EXPECT_FALSE(is_recorded(cut));
+  EXPECT_FALSE(is_recorded(v1::GetSheetRequest()));
+}
+
 class AccessApiTest : public ApiTest {
  protected:
   AccessApiTest() {

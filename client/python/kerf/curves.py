@@ -6,15 +6,11 @@ import math
 import os
 import pathlib
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, List, Optional, Tuple, Union
+from typing import Any, List, Optional, Tuple
 
 from kerf.v1 import geometry_pb2
 
-if TYPE_CHECKING:
-    import numpy
-
-Point = Union[Tuple[float, float], Sequence[float], "numpy.ndarray[Any, Any]"]
-Points = Union[Point, Sequence[Point]]
+Point = Tuple[float, float]
 
 
 def vec2(point: Point) -> geometry_pb2.Vec2:
@@ -22,7 +18,7 @@ def vec2(point: Point) -> geometry_pb2.Vec2:
     return geometry_pb2.Vec2(x=float(x), y=float(y))
 
 
-def rows_of(points: Sequence[Any], width: int) -> List[Tuple[float, ...]]:
+def rows_of(points: Sequence[Any], width: int) -> List[Any]:
     """Returns points that are given one by one, or as one array or list of them, as rows of numbers."""
     given = points[0] if len(points) == 1 else points
     try:
@@ -35,7 +31,7 @@ def rows_of(points: Sequence[Any], width: int) -> List[Tuple[float, ...]]:
     return rows
 
 
-def polyline(*points: Points) -> geometry_pb2.Curve:
+def polyline(*points: Any) -> geometry_pb2.Curve:
     """Returns straight pieces; closed if the last point equals the first. 2..4096 points, one by one or as an array of
     shape (n, 2).
 
@@ -45,7 +41,7 @@ def polyline(*points: Points) -> geometry_pb2.Curve:
     return geometry_pb2.Curve(polyline=geometry_pb2.Polyline(points=[vec2(point) for point in rows_of(points, 2)]))
 
 
-def bezier(*points: Points) -> geometry_pb2.Curve:
+def bezier(*points: Any) -> geometry_pb2.Curve:
     """Returns n cubic Bezier pieces joined end to start, from 3 n + 1 points; n in 1..64. Points are given as for
     polyline().
 
@@ -55,7 +51,7 @@ def bezier(*points: Points) -> geometry_pb2.Curve:
     return geometry_pb2.Curve(bezier=geometry_pb2.CubicBezier(points=[vec2(point) for point in rows_of(points, 2)]))
 
 
-def rational(*points: Union[Tuple[float, float, float], Sequence[Any], "numpy.ndarray[Any, Any]"]) -> geometry_pb2.Curve:
+def rational(*points: Any) -> geometry_pb2.Curve:
     """Returns a rational Bezier curve of three (quadratic) or four (cubic) points x, y, weight. Weights are in
     1e-6..1e6.
 
