@@ -51,6 +51,7 @@ AuditFile::~AuditFile() {
   changed_.notify_all();
   thread_.join();
   ::close(number_);
+  if (next_number_) ::close(*next_number_);
 }
 
 bool AuditFile::append(std::string_view line) {
