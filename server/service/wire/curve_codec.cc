@@ -174,6 +174,8 @@ Result<DecodedCurve> decode_curve(const v1::Curve& curve, const std::string& pat
     }
     case v1::Curve::kSvg:
       return decode_svg(curve.svg(), path + ".svg", read_file);
+    case v1::Curve::kDxf:
+      return invalid_argument("DXF_MALFORMED", "DXF drawings are not read here; give the drawing as SVG", path + ".dxf");
     case v1::Curve::KIND_NOT_SET:
       break;
   }
