@@ -1,6 +1,7 @@
 // Method::kElement: what it is by its definition, checked from outside.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "tests/cut/calls.h"
 #include "tests/support/cut_patterns.h"
@@ -69,6 +70,24 @@ TEST(CutElement, NoTriangleIsIllShapedByBothRatios) {
       }
     }
   }
+}
+
+TEST(CutElement, LeavesWhatItsLimitsAllow) {
+  const Curve flower = test::cut_patterns(1.0 / 49.0)[4].curves.front();
+  std::vector<double> ratios;
+  std::vector<int> triangles;
+  for (const double limit : {std::numeric_limits<double>::infinity(), 6.0, 3.0, 2.0}) {
+    CutOptions options = by_element();
+    options.element_limits.edge_ratio = limit;
+    mesh::TriangleMesh mesh = grid(50);
+    const CutReport report = cut(mesh, {flower, options, {}}).report;
+    ratios.push_back(report.quality.mean_edge_ratio);
+    triangles.push_back(report.new_triangles);
+  }
+  EXPECT_TRUE(std::is_sorted(ratios.rbegin(), ratios.rend()));
+  EXPECT_TRUE(std::is_sorted(triangles.begin(), triangles.end()));
+  EXPECT_GT(ratios.front(), 2.0 * ratios.back());
+  EXPECT_LT(2 * triangles.front(), triangles.back());
 }
 
 // A chord longer than the segment between the middles of the two edges it joins gets the point of largest curvature.

@@ -216,7 +216,8 @@ class Cutter {
     enter_phase(observer_, "refine");
     mesh::IdMap seeds;
     add_touched(seeds);
-    return bisect_ill_shaped(editor_, seeds.ids(), scale_, {kLengthFloor * plan_.snap_m / spacing_, max_insertions()});
+    return bisect_ill_shaped(editor_, seeds.ids(), scale_,
+                             {kLengthFloor * plan_.snap_m / spacing_, max_insertions(), plan_.options.element_limits});
   }
 
   Result<mesh::RefinementCounts> relax_and_refine() {

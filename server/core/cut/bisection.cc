@@ -18,9 +18,6 @@ using mesh::TriangleId;
 
 namespace {
 
-constexpr double kMaxEdgeRatio = 3.0;   // -; longest / shortest edge
-constexpr double kMinAreaRatio = 0.03;  // -; area over that of an element of the local edge length
-
 void lock_element(mesh::MeshEditor& editor, TriangleId t) {
   for (int k = 0; k < 3; ++k) editor.lock_edge(t, k, mesh::kLockOriginal);
 }
@@ -65,9 +62,10 @@ class Bisection {
 
   [[nodiscard]] bool is_ill_shaped(TriangleId t) const {
     const mesh::TriangleShape shape = shape_of(corners_of(mesh_, t));
-    if (shape.longest <= kMaxEdgeRatio * shape.shortest || shape.longest <= 2.0 * config_.length_floor) return false;
+    if (shape.longest <= config_.limits.edge_ratio * shape.shortest || shape.longest <= 2.0 * config_.length_floor)
+      return false;
     const double length = scale_.edge_length(mesh_.point_position(mesh_.points(t)[0])) / mesh_.lattice().spacing;
-    return shape.longest * shape.smallest_height > kMinAreaRatio * length * length;  // twice the areas
+    return shape.longest * shape.smallest_height > config_.limits.area_ratio * length * length;  // twice the areas
   }
 
   void bisect(TriangleId t) {

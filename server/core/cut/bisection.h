@@ -3,6 +3,7 @@
 #include <span>
 
 #include "server/base/result.h"
+#include "server/core/cut/cut_types.h"
 #include "server/core/cut/path_scale.h"
 #include "server/core/mesh/mesh_editor.h"
 #include "server/core/mesh/refine/refinement.h"
@@ -18,14 +19,15 @@ void lock_elements(mesh::MeshEditor& editor, std::span<const mesh::TriangleId> c
 struct BisectionConfig {
   double length_floor = 0.0;  // lattice units; edges of at most twice this length are not bisected
   std::int64_t max_insertions = 0;
+  ElementLimits limits;
 };
 
 // The "adapted constrained Delaunay method" (ACDM). Bisects the longest edge of an ill-shaped triangle, which divides
 // the triangle beyond it too. Then restores the Delaunay property inside the element, and repeats until no triangle is
-// ill-shaped. A triangle is ill-shaped if its longest edge is above 3 times its shortest and its area above 3 % of that
-// of an element there. The second condition ends the loop, as each bisection halves an area. Flat caps, obtuse
-// triangles with edges of similar length, do not count. Call lock_elements() before. Error: CUT_ELEMENT_BUDGET as of
-// cut::apply(), if the editor has no slots left.
+// ill-shaped. A triangle is ill-shaped if it exceeds both limits, by default a longest edge of 3 times its shortest and
+// 3 % of the area of an element there. The second condition ends the loop, as each bisection halves an area. Flat caps,
+// obtuse triangles with edges of similar length, do not count. Call lock_elements() before. Error: CUT_ELEMENT_BUDGET
+// as of cut::apply(), if the editor has no slots left.
 Result<mesh::RefinementCounts> bisect_ill_shaped(mesh::MeshEditor& editor, std::span<const mesh::TriangleId> seeds,
                                                  const PathScale& scale, const BisectionConfig& config);
 

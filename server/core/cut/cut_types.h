@@ -93,9 +93,17 @@ enum class Method {
   // Then refines to the smallest angle min_angle_deg. Keeps the promises on angles of CutOptions and StrandQuality.
   kNeighbourhood,
   // Remeshes each crossed element by itself: its edges stay, and its inside becomes Delaunay. Then bisects longest
-  // edges (ACDM, see bisection.h). In the end each triangle has longest / shortest edge <= 3, or at most 3 % of the
-  // area of an element. Promises no angle and ignores min_angle_deg and relax. It is meant for comparison.
+  // edges (ACDM, see bisection.h). In the end each triangle is within ElementLimits: longest / shortest edge <= 3, or
+  // at most 3 % of the area of an element. Promises no angle and ignores min_angle_deg and relax. It is meant for
+  // comparison.
   kElement,
+};
+
+// Triangles that Method::kElement leaves as they are. Requests cannot change these limits; programs that compare
+// methods can.
+struct ElementLimits {
+  double edge_ratio = 3.0;   // -, >= 1; longest over shortest edge up to which no triangle is bisected; may be infinite
+  double area_ratio = 0.03;  // -, >= 0; area over that of an element there up to which no triangle is bisected
 };
 
 // Options of a cut, apart from its curve.
@@ -131,6 +139,7 @@ struct CutOptions {
   // the tolerance. Its width is right to twice kToleranceOfWidth, as a fraction. Absent: the cut opens the sheet and
   // removes nothing. m, in [kMinWidth, kMaxWidth]
   std::optional<double> width_m = std::nullopt;
+  ElementLimits element_limits;  // for Method::kElement
 };
 
 // Checks the ranges of the options: calls check(value, low, high, field) for each number, and returns the first error.
