@@ -97,6 +97,13 @@ TEST(Json, DefaultsArePrinted) {
   EXPECT_THAT(json, HasSubstr("\"state_hash\":\"\""));
 }
 
+TEST(Json, AByteOrderMarkIsPassedOver) {
+  v1::Scene scene;
+  ASSERT_TRUE(from_json("\xEF\xBB\xBF{\"sheet_id\": \"a\"}", scene).ok());
+  EXPECT_EQ(scene.sheet_id(), "a");
+  EXPECT_FALSE(from_json("\xEF\xBB{}", scene).ok());
+}
+
 struct BadJson {
   const char* text;
   const char* reason;

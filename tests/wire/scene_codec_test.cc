@@ -316,7 +316,7 @@ TEST(SceneCodec, ObjFilesMayHoldAnyBytes) {
   };
   const Result<scene::SheetConfig> read = decode_scene(scene, reader);
   ASSERT_TRUE(read.ok());
-  EXPECT_EQ(encode_scene(*read).obj().text(), "o T?r\nv 0 0 0\n");
+  EXPECT_EQ(encode_scene(*read).obj().text(), "o T\xC3\xBCr\nv 0 0 0\n");
 }
 
 }  // namespace

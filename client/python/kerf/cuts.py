@@ -134,7 +134,7 @@ def save_cuts(path: "str | os.PathLike[str]", cuts: Iterable[scene_pb2.Cut]) -> 
 def load_cuts(path: "str | os.PathLike[str]") -> List[scene_pb2.Cut]:
     """Reads what save_cuts() or `kerf cuts --export` wrote. Raises ValueError if the file holds something else."""
     try:
-        batch = json_format.Parse(pathlib.Path(path).read_text(encoding="utf-8"), scene_pb2.CutBatch())
+        batch = json_format.Parse(pathlib.Path(path).read_text(encoding="utf-8-sig"), scene_pb2.CutBatch())
     except json_format.ParseError as wrong:
         raise ValueError(f"{os.fspath(path)}: {wrong}") from None
     return list(batch.cuts)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import contextlib
 import os
 import pathlib
@@ -30,6 +31,16 @@ def whole_file(path: "str | os.PathLike[str]") -> Iterator[IO[bytes]]:
 def real_target(path: "str | os.PathLike[str]") -> pathlib.Path:
     """Returns the target of a link, so that the link is kept."""
     return pathlib.Path(os.path.realpath(path) if os.path.islink(path) else path)
+
+
+def text_of(content: bytes) -> str:
+    """Decodes a text file: UTF-8 or UTF-16 by its byte order mark, else UTF-8, else ISO-8859-1."""
+    if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        return content.decode("utf-16", errors="replace")
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return content.decode("iso-8859-1")
 
 
 CHUNK_BYTES = 512 << 10  # a server takes messages of up to 1 MiB

@@ -10,7 +10,7 @@ from typing import Any, Literal, Tuple, TypedDict, Union
 
 from google.protobuf import json_format
 
-from kerf.files import CHUNK_BYTES
+from kerf.files import CHUNK_BYTES, text_of
 from kerf.regions import Place, as_regions
 from kerf.v1 import scene_pb2
 
@@ -87,7 +87,7 @@ def as_scene(scene: AnyScene) -> scene_pb2.Scene:
     try:
         if isinstance(scene, Mapping):
             return json_format.ParseDict(scene, scene_pb2.Scene())
-        return json_format.Parse(pathlib.Path(scene).read_text(encoding="utf-8"), scene_pb2.Scene())
+        return json_format.Parse(pathlib.Path(scene).read_text(encoding="utf-8-sig"), scene_pb2.Scene())
     except (json_format.ParseError, json.JSONDecodeError) as wrong:
         name = "scene" if isinstance(scene, Mapping) else os.fspath(scene)
         raise ValueError(f"{name}: {wrong}") from None
@@ -113,8 +113,7 @@ def _add_mesh_file(scene: scene_pb2.Scene, file: pathlib.Path, rest: str) -> Non
         scene.ply.data = file.read_bytes()
         scene.ply.rest_shape = _REST_SHAPES[rest]
     elif file.suffix.lower() == ".obj":
-        # The data of an OBJ file is ASCII; names and comments in it may be in any encoding.
-        scene.obj.text = file.read_text(encoding="ascii", errors="replace")
+        scene.obj.text = text_of(file.read_bytes())
         scene.obj.rest_shape = _REST_SHAPES[rest]
     else:
         raise ValueError(f"{file}: the name of a mesh file ends in .obj or .ply")

@@ -4,6 +4,7 @@
 #include <google/protobuf/util/json_util.h>
 
 #include "server/base/check.h"
+#include "server/base/text_encoding.h"
 #include "server/service/wire/json_check.h"
 
 namespace kerf::wire {
@@ -19,6 +20,7 @@ std::string to_json(const google::protobuf::Message& message) {
 }
 
 Status from_json(std::string_view json, google::protobuf::Message& message) {
+  json = without_byte_order_mark(json);
   KERF_TRY(check_json(json, *message.GetDescriptor()));
   message.Clear();
   const auto status =

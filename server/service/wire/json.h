@@ -17,8 +17,8 @@ namespace kerf::wire {
 std::string to_json(const google::protobuf::Message& message);
 
 // Parses JSON and replaces `message`. Names may be snake_case or lowerCamelCase. NaN and infinities are accepted as the
-// strings of the mapping and left to validation. Errors, kInvalidArgument, with line, column and field path in the
-// message:
+// strings of the mapping and left to validation. A byte order mark is passed over. Errors, kInvalidArgument, with line,
+// column and field path in the message:
 //   JSON_SYNTAX, JSON_UNKNOWN_FIELD, JSON_DUPLICATE_FIELD (also a second member of a oneof), JSON_TYPE.
 Status from_json(std::string_view json, google::protobuf::Message& message);
 

@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "server/base/overloaded.h"
+#include "server/base/text_encoding.h"
 #include "server/service/wire/geometry_codec.h"
 
 namespace kerf::wire {
@@ -221,10 +222,7 @@ Result<scene::MeshSource> decode_mesh_source(v1::Component& component, const Fil
 }
 
 std::string obj_text(std::string file) {
-  for (char& c : file) {
-    if (static_cast<unsigned char>(c) > 0x7f) c = '?';
-  }
-  return file;
+  return utf8_text(std::move(file));
 }
 
 void encode_mesh_source(const scene::MeshSource& mesh, v1::Scene& scene) {

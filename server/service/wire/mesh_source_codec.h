@@ -17,8 +17,7 @@ namespace kerf::wire {
 Result<scene::MeshSource> decode_mesh_source(v1::Scene& scene, const FileReader& read_file);
 Result<scene::MeshSource> decode_mesh_source(v1::Component& component, const FileReader& read_file);
 
-// Converts an OBJ file to ObjMesh.text, which must be UTF-8. Bytes other than ASCII, which occur only in names and
-// comments of an OBJ file, become question marks.
+// Converts an OBJ file to ObjMesh.text, which must be UTF-8 (see utf8_text).
 std::string obj_text(std::string file);
 
 void encode_mesh_source(const scene::MeshSource& mesh, v1::Scene& scene);
