@@ -267,7 +267,7 @@ export function accessSteps(steps, browser, { url }) {
     steps.step(`axe finds nothing at ${name} width, ${colorScheme}, with every panel`, async () => {
       const page = await open({ ...options, colorScheme });
       await audit(page.page, 'nothing open');
-      for (const panel of ['sheets', 'physics', 'pieces', 'states', 'people']) {
+      for (const panel of ['sheets', 'physics', 'pieces', 'cuts', 'states', 'people']) {
         await page.page.click(`[data-panel=${panel}]`);
         await audit(page.page, panel);
         await page.screenshot(`${name}-${colorScheme}-${panel}`);

@@ -9,6 +9,7 @@ import { layoutSteps } from './layout_steps.mjs';
 import { loadingSteps } from './loading_steps.mjs';
 import { loginSteps } from './login_steps.mjs';
 import { lookSteps } from './look_steps.mjs';
+import { panelSteps } from './panel_steps.mjs';
 import { peopleSteps } from './people_steps.mjs';
 import { physicsSteps } from './physics_steps.mjs';
 import { savingSteps } from './saving_steps.mjs';
@@ -21,7 +22,7 @@ import { viewerSteps } from './viewer_steps.mjs';
 // Groups in their order; an outer name runs all groups in it.
 const kGroups = {
   viewer: { watching: viewerSteps, looks: lookSteps, cutting: cuttingSteps, strips: stripSteps },
-  controls: { sheets: sheetSteps, physics: physicsSteps, access: accessSteps, login: loginSteps, people: peopleSteps, layout: layoutSteps },
+  controls: { sheets: sheetSteps, physics: physicsSteps, panels: panelSteps, access: accessSteps, login: loginSteps, people: peopleSteps, layout: layoutSteps },
   streams: { saving: savingSteps, connection: connectionSteps, images: imageSteps, loading: loadingSteps },
 };
 // Groups that need the demo sheet from its beginning. For others it is paused, so that it is neither computed nor drawn.

@@ -6,7 +6,7 @@ import { LiveSheet } from './sheet/live_sheet';
 import type { StreamWishes } from './sheet/live_sheet';
 import { ShownSheet } from './sheet/shown_sheet';
 import type { FrameCopy, SheetCopy } from './stream/sheet_copy';
-import type { Pace } from './stream/watch';
+import type { AudienceNews, Pace } from './stream/watch';
 import type { Viewer } from './tools/tool';
 import { AccessPanel } from './ui/access/access_panel';
 import { takeCode } from './ui/access/link_code';
@@ -16,6 +16,7 @@ import { Session } from './ui/access/session';
 import { ShareForm } from './ui/access/share_form';
 import { AdaptiveDrawing } from './ui/adaptive_drawing';
 import { ConnectionChip } from './ui/connection_chip';
+import { CutList } from './ui/cuts/cut_list';
 import { element } from './ui/dom';
 import { DrawingLoop } from './ui/drawing_loop';
 import { FileDrop } from './ui/file_drop';
@@ -72,7 +73,7 @@ export class App {
         this.connectionChanged();
       },
       onFrame: (copy, frame) => this.receiveLive(copy, frame),
-      onNews: (news) => this.people.take(news),
+      onNews: (news) => this.takeNews(news),
       onSettings: (sheet) => this.shown.set(sheet),
       onRejection: (rejection) => this.tools.grab.rejected(rejection),
       onRecording: (progress, parts) => this.recording.took(progress, parts),
@@ -121,7 +122,7 @@ export class App {
     theme: this.theme,
     statistics: this.statistics,
     notices: this.notices,
-    isPicking: () => this.tools.tool.id !== 'view' || this.panels.open === 'pieces' || this.people.arePointersShown,
+    isPicking: () => this.tools.tool.id !== 'view' || ['pieces', 'cuts'].includes(this.panels.open ?? '') || this.people.arePointersShown,
     showConnections: () => this.connectionChanged(),
     setMeshDrawn: (isDrawn) => this.shown.setDrawn(isDrawn),
   });
@@ -150,7 +151,11 @@ export class App {
     this.viewer,
     this.replayBar,
     this.rights,
-    { onTried: () => this.firstHint.close(), onFileWanted: () => this.svgFiles.choose() },
+    {
+      onTried: () => this.firstHint.close(),
+      onCut: (name) => this.cuts.makers.made(name),
+      onFileWanted: () => this.svgFiles.choose(),
+    },
   );
   private readonly svgFiles = new SvgFiles(this.tools, this.notices, () => this.stage.focus());
   private readonly controls = new SimulationControls(this.live, this.shown, this.notices, () =>
@@ -159,6 +164,7 @@ export class App {
   private readonly history = new HistoryControls(this.live, this.notices);
   private readonly physics = new PhysicsPanel(this.live, this.shown, this.notices);
   private readonly pieces = new PiecePanel(this.live, this.shown);
+  private readonly cuts: CutList = new CutList(this.live, this.shown, this.history);
   private readonly states = new StatePanel(this.live, this.notices, () => (this.imageMode.isOn ? 2 : 1));
 
   private readonly people: People = new People({
@@ -230,6 +236,7 @@ export class App {
     imageMode: this.imageMode,
     tools: this.tools,
     pieces: this.pieces,
+    cuts: this.cuts,
     people: this.people,
     quality: new AdaptiveDrawing({
       stage: this.stage,
@@ -243,6 +250,7 @@ export class App {
 
   constructor() {
     this.panels.add('pieces', this.pieces);
+    this.panels.add('cuts', this.cuts);
     this.panels.add('sheets', this.sheets);
     this.panels.add('states', this.states);
     this.panels.add('people', this.people.panel);
@@ -298,6 +306,11 @@ export class App {
   private connectionChanged(): void {
     this.connection.update();
     if (this.live.watch?.state === 'lost' || this.imageMode.state === 'lost') void this.session.check();
+  }
+
+  private takeNews(news: AudienceNews): void {
+    this.people.take(news);
+    if (news.case === 'activity') this.cuts.acted(news.value);
   }
 
   private gotAccess(access: Access | undefined): void {

@@ -87,4 +87,30 @@ describe('HistoryControls', () => {
       'success: Cut redone: 1 piece',
     ]);
   });
+
+  it('undoes down to a cut, no further than asked, and says so once', async () => {
+    notices.length = sent.length = 0;
+    const controls = new HistoryControls(viewer, viewer, send);
+    const downTo = async (cut: string, steps: number, answers: number) => {
+      const run = controls.undoTo(cut, steps);
+      for (let i = 0; i < answers; ++i) {
+        answer(2);
+        await settled();
+      }
+      await run;
+      return sent.splice(0).length;
+    };
+    // The answers name sheets/a/cuts/1, so the first of them ends it.
+    expect(await downTo('sheets/a/cuts/1', 5, 1)).toBe(1);
+    expect(await downTo('sheets/a/cuts/7', 3, 3)).toBe(3);
+    expect(notices.splice(0)).toEqual(['success: 2 cuts undone: 2 pieces', 'success: 6 cuts undone: 2 pieces']);
+    const refused = controls.undoTo('sheets/a/cuts/1', 3);
+    const pressed = controls.run('redo');
+    refuse('it is too old');
+    await settled();
+    answer(1);
+    await Promise.all([refused, pressed]);
+    expect(sent.splice(0)).toEqual(['UndoCut sheets/a', 'RedoCut sheets/a']);
+    expect(notices.splice(0)).toEqual(['error: Nothing was undone: it is too old', 'success: Cut redone: 1 piece']);
+  });
 });

@@ -2,6 +2,7 @@ import { create } from '@bufbuild/protobuf';
 import { describe, expect, it } from 'vitest';
 import { AccessService, Scope } from '../src/gen/kerf/v1/access_service_pb';
 import { CutService } from '../src/gen/kerf/v1/cuts_pb';
+import { FileService } from '../src/gen/kerf/v1/files_pb';
 import { InteractionService } from '../src/gen/kerf/v1/interaction_pb';
 import { RenderService } from '../src/gen/kerf/v1/render_pb';
 import { ServerService } from '../src/gen/kerf/v1/server_pb';
@@ -15,6 +16,7 @@ import { readFileSync, readdirSync } from 'node:fs';
 const kServices = [
   AccessService,
   CutService,
+  FileService,
   InteractionService,
   RenderService,
   ServerService,

@@ -4,7 +4,7 @@ import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { AccessSchema, Scope } from '../src/gen/kerf/v1/access_service_pb';
 import { Rights } from '../src/ui/access/rights';
 import { shortcutGroups } from '../src/ui/shortcuts';
-import type { KeyedParts } from '../src/ui/shortcuts';
+import type { KeyedParts } from '../src/ui/shortcut';
 
 const kPage = readFileSync(new URL('../index.html', import.meta.url), 'utf8');
 const kStyle = readFileSync(new URL('../src/style/side_panels.css', import.meta.url), 'utf8');

@@ -1,7 +1,8 @@
 import { readFileSync } from 'node:fs';
 import { describe, expect, it } from 'vitest';
-import { chordOf, shortcutGroups, shortcutsFor } from '../src/ui/shortcuts';
-import type { KeyedParts } from '../src/ui/shortcuts';
+import { chordOf, shortcutsFor } from '../src/ui/shortcut';
+import type { KeyedParts } from '../src/ui/shortcut';
+import { shortcutGroups } from '../src/ui/shortcuts';
 import type { ToolId } from '../src/tools/tool';
 
 const kNone = { ctrlKey: false, metaKey: false, shiftKey: false, altKey: false };

@@ -1,10 +1,12 @@
 import { BufferAttribute, BufferGeometry, DynamicDrawUsage, Group, LineBasicMaterial, LineSegments, Mesh } from 'three';
 import { vertexNormals } from '../geometry/normals';
+import type { LipFinder } from '../geometry/lips';
 import type { Surface } from '../geometry/surface';
 import { ClothMaterial } from './cloth_material';
 import { kClothOffset } from './depth_offsets';
 import { FatLines } from './fat_lines';
 import { hidingMaterial, kHidingOrder } from './hiding_material';
+import { LipHighlight } from './lip_highlight';
 import { carriedColors, pieceColors } from './piece_colors';
 import { PieceHighlight } from './piece_highlight';
 import { strainColors, strainScaleEnd } from './strain_colors';
@@ -28,6 +30,7 @@ export class SheetView {
   );
   private readonly lips = new FatLines({ color: 0x10151c, width: 2 });
   private readonly highlighted = new PieceHighlight();
+  private readonly highlightedLips = new LipHighlight();
   private surface: Surface | undefined;
   private isDrawn = true;
   private hasWires = false;
@@ -49,6 +52,7 @@ export class SheetView {
     this.wires.frustumCulled = false;
     this.wires.visible = false;
     this.object.add(this.mesh, this.mask, this.wires, this.lips.object, this.highlighted.object);
+    this.object.add(this.highlightedLips.object);
   }
 
   get isWireframe(): boolean {
@@ -61,7 +65,7 @@ export class SheetView {
     if (this.wires.visible) this.updateWires();
   }
 
-  /** Sets whether the sheet is drawn; a highlighted piece always is. Call update() afterwards. */
+  /** Sets whether the sheet is drawn; highlights always are. Call update() afterwards. */
   setDrawn(isDrawn: boolean): void {
     this.isDrawn = isDrawn;
     this.mesh.visible = this.lips.object.visible = isDrawn;
@@ -76,6 +80,11 @@ export class SheetView {
   /** Highlights the piece with this label in the frames, from the next update() on; undefined: no piece. */
   highlight(label: number | undefined): void {
     this.highlighted.set(label);
+  }
+
+  /** Highlights the lips of a cut, from the next update() on; undefined: none. */
+  highlightLips(find: LipFinder | undefined): void {
+    this.highlightedLips.set(find);
   }
 
   /**
@@ -124,6 +133,7 @@ export class SheetView {
     const { mirror } = surface;
     if (surface !== this.surface) this.shownVersion = this.coloredVersion = -1;
     this.surface = surface;
+    this.highlightedLips.update(surface);
     if (!this.isDrawn && !this.mask.visible && !this.highlighted.isOn) {
       this.highlighted.object.visible = false;
       return;

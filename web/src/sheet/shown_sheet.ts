@@ -1,5 +1,8 @@
 import type { Sheet } from '../gen/kerf/v1/sheets_pb';
+import { LipRecord } from '../geometry/lips';
+import type { LipFinder } from '../geometry/lips';
 import { Surface } from '../geometry/surface';
+import { lipCentre } from '../scene/lip_highlight';
 import { pieceCentre } from '../scene/piece_highlight';
 import { SheetScene } from '../scene/sheet_scene';
 import type { SheetView } from '../scene/sheet_view';
@@ -18,6 +21,8 @@ export interface ShownSheetEvents {
 export class ShownSheet implements ShownState {
   surface: Surface | undefined;
   sheet: Sheet | undefined;
+  /** Lips that appeared while the sheet was shown. */
+  readonly lips = new LipRecord();
 
   private readonly scene: SheetScene;
   // True if the scene lacks the newest frame or the present look.
@@ -91,6 +96,18 @@ export class ShownSheet implements ShownState {
     if (this.surface) this.stage.lookAt(pieceCentre(this.surface.mirror, label));
   }
 
+  /** Highlights the lips of a cut; undefined: none. */
+  highlightLips(find: LipFinder | undefined): void {
+    this.view.highlightLips(find);
+    this.showAgain();
+  }
+
+  /** Moves the view so that the lips of a cut are in the middle; does nothing if they are gone. */
+  centreLips(find: LipFinder): void {
+    const centre = this.surface && lipCentre(find, this.surface);
+    if (centre) this.stage.lookAt(centre);
+  }
+
   /** Sets whether the page draws sheet and colliders; otherwise the server's picture shows them. */
   setDrawn(isDrawn: boolean): void {
     this.scene.setDrawn(isDrawn);
@@ -117,6 +134,7 @@ export class ShownSheet implements ShownState {
       // Fits again when the settings, and with them the colliders, are known.
       this.isFitted = this.sheet !== undefined;
     }
+    this.lips.see(this.surface);
     this.scene.update(this.surface);
     return true;
   }

@@ -57,10 +57,14 @@ export class CutTool implements Tool {
   private readonly forecast: CutForecast;
   private readonly drawnSizePx = new Vector2();
 
-  /** @param changed  called when the prompt or the possible actions may have changed */
+  /**
+   * @param changed  called when the prompt or the possible actions may have changed
+   * @param made     called with the name of a cut that was made
+   */
   constructor(
     private readonly viewer: CutViewer,
     private readonly changed: () => void,
+    private readonly made: (cut: string) => void = () => {},
   ) {
     this.material = new MaterialPlane(viewer);
     this.chosenPiece = new ChosenPiece(viewer);
@@ -287,6 +291,7 @@ export class CutTool implements Tool {
     const result = await notices.attempt(() => call(CutService.method.createCut, request), 'Nothing was cut: ');
     this.underWay.delete(drawing);
     if (result) {
+      if (result.name !== '') this.made(result.name);
       const kind = result.status === CutResult_Status.APPLIED ? 'success' : 'info';
       notices.notify(kind, cutText(result, widthM > 0), cutDetails(result));
       if (result.warnings.length > 0) notices.notify('warning', warningText(result));

@@ -17,6 +17,7 @@ export interface DrawnParts {
   readonly imageMode: Pick<ImageMode, 'isShown' | 'ageMs' | 'format' | 'figures' | 'look' | 'draw'>;
   readonly tools: { readonly tool: { update(): void }; readonly cut: { readonly isOnSheet: boolean } };
   readonly pieces: { update(): void };
+  readonly cuts: { update(): void };
   readonly people: { place(): void; update(): void };
   readonly quality: Pick<AdaptiveDrawing, 'begin'>;
   readonly status: Pick<StatusLine, 'drawn' | 'update'>;
@@ -35,7 +36,7 @@ export class DrawingLoop {
 
   private turn(nowMs: number): void {
     this.start();
-    const { stage, shown, live, replayBar, imageMode, tools, people, quality } = this.parts;
+    const { stage, shown, live, replayBar, imageMode, tools, people, cuts, quality } = this.parts;
     live.followPace();
     if (live.advance(nowMs) || replayBar.advance(nowMs)) shown.showAgain();
     // Lets folds hide a drawing on the sheet also over a picture of the server.
@@ -53,6 +54,7 @@ export class DrawingLoop {
     if (isDrawn) this.drawn(nowMs);
     this.showFigures(nowMs);
     people.update();
+    cuts.update();
   }
 
   private takeFrame(): void {

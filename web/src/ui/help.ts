@@ -1,5 +1,5 @@
 import { make } from './dom';
-import type { ShortcutGroup } from './shortcuts';
+import type { ShortcutGroup } from './shortcut';
 
 /** The help page of keys, made from the table by which keys are bound. */
 export class Help {

@@ -1,16 +1,19 @@
-import type { DescMethodUnary, MessageShape } from '@bufbuild/protobuf';
+import type { DescMethodUnary } from '@bufbuild/protobuf';
 import { call } from '../api';
 import { CutService } from '../gen/kerf/v1/cuts_pb';
-import type { UndoCutRequestSchema, UndoResultSchema } from '../gen/kerf/v1/cuts_pb';
+import type { UndoCutRequestSchema, UndoResult, UndoResultSchema } from '../gen/kerf/v1/cuts_pb';
 import type { Reporter } from '../notifier';
 import type { OpenSheet } from '../sheet/open_sheet';
 
 export type HistoryStep = 'undo' | 'redo';
 
 // Says nothing about a reset, which SheetNews reports to every viewer.
-function stepText(step: HistoryStep, { cuts, pieces, reset }: MessageShape<typeof UndoResultSchema>): string | undefined {
-  if (reset) return undefined;
-  const what = cuts.length === 1 ? 'Cut' : `${cuts.length} cuts`;
+function stepText(step: HistoryStep, { cuts, pieces, reset }: UndoResult): string | undefined {
+  return reset ? undefined : undoneText(step, cuts.length, pieces);
+}
+
+function undoneText(step: HistoryStep, numCuts: number, pieces: number): string {
+  const what = numCuts === 1 ? 'Cut' : `${numCuts} cuts`;
   return `${what} ${step === 'undo' ? 'undone' : 'redone'}: ${pieces} ${pieces === 1 ? 'piece' : 'pieces'}`;
 }
 
@@ -42,6 +45,32 @@ export class HistoryControls {
     if (waiting.length >= (isHeld ? 1 : kMostWaiting)) return;
     waiting.push({ step, sheetName: this.live.sheetName });
     if (this.isSending) return;
+    await this.drain();
+  }
+
+  /**
+   * Undoes cuts, the newest first, until this one is undone.
+   * @param cut        its name
+   * @param mostSteps  number of steps that may be undone
+   */
+  async undoTo(cut: string, mostSteps: number): Promise<void> {
+    if (this.isSending) return;
+    const { sheetName } = this.live;
+    this.isSending = true;
+    let numCuts = 0;
+    let pieces = 0;
+    for (let step = 0; step < mostSteps; ++step) {
+      const result = await this.request({ step: 'undo', sheetName });
+      if (!result) break;
+      [numCuts, pieces] = [numCuts + result.cuts.length, result.pieces];
+      if (result.cuts.includes(cut)) break;
+    }
+    if (numCuts > 0) this.reporter.notify('success', undoneText('undo', numCuts, pieces));
+    await this.drain();
+  }
+
+  private async drain(): Promise<void> {
+    const { waiting } = this;
     this.isSending = true;
     for (let next = waiting.shift(); next; next = waiting.shift()) {
       // After a refusal the next steps would be refused too.
@@ -50,7 +79,14 @@ export class HistoryControls {
     this.isSending = false;
   }
 
-  private async make({ step, sheetName: parent }: AskedStep): Promise<boolean> {
+  private async make(asked: AskedStep): Promise<boolean> {
+    const result = await this.request(asked);
+    const text = result && stepText(asked.step, result);
+    if (text) this.reporter.notify('success', text);
+    return result !== undefined;
+  }
+
+  private request({ step, sheetName: parent }: AskedStep): Promise<UndoResult | undefined> {
     const { undoCut, redoCut } = CutService.method;
     // The two requests have the same fields.
     const method = (step === 'undo' ? undoCut : redoCut) as DescMethodUnary<
@@ -58,9 +94,6 @@ export class HistoryControls {
       typeof UndoResultSchema
     >;
     const refused = step === 'undo' ? 'Nothing was undone: ' : 'Nothing was redone: ';
-    const result = await this.reporter.attempt(() => this.send(method, { parent }), refused);
-    const text = result && stepText(step, result);
-    if (text) this.reporter.notify('success', text);
-    return result !== undefined;
+    return this.reporter.attempt(() => this.send(method, { parent }), refused);
   }
 }

@@ -2,8 +2,9 @@ import type { ToolId } from '../tools/tool';
 import type { Rights } from './access/rights';
 import { element } from './dom';
 import { Help } from './help';
-import { chordOf, shortcutGroups, shortcutsFor } from './shortcuts';
-import type { KeyedParts, Shortcut } from './shortcuts';
+import { chordOf, shortcutsFor } from './shortcut';
+import type { KeyedParts, Shortcut } from './shortcut';
+import { shortcutGroups } from './shortcuts';
 
 /** The parts of the viewer on which keys act, and those that decide the meaning of keys. */
 export type KeyBindingParts = KeyedParts & {

@@ -13,6 +13,8 @@ import { Choice, element } from './dom';
 export interface ToolChoiceEvents {
   /** Called when a tool that changes the sheet was chosen. */
   onTried(): void;
+  /** Called with the name of a cut that the user made. */
+  onCut(name: string): void;
   /** Called when the user wants a drawing from a file for the cut tool. */
   onFileWanted(): void;
 }
@@ -36,7 +38,11 @@ export class ToolChoice {
     private readonly rights: Pick<Rights, 'allows'>,
     private readonly events: ToolChoiceEvents,
   ) {
-    this.cut = new CutTool(viewer, () => this.updateCutPanel());
+    this.cut = new CutTool(
+      viewer,
+      () => this.updateCutPanel(),
+      (name) => events.onCut(name),
+    );
     this.grab = new GrabTool(viewer);
     this.tools = { view: new ViewTool(), cut: this.cut, grab: this.grab, pin: new PinTool(viewer) };
     this.chosen = this.tools.view;

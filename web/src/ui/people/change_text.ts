@@ -30,6 +30,7 @@ const kCalls: Record<string, string | readonly [once: string, often: string]> = 
   PauseSheet: ['paused the sheet', 'paused # times'],
   ResumeSheet: ['let the sheet run', 'let the sheet run # times'],
   StepSheet: ['stepped the sheet', 'stepped # times'],
+  StepSheets: ['stepped several sheets', 'stepped several sheets # times'],
   ResetSheet: ['reset the sheet', 'reset # times'],
   SetSheetSpeed: 'changed the speed',
   ExportSheet: 'exported the sheet',
@@ -46,6 +47,9 @@ const kCalls: Record<string, string | readonly [once: string, often: string]> = 
   Subscribe: 'read frames of the sheet',
   RenderImage: ['drew a picture', 'drew # pictures'],
   WatchImages: 'watched pictures of the sheet',
+  // Files
+  InspectMesh: 'looked into a mesh file',
+  InspectDrawing: 'looked into a drawing',
   // The server
   GetServerInfo: 'asked about the server',
   GetAccess: 'asked about their rights',

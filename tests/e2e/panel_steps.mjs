@@ -1,0 +1,42 @@
+// The list of cuts, links to a view, and what is read from the sheet, all on one page and one sheet that nothing moves.
+import { kFlatScene } from './cutting_scenes.mjs';
+import { check, post } from './harness.mjs';
+import { ViewerPage } from './viewer_page.mjs';
+
+const kSheet = 'sheets/panels';
+const kYellow = [255, 210, 63];
+
+export function panelSteps(steps, browser, { url }) {
+  let viewer;
+
+  steps.step('a cut in the list is shown on the sheet, and undone with all after it', async () => {
+    const scene = { ...kFlatScene, grid: { columns: 11, rows: 11, widthM: 1, heightM: 1 } };
+    await post(url, 'SheetService/CreateSheet', { sheetId: 'panels', scene, paused: true });
+    const circle = (x) => ({ curve: { circle: { center: { x, y: 0.5 }, radiusM: 0.15 } } });
+    await post(url, 'CutService/CreateCut', { parent: kSheet, cut: circle(0.25) });
+    viewer = await ViewerPage.open(browser, `${url}/?sheet=panels`, { viewport: { width: 1000, height: 700 }, colorScheme: 'light' });
+    const { page } = viewer;
+    await viewer.untilDrawn('k.connection === "live" && k.isPaused && k.framesDrawn > 0');
+    await page.keyboard.press('Shift+C');
+    const rows = page.locator('#cut-list .open');
+    await rows.filter({ hasText: /Cut 1/ }).waitFor();
+    // One that is made while the list is open, on the picture.
+    await viewer.choose('cut');
+    await page.keyboard.press('i');
+    await viewer.tap(0.55, 0.6);
+    await viewer.tap(0.75, 0.75);
+    await page.keyboard.press('Enter');
+    await rows.filter({ hasText: /Cut 2.*through what was seen.*by you/ }).waitFor();
+    check((await rows.count()) === 2, 'not two cuts');
+    for (const index of [0, 1]) {
+      await rows.nth(index).focus();
+      check((await viewer.numPixels(kYellow, `cut-list-${index}`)) > 100, `the lips of row ${index} are not shown`);
+    }
+    await page.getByRole('button', { name: 'Undo cut 1 and the one after it' }).click();
+    await page.click('#confirmation-yes');
+    await viewer.notice(/^2 cuts undone: 1 piece/);
+    await page.locator('#cut-list-empty').waitFor();
+    check((await viewer.numPixels(kYellow, 'cut-list-undone')) === 0, 'lips that are gone are shown');
+    await viewer.choose('view');
+  });
+}
