@@ -39,4 +39,25 @@ export function panelSteps(steps, browser, { url }) {
     check((await viewer.numPixels(kYellow, 'cut-list-undone')) === 0, 'lips that are gone are shown');
     await viewer.choose('view');
   });
+
+  steps.step('a link opens the sheet from the same place and in the same colours', async () => {
+    const { page } = viewer;
+    await page.context().grantPermissions(['clipboard-read', 'clipboard-write']);
+    await page.focus('#canvas');
+    for (const key of ['ArrowLeft', 'ArrowLeft', 'Shift+ArrowUp', '+', 'w', 'k']) await page.keyboard.press(key);
+    await viewer.allDrawn();
+    const before = await viewer.at(0.3, 0.7);
+    await page.keyboard.press('Shift+L');
+    await viewer.notice(/^Link copied/);
+    const link = await page.evaluate(() => navigator.clipboard.readText());
+    await page.goto(`${link}&resolution=full`);
+    await viewer.untilDrawn('k.connection === "live" && k.isPaused && k.framesDrawn > 0');
+    const after = await viewer.at(0.3, 0.7);
+    check(Math.hypot(after.x - before.x, after.y - before.y) < 1, `${JSON.stringify(before)} became ${JSON.stringify(after)}`);
+    for (const id of ['wireframe', 'by-piece']) {
+      check((await page.getAttribute(`#${id}`, 'aria-pressed')) === 'true', `${link} opens without ${id}`);
+    }
+    await page.keyboard.press('w');
+    await page.keyboard.press('k');
+  });
 }

@@ -47,6 +47,7 @@ import { markTabbedFocus } from './ui/tabbed_focus';
 import { Theme } from './ui/theme';
 import { ToolChoice } from './ui/tool_choice';
 import { Transfer } from './ui/transfer';
+import { ViewLink } from './ui/view_link';
 
 /** Makes the parts of the viewer and joins them. Each part sees the others only through interfaces that it declares. */
 export class App {
@@ -209,6 +210,14 @@ export class App {
     notices: this.notices,
     rights: this.rights,
   });
+  private readonly viewLink = new ViewLink({
+    stage: this.stage,
+    shown: this.shown,
+    live: this.live,
+    look: this.look,
+    imageMode: this.imageMode,
+    notices: this.notices,
+  });
   private readonly serverRecordings = new ServerRecordings(
     { live: this.live, shown: this.shown, transfer: this.transfer, notices: this.notices },
     (name) => this.sheets.open(name),
@@ -282,6 +291,7 @@ export class App {
       stage: this.stage,
       statistics: this.statistics,
       saveMenu: this.saveMenu,
+      viewLink: this.viewLink,
       svgFiles: this.svgFiles,
       panels: this.panels,
       pointing: this.people.pointing,
@@ -299,8 +309,10 @@ export class App {
    * @param code  of the link that opened the page; else empty
    */
   async start(code: string): Promise<void> {
+    this.viewLink.begin();
     this.loop.start();
     await Promise.all([this.session.start(code), this.sheets.start()]);
+    await this.viewLink.follow();
   }
 
   private connectionChanged(): void {

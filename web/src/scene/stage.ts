@@ -23,6 +23,12 @@ const kFilled = 0.88;
 const kLeastPolar = 0.01;
 const kLightDirection = new Vector3(-0.45, -0.5, 1).normalize();
 
+/** Where the camera is and what it looks at, world, metres. */
+export interface CameraPlace {
+  eye: Vector3;
+  target: Vector3;
+}
+
 /** Renderer, camera, lights and floor; z is up. Draws only when something called invalidate(). */
 export class Stage {
   readonly scene = new Scene();
@@ -140,6 +146,18 @@ export class Stage {
     this.sun.shadow.normalBias = 0.012 * radius;
     shadow.updateProjectionMatrix();
     this.ground.reach = 4 * radius;
+    this.invalidate();
+  }
+
+  get place(): CameraPlace {
+    return { eye: this.camera.position.clone(), target: this.controls.target.clone() };
+  }
+
+  /** Moves the camera. Its distance is kept within what the last fit() allows. */
+  set place({ eye, target }: CameraPlace) {
+    this.camera.position.copy(eye);
+    this.controls.target.copy(target);
+    this.controls.update();
     this.invalidate();
   }
 

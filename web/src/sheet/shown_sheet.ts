@@ -6,7 +6,7 @@ import { lipCentre } from '../scene/lip_highlight';
 import { pieceCentre } from '../scene/piece_highlight';
 import { SheetScene } from '../scene/sheet_scene';
 import type { SheetView } from '../scene/sheet_view';
-import type { Stage } from '../scene/stage';
+import type { CameraPlace, Stage } from '../scene/stage';
 import type { SheetCopy } from '../stream/sheet_copy';
 import type { ShownState } from './open_sheet';
 
@@ -30,6 +30,7 @@ export class ShownSheet implements ShownState {
   // True if a frame has come since the last drawing.
   private hasArrived = false;
   private isFitted = false;
+  private firstPlace: CameraPlace | undefined;
 
   constructor(
     private readonly stage: Stage,
@@ -78,6 +79,11 @@ export class ShownSheet implements ShownState {
   hide(): void {
     this.scene.object.visible = false;
     this.stage.invalidate();
+  }
+
+  /** Looks at the first sheet that is shown from this place, and not so that all of it is in view. */
+  beginAt(place: CameraPlace): void {
+    this.firstPlace = place;
   }
 
   /** Moves the camera so that the whole sheet is in view. */
@@ -133,6 +139,8 @@ export class ShownSheet implements ShownState {
       this.fit();
       // Fits again when the settings, and with them the colliders, are known.
       this.isFitted = this.sheet !== undefined;
+      if (this.firstPlace) this.stage.place = this.firstPlace;
+      if (this.isFitted) this.firstPlace = undefined;
     }
     this.lips.see(this.surface);
     this.scene.update(this.surface);

@@ -46,6 +46,7 @@ export interface KeyedParts {
   readonly stage: Pick<Stage, 'orbit' | 'pan' | 'zoom'>;
   readonly statistics: Toggled;
   readonly saveMenu: Toggled;
+  readonly viewLink: { copy(): Promise<void> };
   readonly svgFiles: { choose(): void };
   readonly panels: Pick<SidePanels, 'toggle' | 'close'>;
   readonly pointing: Toggled;

@@ -119,6 +119,13 @@ function streamGroup(parts: KeyedParts): ShortcutGroup {
         isClicked: true,
         run: () => parts.saveMenu.toggle(),
       },
+      {
+        chords: ['Shift+L'],
+        what: 'Copy a link to this view: sheet, camera and colours',
+        button: '#save-link',
+        isClicked: true,
+        run: () => void parts.viewLink.copy(),
+      },
     ],
   };
 }

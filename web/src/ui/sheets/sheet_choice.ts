@@ -15,6 +15,7 @@ import { errorText } from '../error_text';
 import { Polling } from '../polling';
 import type { SheetOpener } from '../sheet_opener';
 import type { Panel, SidePanels } from '../side_panels';
+import { withoutView } from '../view_link';
 import { NewSheetDialog } from './new_sheet_dialog';
 import { SheetList } from './sheet_list';
 import { SheetPicker } from './sheet_picker';
@@ -87,7 +88,7 @@ export class SheetChoice implements Panel {
 
   /** Watches this sheet and writes its name into the address. */
   open(name: string): void {
-    const url = new URL(location.href);
+    const url = withoutView(new URL(location.href));
     url.searchParams.set('sheet', sheetId(name));
     history.replaceState(null, '', url);
     this.parts.opener.open(name);
