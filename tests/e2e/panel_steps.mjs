@@ -60,4 +60,30 @@ export function panelSteps(steps, browser, { url }) {
     await page.keyboard.press('w');
     await page.keyboard.press('k');
   });
+
+  steps.step('distances on the sheet are measured, and the axes turn the view', async () => {
+    const { page } = viewer;
+    await page.getByRole('button', { name: 'Look from +z' }).click();
+    await viewer.allDrawn();
+    const [origin, right, up] = [await viewer.at(0, 0), await viewer.at(1, 0), await viewer.at(0, 1)];
+    check(Math.abs(right.y - origin.y) < 2 && right.x > origin.x, `x is not to the right: ${JSON.stringify({ origin, right })}`);
+    check(up.y < origin.y, 'y is not up');
+    await viewer.choose('measure');
+    await viewer.tap(0.2, 0.4);
+    await viewer.tap(0.6, 0.7);
+    // The sheet is flat and undeformed; a point is known to a pixel.
+    const isHalf = (text) => /^(49|50)(\.\d+)? cm$/.test(text);
+    await page.waitForFunction(() => document.querySelector('#measure-space').textContent !== '');
+    for (const id of ['space', 'sheet']) {
+      const text = await page.textContent(`#measure-${id}`);
+      check(isHalf(text), `${id}: ${text}`);
+    }
+    await viewer.shows('#measure-rest', '1 m²');
+    await viewer.picture('measured');
+    await page.focus('#canvas');
+    await page.keyboard.press('Escape');
+    await viewer.shows('#measure-space', '');
+    await page.keyboard.press('v');
+    check(!(await page.isVisible('#measure-panel')), 'the numbers stay without the tool');
+  });
 }

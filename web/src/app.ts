@@ -15,6 +15,7 @@ import { Rights } from './ui/access/rights';
 import { Session } from './ui/access/session';
 import { ShareForm } from './ui/access/share_form';
 import { AdaptiveDrawing } from './ui/adaptive_drawing';
+import { AxisGizmo } from './ui/axis_gizmo';
 import { ConnectionChip } from './ui/connection_chip';
 import { CutList } from './ui/cuts/cut_list';
 import { element } from './ui/dom';
@@ -106,6 +107,7 @@ export class App {
 
   // The look of the sheet.
   private readonly theme = new Theme(element('theme'), (isDark) => this.stage.setDark(isDark));
+  private readonly axes = new AxisGizmo(this.stage);
   private readonly look: SheetLook = new SheetLook({
     view: this.shown.view,
     shown: this.shown,
@@ -246,6 +248,7 @@ export class App {
     tools: this.tools,
     pieces: this.pieces,
     cuts: this.cuts,
+    axes: this.axes,
     people: this.people,
     quality: new AdaptiveDrawing({
       stage: this.stage,
@@ -289,6 +292,7 @@ export class App {
       shown: this.shown,
       theme: this.theme,
       stage: this.stage,
+      axes: this.axes,
       statistics: this.statistics,
       saveMenu: this.saveMenu,
       viewLink: this.viewLink,
@@ -329,7 +333,7 @@ export class App {
     this.rights.set(access);
     this.accessPanel.show(access);
     this.people.panel.show(access);
-    if (!this.rights.may(Scope.CUT)) this.tools.choose('view');
+    if (!this.rights.may(Scope.CUT) && this.tools.tool.id !== 'measure') this.tools.choose('view');
   }
 
   private loggedIn(): void {

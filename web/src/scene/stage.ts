@@ -23,7 +23,7 @@ const kFilled = 0.88;
 const kLeastPolar = 0.01;
 const kLightDirection = new Vector3(-0.45, -0.5, 1).normalize();
 
-/** Where the camera is and what it looks at, world, metres. */
+/** Place of the camera and the point that it looks at, world, metres. */
 export interface CameraPlace {
   eye: Vector3;
   target: Vector3;
@@ -171,6 +171,15 @@ export class Stage {
     offset.applyAxisAngle(right, toPolar - polar).applyAxisAngle(this.camera.up, left);
     this.camera.position.copy(target).add(offset);
     this.controls.update();
+  }
+
+  /** Moves the camera to one side of its target, at the present distance; straight up and down stop just before it. */
+  lookFrom(direction: Vector3): void {
+    const { eye, target } = this.place;
+    const sideways = Math.hypot(direction.x, direction.y);
+    // Seen from above, y points up in the picture.
+    const from = sideways > 0 ? direction.clone() : new Vector3(0, -Math.sin(kLeastPolar), direction.z * Math.cos(kLeastPolar));
+    this.place = { eye: target.clone().addScaledVector(from, eye.distanceTo(target)), target };
   }
 
   /** Moves the camera nearer to its target by this factor, or farther away if the factor is below 1. */

@@ -18,6 +18,7 @@ export interface DrawnParts {
   readonly tools: { readonly tool: { update(): void }; readonly cut: { readonly isOnSheet: boolean } };
   readonly pieces: { update(): void };
   readonly cuts: { update(): void };
+  readonly axes: { update(): void };
   readonly people: { place(): void; update(): void };
   readonly quality: Pick<AdaptiveDrawing, 'begin'>;
   readonly status: Pick<StatusLine, 'drawn' | 'update'>;
@@ -36,7 +37,7 @@ export class DrawingLoop {
 
   private turn(nowMs: number): void {
     this.start();
-    const { stage, shown, live, replayBar, imageMode, tools, people, cuts, quality } = this.parts;
+    const { stage, shown, live, replayBar, imageMode, tools, people, cuts, axes, quality } = this.parts;
     live.followPace();
     if (live.advance(nowMs) || replayBar.advance(nowMs)) shown.showAgain();
     // Lets folds hide a drawing on the sheet also over a picture of the server.
@@ -46,6 +47,7 @@ export class DrawingLoop {
       this.takeFrame();
       tools.tool.update();
       people.place();
+      axes.update();
       stage.draw();
       imageMode.look();
     }

@@ -32,6 +32,7 @@ export interface KeyedParts {
     choose(id: ToolId): void;
     readonly cut: KeyedCutTool;
     readonly grab: { escape(): boolean };
+    readonly measure: { escape(): boolean };
     readonly cutPanel: { askWidth(): void };
     readonly keyboardPointer: Pick<KeyboardPointer, 'move' | 'press' | 'hide'>;
   };
@@ -44,6 +45,7 @@ export interface KeyedParts {
   readonly shown: { fit(): void };
   readonly theme: { next(): void };
   readonly stage: Pick<Stage, 'orbit' | 'pan' | 'zoom'>;
+  readonly axes: { toggle(side: string, opposite: string): void };
   readonly statistics: Toggled;
   readonly saveMenu: Toggled;
   readonly viewLink: { copy(): Promise<void> };

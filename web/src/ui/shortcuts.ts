@@ -19,6 +19,7 @@ function toolGroup(parts: KeyedParts): ShortcutGroup {
       chooseTool(parts, 'C', 'cut', 'Cut: draw on the picture and adjust; what is seen under the line is cut'),
       chooseTool(parts, 'G', 'grab', 'Grab: drag a vertex, and the sheet follows on a spring'),
       chooseTool(parts, 'P', 'pin', `Pin: ${press} a vertex to hold it where it is, ${press} again to let go`),
+      chooseTool(parts, 'Shift+M', 'measure', `Measure: ${press} two points for their distance, and the area of a piece`),
     ],
   };
 }
@@ -87,6 +88,9 @@ function viewGroup(parts: KeyedParts, openHelp: () => void): ShortcutGroup {
         isClicked: true,
         run: () => void parts.imageMode.toggle(),
       },
+      { chords: ['7'], what: 'From above, then from below', run: () => parts.axes.toggle('+z', '-z') },
+      { chords: ['8'], what: 'From the front (−y), then from the back', run: () => parts.axes.toggle('-y', '+y') },
+      { chords: ['9'], what: 'From the right (+x), then from the left', run: () => parts.axes.toggle('+x', '-x') },
       { chords: ['F'], what: 'Show the whole sheet', button: '#fit', isClicked: true, run: () => parts.shown.fit() },
       {
         chords: ['H'],
@@ -159,6 +163,14 @@ function panelGroup(parts: KeyedParts): ShortcutGroup {
   };
 }
 
+function measureGroup(parts: KeyedParts): ShortcutGroup {
+  return {
+    title: 'Measuring',
+    tools: ['measure'],
+    shortcuts: [{ chords: ['Escape'], what: 'Remove the points', run: () => parts.tools.measure.escape() }],
+  };
+}
+
 function grabGroup(parts: KeyedParts): ShortcutGroup {
   return {
     title: 'Grabbing',
@@ -218,7 +230,7 @@ function crossKeys(parts: KeyedParts): ShortcutGroup {
   return {
     title: 'A cross in place of the mouse',
     intro: 'Enter presses; the arrows then drag, until Enter lets go.',
-    tools: ['cut', 'grab', 'pin'],
+    tools: ['cut', 'grab', 'pin', 'measure'],
     shortcuts: [
       { chords: ['Enter'], what: 'Set a point, press, or let go at the cross', run: () => keyboardPointer.press() },
       { chords: ['Escape'], what: 'Hide the cross', run: () => keyboardPointer.hide() },
@@ -236,5 +248,5 @@ function needing(needs: Scope, group: ShortcutGroup): ShortcutGroup {
 export function shortcutGroups(parts: KeyedParts, openHelp: () => void): ShortcutGroup[] {
   const simulation = needing(Scope.CUT, simulationGroup(parts));
   const always = [toolGroup(parts), simulation, viewGroup(parts, openHelp), panelGroup(parts), streamGroup(parts)];
-  return [...always, viewKeys(parts), crossKeys(parts), ...cutGroups(parts), grabGroup(parts)];
+  return [...always, viewKeys(parts), crossKeys(parts), ...cutGroups(parts), grabGroup(parts), measureGroup(parts)];
 }

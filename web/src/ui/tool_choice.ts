@@ -2,6 +2,7 @@ import { Scope } from '../gen/kerf/v1/access_service_pb';
 import { CutTool } from '../tools/cut_tool';
 import { GrabTool } from '../tools/grab_tool';
 import { KeyboardPointer } from '../tools/keyboard_pointer';
+import { MeasureTool } from '../tools/measure_tool';
 import { PinTool } from '../tools/pin_tool';
 import { PointerRouter } from '../tools/pointer_router';
 import type { Tool, ToolId, Viewer } from '../tools/tool';
@@ -9,6 +10,7 @@ import { ViewTool } from '../tools/view_tool';
 import type { Rights } from './access/rights';
 import { CutPanel } from './cut_panel';
 import { Choice, element } from './dom';
+import { MeasurePanel } from './measure_panel';
 
 export interface ToolChoiceEvents {
   /** Called when a tool that changes the sheet was chosen. */
@@ -23,12 +25,14 @@ export interface ToolChoiceEvents {
 export class ToolChoice {
   readonly cut: CutTool;
   readonly grab: GrabTool;
+  readonly measure: MeasureTool;
   readonly cutPanel: CutPanel;
   readonly keyboardPointer: KeyboardPointer;
 
   private readonly canvas = element<HTMLCanvasElement>('canvas');
   private readonly tools: Record<ToolId, Tool>;
   private readonly buttons: Choice<ToolId>;
+  private readonly measurePanel = new MeasurePanel();
   private chosen: Tool;
 
   /** @param replayBar  says whether a recording is shown, which no tool can change */
@@ -44,7 +48,9 @@ export class ToolChoice {
       (name) => events.onCut(name),
     );
     this.grab = new GrabTool(viewer);
-    this.tools = { view: new ViewTool(), cut: this.cut, grab: this.grab, pin: new PinTool(viewer) };
+    this.measure = new MeasureTool(viewer, (measured) => this.measurePanel.show(measured));
+    const [view, pin] = [new ViewTool(), new PinTool(viewer)];
+    this.tools = { view, cut: this.cut, grab: this.grab, pin, measure: this.measure };
     this.chosen = this.tools.view;
     this.cutPanel = new CutPanel(
       this.cut,
@@ -67,20 +73,22 @@ export class ToolChoice {
     return this.chosen;
   }
 
-  /** Chooses another tool. While a recording is shown, or without rights, only the view can be moved. */
+  /** Chooses another tool. While a recording is shown, or without rights, only those that change nothing can be chosen. */
   choose(id: ToolId): void {
     this.keyboardPointer.hide();
-    if (id !== 'view' && this.replayBar.isOpen) {
+    const isChange = id !== 'view' && id !== 'measure';
+    if (isChange && this.replayBar.isOpen) {
       this.viewer.notices.notify('info', 'A recording cannot be changed: close it to return to the live sheet');
       return;
     }
-    if (id !== 'view' && !this.rights.allows(Scope.CUT)) return;
+    if (isChange && !this.rights.allows(Scope.CUT)) return;
     if (id === 'cut' || id === 'grab') this.events.onTried();
     if (this.chosen !== this.tools[id]) this.chosen.leave();
     this.chosen = this.tools[id];
     this.chosen.enter();
     this.buttons.show(id);
     this.updateCutPanel();
+    this.measurePanel.setShown(id === 'measure');
     this.canvas.style.cursor = this.chosen.cursor;
   }
 

@@ -5,7 +5,7 @@ import type { OpenSheet } from '../sheet/open_sheet';
 import { sheetId } from '../sheets';
 import type { SheetLook } from './sheet_look';
 
-/** What a link holds besides the sheet. */
+/** The part of a link that is no sheet. */
 export interface LinkedView {
   /** Undefined: the whole sheet is in view. */
   camera: CameraPlace | undefined;
