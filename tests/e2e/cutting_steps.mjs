@@ -119,8 +119,9 @@ export function cuttingSteps(steps, browser, { url }) {
     await fold.page.click('#cut-apply');
     await fold.until('k.topologyVersion > given.version', { version });
     const { cut, result } = await lastCut(url, kFold);
-    const points = cut.curve.polyline.points;
-    check(points[0].x === points.at(-1).x && points[0].y === points.at(-1).y, 'the loop is not closed');
+    const [{ start, segments, closed }] = cut.curve.path.subpaths;
+    const last = segments.at(-1).cubic.end;
+    check(closed && start.x === last.x && start.y === last.y, 'the loop is not closed');
     check(cut.dash[0] === 0.03 && cut.dash[1] === 0.015, `dashes ${cut.dash}`);
     check(result.pieces === 3, `a perforated loop falls out: ${result.pieces} pieces`);
     await fold.page.keyboard.press('d');

@@ -118,19 +118,40 @@ describe('FreehandDrawing', () => {
   it('closes when it comes back to its start, exactly', () => {
     const loop = Array.from({ length: 100 }, (_, i) => at(80 * Math.cos(i / 16), 80 * Math.sin(i / 16)));
     const { points } = stroke(new FreehandDrawing(), loop, 1.5).lines()[0];
-    expect(points[points.length - 1]).toBe(points[0]);
+    expect(points[points.length - 1]).toEqual(points[0]);
     // Past its start it would cross itself.
     const past = Array.from({ length: 103 }, (_, i) => at(80 * Math.cos(i / 16), 80 * Math.sin(i / 16)));
     const trimmed = stroke(new FreehandDrawing(), past, 1.5).lines()[0].points;
-    expect(trimmed[trimmed.length - 1]).toBe(trimmed[0]);
+    expect(trimmed[trimmed.length - 1]).toEqual(trimmed[0]);
     expect(trimmed[trimmed.length - 2].y).toBeLessThan(0);
     const open = stroke(new FreehandDrawing(), loop.slice(0, 80), 1.5).lines()[0];
-    expect(open.points[open.points.length - 1]).not.toBe(open.points[0]);
+    expect(open.points[open.points.length - 1]).not.toEqual(open.points[0]);
+  });
+
+  it('is cut as a smooth path, which is closed if the stroke is', () => {
+    const around = (turns: number) =>
+      Array.from({ length: 24 }, (_, i) => at(80 * Math.cos((turns * i) / 3.66), 80 * Math.sin((turns * i) / 3.66)));
+    const cut = (turns: number) => (kind(stroke(new FreehandDrawing(), around(turns), 1.5)) as { value: Path }).value.subpaths[0];
+    expect([cut(1).closed, cut(0.5).closed]).toEqual([true, false]);
+    expect(cut(1).segments.every((segment) => segment.kind.case === 'cubic')).toBe(true);
+    expect(cut(1).segments.length).toBeLessThan(9);
+  });
+
+  it('follows its plane, also to another unit', () => {
+    const wave = Array.from({ length: 100 }, (_, i) => at(4 * i, 40 * Math.sin(i / 15)));
+    const drawing = stroke(new FreehandDrawing(), wave, 1.5);
+    const before = (kind(drawing) as { value: Path }).value.subpaths[0].segments.length;
+    expect(drawing.map(({ x, y }) => at(x / 1000, y / 1000))).toBe(true);
+    const { start, segments } = (kind(drawing) as { value: Path }).value.subpaths[0];
+    expect(start).toMatchObject(at(0, 0));
+    expect(Math.abs(segments.length - before)).toBeLessThanOrEqual(1);
+    expect(drawing.map(() => undefined)).toBe(false);
   });
 
   it('never has more points than the server takes, and is nothing where the hand stayed', () => {
     const zigzag = Array.from({ length: 20_000 }, (_, i) => at(i / 10, i % 3 === 0 ? 0 : 40));
-    expect(stroke(new FreehandDrawing(), zigzag, 1.5).lines()[0].points.length).toBeLessThanOrEqual(4096);
+    const { value } = kind(stroke(new FreehandDrawing(), zigzag, 1.5)) as { value: Path };
+    expect(value.subpaths[0].segments.length).toBeLessThan(10_000);
     expect(stroke(new FreehandDrawing(), [at(5, 5), at(5.5, 5)], 1.5).isStarted).toBe(false);
   });
 });

@@ -1,23 +1,30 @@
-import { distance, simplify } from '../../geometry/curve';
+import { bezierPoint, distance, flattened } from '../../geometry/curve';
+import { fitCurve } from '../../geometry/curve_fit';
+import type { Cubic } from '../../geometry/curve_fit';
 import type { Point2 } from '../../geometry/locator';
 import { PointDrawing } from './drawing';
 import type { DrawnCut, PreviewLine } from './drawing';
 
-// Limit of kerf.v1.Polyline.
+// Most points of a stroke that are kept.
 const kMaxPoints = 4096;
 // A stroke is closed if it ends within this many tremors of its start and went more than three times as far away.
 const kClosingTremors = 8;
+// Largest distance of the preview from the curve, in tremors.
+const kPreviewTremors = 0.2;
+const kMaxDepth = 9;
 
-/** One stroke of the hand, smoothed by its tremor. */
+/** One stroke of the hand: a smooth curve within its tremor, with the corners that were drawn. */
 export class FreehandDrawing extends PointDrawing {
   private isDrawing = false;
+  private pieces: readonly Cubic[] = [];
+  private tremor = 0;
 
   override get handles(): readonly Point2[] {
     return [];
   }
 
   get isReady(): boolean {
-    return !this.isDrawing && this.points.length >= 2;
+    return !this.isDrawing && this.pieces.length > 0;
   }
 
   get prompt(): string {
@@ -27,6 +34,7 @@ export class FreehandDrawing extends PointDrawing {
 
   override press(point: Point2): boolean {
     this.points = [point];
+    this.pieces = [];
     this.isDrawing = true;
     return true;
   }
@@ -39,6 +47,7 @@ export class FreehandDrawing extends PointDrawing {
 
   override release(tremor: number): void {
     this.isDrawing = false;
+    this.tremor = tremor;
     const [first] = this.points;
     const reach = kClosingTremors * tremor;
     const isLoop = distance(first, this.points[this.points.length - 1]) < reach;
@@ -47,19 +56,45 @@ export class FreehandDrawing extends PointDrawing {
       while (distance(first, this.points[this.points.length - 1]) < reach) this.points.pop();
       this.points.push(first);
     }
-    const line = simplify(this.points, tremor);
-    this.points = line.length < 2 || line.every((point) => distance(first, point) < tremor) ? [] : line;
+    if (this.points.every((point) => distance(first, point) < tremor)) this.points = [];
+    this.fit();
+  }
+
+  override map(move: (point: Point2) => Point2 | undefined): boolean {
+    const before = length(this.points);
+    if (!super.map(move)) return false;
+    // The tremor is a length of the new plane.
+    if (before > 0) this.tremor *= length(this.points) / before;
+    this.fit();
+    return true;
   }
 
   lines(): PreviewLine[] {
-    return [{ points: this.points }];
+    if (!this.isReady) return [{ points: this.points }];
+    const flatness = { tolerance: kPreviewTremors * this.tremor, depth: kMaxDepth };
+    const bends = this.pieces.map((piece) => flattened((t) => bezierPoint(piece, t), flatness));
+    return [{ points: [bends[0][0], ...bends.flatMap((points) => points.slice(1))] }];
   }
 
   cut(): DrawnCut {
-    return { curve: { kind: { case: 'polyline', value: { points: this.points } } } };
+    const segments = this.pieces.map(([, control1, control2, end]) => {
+      return { kind: { case: 'cubic' as const, value: { control1, control2, end } } };
+    });
+    const subpaths = [{ start: this.pieces[0][0], segments, closed: this.isClosed }];
+    return { curve: { kind: { case: 'path', value: { subpaths } } } };
+  }
+
+  private fit(): void {
+    this.pieces = this.isDrawing ? [] : fitCurve(this.points, this.tremor);
   }
 
   private get isClosed(): boolean {
-    return this.points[0] === this.points[this.points.length - 1];
+    const [first] = this.points;
+    const last = this.points[this.points.length - 1];
+    return this.points.length > 2 && first.x === last.x && first.y === last.y;
   }
+}
+
+function length(points: readonly Point2[]): number {
+  return points.slice(1).reduce((sum, point, i) => sum + distance(points[i], point), 0);
 }
