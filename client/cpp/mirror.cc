@@ -88,11 +88,20 @@ std::optional<std::string> Mirror::apply(const v1::Frame& frame) {
   }
   if (auto wrong = apply_positions(frame)) return wrong;
   if (auto wrong = apply_strains(frame)) return wrong;
+  if (auto wrong = apply_probes(frame)) return wrong;
   topology_version_ = frame.topology_version();
   tick_ = frame.tick();
   if (!frame.epoch().empty()) epoch_ = frame.epoch();
   sequence_ = frame.sequence();
   return std::nullopt;
+}
+
+std::optional<std::string> Mirror::apply_probes(const v1::Frame& frame) {
+  if (frame.probe_columns_size() > 0) probe_columns_.assign(frame.probe_columns().begin(), frame.probe_columns().end());
+  probe_values_.assign(frame.probe_values().begin(), frame.probe_values().end());
+  if (probe_values_.size() == probe_columns_.size()) return std::nullopt;
+  return std::to_string(probe_values_.size()) + " values of probes for " + std::to_string(probe_columns_.size()) +
+         " columns";
 }
 
 const std::vector<codec::VertexPredictor>& Mirror::predictors(std::int32_t num_vertices) {

@@ -47,6 +47,10 @@ class Mirror {
     const double share = strains_[static_cast<std::size_t>(vertex)] / 127.0;
     return share * std::abs(share) * strain_scale_;
   }
+  // Returns the values of the stream's probes at tick(), one for each of probe_columns(). NaN: nothing to measure.
+  [[nodiscard]] const std::vector<double>& probe_values() const { return probe_values_; }
+  // Returns the names of the values, such as "tip.x"; empty without probes.
+  [[nodiscard]] const std::vector<std::string>& probe_columns() const { return probe_columns_; }
   // Returns the material coordinates: 2 V numbers, x, y interleaved, m.
   [[nodiscard]] const std::vector<float>& material_positions() const { return material_positions_; }
 
@@ -61,6 +65,7 @@ class Mirror {
 
   [[nodiscard]] std::optional<std::string> apply_positions(const v1::Frame& frame);
   [[nodiscard]] std::optional<std::string> apply_strains(const v1::Frame& frame);
+  [[nodiscard]] std::optional<std::string> apply_probes(const v1::Frame& frame);
   [[nodiscard]] std::optional<std::string> apply_topology(const v1::Frame& frame);
   [[nodiscard]] std::optional<std::string> apply_triangles(const v1::TopologyPatch& message, const Patch& patch,
                                                            std::int32_t num_vertices);
@@ -80,6 +85,8 @@ class Mirror {
   std::vector<float> material_positions_;
   std::vector<std::int8_t> strains_;
   double strain_scale_ = 0.0;
+  std::vector<double> probe_values_;
+  std::vector<std::string> probe_columns_;
   std::optional<std::vector<codec::VertexPredictor>> predictors_;  // For triangles_, once a compact frame has come.
 };
 

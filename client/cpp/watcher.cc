@@ -12,6 +12,7 @@ v1::WatchRequest start_of_watch(const std::string& name, const WatchOptions& opt
   start.set_max_rate_hz(options.max_rate_hz);
   start.set_encoding(options.encoding);
   start.set_strains(options.strains);
+  start.mutable_probes()->Assign(options.probes.begin(), options.probes.end());
   return request;
 }
 

@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <grpcpp/support/status.h>
 
@@ -19,6 +20,8 @@ struct WatchOptions {
   double max_rate_hz = 0.0;  // 0: every tick
   v1::Encoding encoding = v1::COMPACT;
   bool strains = false;  // Fills Mirror::strain().
+  // Measured on the sheet of each frame, see Mirror::probe_values(); at most 64.
+  std::vector<v1::Probe> probes = {};
   // Controls when an ended stream is reopened; otherwise run() ends. The server ends a stream as TOO_SLOW if on_frame
   // takes so long that frames are not acknowledged for 10 s. A reopened stream begins with a keyframe; if the server
   // was restarted, its ticks begin again.

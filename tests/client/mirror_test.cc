@@ -149,6 +149,26 @@ TEST(Mirror, BeginsAgainAtAnyTickWithAnEpoch) {
   EXPECT_THAT(mirror.quantised_positions(), ElementsAre(0, 1, 2, 65535, 4, 5, 6, 7, 8, 9, 10, 11));
 }
 
+TEST(Mirror, KeepsTheNamesOfProbesAndTheNewestValues) {
+  Mirror mirror;
+  v1::Frame first = keyframe();
+  first.add_probe_columns("tip.x");
+  first.add_probe_values(0.25);
+  ASSERT_EQ(mirror.apply(first), std::nullopt);
+  EXPECT_THAT(mirror.probe_columns(), ElementsAre("tip.x"));
+  EXPECT_THAT(mirror.probe_values(), ElementsAre(0.25));
+  v1::Frame next = keyframe();
+  next.set_sequence(2);
+  next.set_tick(6);
+  next.add_probe_values(0.5);
+  ASSERT_EQ(mirror.apply(next), std::nullopt);
+  EXPECT_THAT(mirror.probe_columns(), ElementsAre("tip.x"));
+  EXPECT_THAT(mirror.probe_values(), ElementsAre(0.5));
+  next.set_sequence(3);
+  next.clear_probe_values();
+  EXPECT_THAT(mirror.apply(next), Optional(HasSubstr("0 values of probes for 1 columns")));
+}
+
 TEST(Mirror, AppliesDeltasAndPatches) {
   Mirror mirror;
   ASSERT_EQ(mirror.apply(keyframe()), std::nullopt);

@@ -65,6 +65,24 @@ TEST_F(WatcherTest, AStreamThatWasGivenUpIsOpenedAgain) {
   EXPECT_EQ(watcher.ended().reason(), v1::Ended::REASON_UNSPECIFIED);
 }
 
+TEST_F(WatcherTest, FramesHaveTheValuesOfProbes) {
+  WatchOptions options;
+  v1::Probe& probe = options.probes.emplace_back();
+  probe.set_name("corner");
+  probe.set_quantity(v1::Probe::POSITION);
+  probe.add_points();
+  Watcher watcher(server_->client());
+  std::vector<std::int64_t> ticks;
+  const grpc::Status status = watcher.run("sheets/a", options, [&](const v1::Frame& /*frame*/, const Mirror& mirror) {
+    ticks.push_back(mirror.tick());
+    EXPECT_EQ(mirror.probe_columns(), (std::vector<std::string>{"corner.x", "corner.y", "corner.z"}));
+    EXPECT_EQ(mirror.probe_values().at(2), sheet().state().value().positions.at(2));
+    return ticks.size() < 3 && sheet().step(1).ok();
+  });
+  EXPECT_TRUE(status.ok()) << status.error_message();
+  EXPECT_EQ(ticks, (std::vector<std::int64_t>{0, 1, 2}));
+}
+
 // Frames in transit fill the connection, so that the server cannot even send the reason for ending the stream.
 TEST_F(WatcherTest, OneThatCouldNotBeWrittenToIsOpenedAgainToo) {
   ASSERT_TRUE(server_->create(grid_scene(150, 150, 1.0, 1.0), {"large", false, ""}).ok());

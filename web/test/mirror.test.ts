@@ -154,6 +154,7 @@ describe('SheetMirror', () => {
     ['a new vertex that is not listed', (f) => (f.topology!.vertices = words([2, 3]))],
     ['fewer material positions than vertices', (f) => (f.topology!.materialPositions = new Uint8Array(8))],
     ['vertices that vanish', (f) => (f.numVertices = 3)],
+    ['values of probes without their names', (f) => (f.probeValues = [1])],
     ['a keyframe without a box', (f) => Object.assign(f, { box: undefined })],
   ];
   it.each(refused)('refuses %s and stays as it was', (_, spoil) => {

@@ -12,6 +12,7 @@ import { decodeRecording, encodeHeader } from '../src/stream/recording_format';
 import { RemoteWatch } from '../src/stream/remote_watch';
 import type { FrameCopy } from '../src/stream/sheet_copy';
 import { SpareArrays } from '../src/stream/spare_arrays';
+import type { ProbeRequest } from '../src/stream/watch';
 import type { FromWorker, Port, ToWorker } from '../src/stream/watch_messages';
 import { WatchService } from '../src/stream/watch_service';
 
@@ -61,12 +62,13 @@ describe('RemoteWatch', () => {
   const tell = (kind: MessageInitShape<typeof WatchResponseSchema>['kind']) =>
     socket!.send(toBinary(WatchResponseSchema, create(WatchResponseSchema, { kind })));
   const send = (value: Frame) => tell({ case: 'frame', value });
-  const open = (strains = false, goesOn = false, isPaused = false) => {
+  const open = (strains = false, goesOn = false, isPaused = false, probes?: ProbeRequest[]) => {
     const url = `ws://127.0.0.1:${(server.address() as AddressInfo).port}/watch`;
     const onFrame = ({ tick }: { tick: number }) => ticks.push(tick);
     const events = { onState, onRejection, onNews, onRecording, onFrame };
     const port = channel.port1 as unknown as Port<ToWorker, FromWorker>;
-    watch = new RemoteWatch(port, url, 'sheets/a', events, { strains, goesOn, pace: { isPaused, maxRateHz: 0 } });
+    const pace = { isPaused, maxRateHz: 0 };
+    watch = new RemoteWatch(port, url, 'sheets/a', events, { strains, probes, goesOn, pace });
     return watch;
   };
   const requested = (kind: string) => vi.waitUntil(() => requests.find((request) => request.case === kind));
@@ -112,6 +114,20 @@ describe('RemoteWatch', () => {
     watch.send({ case: 'release', value: { grabId: 'g' } });
     await requested('release');
     expect(requests.filter((request) => request.case === 'ack')).toHaveLength(1);
+  });
+
+  it('asks for probes and has their values, also after the sheet went back', async () => {
+    const probes = [{ name: 'tip', points: [{ x: 0.5, y: 0 }] }];
+    const watch = open(false, false, false, probes);
+    expect(await requested('start')).toMatchObject({ value: { probes: [{ name: 'tip', points: [{ x: 0.5, y: 0 }] }] } });
+    send(frame(1, 5, { probeValues: [1, NaN], probeColumns: ['tip.x', 'tip.y'] }));
+    send(frame(2, 6, { probeValues: [2, 3] }));
+    await vi.waitUntil(() => ticks.length === 2);
+    expect([watch.copy!.probeColumns, watch.copy!.probeValues]).toEqual([['tip.x', 'tip.y'], [2, 3]]);
+    send({ ...frame(1, 3, { probeValues: [4, 5] }), sequence: 3n, epoch: 'two' });
+    await vi.waitUntil(() => ticks.length === 3);
+    expect([watch.copy!.probeColumns, watch.copy!.probeValues]).toEqual([['tip.x', 'tip.y'], [4, 5]]);
+    expect(watch.copy!.hasGoneBack).toBe(true);
   });
 
   it('has another copy of a sheet that goes back, with all that the worker decoded', async () => {

@@ -38,6 +38,7 @@ from kerf.errors import (
 )
 from kerf.frames import Frame
 from kerf.images import Codec, ColorBy, Image, decode_image
+from kerf.probes import AnyProbe, Quantity, Values, probe
 from kerf.regions import Edge, Place, along, box, edge, nearest, of_component, vertices, whole, wind
 from kerf.runs import Run, load_run
 from kerf.scenes import SheetOptions
@@ -49,6 +50,7 @@ __all__ = [
     "SCHEDULED",
     "AlreadyExists",
     "Analysis",
+    "AnyProbe",
     "Codec",
     "ColorBy",
     "CutOptions",
@@ -69,6 +71,7 @@ __all__ = [
     "PermissionDenied",
     "Place",
     "Point",
+    "Quantity",
     "Recorder",
     "ResourceExhausted",
     "Run",
@@ -80,6 +83,7 @@ __all__ = [
     "Table",
     "Unauthenticated",
     "Unavailable",
+    "Values",
     "__version__",
     "along",
     "bezier",
@@ -96,6 +100,7 @@ __all__ = [
     "nearest",
     "of_component",
     "polyline",
+    "probe",
     "rational",
     "save_cuts",
     "svg",

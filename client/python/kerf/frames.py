@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Optional
+from typing import TYPE_CHECKING, Any, List, Optional
 
 from kerf.arrays import numpy_module, packed
 from kerf.errors import DataLoss
+from kerf.probes import Values, values_of
 from kerf.v1 import stream_pb2
 
 if TYPE_CHECKING:
@@ -33,6 +34,7 @@ class Frame:
     topology_changed: bool  # True if it changed since the frame before on this stream, and in the first frame
     resolution: Optional[Floats]  # 3, metres: distance of neighbouring coordinates along x, y, z; None in a loaded run
     stats: Optional[stream_pb2.FrameStats]  # see proto/kerf/v1/stream.proto; None in a loaded run
+    probes: Optional[Values] = None  # values of watch(probes=); None: not requested
 
 
 class FrameDecoder:
@@ -47,10 +49,12 @@ class FrameDecoder:
         self._materials: Any = None  # V x 2 float32
         self._triangles: Any = None
         self._pieces: Any = None
+        self._columns: List[str] = []  # names of the values of probes
 
     def begin_stream(self) -> None:
         """Expects the first frame of a new stream, whose start named epoch and topology_version."""
         self._sequence = 0
+        self._columns = []
 
     def decode(self, message: stream_pb2.Frame) -> Frame:
         """Converts one frame. Raises DataLoss if it does not follow the frame before, or if its arrays have the wrong
@@ -69,6 +73,7 @@ class FrameDecoder:
             if len(positions) != message.num_vertices or len(self._materials) != message.num_vertices:
                 raise _unreadable(f"it has {len(positions)} positions of {message.num_vertices}")
             strains = self._strains(message)
+            probes = self._probes(message)
         except (ValueError, IndexError) as wrong:
             raise _unreadable(str(wrong)) from None
         self._sequence = message.sequence
@@ -86,6 +91,7 @@ class FrameDecoder:
             changed,
             resolution,
             message.stats,
+            probes,
         )
 
     def _patch(self, message: stream_pb2.Frame) -> None:
@@ -114,6 +120,13 @@ class FrameDecoder:
         if self._triangles.size and self._triangles.max() >= message.num_vertices:
             raise _unreadable(f"a triangle has vertex {self._triangles.max()} of {message.num_vertices}")
         self._materials = _read_only(self._materials)
+
+    def _probes(self, message: stream_pb2.Frame) -> Optional[Values]:
+        if message.probe_columns:
+            self._columns = list(message.probe_columns)
+        if len(message.probe_values) != len(self._columns):
+            raise _unreadable(f"it has {len(message.probe_values)} values of {len(self._columns)} columns")
+        return values_of(self._columns, message.probe_values) if self._columns else None
 
     def _strains(self, message: stream_pb2.Frame) -> Any:
         if message.strain_scale == 0:

@@ -80,7 +80,7 @@ def of_component(name: str, place: Place) -> conditions_pb2.Region:
     'ribbon'
     """
     region = conditions_pb2.Region()
-    region.CopyFrom(_as_region(place))
+    region.CopyFrom(as_region(place))
     region.component = name
     return region
 
@@ -90,10 +90,11 @@ def as_regions(places: Iterable[Place]) -> List[conditions_pb2.Region]:
     name."""
     if isinstance(places, (str, conditions_pb2.Region)):
         raise TypeError(f"give a list of places: [{places!r}]")
-    return [_as_region(place) for place in places]
+    return [as_region(place) for place in places]
 
 
-def _as_region(place: Place) -> conditions_pb2.Region:
+def as_region(place: Place) -> conditions_pb2.Region:
+    """Converts a place to a region. Raises as as_regions() does."""
     if isinstance(place, str):
         return edge(place)
     if not isinstance(place, conditions_pb2.Region):

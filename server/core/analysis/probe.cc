@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <utility>
 
 #include <Eigen/Geometry>
@@ -338,15 +339,22 @@ void Probes::locate(const sheet::Sheet& sheet) {
   topology_version_ = sheet.topology_version();
 }
 
+void Probes::measure(const sheet::Sheet& sheet, std::vector<double>& row) {
+  measure(sheet, sheet.state().v, 0.0, row);
+}
+
 void Probes::measure(const sheet::Sheet& sheet, const linear::VertexField& v_before, double dt,
                      std::vector<double>& row) {
   if (sheet.topology_version() != topology_version_) locate(sheet);
   Context context{sheet, v_before, dt};
   const auto append = [&row](const Components& value) { row.insert(row.end(), value.begin(), value.end()); };
+  std::map<Quantity, Components> of_sheet;  // Each measured once, however many probes ask for it.
   for (std::size_t i = 0; i < requests_.size(); ++i) {
     const Probe& probe = requests_[i];
     if (is_global(probe)) {
-      append(whole_sheet_.measure(sheet, probe.quantity));
+      const auto [found, is_new] = of_sheet.try_emplace(probe.quantity);
+      if (is_new) found->second = whole_sheet_.measure(sheet, probe.quantity);
+      append(found->second);
       continue;
     }
     const auto size = static_cast<Eigen::Index>(components_of(probe.quantity).size());

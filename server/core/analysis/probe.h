@@ -32,6 +32,11 @@ class Probes {
   // They give the acceleration of held vertices, for reactions; with dt = 0 it counts as zero. A value is NaN if its
   // place has no material any more, or an opening no lips.
   void measure(const sheet::Sheet& sheet, const linear::VertexField& v_before, double dt, std::vector<double>& row);
+  // Measures the sheet as it is, with dt = 0.
+  void measure(const sheet::Sheet& sheet, std::vector<double>& row);
+  // Has the next measurement find all places again. To be called if the sheet is another one from then on, such as a
+  // state that was saved earlier.
+  void forget_places() { topology_version_ = 0; }
 
  private:
   // The place of one point of a probe on the present mesh.

@@ -166,7 +166,7 @@ std::uint64_t Sheet::shape_hash() const {
   return hash.value();
 }
 
-std::shared_ptr<const Snapshot> Sheet::snapshot(const RunStats& stats, bool with_strains) const {
+std::shared_ptr<Snapshot> Sheet::snapshot(const RunStats& stats, bool with_strains) const {
   auto snapshot = std::make_shared<Snapshot>();
   snapshot->tick = tick();
   snapshot->positions = state().x;

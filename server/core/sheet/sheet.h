@@ -222,7 +222,7 @@ class Sheet {
   void save(const std::function<void(std::string_view)>& sink) const;
 
   // Returns the state that viewers get. Snapshot::topology is made again only if the topology has changed.
-  [[nodiscard]] std::shared_ptr<const Snapshot> snapshot(const RunStats& stats = {}, bool with_strains = false) const;
+  [[nodiscard]] std::shared_ptr<Snapshot> snapshot(const RunStats& stats = {}, bool with_strains = false) const;
 
  private:
   friend struct Fields<Sheet>;

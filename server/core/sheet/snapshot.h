@@ -51,13 +51,22 @@ struct RunStats {
       0;  // ms for which changes have waited to be durable, and so are not shown; 0: none wait
 };
 
-// A sheet after one tick. Immutable.
+class Sheet;
+
+// Numbers that a reader of a sink had measured on the sheet of a snapshot.
+struct Measured {
+  std::uint64_t reader = 0;  // number of the reader among those of its sink
+  std::vector<double> values;
+};
+
+// A sheet after one tick. Immutable once it is published.
 struct Snapshot {
   std::int64_t tick = 0;
   Eigen::Matrix3Xd positions;                // 3 x V, m, world
   std::shared_ptr<const Topology> topology;  // never null; it has as many vertices as `positions`
   RunStats stats;
-  std::vector<float> strains;  // by vertex, see dominant_strains(); empty if no sink needs them
+  std::vector<float> strains;      // by vertex, see dominant_strains(); empty if no sink needs them
+  std::vector<Measured> measured;  // by SnapshotSink::measure(), of all sinks
 };
 
 // The reason why a sink gets no more snapshots.
@@ -72,6 +81,9 @@ class SnapshotSink {
   [[nodiscard]] virtual bool wants_snapshot() const = 0;
   // Returns true if Snapshot::strains are needed; called together with wants_snapshot().
   [[nodiscard]] virtual bool wants_strains() const { return false; }
+  // Adds to Snapshot::measured what readers want of the sheet. Called for each snapshot before it is published, unless
+  // wants_snapshot() is false. The snapshot may be published later than that.
+  virtual void measure(const Sheet& /*sheet*/, Snapshot& /*snapshot*/) {}
   // Returns the number of streams to viewers that this sink feeds.
   [[nodiscard]] virtual std::int32_t num_viewers() const { return 1; }
   virtual void publish(std::shared_ptr<const Snapshot> snapshot) = 0;

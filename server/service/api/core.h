@@ -42,7 +42,7 @@ struct ApiCore {
         started_at(the_clock.now()),
         requests(options.limits.max_remembered_requests, options.limits.max_remembered_bytes),
         audience(std::make_shared<Audience>(the_clock)),
-        hub(the_host, options.limits.max_subscribers_per_sheet, options.instance_id),
+        hub(the_host, options.limits.max_subscribers_per_sheet, options.instance_id, the_clock),
         studio(the_renderer, pictures, the_clock, kStudioThreads),
         picture_worker(options.limits.max_waiting_pictures),
         file_worker(options.limits.max_waiting_files),

@@ -15,7 +15,8 @@ void StreamHub::join(const std::string& sheet_id, const Subscribe& subscribe, Jo
       Entry& entry = entries_[sheet_id];
       // Replaces an ended channel, which belonged to a deleted sheet of this name.
       if (!entry.channel || entry.channel->has_ended()) {
-        fresh = std::make_shared<stream::Channel>(max_subscribers_, instance_, counters_);
+        fresh = std::make_shared<stream::Channel>(max_subscribers_, instance_, counters_,
+                                                  [&clock = clock_] { return clock.now(); });
         entry = {fresh, false, {}};
       }
       const bool had_strains = entry.channel->wants_strains();

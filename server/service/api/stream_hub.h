@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "server/base/result.h"
+#include "server/service/host/clock.h"
 #include "server/service/host/host.h"
 #include "server/service/stream/channel.h"
 
@@ -18,8 +19,8 @@ namespace kerf::api {
 // Keeps one channel for each watched sheet, attached to the host while it has readers. Thread-safe.
 class StreamHub {
  public:
-  StreamHub(host::Host& host, std::int32_t max_subscribers, std::string instance)
-      : host_(host), max_subscribers_(max_subscribers), instance_(std::move(instance)) {}
+  StreamHub(host::Host& host, std::int32_t max_subscribers, std::string instance, host::Clock& clock)
+      : host_(host), max_subscribers_(max_subscribers), instance_(std::move(instance)), clock_(clock) {}
 
   // Makes a reader of the sheet's channel; called once, or not at all if the server is stopping.
   using Subscribe = std::function<Result<std::shared_ptr<stream::Reader>>(const std::shared_ptr<stream::Channel>&)>;
@@ -29,8 +30,8 @@ class StreamHub {
   void join(const std::string& sheet_id, const Subscribe& subscribe, Joined joined);
   // Removes a reader; to be called once for each reader that join() gave.
   void leave(const std::string& sheet_id, stream::Reader& reader);
-  // Has the newest snapshot published again, because a reader wants strains, which that snapshot may lack, or a newer
-  // snapshot.
+  // Has the newest snapshot published again, because a reader wants strains or values, which that snapshot may lack, or
+  // a newer snapshot.
   void refresh(const std::string& sheet_id, const std::shared_ptr<stream::Channel>& channel);
 
   // Counters of all channels, past and present.
@@ -56,6 +57,7 @@ class StreamHub {
   host::Host& host_;
   const std::int32_t max_subscribers_;
   const std::string instance_;
+  host::Clock& clock_;
   const std::shared_ptr<stream::FrameCounters> counters_ = std::make_shared<stream::FrameCounters>();
   std::mutex mutex_;
   std::map<std::string, Entry> entries_;

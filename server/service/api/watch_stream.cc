@@ -5,6 +5,7 @@
 
 #include "server/service/api/access.h"
 #include "server/service/api/flow_request.h"
+#include "server/service/api/live_probes.h"
 #include "server/service/api/watch_options.h"
 #include "server/service/wire/command_codec.h"
 #include "server/service/wire/finite_check.h"
@@ -50,11 +51,21 @@ void WatchStream::start(const v1::WatchStart& request) {
   if (!id.ok()) return fail(id.error());
   const Result<stream::SubscriberOptions> options = decode_options(request, core_->options.limits);
   if (!options.ok()) return fail(options.error());
+  Result<std::vector<scene::Probe>> probes = decode_live_probes(request.probes(), "start.");
+  if (!probes.ok()) return fail(probes.error());
   {
     const std::lock_guard lock(mutex_);
     has_audience_ = request.audience();
+    sheet_id_ = *id;
   }
-  join(*id, *options);
+  if (probes->empty()) return join(*id, *options);
+  make_live_probes(
+      core_, *id, std::move(*probes), "start.",
+      [self = shared_from_this(), options = *options](Result<std::shared_ptr<stream::Meter>> meter) mutable {
+        if (!meter.ok()) return self->fail(with_field(meter.error(), self->name_field_));
+        options.meter = std::move(*meter);
+        self->join(self->sheet_id_, options);
+      });
 }
 
 void WatchStream::subscribe(const v1::SubscribeRequest& request) {
@@ -190,6 +201,7 @@ std::optional<stream::Message> WatchStream::next() {
   }
   stream::Subscriber::Next next = subscriber->next(core_->clock.now());
   if (next.wake_at) wake_at(*next.wake_at);
+  if (next.wants_snapshot) core_->hub.refresh(sheet_id_, subscriber->channel());
   if (next.message) {
     count_frame();
     return std::move(next.message);

@@ -13,7 +13,8 @@ namespace kerf::host {
 void SheetRunner::publish_to(sheet::SnapshotSink& sink) {
   if (!sink.wants_snapshot()) return;
   metrics_.snapshot_built();
-  std::shared_ptr<const sheet::Snapshot> snapshot = sheet_.snapshot(run_stats(), sink.wants_strains());
+  std::shared_ptr<sheet::Snapshot> snapshot = sheet_.snapshot(run_stats(), sink.wants_strains());
+  sink.measure(sheet_, *snapshot);
   if (journal_.holds_back()) return hold_back(std::move(snapshot));
   if (journal_.is_on()) shown_ = snapshot;
   sink.publish(std::move(snapshot));
@@ -21,7 +22,8 @@ void SheetRunner::publish_to(sheet::SnapshotSink& sink) {
 
 void SheetRunner::publish() {
   if (!sinks_.want_snapshot()) return;
-  std::shared_ptr<const sheet::Snapshot> snapshot = sheet_.snapshot(run_stats(), sinks_.want_strains());
+  std::shared_ptr<sheet::Snapshot> snapshot = sheet_.snapshot(run_stats(), sinks_.want_strains());
+  sinks_.measure(sheet_, *snapshot);
   metrics_.snapshot_built();
   if (journal_.holds_back()) return hold_back(std::move(snapshot));
   show(std::move(snapshot));

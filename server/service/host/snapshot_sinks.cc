@@ -30,6 +30,12 @@ bool SnapshotSinks::want_strains() const {
                      [](const auto& sink) { return sink->wants_snapshot() && sink->wants_strains(); });
 }
 
+void SnapshotSinks::measure(const sheet::Sheet& sheet, sheet::Snapshot& snapshot) const {
+  for (const auto& sink : sinks_) {
+    if (sink->wants_snapshot()) sink->measure(sheet, snapshot);
+  }
+}
+
 void SnapshotSinks::publish(const std::shared_ptr<const sheet::Snapshot>& snapshot) const {
   for (const auto& sink : sinks_) {
     if (sink->wants_snapshot()) sink->publish(snapshot);

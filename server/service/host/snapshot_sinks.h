@@ -23,6 +23,8 @@ class SnapshotSinks {
   [[nodiscard]] bool want_snapshot() const;
   // True if a sink that wants a snapshot wants its strains.
   [[nodiscard]] bool want_strains() const;
+  // Has the sinks that want a snapshot measure the sheet that it shows.
+  void measure(const sheet::Sheet& sheet, sheet::Snapshot& snapshot) const;
   // Passes a snapshot to the sinks that want one.
   void publish(const std::shared_ptr<const sheet::Snapshot>& snapshot) const;
   // Removes all sinks and returns them.

@@ -81,6 +81,26 @@ void Channel::replace_readers(std::shared_ptr<const Readers> readers) {
   num_wanting_strains_ = count([](const Entry& each) { return each.wants_snapshots && each.wants_strains; });
 }
 
+void Channel::measure(const sheet::Sheet& sheet, sheet::Snapshot& snapshot) {
+  std::shared_ptr<const Readers> readers;
+  {
+    const std::lock_guard lock(mutex_);
+    readers = readers_;
+  }
+  if (!measuring_.begin()) return;
+  const std::size_t before = snapshot.measured.size();
+  const std::size_t first = first_measured_;
+  for (std::size_t i = 0; i < readers->size(); ++i) {
+    const std::size_t at = (first + i) % readers->size();
+    if (snapshot.measured.size() > before && !measuring_.may_continue()) {
+      first_measured_ = at;
+      break;
+    }
+    if (const auto reader = (*readers)[at].handle.lock()) reader->measure(sheet, snapshot);
+  }
+  if (snapshot.measured.size() > before) measuring_.end();
+}
+
 void Channel::publish(std::shared_ptr<const sheet::Snapshot> snapshot) {
   std::shared_ptr<const Readers> readers;
   {
@@ -136,7 +156,7 @@ std::optional<std::uint64_t> Channel::serial_of(const std::string& epoch) const 
   return serial;
 }
 
-FramePick Channel::pick(const Viewed& viewed) {
+std::optional<FramePick> Channel::pick(const Viewed& viewed, std::optional<std::uint64_t> reader) {
   const std::lock_guard frames_lock(frames_mutex_);
   std::shared_ptr<const sheet::Snapshot> newest;
   std::int64_t publication = 0;
@@ -147,13 +167,30 @@ FramePick Channel::pick(const Viewed& viewed) {
     publication = newest_publication_;
   }
   KERF_CHECK(newest != nullptr, "a frame is taken before the first snapshot");
+  std::vector<double> values;
+  if (reader) {
+    const auto found = std::find_if(newest->measured.begin(), newest->measured.end(),
+                                    [&](const sheet::Measured& each) { return each.reader == *reader; });
+    if (found == newest->measured.end()) return std::nullopt;
+    values = found->values;
+  }
   const std::int64_t encoded_before = history_.counters().bodies();
   FramePick pick = history_.pick(publication, *newest, viewed);
+  pick.values = std::move(values);
   if (shared_counters_) {
     shared_counters_->encoded += history_.counters().bodies() - encoded_before;
     ++shared_counters_->sent;
   }
   return pick;
+}
+
+std::optional<Nanoseconds> Channel::next_values_at() const {
+  {
+    const std::lock_guard lock(mutex_);
+    const sheet::RunStats& stats = newest_->stats;
+    if (!stats.paused && !stats.sleeping && !stats.failed) return std::nullopt;
+  }
+  return measuring_.rests_until();
 }
 
 }  // namespace kerf::stream

@@ -14,6 +14,7 @@
 #include "server/base/result.h"
 #include "server/core/sheet/snapshot.h"
 #include "server/service/stream/frame_history.h"
+#include "server/service/stream/measuring_time.h"
 #include "server/service/stream/reader.h"
 #include "server/service/stream/subscriber.h"
 
@@ -33,10 +34,13 @@ struct FrameCounters {
 class Channel : public sheet::SnapshotSink, public std::enable_shared_from_this<Channel> {
  public:
   // `max_subscribers`: limit on readers of any kind. `instance`: identifies this start of the server and is part of the
-  // epoch. `counters`: counts frames together with those of other channels; may be null.
+  // epoch. `counters`: counts frames together with those of other channels; may be null. `now`: see MeasuringTime.
   explicit Channel(std::int32_t max_subscribers, std::string instance = {},
-                   std::shared_ptr<FrameCounters> counters = nullptr)
-      : max_subscribers_(max_subscribers), instance_(std::move(instance)), shared_counters_(std::move(counters)) {}
+                   std::shared_ptr<FrameCounters> counters = nullptr, std::function<Nanoseconds()> now = nullptr)
+      : max_subscribers_(max_subscribers),
+        instance_(std::move(instance)),
+        shared_counters_(std::move(counters)),
+        measuring_(std::move(now)) {}
 
   // Adds a subscriber. `ready` is called, with no lock held, whenever next() may have something. That is after a
   // snapshot that the subscriber can take, an acknowledgement that opens its window, or the end. kResourceExhausted
@@ -66,6 +70,8 @@ class Channel : public sheet::SnapshotSink, public std::enable_shared_from_this<
   [[nodiscard]] bool wants_snapshot() const override { return num_wanting_snapshots_.load() > 0; }
   [[nodiscard]] bool wants_strains() const override { return num_wanting_strains_.load() > 0; }
   [[nodiscard]] std::int32_t num_viewers() const override { return num_subscribers(); }
+  // Has readers measure the sheet, as many as MeasuringTime allows; the others come first the next time.
+  void measure(const sheet::Sheet& sheet, sheet::Snapshot& snapshot) override;
   void publish(std::shared_ptr<const sheet::Snapshot> snapshot) override;
   void ended(sheet::SinkEnd reason) override;
 
@@ -88,8 +94,12 @@ class Channel : public sheet::SnapshotSink, public std::enable_shared_from_this<
   // Returns the serial of the newest snapshot if this is its epoch. A snapshot must have been published.
   [[nodiscard]] std::optional<std::uint64_t> serial_of(const std::string& epoch) const;
   // Returns the parts of the newest snapshot that a subscriber needs after the frame described by `viewed`. A snapshot
-  // must have been published.
-  FramePick pick(const Viewed& viewed);
+  // must have been published. `reader`: number of a subscriber that needs measured values. Nothing is returned if the
+  // snapshot lacks them.
+  std::optional<FramePick> pick(const Viewed& viewed, std::optional<std::uint64_t> reader);
+  // Returns the time at which a snapshot with more values can be had by publishing the newest one again. Returns
+  // nothing if a tick will bring one, because the sheet runs.
+  [[nodiscard]] std::optional<Nanoseconds> next_values_at() const;
   void change(const Reader& reader, const std::function<void(Entry&)>& change);
   void replace_readers(std::shared_ptr<const Readers> readers);  // mutex_ held
 
@@ -100,6 +110,8 @@ class Channel : public sheet::SnapshotSink, public std::enable_shared_from_this<
   std::atomic<std::int32_t> num_wanting_snapshots_{0};
   std::atomic<std::int32_t> num_wanting_strains_{0};
   std::atomic<std::int64_t> newest_publication_{0};
+  MeasuringTime measuring_;         // Used by the sheet's strand, except for rests_until().
+  std::size_t first_measured_ = 0;  // Place of the reader that comes first in measure(); used by the sheet's strand.
 
   // Lock order: frames_mutex_, then mutex_. Neither is held while a callback runs.
   mutable std::mutex frames_mutex_;

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "server/core/sheet/snapshot.h"
 #include "server/service/stream/message.h"
@@ -42,10 +43,11 @@ struct FramePick {
   Viewed viewed;  // State of the subscriber once this is sent.
   std::int64_t tick = 0;
   bool keyframe = false;
-  bool begins = false;  // The sheet has another serial than the subscriber's topology, or there was none.
-  Bytes body;           // see wire::encode_raw_body, encode_keyframe_body, encode_delta_body
-  Bytes topology;       // See wire::encode_topology; null if the subscriber has the present topology.
-  Bytes strains;        // See wire::encode_strains; null if none are wanted, or the snapshot has none.
+  bool begins = false;         // The sheet has another serial than the subscriber's topology, or there was none.
+  Bytes body;                  // see wire::encode_raw_body, encode_keyframe_body, encode_delta_body
+  Bytes topology;              // See wire::encode_topology; null if the subscriber has the present topology.
+  Bytes strains;               // See wire::encode_strains; null if none are wanted, or the snapshot has none.
+  std::vector<double> values;  // Measured for the subscriber, see Channel::pick().
 };
 
 // Keeps the last few quantised frames of a sheet and everything encoded from them. A subscriber gets a delta if its

@@ -1,14 +1,28 @@
 #include "server/service/stream/subscriber.h"
 
 #include <algorithm>
+#include <atomic>
 #include <string>
 #include <utility>
 
 #include "server/service/stream/channel.h"
 
 namespace kerf::stream {
+namespace {
+
+std::uint64_t next_number() {
+  static std::atomic<std::uint64_t> last{0};
+  return ++last;
+}
+
+}  // namespace
+
 Subscriber::Subscriber(std::shared_ptr<Channel> channel, const SubscriberOptions& options, std::function<void()> ready)
-    : channel_(std::move(channel)), options_(options), ready_(std::move(ready)), flow_(options.flow) {
+    : channel_(std::move(channel)),
+      options_(options),
+      number_(next_number()),
+      ready_(std::move(ready)),
+      flow_(options.flow) {
   viewed_.encoding = options_.encoding;
   viewed_.strains = options_.strains;
 }
@@ -26,19 +40,39 @@ Subscriber::Next Subscriber::next(Nanoseconds now) {
   if (!permit.may_send) return {std::nullopt, permit.wake_at};
   // Set before the check: a publication from here on is either seen by the check or finds wants_frame_ set.
   wants_frame_ = true;
-  if (channel_->newest_publication() <= std::max(viewed_.publication, stale_through_))
-    return {std::nullopt, permit.wake_at};
+  wants_values_ = true;
+  const std::int64_t newest = channel_->newest_publication();
+  if (newest <= std::max(viewed_.publication, stale_through_)) return {std::nullopt, permit.wake_at};
+  std::optional<Message> message = take(now);
+  if (!message) return wait_for_values(newest, permit, now);
   wants_frame_ = false;
-  return {take(now), std::nullopt};
+  wants_values_ = false;
+  return {std::move(message), std::nullopt};
 }
 
-Message Subscriber::take(Nanoseconds now) {
+// A sheet at rest publishes nothing by itself, so its snapshot is asked for, once after each publication.
+Subscriber::Next Subscriber::wait_for_values(std::int64_t newest, const FlowControl::Permit& permit, Nanoseconds now) {
+  Next next{std::nullopt, permit.wake_at};
+  const std::optional<Nanoseconds> from = channel_->next_values_at();
+  if (!from) return next;
+  if (now < *from) {
+    next.wake_at = std::min(permit.wake_at.value_or(*from), *from);
+  } else {
+    next.wants_snapshot = std::exchange(asked_after_, newest) != newest;
+  }
+  return next;
+}
+
+std::optional<Message> Subscriber::take(Nanoseconds now) {
   const bool is_first = flow_.last_sequence() == 0;
   if (is_first) {
     viewed_.sheet_serial = channel_->serial_of(options_.epoch);
     if (viewed_.sheet_serial) viewed_.topology_version = options_.topology_version;
   }
-  FramePick pick = channel_->pick(viewed_);
+  const auto reader = options_.meter ? std::optional(number_) : std::nullopt;
+  std::optional<FramePick> picked = channel_->pick(viewed_, reader);
+  if (!picked) return std::nullopt;
+  FramePick& pick = *picked;
   const bool begins = is_first || pick.begins;
   const std::string epoch = begins ? channel_->epoch_of(*pick.viewed.sheet_serial) : std::string();
   const std::int64_t skipped = begins ? 0 : std::max<std::int64_t>(0, pick.tick - last_tick_ - 1);
@@ -46,6 +80,10 @@ Message Subscriber::take(Nanoseconds now) {
   message.parts.push_back(std::move(pick.body));
   if (pick.topology) message.parts.push_back(std::move(pick.topology));
   if (pick.strains) message.parts.push_back(std::move(pick.strains));
+  if (options_.meter) {
+    const std::vector<std::string>* const columns = is_first ? &options_.meter->columns() : nullptr;
+    message.parts.push_back(std::make_shared<const std::string>(wire::encode_probe_values(pick.values, columns)));
+  }
   const std::size_t bytes = message.size();
   const std::int64_t sequence = flow_.sent(bytes, pick.viewed.publication - viewed_.publication, now);
   message.parts.insert(message.parts.begin(),
@@ -63,6 +101,7 @@ bool Subscriber::set_frame_rate(double max_rate_hz, bool paused, Nanoseconds now
     goes_on = paused_ && !paused;
     paused_ = paused;
     if (goes_on) stale_through_ = channel_->newest_publication();
+    wants_values_ = goes_on;
   }
   channel_->want_snapshots(*this, !paused);
   ready_();
@@ -103,6 +142,11 @@ void Subscriber::leave() {
 
 void Subscriber::wake() {
   if (wants_frame_.exchange(false) && !left_) ready_();
+}
+
+void Subscriber::measure(const sheet::Sheet& sheet, sheet::Snapshot& snapshot) {
+  if (!options_.meter || !wants_values_ || left_) return;
+  snapshot.measured.push_back({number_, options_.meter->measure(sheet, snapshot.stats.sheet_serial)});
 }
 
 void Subscriber::end(wire::EndReason reason) {

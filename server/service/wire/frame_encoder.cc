@@ -170,6 +170,13 @@ std::string encode_strains(const QuantisedFrame& frame, const Predictors* predic
   return message.SerializeAsString();
 }
 
+std::string encode_probe_values(const std::vector<double>& values, const std::vector<std::string>* columns) {
+  v1::Frame message;
+  message.mutable_probe_values()->Assign(values.begin(), values.end());
+  if (columns != nullptr) message.mutable_probe_columns()->Assign(columns->begin(), columns->end());
+  return message.SerializeAsString();
+}
+
 bool can_patch(const sheet::Topology& topology, std::int32_t base_version) {
   return base_version >= topology.patchable_since && base_version <= topology.version;
 }

@@ -48,6 +48,10 @@ std::string encode_delta_body(const QuantisedFrame& frame, const QuantisedFrame&
 // Returns a serialised Frame with only the strains, which the frame must have. `predictors`: null for raw.
 std::string encode_strains(const QuantisedFrame& frame, const Predictors* predictors);
 
+// Returns a serialised Frame with only the values of probes. `columns`: names of the values; null except in a stream's
+// first frame.
+std::string encode_probe_values(const std::vector<double>& values, const std::vector<std::string>* columns);
+
 // Holds a serialised Frame with only `topology`.
 struct EncodedTopology {
   std::string bytes;
@@ -61,8 +65,8 @@ EncodedTopology encode_topology(const sheet::Topology& topology, std::int32_t ba
 // True if the history of `topology` reaches back to `base_version`; else the patch is full.
 bool can_patch(const sheet::Topology& topology, std::int32_t base_version);
 
-// Returns the start of a serialised WatchResponse with a frame; `rest_bytes` more bytes (body, topology and strains)
-// must follow. sequence >= 1; skipped >= 0, in ticks; epoch: empty except in a stream's first frame.
+// Returns the start of a serialised WatchResponse with a frame; `rest_bytes` more bytes (body, topology, strains and
+// values) must follow. sequence >= 1; skipped >= 0, in ticks; epoch: empty except in a stream's first frame.
 std::string encode_frame_head(std::int64_t sequence, std::int64_t skipped, std::string_view epoch,
                               std::size_t rest_bytes);
 

@@ -11,12 +11,14 @@ import { SettingsFollower } from '../stream/settings_follower';
 import type { FrameCopy, SheetCopy } from '../stream/sheet_copy';
 import { SheetStream } from '../stream/sheet_stream';
 import type { RecordingProgress } from '../stream/stream_recorder';
-import type { AudienceNews, Pace } from '../stream/watch';
+import type { AudienceNews, Pace, ProbeRequest } from '../stream/watch';
 import type { OpenSheet } from './open_sheet';
 
 /** The stream that the viewer wants now. */
 export interface StreamWishes {
   strains: boolean;
+  /** Quantities that the server measures for each frame, see SheetCopy.probeValues. */
+  probes?: ProbeRequest[];
   pace: Pace;
 }
 

@@ -25,6 +25,8 @@ export class FrameCopier {
       numPieces: mirror.numPieces,
       positions: this.spare.copyOf(mirror.positions, 3 * mirror.numVertices),
       strains: mirror.strains && this.spare.copyOf(mirror.strains, mirror.strains.length),
+      probeValues: mirror.probeValues,
+      probeColumns: isFirst ? mirror.probeColumns : undefined,
       stats: mirror.stats,
       arrivedMs: unixTimeMs(),
       topology,

@@ -86,6 +86,10 @@ export class SheetMirror {
    * had none
    */
   strains: Float32Array | undefined;
+  /** Values of the stream's probes at `tick`, one for each of `probeColumns`; NaN where there is nothing to measure. */
+  probeValues: readonly number[] = [];
+  /** Names of the values, such as "tip.x"; empty without probes. */
+  probeColumns: readonly string[] = [];
   /** Stats of the last frame that had any. */
   stats: FrameStats | undefined;
 
@@ -108,6 +112,7 @@ export class SheetMirror {
     Object.assign(next, { ...this, sequence: 0, tick: -1, quantised: new Uint16Array(0), next: new Uint16Array(0) });
     next.strainRoom = new Float32Array(0);
     next.positions = this.positions.slice();
+    next.probeValues = next.probeColumns = [];
     return next;
   }
 
@@ -144,6 +149,9 @@ export class SheetMirror {
     require(isKeyframe || (this.tick >= 0 && Number(frame.baseTick) === this.tick), () =>
       `delta against tick ${frame.baseTick}, but the mirror is at ${this.tick}`);
     require(frame.numVertices >= 0, () => `${frame.numVertices} vertices`);
+    const probeColumns = frame.probeColumns.length > 0 ? frame.probeColumns : this.probeColumns;
+    require(frame.probeValues.length === probeColumns.length, () =>
+      `${frame.probeValues.length} values of probes for ${probeColumns.length} columns`);
     let topology: Topology | undefined;
     let strains: Int8Array | undefined;
     try {
@@ -160,6 +168,8 @@ export class SheetMirror {
     if (topology) this.commitTopology(topology);
     this.commitPositions(frame, isKeyframe);
     this.strains = strains && this.scaledStrains(strains, frame.strainScale);
+    this.probeColumns = probeColumns;
+    this.probeValues = frame.probeValues;
     if (frame.epoch !== '') this.epoch = frame.epoch;
     this.sequence = sequence;
     this.tick = Number(frame.tick);

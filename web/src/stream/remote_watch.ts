@@ -4,7 +4,7 @@ import { SheetCopy, copiedBuffers } from './sheet_copy';
 import type { FrameCopy } from './sheet_copy';
 import type { RecordingProgress } from './stream_recorder';
 import type { AudienceNews, Pace, WatchRequestKind } from './watch';
-import type { FromWorker, Port, ToWorker } from './watch_messages';
+import type { FromWorker, Port, StreamStart, ToWorker } from './watch_messages';
 
 export interface RemoteWatchEvents {
   /** Called for a new state; `detail` is its reason, for people, and empty when all is well. */
@@ -19,13 +19,6 @@ export interface RemoteWatchEvents {
   onNews(news: AudienceNews): void;
   /** @param parts  content of the file once the recording is finished, else undefined */
   onRecording(progress: RecordingProgress, parts: ArrayBuffer[] | undefined): void;
-}
-
-export interface RemoteWatchOptions {
-  strains: boolean;
-  /** True to continue from the triangles of this port's previous stream, which was of the same sheet. */
-  goesOn: boolean;
-  pace: Pace;
 }
 
 /** The page's side of a Watch that runs in a worker: the same calls, answered later. One at a time per port. */
@@ -53,7 +46,7 @@ export class RemoteWatch {
     url: string,
     name: string,
     private readonly events: RemoteWatchEvents,
-    options: RemoteWatchOptions,
+    options: StreamStart,
   ) {
     this.pace = options.pace;
     port.onmessage = ({ data }) => this.receive(data);
@@ -130,7 +123,7 @@ export class RemoteWatch {
         return this.events.onNews(message.news);
       case 'frame':
         if (message.isFirst || !this.copy) this.copy = new SheetCopy();
-        else if (this.copy.epoch !== message.frame.epoch) this.copy = new SheetCopy(true);
+        else if (this.copy.epoch !== message.frame.epoch) this.copy = SheetCopy.goneBack(this.copy);
         this.copy.take(message.frame, performance.now());
         this.hasNews = true;
         this.events.onFrame(this.copy, message.frame);

@@ -57,6 +57,10 @@ export interface FrameCopy {
   /** 3 V, without spare room */
   positions: Float32Array;
   strains: Float32Array | undefined;
+  /** Values of the stream's probes at `tick`, one for each column. */
+  probeValues: readonly number[];
+  /** Names of those values; present in a connection's first frame. */
+  probeColumns: readonly string[] | undefined;
   stats: FrameStats | undefined;
   /** Arrival, this machine's Unix time, milliseconds. */
   arrivedMs: number;
@@ -82,9 +86,20 @@ export class SheetCopy implements SheetArrays {
   pieces = new Int32Array(0);
   strains: Float32Array | undefined;
   stats: FrameStats | undefined;
+  /** Values of the stream's probes at `tick`, one for each of `probeColumns`; NaN where there is nothing to measure. */
+  probeValues: readonly number[] = [];
+  /** Names of the values, such as "tip.x"; empty without probes. */
+  probeColumns: readonly string[] = [];
 
   /** @param hasGoneBack  true for a copy that began when the watched sheet went back to a saved state */
   constructor(readonly hasGoneBack = false) {}
+
+  /** Returns an empty copy for the frames after a return to a saved state, in the stream of `before`. */
+  static goneBack(before: SheetCopy): SheetCopy {
+    const copy = new SheetCopy(true);
+    copy.probeColumns = before.probeColumns;
+    return copy;
+  }
 
   private strainRoom = new Float32Array(0);
   private readonly interpolation = new Interpolation();
@@ -108,6 +123,8 @@ export class SheetCopy implements SheetArrays {
     this.numSlots = frame.numSlots;
     this.numPieces = frame.numPieces;
     this.takeStrains(frame.strains);
+    this.probeValues = frame.probeValues;
+    if (frame.probeColumns) this.probeColumns = frame.probeColumns;
     if (frame.stats) this.stats = frame.stats;
   }
 

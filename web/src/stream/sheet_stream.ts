@@ -1,6 +1,7 @@
 import { RemoteWatch } from './remote_watch';
-import type { RemoteWatchEvents, RemoteWatchOptions } from './remote_watch';
+import type { RemoteWatchEvents } from './remote_watch';
 import { streamUrl } from './stream_url';
+import type { StreamStart } from './watch_messages';
 import { startWorker } from './workers';
 
 export interface SheetStreamEvents extends RemoteWatchEvents {
@@ -27,7 +28,7 @@ export class SheetStream {
    * Watches a sheet in place of the last one.
    * @param name  sheets/{sheet}
    */
-  start(name: string, options: RemoteWatchOptions): void {
+  start(name: string, options: StreamStart): void {
     this.close();
     this.worker ??= this.startWorker();
     this.current = new RemoteWatch(this.worker, streamUrl('watch'), name, this.events, options);

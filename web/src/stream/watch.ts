@@ -1,6 +1,7 @@
 import { create, fromBinary, toBinary } from '@bufbuild/protobuf';
 import type { MessageInitShape } from '@bufbuild/protobuf';
 import { Ended_Reason, WatchRequestSchema, WatchResponseSchema } from '../gen/kerf/v1/stream_pb';
+import type { ProbeSchema } from '../gen/kerf/v1/analysis_pb';
 import type { Ended, Frame, Rejection, WatchResponse } from '../gen/kerf/v1/stream_pb';
 import { Connection, endedText, heldUs } from './connection';
 import type { ConnectionState } from './connection';
@@ -8,6 +9,9 @@ import { SheetMirror } from './mirror';
 import type { Delivery } from './stream_meter';
 
 export type WatchRequestKind = MessageInitShape<typeof WatchRequestSchema>['kind'];
+
+/** A quantity that the server measures for each frame; see kerf.v1.Probe. */
+export type ProbeRequest = MessageInitShape<typeof ProbeSchema>;
 
 /** A message about the others who watch the sheet. */
 export type AudienceNews = Extract<WatchResponse['kind'], { case: 'audience' | 'activity' | 'pointer' }>;
@@ -28,6 +32,8 @@ export interface WatchEvents {
 export interface WatchOptions {
   /** True to get frames with strains. */
   strains?: boolean;
+  /** Measured on the sheet of each frame, see SheetMirror.probeValues. */
+  probes?: ProbeRequest[];
   /** Mirror of an earlier Watch of the same sheet; its topology is not sent again. */
   from?: SheetMirror;
   /** Called for each connection; true to get the whole topology. */
@@ -122,8 +128,8 @@ export class Watch {
     this.acknowledged = 0;
     const { epoch } = this.incoming;
     const topologyVersion = epoch === '' ? 0 : this.incoming.topologyVersion;
-    const { strains } = this.options;
-    this.send({ case: 'start', value: { name: this.name, epoch, topologyVersion, strains, audience: true } });
+    const { strains, probes } = this.options;
+    this.send({ case: 'start', value: { name: this.name, epoch, topologyVersion, strains, probes, audience: true } });
   }
 
   private receive(bytes: Uint8Array): void {

@@ -2,14 +2,23 @@ import type { Rejection } from '../gen/kerf/v1/stream_pb';
 import type { ConnectionState } from './connection';
 import type { FrameCopy } from './sheet_copy';
 import type { RecordingProgress } from './stream_recorder';
-import type { AudienceNews, Pace, WatchRequestKind } from './watch';
+import type { AudienceNews, Pace, ProbeRequest, WatchRequestKind } from './watch';
 
 // Messages between the page and the worker that holds its connection. `id` numbers the page's streams; messages about
 // an earlier stream are ignored.
 
+/** Options with which a stream starts. */
+export interface StreamStart {
+  strains: boolean;
+  /** Quantities that come with each frame, see FrameCopy.probeValues. */
+  probes?: ProbeRequest[];
+  /** True to continue from the triangles of the previous stream, which was of the same sheet. */
+  goesOn: boolean;
+  pace: Pace;
+}
+
 export type ToWorker =
-  /** `goesOn`: true to continue from the triangles of the previous stream, which was of the same sheet. */
-  | { kind: 'start'; id: number; url: string; name: string; strains: boolean; goesOn: boolean; pace: Pace }
+  | ({ kind: 'start'; id: number; url: string; name: string } & StreamStart)
   /** `spare`: buffers of frames that the page has copied, to be used again. */
   | { kind: 'acknowledge'; id: number; spare: ArrayBuffer[] }
   | { kind: 'send'; id: number; request: WatchRequestKind }

@@ -53,7 +53,7 @@ export class WatchService {
     }
   }
 
-  private start({ id, url, name, strains, goesOn, pace }: ToWorker & { kind: 'start' }): void {
+  private start({ id, url, name, strains, probes, goesOn, pace }: ToWorker & { kind: 'start' }): void {
     const from = goesOn && name === this.name ? this.watch?.mirror : undefined;
     this.watch?.close();
     this.id = id;
@@ -69,7 +69,7 @@ export class WatchService {
       onNews: (news) => this.post({ kind: 'news', id, news }),
     };
     const startsWhole = () => this.recorder !== undefined;
-    this.watch = new Watch(url, name, events, { strains, from, startsWhole });
+    this.watch = new Watch(url, name, events, { strains, probes, from, startsWhole });
     this.watch.setPace(pace);
   }
 

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any, Optional
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any, Optional
 
 from kerf.aio.part import SheetPart
 from kerf.analyses import analyze_request
 from kerf.arrays import Analysis, State, analysis_of, state_of
+from kerf.probes import AnyProbe, Values, as_probes, probe, values_of
+from kerf.regions import Place, vertices
 from kerf.v1 import sheets_pb2
+
+if TYPE_CHECKING:
+    from kerf.arrays import Floats
 
 
 class Running(SheetPart):
@@ -83,6 +88,29 @@ class Running(SheetPart):
         """
         request = sheets_pb2.GetSheetStateRequest(name=self.name)
         return state_of(await self._call(self._server.sheet_service.GetSheetState, request))
+
+    async def measure(self, probes: Iterable[AnyProbe]) -> Values:
+        """Measures probes on the sheet as it is now, running or not. Needs NumPy.
+
+        >>> (await sheet.measure([kerf.probe("all", "extent")]))["all.x"]
+        1.0
+        """
+        message = sheets_pb2.AnalyzeSheetRequest(name=self.name, probes=as_probes(probes))
+        message.analysis.dynamic.SetInParent()
+        table = (await self._call(self._server.sheet_service.AnalyzeSheet, message)).tables[0]
+        return values_of(table.columns[1:], table.rows[0].values[1:])
+
+    async def force(self, place: Optional[Place] = None) -> Floats:
+        """Returns the force that holds the pinned vertices of a place, newtons, 3 numbers, in the world; None: of all
+        pinned vertices together. It does not include the force that moves them. Needs NumPy.
+
+        >>> weight = await sheet.force("top")
+        >>> weight.shape
+        (3,)
+        """
+        if place is None:
+            place = vertices(*(await self.get()).pinned_vertices)
+        return (await self.measure([probe("force", "reaction", place=place)]))["force"]
 
     async def analyze(
         self,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterable
 from typing import Literal, Optional, Tuple
 
 from kerf.aio.part import SheetPart
@@ -12,6 +13,7 @@ from kerf.aio.transport import Stream
 from kerf.cuts import enum_value
 from kerf.files import whole_file
 from kerf.images import Codec, ColorBy, codec_value, image_view
+from kerf.probes import AnyProbe, as_probes
 from kerf.v1 import geometry_pb2, render_pb2, sheets_pb2, stream_pb2
 
 
@@ -24,6 +26,7 @@ class Viewing(SheetPart):
         rate_hz: float = 0.0,
         window: int = 1,
         strains: bool = False,
+        probes: Iterable[AnyProbe] = (),
         duration_s: Optional[float] = None,
         reconnect_s: float = 0.0,
     ) -> FrameStream:
@@ -32,7 +35,8 @@ class Viewing(SheetPart):
 
         rate_hz: most frames a second, 0.001..1000; 0: every tick. window: frames sent and not acknowledged, 1..8.
         With 1 a frame is sent when the loop asks for it; more keep a fast loop busy over a slow connection; 0: the
-        server chooses. strains: frames have the strains of the vertices. duration_s: the stream ends after this
+        server chooses. strains: frames have the strains of the vertices. probes: up to 64 of kerf.probe(), measured on
+        the sheet of each frame; Frame.probes has the values. duration_s: the stream ends after this
         time, with Unavailable if no frame came. None: it ends when closed, with NotFound if the sheet is deleted, or
         with Unavailable if the server stops. reconnect_s: how long to retry a lost server; a restarted one continues
         with a keyframe, and its ticks begin again. A paused sheet gives a frame when something changes. Needs NumPy.
@@ -42,9 +46,19 @@ class Viewing(SheetPart):
         ...         print(frame.positions.shape, frame.strains.shape, frame.topology_changed)
         ...         break
         (400, 3) (400,) True
+        >>> async with sheet.watch(probes=[kerf.probe("pull", "reaction", place="top")]) as frames:
+        ...     async for frame in frames:
+        ...         print(frame.probes["pull.z"] >= 0)
+        ...         break
+        True
         """
         start = stream_pb2.WatchStart(
-            name=self.name, window=window, max_rate_hz=rate_hz, encoding=stream_pb2.RAW, strains=strains
+            name=self.name,
+            window=window,
+            max_rate_hz=rate_hz,
+            encoding=stream_pb2.RAW,
+            strains=strains,
+            probes=as_probes(probes),
         )
         return FrameStream(self._server.stream_service.Watch, self._server.address, start, duration_s, reconnect_s)
 
