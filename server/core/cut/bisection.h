@@ -24,10 +24,9 @@ struct BisectionConfig {
 
 // The "adapted constrained Delaunay method" (ACDM). Bisects the longest edge of an ill-shaped triangle, which divides
 // the triangle beyond it too. Then restores the Delaunay property inside the element, and repeats until no triangle is
-// ill-shaped. A triangle is ill-shaped if it exceeds both limits, by default a longest edge of 3 times its shortest and
-// 3 % of the area of an element there. The second condition ends the loop, as each bisection halves an area. Flat caps,
-// obtuse triangles with edges of similar length, do not count. Call lock_elements() before. Error: CUT_ELEMENT_BUDGET
-// as of cut::apply(), if the editor has no slots left.
+// ill-shaped. An ill-shaped triangle exceeds both limits of ElementLimits. The limit of areas ends the loop, as each
+// bisection halves an area. Flat caps, obtuse triangles with edges of similar length, do not count. Call
+// lock_elements() before. Error: CUT_ELEMENT_BUDGET as of cut::apply(), if the editor has no slots left.
 Result<mesh::RefinementCounts> bisect_ill_shaped(mesh::MeshEditor& editor, std::span<const mesh::TriangleId> seeds,
                                                  const PathScale& scale, const BisectionConfig& config);
 
