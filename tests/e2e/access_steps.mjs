@@ -141,10 +141,16 @@ export function accessSteps(steps, browser, { url }) {
     await viewer.page.keyboard.press('?');
     await viewer.page.locator('#help[open]').waitFor();
     const caps = await viewer.page.locator('#help dt').allTextContents();
-    for (const key of ['V', 'C', 'Space', 'Ctrl+Z', 'Ctrl+Shift+Z or Ctrl+Y', 'Enter', 'ArrowLeft', 'A', 'M', 'J', 'H', 'Q']) {
+    for (const key of ['V', 'C', 'Space', 'Ctrl+Z', 'Ctrl+Shift+Z or Ctrl+Y', 'Enter', '← → ↑ ↓', 'A', 'M', 'J', 'H', 'Q']) {
       check(caps.includes(key), `the help does not list ${key}`);
     }
     await viewer.screenshot('help-keys');
+    await viewer.page.keyboard.type('undo');
+    const found = viewer.page.locator('#help dd:visible');
+    await viewer.page.waitForFunction(() => document.querySelectorAll('#help dd:not([hidden])').length < 9);
+    check((await found.allTextContents()).some((text) => text.startsWith('Undo')), 'the help does not find undo');
+    // The first Escape empties the field.
+    await viewer.page.keyboard.press('Escape');
     await viewer.page.keyboard.press('Escape');
   });
 
@@ -305,6 +311,7 @@ export function accessSteps(steps, browser, { url }) {
       await phone.allDrawn();
       return (await phone.at(1, 0)).x - (await phone.at(0, 0)).x;
     };
+    await phone.page.click('#controls-more');
     for (const tool of ['view', 'cut', 'grab', 'pin']) {
       await phone.choose(tool);
       if (tool === 'cut') await phone.page.click('#cut-panel [data-mode=freehand]');

@@ -28,6 +28,15 @@ function overlaps({ page }) {
   });
 }
 
+/** Buttons and lists that are seen and too small for a finger. */
+function small({ page }) {
+  return page.evaluate(() => {
+    const targets = [...document.querySelectorAll('button, select, summary')].filter((each) => each.checkVisibility());
+    const isSmall = (each) => each.getBoundingClientRect().width < 44 || each.getBoundingClientRect().height < 44;
+    return targets.filter(isSmall).map((each) => each.id || each.textContent.trim() || each.outerHTML.slice(0, 80));
+  });
+}
+
 /** Two notices: there is no cut to undo, and none to make again. */
 async function notify({ page }) {
   await page.focus('#canvas');
@@ -59,11 +68,17 @@ export function layoutSteps(steps, browser, { url }) {
       await viewer.choose('cut');
       await notify(viewer);
       await haveRoom('statistics and cut panel');
+      if (name === 'phone') {
+        await page.click('#controls-more');
+        check((await small(viewer)).length === 0, `too small for a finger: ${await small(viewer)}`);
+        await page.click('#controls-more');
+      }
       await page.click('[data-panel=physics]');
       await notify(viewer);
       // An open panel lies over what stands at the bottom of a phone.
       const isBottom = (id) => ['cut-panel', 'controls', 'tools'].includes(id);
       await haveRoom('physics', (pair) => name === 'phone' && pair.includes('panel-physics') && pair.some(isBottom));
+      if (name === 'phone') check((await small(viewer)).length === 0, `too small for a finger: ${await small(viewer)}`);
       const { height } = await page.locator('#statistics').boundingBox();
       check(height > 50, `${name}: the statistics have ${height} px`);
       await page.close();

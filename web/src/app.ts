@@ -29,8 +29,10 @@ import { Notices } from './ui/notices';
 import { PhysicsPanel } from './ui/physics/physics_panel';
 import { People } from './ui/people/people';
 import { PiecePanel } from './ui/piece_panel';
+import { bindMoreControls } from './ui/more_controls';
 import { RecordingControl } from './ui/recording_control';
 import { ReplayBar } from './ui/replay_bar';
+import { RoomForSheet } from './ui/room_for_sheet';
 import { SaveMenu } from './ui/save_menu';
 import { ServerRecordings } from './ui/server_recordings';
 import { SheetLook } from './ui/sheet_look';
@@ -117,7 +119,8 @@ export class App {
     isPictureShown: () => this.imageMode.isShown,
   });
   private readonly statistics = new StatisticsPanel();
-  private readonly panels = new SidePanels();
+  private readonly panels = new SidePanels(() => this.room.update());
+  private readonly room = new RoomForSheet(this.stage, () => this.tools.cut.isStarted && !this.tools.cut.isOnSheet);
   private readonly imageMode: ImageMode = new ImageMode({
     live: this.live,
     stage: this.stage,
@@ -155,6 +158,7 @@ export class App {
     this.replayBar,
     this.rights,
     {
+      onChosen: () => this.room.update(),
       onTried: () => this.firstHint.close(),
       onCut: (name) => this.cuts.makers.made(name),
       onFileWanted: () => this.svgFiles.choose(),
@@ -302,6 +306,7 @@ export class App {
       replayBar: this.replayBar,
       rights: this.rights,
     });
+    bindMoreControls();
     markTabbedFocus(this.canvas);
     const { live, shown, stage, look, tools, replayBar, recording, imageMode, loop } = this;
     installHooks({ live, shown, stage, look, tools, replayBar, recording, imageMode, loop }, this.canvas);

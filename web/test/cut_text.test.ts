@@ -79,4 +79,11 @@ describe('cutText', () => {
     expect(cutText({ ...missed, closedGaps: 1 })).toBe('Nothing was cut: the line follows an older cut or the border');
     expect(cutDetails(missed)).toEqual([]);
   });
+
+  it('ends each warning with one full stop', () => {
+    const warnings = ['the sheet now falls behind: a tick takes 23 ms.', 'text is not cut'];
+    expect(warningText(create(CutResultSchema, { warnings }))).toBe(
+      'The sheet now falls behind: a tick takes 23 ms. Text is not cut.',
+    );
+  });
 });

@@ -45,6 +45,7 @@ export class Stage {
   private readonly sky = new HemisphereLight(0xffffff, 0x8c8f98, 1.5);
   private readonly raycaster = new Raycaster();
   private quality: Quality = { scale: 1, hasShadows: true };
+  private shiftPx = 0;
   private isStale = true;
 
   constructor(private readonly canvas: HTMLCanvasElement) {
@@ -118,7 +119,7 @@ export class Stage {
     copy.width = this.canvas.width;
     copy.height = this.canvas.height;
     const context = copy.getContext('2d')!;
-    if (this.backdrop) context.drawImage(this.backdrop, 0, 0, copy.width, copy.height);
+    if (this.backdrop) context.drawImage(this.backdrop, 0, -scale * this.shiftPx, copy.width, copy.height);
     context.drawImage(this.canvas, 0, 0);
     this.sun.castShadow = this.quality.hasShadows;
     this.resize();
@@ -159,6 +160,13 @@ export class Stage {
     this.controls.target.copy(target);
     this.controls.update();
     this.invalidate();
+  }
+
+  /** Moves the whole picture up by CSS pixels; the camera stays. */
+  shiftUp(px: number): void {
+    if (px === this.shiftPx) return;
+    this.shiftPx = px;
+    this.resize();
   }
 
   /** Turns the camera around its target by `left` and `up`, radians; it stops before straight up or down. */
@@ -261,6 +269,8 @@ export class Stage {
     this.renderer.setPixelRatio(this.quality.scale * Math.min(devicePixelRatio, 2));
     this.renderer.setSize(clientWidth, clientHeight, false);
     this.camera.aspect = clientWidth / clientHeight;
+    if (this.shiftPx === 0) this.camera.clearViewOffset();
+    else this.camera.setViewOffset(clientWidth, clientHeight, 0, this.shiftPx, clientWidth, clientHeight);
     this.camera.updateProjectionMatrix();
     this.invalidate();
   }

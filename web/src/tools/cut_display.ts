@@ -1,6 +1,6 @@
-import type { Vector2 } from 'three';
 import type { Point2 } from '../geometry/locator';
 import { CutHandles } from './cut_handles';
+import type { HandleEvents } from './cut_handles';
 import { CutPreview } from './cut_preview';
 import type { DrawingPlane } from './drawing_plane';
 import type { Drawing } from './drawings/drawing';
@@ -31,14 +31,9 @@ export class CutDisplay {
   private readonly sheetPreview = new SheetPreview();
   private readonly handles: CutHandles;
 
-  /**
-   * @param chosen  called with the index of a handle that is pressed
-   * @param moved   called with the index of a dragged handle and its new place, CSS pixels on the overlay
-   */
   constructor(
     private readonly viewer: Pick<Viewer, 'overlay' | 'stage' | 'shown'>,
-    chosen: (index: number) => void,
-    moved: (index: number, px: Vector2) => void,
+    handleEvents: HandleEvents,
   ) {
     const { overlay, stage } = viewer;
     this.marker.className = 'piece-marker';
@@ -46,7 +41,7 @@ export class CutDisplay {
     overlay.append(this.marker);
     this.preview = new CutPreview(overlay);
     stage.scene.add(this.sheetPreview.object);
-    this.handles = new CutHandles(overlay, chosen, moved);
+    this.handles = new CutHandles(overlay, handleEvents);
   }
 
   /** Call it when the drawing, its dashes or its width may have changed. */

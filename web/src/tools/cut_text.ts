@@ -60,7 +60,8 @@ export function cutDetails(result: CutResult): string[] {
 
 /** Returns the server's warnings as sentences; empty if there are none. */
 export function warningText({ warnings }: CutResult): string {
-  return warnings.map((warning) => `${warning.charAt(0).toUpperCase()}${warning.slice(1)}.`).join(' ');
+  const sentence = (text: string) => `${text.charAt(0).toUpperCase()}${text.slice(1).replace(/[.\s]*$/, '')}.`;
+  return warnings.map(sentence).join(' ');
 }
 
 /** Formats a number of bytes in a suitable unit. */

@@ -68,11 +68,11 @@ export class CutTool implements Tool {
   ) {
     this.material = new MaterialPlane(viewer);
     this.chosenPiece = new ChosenPiece(viewer);
-    this.display = new CutDisplay(
-      viewer,
-      (index) => this.chooseHandle(index),
-      (index, px) => this.moveHandle(index, px),
-    );
+    this.display = new CutDisplay(viewer, {
+      onChosen: (index) => this.chooseHandle(index),
+      onMoved: (index, px) => this.moveHandle(index, px),
+      onTapped: (px) => this.tap({ px, ray: viewer.stage.rayAt(px) }),
+    });
     this.forecast = new CutForecast(changed);
   }
 

@@ -36,11 +36,11 @@ export class MeasureTool implements Tool {
     private readonly viewer: Pick<Viewer, 'overlay' | 'stage' | 'shown'>,
     private readonly measured: (measured: Measured) => void,
   ) {
-    this.handles = new CutHandles(
-      viewer.overlay,
-      () => {},
-      (index, px) => this.move(index, px),
-    );
+    this.handles = new CutHandles(viewer.overlay, {
+      onChosen: () => {},
+      onMoved: (index, px) => this.move(index, px),
+      onTapped: (px) => this.tap({ px, ray: viewer.stage.rayAt(px) }),
+    });
     this.straight.addLook({ color: 0x6fd3ff, width: 2.5, onTop: true });
     this.straight.begin(0);
     viewer.stage.scene.add(this.straight.object, this.laid.object);

@@ -87,6 +87,7 @@ export class CutPanel {
     this.mode.show(tool.mode);
     this.target.value = tool.target;
     this.target.disabled = tool.mode === 'svg';
+    this.target.title = tool.mode === 'svg' ? 'A drawing from a file lies on the material' : '';
     this.depthOptions.hidden = tool.target !== 'depth';
     this.pieceOptions.hidden = tool.target !== 'piece';
     setText(element('cut-piece-shown'), tool.hasPiece ? 'the marked one' : 'the one the line meets first');

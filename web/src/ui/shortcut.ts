@@ -60,6 +60,8 @@ export interface Shortcut {
   readonly chords: readonly string[];
   /** Description of the action for the help. */
   readonly what: string;
+  /** Text of a line of the help that neighbours with the same text share. */
+  readonly family?: string;
   /** CSS selector of the button with the same action; its tip names the key. */
   readonly button?: string;
   /** True if a click of the button runs the shortcut, because the button has no listener of its own. */

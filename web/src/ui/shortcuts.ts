@@ -197,12 +197,14 @@ function viewKeys(parts: KeyedParts): ShortcutGroup {
   const turn = kArrows.map(([key, word, right, up]) => ({
     chords: [key],
     what: `Turn the view ${word}`,
+    family: 'Turn the view',
     isRepeated: true,
     run: () => stage.orbit(-right * kTurn, up * kTurn),
   }));
   const shift = kArrows.map(([key, word, right, up]) => ({
     chords: [`Shift+${key}`],
     what: `Move the view ${word}`,
+    family: 'Move the view',
     isRepeated: true,
     run: () => stage.pan(right * kShift, up * kShift),
   }));
@@ -224,6 +226,7 @@ function crossKeys(parts: KeyedParts): ShortcutGroup {
     kArrows.map(([key, word, right, up]) => ({
       chords: [`${prefix}${key}`],
       what: `Move the cross ${word}${how}`,
+      family: `Move the cross${how}`,
       isRepeated: true,
       run: () => keyboardPointer.move(step * right, -step * up),
     }));

@@ -14,7 +14,8 @@ export class SidePanels {
   private readonly panels = new Map<string, Panel>();
   private current: string | undefined;
 
-  constructor() {
+  /** @param changed  called when a panel was opened or closed */
+  constructor(private readonly changed: () => void) {
     for (const button of element('panel-bar').querySelectorAll<HTMLElement>('[data-panel]')) {
       const id = button.dataset.panel!;
       button.setAttribute('aria-controls', `panel-${id}`);
@@ -51,6 +52,7 @@ export class SidePanels {
     this.buttonOf(id).setAttribute('aria-expanded', 'true');
     this.panels.get(id)?.opened();
     this.elementOf(id).focus({ preventScroll: true });
+    this.changed();
   }
 
   /** Closes the open panel; false if none is open. */
@@ -60,6 +62,7 @@ export class SidePanels {
     const hadFocus = this.elementOf(id).contains(document.activeElement);
     this.hide();
     if (hadFocus) this.buttonOf(id).focus();
+    this.changed();
     return true;
   }
 

@@ -13,6 +13,8 @@ import { Choice, element } from './dom';
 import { MeasurePanel } from './measure_panel';
 
 export interface ToolChoiceEvents {
+  /** Called when a tool was chosen. */
+  onChosen(): void;
   /** Called when a tool that changes the sheet was chosen. */
   onTried(): void;
   /** Called with the name of a cut that the user made. */
@@ -66,7 +68,9 @@ export class ToolChoice {
       () => this.chosen,
       () => this.keyboardPointer.hide(),
     );
-    this.choose('view');
+    this.chosen.enter();
+    this.buttons.show('view');
+    this.canvas.style.cursor = this.chosen.cursor;
   }
 
   get tool(): Tool {
@@ -90,6 +94,7 @@ export class ToolChoice {
     this.updateCutPanel();
     this.measurePanel.setShown(id === 'measure');
     this.canvas.style.cursor = this.chosen.cursor;
+    this.events.onChosen();
   }
 
   private updateCutPanel(): void {
