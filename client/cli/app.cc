@@ -91,6 +91,7 @@ std::unique_ptr<CLI::App> make_app(Session& session) {
   app.require_subcommand(1);
   app.footer(
       "Exit codes: 0 done (a cut that misses included), 1 refused with the reason on stderr, 2 wrong usage.\n"
+      "`kerf load --fail-if` has 3 and 4 besides, `kerf doctor` 3.\n"
       "Help on a command: kerf COMMAND --help. All of it: man kerf");
 
   add_sheet_commands(app, session);
@@ -105,6 +106,7 @@ std::unique_ptr<CLI::App> make_app(Session& session) {
   add_store_commands(app, session);
   add_token_commands(app, session);
   add_access_commands(app, session);
+  add_doctor_commands(app, session);
   add_shell_commands(app, session);
   return made;
 }

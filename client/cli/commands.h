@@ -28,6 +28,7 @@ void add_load_command(CLI::App& app, Session& session);
 void add_store_commands(CLI::App& app, Session& session);   // `kerf store`: info, prune, delete, backup
 void add_token_commands(CLI::App& app, Session& session);   // `kerf token`: new
 void add_access_commands(CLI::App& app, Session& session);  // open, access
+void add_doctor_commands(CLI::App& app, Session& session);  // version, doctor
 void add_shell_commands(CLI::App& app, Session& session);   // completion
 
 // Prints the completions of the last of `words` for a shell; returns an exit code.

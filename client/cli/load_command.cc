@@ -1,5 +1,6 @@
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <cstdio>
 #include <filesystem>
@@ -8,6 +9,7 @@
 #include <system_error>
 #include <utility>
 #include <variant>
+#include <vector>
 
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
@@ -18,8 +20,12 @@
 #include "client/cli/arguments.h"
 #include "client/cli/commands.h"
 #include "client/cli/connect.h"
+#include "client/cli/load_scenario.h"
 #include "client/cli/on_signal.h"
 #include "client/cli/progress.h"
+#include "client/cli/suggestions.h"
+#include "client/load/comparison.h"
+#include "client/load/metrics.h"
 #include "client/load/run.h"
 #include "server/base/disk.h"
 
@@ -31,14 +37,31 @@ struct LoadArguments {
   std::string grid = "32x32";
   std::string image_size = "640x360";
   std::string transport = "grpc";
-  std::string html;  // A file; empty: none.
+  std::string cut_kind = "slit";
+  std::string stages;
+  std::string stages_of = "viewers";
+  std::vector<std::string> fail_if;
+  std::string scenario;  // Files; empty: none.
+  std::string html;
+  std::string csv;
+  std::string csv_summary;
+  std::vector<std::string> compare;  // Two files of reports, or none.
 };
 
+struct OutputFile {
+  const char* option;
+  const std::string& path;
+};
+std::array<OutputFile, 3> files_of(const LoadArguments& arguments) {
+  return {{{"--html", arguments.html}, {"--csv", arguments.csv}, {"--csv-summary", arguments.csv_summary}}};
+}
+
 // Checks that a file can be written at `path`; an existing file is left unchanged.
-Status check_writable(const std::string& path) {
+Status check_writable(const OutputFile& file) {
+  const std::string& path = file.path;
   const std::filesystem::path folder = std::filesystem::absolute(path).parent_path();
   const auto refused = [&](const std::string& why) {
-    return unavailable("FILE_IO", "cannot write " + path + ": " + why, "--html");
+    return unavailable("FILE_IO", "cannot write " + path + ": " + why, file.option);
   };
   if (access(folder.c_str(), W_OK) != 0) return refused(std::generic_category().message(errno));
   if (!std::filesystem::is_directory(folder)) return refused(folder.string() + " is not a folder");
@@ -64,13 +87,88 @@ int read_sizes(LoadArguments& arguments) {
   return kDone;
 }
 
-int run_load(const Session& session, LoadArguments& arguments) {
+// Parses the conditions, the stages and the choices. Returns kDone, or an exit code after printing the error.
+int read_choices(LoadArguments& arguments) {
+  load::Plan& plan = arguments.plan;
+  plan.transport = arguments.transport == "ws" ? load::Transport::kWebSocket : load::Transport::kGrpc;
+  for (const auto& [name, kind] : load::kCutKinds) {
+    if (name == arguments.cut_kind) plan.cut_kind = kind;
+  }
+  if (!arguments.stages.empty()) {
+    Result<std::vector<load::Stage>> stages = load::parse_stages(arguments.stages);
+    if (!stages.ok()) return misuse(stages.error().message);
+    load::set_stages(*std::move(stages),
+                     arguments.stages_of == "sheets" ? load::Staged::kSheets : load::Staged::kViewers, plan);
+  }
+  for (const std::string& text : arguments.fail_if) {
+    const Result<load::Condition> condition = load::parse_condition(text);
+    if (condition.ok()) {
+      plan.fail_if.push_back(*condition);
+      continue;
+    }
+    std::string hint;
+    if (condition.error().reason == "UNKNOWN_METRIC") {
+      std::vector<std::string> names;
+      for (const load::Metric& metric : load::metrics()) names.push_back(metric.name);
+      hint = did_you_mean(near_names(load::metric_word(text), names)) + " `kerf load --help` lists all";
+    }
+    return misuse("--fail-if: " + condition.error().message + hint);
+  }
+  return kDone;
+}
+
+// Prints two reports side by side.
+int compare(const Session& session, const LoadArguments& arguments) {
+  constexpr std::size_t kMostReportBytes = 64 << 20;
+  RealDisk disk;
+  std::array<load::NamedReport, 2> reports;
+  for (std::size_t i = 0; i < reports.size(); ++i) {
+    Result<std::string> text = disk.read_file(arguments.compare[i], kMostReportBytes);
+    if (!text.ok()) return refuse(text.error());
+    reports[i] = {arguments.compare[i], *std::move(text)};
+  }
+  const Result<load::Comparison> comparison = load::compare(reports[0], reports[1]);
+  if (!comparison.ok()) return refuse(comparison.error());
+  std::fputs((session.json ? load::to_json(*comparison) : load::to_text(*comparison)).c_str(), stdout);
+  if (arguments.html.empty()) return kDone;
+  const Status written = disk.write_file(arguments.html, load::to_html(*comparison));
+  return written.ok() ? kDone : refuse(written.error());
+}
+
+// Writes the report to the files asked for.
+Status write_files(const LoadArguments& arguments, const load::Report& report) {
+  RealDisk disk;
+  if (!arguments.html.empty()) KERF_TRY(disk.write_file(arguments.html, load::to_html(report)));
+  if (!arguments.csv.empty()) KERF_TRY(disk.write_file(arguments.csv, load::to_interval_csv(report)));
+  if (!arguments.csv_summary.empty()) KERF_TRY(disk.write_file(arguments.csv_summary, load::to_summary_csv(report)));
+  return Nothing{};
+}
+
+// Returns the exit code of the conditions, after a line on stderr for each that did not pass.
+int code_of(const load::Report& report) {
+  using Verdict = load::Judgement::Verdict;
+  int code = kDone;
+  for (const load::Judgement& judgement : load::judge(report)) {
+    if (judgement.verdict == Verdict::kPassed) continue;
+    std::fprintf(stderr, "kerf: --fail-if %s\n", load::describe(judgement).c_str());
+    if (judgement.verdict == Verdict::kFailed) code = kFailed;
+    if (judgement.verdict == Verdict::kUndecided && code == kDone) code = kUndecided;
+  }
+  return code;
+}
+
+int run_load(const Session& session, const CLI::App& command, LoadArguments& arguments) {
+  if (!arguments.compare.empty()) return compare(session, arguments);
+  if (!arguments.scenario.empty()) {
+    if (const Status read = read_scenario(command, arguments.scenario); !read.ok()) return refuse(read.error());
+  }
   arguments.plan.server = session.server.address;
-  arguments.plan.transport = arguments.transport == "ws" ? load::Transport::kWebSocket : load::Transport::kGrpc;
+  if (const int code = read_choices(arguments); code != kDone) return code;
   if (const int code = read_sizes(arguments); code != kDone) return code;
   if (const Status valid = load::check(arguments.plan); !valid.ok()) return misuse(valid.error().message);
-  if (!arguments.html.empty()) {  // Checked before a run that may take half an hour.
-    if (const Status writable = check_writable(arguments.html); !writable.ok()) return refuse(writable.error());
+  for (const OutputFile& file : files_of(arguments)) {  // Checked before a run that may take half an hour.
+    if (file.path.empty()) continue;
+    if (const Status writable = check_writable(file); !writable.ok()) return refuse(writable.error());
   }
   // A token must not be sent in the clear to either address; the files are the same.
   ServerTarget http = session.server;
@@ -92,16 +190,11 @@ int run_load(const Session& session, LoadArguments& arguments) {
   if (!report.ok()) return refuse(report.error());
   const std::string text = session.json ? load::to_json(*report) : load::to_text(*report);
   std::fwrite(text.data(), 1, text.size(), stdout);
-  if (!arguments.html.empty()) {
-    RealDisk disk;
-    if (const Status written = disk.write_file(arguments.html, load::to_html(*report)); !written.ok()) {
-      return refuse(written.error());
-    }
-  }
+  if (const Status written = write_files(arguments, *report); !written.ok()) return refuse(written.error());
   if (load::nobody_joined(*report) && !report->interrupted) {
     return refuse(unavailable("NO_READER", "no reader received a frame: see the report"));
   }
-  return kDone;
+  return code_of(*report);
 }
 
 void add_sheet_options(CLI::App& command, LoadArguments& arguments) {
@@ -112,6 +205,9 @@ void add_sheet_options(CLI::App& command, LoadArguments& arguments) {
   command.add_flag("--still", plan.still, "Create sheets at rest, which fall asleep (otherwise they keep swinging)");
   command.add_option("--prefix", plan.prefix, "Prefix of the names of the sheets")->capture_default_str();
   command.add_option("--cuts-per-second", plan.cuts_per_second, "Cuts of all sheets together, 0..1000")
+      ->capture_default_str();
+  command.add_option("--cut-kind", arguments.cut_kind, "Shape of the cuts, each at most 0.1 m long")
+      ->check(CLI::IsMember({"slit", "curve", "circle", "star", "drawing", "mixed"}))
       ->capture_default_str();
   command.add_flag("--keep-cuts", plan.keep_cuts, "Do not undo cuts: sheets become finer and slower");
   command.add_option("--seed", plan.seed, "Seed of the random places of cuts")->capture_default_str();
@@ -157,7 +253,38 @@ void add_run_options(CLI::App& command, LoadArguments& arguments) {
       ->capture_default_str();
   command.add_option("--server-pid", plan.server_pid,
                      "Process of the server on this machine: CPU and memory from /proc");
+}
+
+void add_stage_options(CLI::App& command, LoadArguments& arguments) {
+  command
+      .add_option("--stages", arguments.stages,
+                  "Stages of the run in place of --duration and of the number of viewers or sheets, such as "
+                  "10s:4,30s:16,10s:0: from 0 evenly to 4 in 10 s, then to 16, then to none")
+      ->type_name("LENGTH:TARGET,...");
+  command.add_option("--stages-of", arguments.stages_of, "Stages count viewers, or sheets, which run while they count")
+      ->check(CLI::IsMember({"viewers", "sheets"}))
+      ->capture_default_str();
+  command
+      .add_option("--fail-if", arguments.fail_if,
+                  "Condition under which the run has failed, such as \"cut_p99>50ms\"; repeatable. Exit code 3 if one "
+                  "holds, 4 if none does and one has too few values")
+      ->type_name("CONDITION")
+      ->take_all();
+  command.add_option("--scenario", arguments.scenario, "File with options as JSON, such as deploy/examples/load.json")
+      ->type_name(value::kFile);
+}
+
+void add_output_options(CLI::App& command, LoadArguments& arguments) {
   command.add_option("--html", arguments.html, "File to write: a report with plots")->type_name(value::kFile);
+  command.add_option("--csv", arguments.csv, "File to write: a line for each interval of a second or more")
+      ->type_name(value::kFile);
+  command.add_option("--csv-summary", arguments.csv_summary, "File to write: a line for each metric")
+      ->type_name(value::kFile);
+  command
+      .add_option("--compare", arguments.compare,
+                  "Print two reports of `kerf --json load` side by side, with ratios, and run nothing; --html also")
+      ->type_name("FILE FILE")
+      ->expected(2);
 }
 
 }  // namespace
@@ -173,8 +300,12 @@ void add_load_command(CLI::App& app, Session& session) {
   add_sheet_options(*command, *arguments);
   add_reader_options(*command, *arguments);
   add_run_options(*command, *arguments);
-  command->callback(
-      [&session, arguments] { session.action = [&session, arguments] { return run_load(session, *arguments); }; });
+  add_stage_options(*command, *arguments);
+  add_output_options(*command, *arguments);
+  command->footer("Metrics of --fail-if. " + load::list_of_metrics());
+  command->callback([&session, command, arguments] {
+    session.action = [&session, command, arguments] { return run_load(session, *command, *arguments); };
+  });
 }
 
 }  // namespace kerf::cli

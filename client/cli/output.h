@@ -28,6 +28,8 @@ enum ExitCode {
   kDone = 0,        // Also for a cut that missed.
   kRefused = 1,     // The reason is on stderr.
   kWrongUsage = 2,  // The reason is on stderr.
+  kFailed = 3,      // `kerf load`: a condition of --fail-if holds. `kerf doctor`: there is a problem.
+  kUndecided = 4,   // `kerf load`: none holds, and one has too few values.
 };
 
 // Names a server, and says how to call it.

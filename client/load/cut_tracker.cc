@@ -9,9 +9,16 @@ void CutTracker::watch(std::size_t sheet) {
   sheets_[sheet];
 }
 
+void CutTracker::unwatch(std::size_t sheet) {
+  const std::lock_guard lock(mutex_);
+  sheets_.erase(sheet);
+}
+
 void CutTracker::frame(std::size_t sheet, std::int64_t tick, std::int32_t topology_version, Nanoseconds decoded) {
   const std::lock_guard lock(mutex_);
-  Sheet& watched = sheets_[sheet];
+  const auto found = sheets_.find(sheet);
+  if (found == sheets_.end()) return;
+  Sheet& watched = found->second;
   const Frame frame{tick, topology_version, decoded};
   watched.frames.push_back(frame);
   if (watched.frames.size() > kFrames) watched.frames.pop_front();

@@ -21,6 +21,8 @@ class CutTracker {
 
   // Starts watching a sheet; to be called before any frame or reply of it.
   void watch(std::size_t sheet);
+  // Stops watching a sheet; cuts that no frame has shown yet are left out.
+  void unwatch(std::size_t sheet);
   // Records a decoded frame.
   void frame(std::size_t sheet, std::int64_t tick, std::int32_t topology_version, Nanoseconds decoded);
   // Returns the tick of the newest decoded frame; nothing for sheets that are not watched or have shown nothing yet.

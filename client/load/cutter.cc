@@ -8,20 +8,15 @@
 #include <optional>
 
 #include "client/cpp/failure.h"
+#include "client/load/cut_shape.h"
 
 namespace kerf::load {
 namespace {
 
-constexpr double kLongest = 0.1;  // m, length of a slit.
+constexpr double kLongest = 0.1;  // m, length of a cut.
 constexpr double kLength = 0.3;   // Largest length, as a share of the sheet's shorter side.
-constexpr double kMargin = 0.2;   // Share of each side between a slit's middle and the border: the slit stays inside.
+constexpr double kMargin = 0.2;   // Share of each side between a cut's middle and the border: the cut stays inside.
 constexpr std::chrono::seconds kPatience(60);
-
-void add_point(double x, double y, v1::Polyline& line) {
-  v1::Vec2& point = *line.add_points();
-  point.set_x(x);
-  point.set_y(y);
-}
 
 }  // namespace
 
@@ -35,10 +30,11 @@ struct Cutter::Call {
   v1::CutResult response;
 };
 
-Cutter::Cutter(const Plan& plan, const std::vector<std::string>& sheets, client::Client& client, Recorder& recorder,
-               CutTracker& tracker, Waiter& waiter)
+Cutter::Cutter(const Plan& plan, const std::vector<std::string>& sheets, const std::atomic<std::int32_t>& count,
+               client::Client& client, Recorder& recorder, CutTracker& tracker, Waiter& waiter)
     : plan_(plan),
       sheets_(sheets),
+      count_(count),
       client_(client),
       recorder_(recorder),
       tracker_(tracker),
@@ -75,17 +71,15 @@ void Cutter::send(std::int64_t k, Nanoseconds intended) {
   const double length = std::min(kLongest, kLength * std::min(width, height));
   const double x = width * random_.uniform(kMargin, 1.0 - kMargin);
   const double y = height * random_.uniform(kMargin, 1.0 - kMargin);
+  const std::int32_t count = count_;
+  if (count == 0) return;
   if (!begin_call()) return recorder_.error("TOO_MANY_CUTS_UNDER_WAY");
   auto call = std::make_shared<Call>();
-  call->sheet = static_cast<std::size_t>(k) % sheets_.size();
+  call->sheet = static_cast<std::size_t>(k % count);
   call->intended = intended;
   call->tick_when_sent = tracker_.newest_tick(call->sheet);
   call->request.set_parent(sheets_[call->sheet]);
-  v1::Polyline& line = *call->request.mutable_cut()->mutable_curve()->mutable_polyline();
-  const double dx = 0.5 * length * std::cos(angle);
-  const double dy = 0.5 * length * std::sin(angle);
-  add_point(x - dx, y - dy, line);
-  add_point(x + dx, y + dy, line);
+  *call->request.mutable_cut() = cut_of(plan_.cut_kind, k, {x, y, angle, length});
   call->context.set_deadline(std::chrono::system_clock::now() + kPatience);
   const std::int64_t late = microseconds(now() - intended);
   recorder_.cuts([late](CutTotals& totals) {
@@ -105,9 +99,9 @@ void Cutter::answered(const Call& call, const grpc::Status& status) {
   const bool applied = call.response.status() == v1::CutResult::APPLIED;
   recorder_.cuts([&](CutTotals& totals) {
     ++(applied ? totals.applied : totals.missed);
-    totals.reply_us.add(took);
     if (call.tick_when_sent) totals.reply_ticks.add(call.response.tick() - *call.tick_when_sent);
   });
+  recorder_.answered(call.intended, took);
   if (!applied) return;
   tracker_.applied(call.sheet, call.response.tick(), call.response.topology_version(), call.intended);
   if (!plan_.keep_cuts) undo(call.sheet);

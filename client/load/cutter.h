@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
@@ -17,15 +18,16 @@
 
 namespace kerf::load {
 
-// Cuts sheets in turn at times fixed beforehand, without waiting for the answers to earlier cuts. Cuts are slits of at
-// most 0.1 m at places drawn from the plan's seed.
+// Cuts sheets in turn at times fixed beforehand, without waiting for the answers to earlier cuts. Cuts are at most 0.1
+// m long, at places drawn from the plan's seed.
 class Cutter {
  public:
   static constexpr std::int32_t kMostUnderWay = 10'000;  // Calls awaiting an answer; more are not made: errors.
 
-  // Cuts between recorder.begin() and recorder.end(). All arguments must outlive the Cutter.
-  Cutter(const Plan& plan, const std::vector<std::string>& sheets, client::Client& client, Recorder& recorder,
-         CutTracker& tracker, Waiter& waiter);
+  // Cuts the first `count` sheets between recorder.begin() and recorder.end(); none while it is 0. All arguments must
+  // outlive the Cutter.
+  Cutter(const Plan& plan, const std::vector<std::string>& sheets, const std::atomic<std::int32_t>& count,
+         client::Client& client, Recorder& recorder, CutTracker& tracker, Waiter& waiter);
   ~Cutter();  // Waits for the end and for all answers.
   Cutter(const Cutter&) = delete;
   Cutter& operator=(const Cutter&) = delete;
@@ -41,6 +43,7 @@ class Cutter {
 
   const Plan& plan_;
   const std::vector<std::string>& sheets_;
+  const std::atomic<std::int32_t>& count_;
   client::Client& client_;
   Recorder& recorder_;
   CutTracker& tracker_;

@@ -7,32 +7,13 @@
 #include <string>
 #include <vector>
 
+#include "client/load/html_page.h"
+#include "client/load/metrics.h"
 #include "client/load/report.h"
 #include "client/load/svg_plot.h"
 
 namespace kerf::load {
 namespace {
-
-constexpr const char* kStyle = R"css(
-:root { color-scheme: light dark; --ground: #fdfcfa; --text: #23211e; --faint: #6b665e; --line: #dcd7cd; --box: #f4f1ea; --warn: #9a4b00;
-  --c0: #1f5fa8; --c1: #c2410c; --c2: #2f7d4f; --c3: #7c3aad; --c4: #8a6d00; --c5: #0f7f8a; --c6: #b02a5b; --c7: #6b665e; }
-@media (prefers-color-scheme: dark) { :root { --ground: #16181b; --text: #e8e4dc; --faint: #a39d92; --line: #34383d; --box: #1f2226;
-  --warn: #ffb066; --c0: #7db4f0; --c1: #ff9966; --c2: #74c893; --c3: #c79bf0; --c4: #e0c15a; --c5: #5fc9d4; --c6: #f58bb0; --c7: #a39d92; } }
-body { margin: 0 auto; max-width: 1320px; padding: 24px; background: var(--ground); color: var(--text);
-  font: 15px/1.5 system-ui, sans-serif; }
-h1 { font-size: 24px; margin: 0 0 4px; } h2 { font-size: 18px; margin: 32px 0 8px; } p { max-width: 80ch; } .faint, .none { color: var(--faint); }
-.note { border-left: 4px solid var(--warn); padding: 4px 12px; margin: 8px 0; background: var(--box); }
-.numbers { display: grid; grid-template-columns: repeat(auto-fill, minmax(190px, 1fr)); gap: 12px; margin: 16px 0; }
-.numbers div { background: var(--box); border-radius: 6px; padding: 10px 14px; } .numbers b { display: block; font-size: 22px; font-weight: 600; }
-.plots { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 480px), 1fr)); gap: 16px; }
-table { border-collapse: collapse; font-variant-numeric: tabular-nums; } th, td { padding: 3px 12px 3px 0; text-align: right; border-bottom: 1px solid var(--line); }
-th:first-child, td:first-child { text-align: left; } th { color: var(--faint); font-weight: 500; } .wide { overflow-x: auto; }
-svg { width: 100%; height: auto; background: var(--box); border-radius: 6px; } svg text { fill: var(--text); font: 11px system-ui, sans-serif; }
-svg .title { font-size: 13px; font-weight: 600; } svg .tick, svg .label, svg .key { fill: var(--faint); }
-svg .grid { stroke: var(--line); stroke-width: 1; } svg polyline { fill: none; stroke-width: 1.8; stroke-linejoin: round; } svg line { stroke-width: 2.5; }
-.s0 { stroke: var(--c0); } .s1 { stroke: var(--c1); } .s2 { stroke: var(--c2); } .s3 { stroke: var(--c3); } .s4 { stroke: var(--c4); }
-.s5 { stroke: var(--c5); } .s6 { stroke: var(--c6); } .s7 { stroke: var(--c7); }
-)css";
 
 constexpr double kMega = 1e6;
 constexpr std::ptrdiff_t kColours = 8;  // s0 to s7.
@@ -58,7 +39,7 @@ std::string tiles(const Report& report) {
   html += tile(fixed(pace.least, 3) + " / " + fixed(pace.median, 3),
                "real-time factor, least / median of " + std::to_string(pace.running) + " running sheets");
   if (viewers.readers > 0) {
-    const double each = viewers.readers * report.window_s;
+    const double each = std::max(reader_seconds(report, Role::kViewer), 1e-9);
     html += tile(fixed(static_cast<double>(viewers.frames) / each, 1) + " Hz",
                  "frames, each of " + std::to_string(viewers.readers) + " viewers");
     html += tile(fixed(static_cast<double>(viewers.bytes) / each / 1e3, 1) + " kB/s", "each viewer");
@@ -73,33 +54,42 @@ std::string tiles(const Report& report) {
   return "<div class=\"numbers\">" + html + "</div>";
 }
 
-std::string row(const std::vector<std::string>& cells, const char* tag = "td") {
-  std::string html = "<tr>";
-  for (const std::string& cell : cells) html += "<" + std::string(tag) + ">" + escape_html(cell) + "</" + tag + ">";
-  return html + "</tr>";
-}
-
 std::string latency_table(const Report& report) {
-  std::string html = row({"ms", "count", "p50", "p90", "p99", "p99.9", "max"}, "th");
+  bool any_few = false;
+  std::string html = html_row({"ms", "count", "p50", "p90", "p99", "p99.9", "max"}, "th");
   for (const Latency& latency : latencies(report)) {
     std::vector<std::string> cells{latency.name, std::to_string(latency.us->count())};
-    for (const double q : kQuantiles) cells.push_back(fixed(static_cast<double>(latency.us->quantile(q)) / 1e3, 2));
+    for (const double q : kQuantiles) {
+      const bool few = latency.us->count() < values_needed(q);
+      any_few = any_few || few;
+      cells.push_back(fixed(static_cast<double>(latency.us->quantile(q)) / 1e3, 2) + (few ? " *" : ""));
+    }
     cells.push_back(fixed(static_cast<double>(latency.us->max()) / 1e3, 2));
-    html += row(cells);
+    html += html_row(cells);
   }
-  return "<div class=\"wide\"><table>" + html + "</table></div>";
+  const std::string note = any_few ? "<p class=\"faint\">" + escape_html(kFewValues) + ".</p>" : "";
+  return "<div class=\"wide\"><table>" + html + "</table></div>" + note;
+}
+
+std::string condition_table(const Report& report) {
+  std::string rows;
+  for (const Judgement& judgement : judge(report)) {
+    const bool passed = judgement.verdict == Judgement::Verdict::kPassed;
+    rows += "<p class=\"" + std::string(passed ? "done" : "note") + "\">" + escape_html(describe(judgement)) + "</p>";
+  }
+  return rows.empty() ? rows : "\n<h2>Conditions under which the run has failed</h2>" + rows;
 }
 
 std::string reader_table(const Report& report) {
-  std::string html = row({"readers", "joined", "frames", "keyframes", "ticks skipped", "MB", "ended early"}, "th");
+  std::string html = html_row({"readers", "joined", "frames", "keyframes", "ticks skipped", "MB", "ended early"}, "th");
   for (const Role role : kRoles) {
     const ReaderTotals& of = report.of(role);
     if (of.readers == 0 && of.ends.empty()) continue;
     std::string ends;
     for (const auto& [how, count] : of.ends) ends += (ends.empty() ? "" : ", ") + std::to_string(count) + " " + how;
-    html += row({name_of(role), std::to_string(of.readers), std::to_string(of.frames), std::to_string(of.keyframes),
-                 std::to_string(of.skipped), fixed(static_cast<double>(of.bytes) / kMega, 2),
-                 ends.empty() ? "none" : ends});
+    html += html_row({name_of(role), std::to_string(of.readers), std::to_string(of.frames),
+                      std::to_string(of.keyframes), std::to_string(of.skipped),
+                      fixed(static_cast<double>(of.bytes) / kMega, 2), ends.empty() ? "none" : ends});
   }
   return "<div class=\"wide\"><table>" + html + "</table></div>";
 }
@@ -133,11 +123,7 @@ std::string stretch_plots(const Report& report) {
   for (std::size_t i = 0; i < std::min(measured, report.stretches.size()); i += group) {
     Stretch sum;
     const std::size_t end = std::min(i + group, report.stretches.size());
-    for (std::size_t k = i; k < end; ++k) {
-      sum.frames += report.stretches[k].frames;
-      sum.bytes += report.stretches[k].bytes;
-      sum.age_us.merge(report.stretches[k].age_us);
-    }
+    for (std::size_t k = i; k < end; ++k) sum.merge(report.stretches[k]);
     const double span = length * static_cast<double>(end - i);
     const double time = length * static_cast<double>(i) + 0.5 * span;
     bytes.points.emplace_back(time, static_cast<double>(sum.bytes) / span / kMega);
@@ -186,8 +172,8 @@ std::string pace_plot(const Report& report) {
 
 std::string list_of(const std::string& heading, const std::map<std::string, std::int64_t>& counts) {
   if (counts.empty()) return {};
-  std::string html = row({heading, "count"}, "th");
-  for (const auto& [reason, count] : counts) html += row({reason, std::to_string(count)});
+  std::string html = html_row({heading, "count"}, "th");
+  for (const auto& [reason, count] : counts) html += html_row({reason, std::to_string(count)});
   return "<table>" + html + "</table>";
 }
 
@@ -195,23 +181,18 @@ std::string list_of(const std::string& heading, const std::map<std::string, std:
 
 std::string to_html(const Report& report) {
   const Plan& plan = report.plan;
-  std::string html =
-      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/>"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>"
-      "<title>Kerf under load</title><style>" +
-      std::string(kStyle) + "</style></head><body>\n<h1>Kerf under load</h1>";
-  html += "<p class=\"faint\">" +
-          escape_html("Kerf " + report.server_version + " at " + plan.server + ", " +
-                      std::to_string(report.server_workers) + " workers; " + report.started + ", measured for " +
-                      fixed(report.measured_s, 1) + " s. Sheets of " + std::to_string(plan.columns) + " x " +
-                      std::to_string(plan.rows) + " vertices at " + fixed(plan.tick_rate_hz, 0) + " Hz (" +
-                      report.integrator + ").") +
-          "</p>";
+  std::string html = "<p class=\"faint\">" +
+                     escape_html("Kerf " + report.server_version + " at " + plan.server + ", " +
+                                 std::to_string(report.server_workers) + " workers; " + report.started +
+                                 ", measured for " + fixed(report.measured_s, 1) + " s. Sheets of " +
+                                 std::to_string(plan.columns) + " x " + std::to_string(plan.rows) + " vertices at " +
+                                 fixed(plan.tick_rate_hz, 0) + " Hz (" + report.integrator + ").") +
+                     "</p>";
   for (const std::string& warning : warnings(report)) html += "<p class=\"note\">" + escape_html(warning) + "</p>";
   if (!report.first_refusal.empty()) {
     html += "<p class=\"note\">A sheet was refused: " + escape_html(report.first_refusal) + "</p>";
   }
-  html += tiles(report) + "\n<h2>Latencies</h2>" + latency_table(report);
+  html += tiles(report) + condition_table(report) + "\n<h2>Latencies</h2>" + latency_table(report);
   html +=
       "<p class=\"faint\">Latencies of cuts count from the time at which each was due, those of frames from the time "
       "of the tick shown, so a stall counts in everything that it delays. The last row is a thread that only sleeps "
@@ -232,7 +213,7 @@ std::string to_html(const Report& report) {
             std::to_string(cuts.reply_ticks.quantile(0.99)) + ".</p>";
   }
   html += list_of("sheets refused", report.refusals) + list_of("errors", errors_of(report));
-  return html + "\n</body></html>\n";
+  return html_page("Kerf under load", html);
 }
 
 }  // namespace kerf::load

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <string>
 
+#include "client/load/metrics.h"
 #include "client/load/report.h"
 
 namespace kerf::load {
@@ -35,12 +36,15 @@ Json of(const Plan& plan) {
           {"image_width", plan.image_width},
           {"image_height", plan.image_height},
           {"cuts_per_second", plan.cuts_per_second},
+          {"cut_kind", name_of(plan.cut_kind)},
           {"keep_cuts", plan.keep_cuts},
           {"way_ms", plan.way_ms},
           {"way_kib_per_s", plan.way_kib_per_s},
           {"transport", plan.transport == Transport::kGrpc ? "grpc" : "ws"},
           {"warm_up_s", plan.warm_up_s},
           {"duration_s", plan.duration_s},
+          {"stages", text_of(plan.stages)},
+          {"stages_of", plan.staged == Staged::kSheets ? "sheets" : "viewers"},
           {"seed", plan.seed}};
 }
 
@@ -105,6 +109,30 @@ Json sheets_of(const Report& report) {
           {"sheets", std::move(list)}};
 }
 
+Json metrics_of(const Report& report) {
+  Json all = Json::object();
+  for (const Metric& metric : metrics()) {
+    const Figure figure = metric.figure(report);
+    all[metric.name] = {{"value", figure.value ? Json(*figure.value) : Json(nullptr)},
+                        {"unit", units_of(metric.unit).front().first},
+                        {"samples", figure.samples},
+                        {"enough", figure.enough()}};
+  }
+  return all;
+}
+
+Json conditions_of(const Report& report) {
+  Json list = Json::array();
+  for (const Judgement& judgement : judge(report)) {
+    list.push_back({{"condition", judgement.condition.text},
+                    {"verdict", name_of(judgement.verdict)},
+                    {"value", judgement.figure.value ? Json(*judgement.figure.value) : Json(nullptr)},
+                    {"samples", judgement.figure.samples},
+                    {"samples_needed", judgement.figure.needed}});
+  }
+  return list;
+}
+
 }  // namespace
 
 std::string to_json(const Report& report) {
@@ -122,6 +150,8 @@ std::string to_json(const Report& report) {
   json["control_us"] = of(report.control_us);
   json["server_cores"] = server_cores(report) < 0.0 ? Json(nullptr) : Json(server_cores(report));
   json["client_cores"] = client_cores(report);
+  json["metrics"] = metrics_of(report);
+  json["fail_if"] = conditions_of(report);
   json["errors"] = errors_of(report);
   json["warnings"] = warnings(report);
   json["probes"] = Json::array();

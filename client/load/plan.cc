@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <sstream>
 #include <string_view>
+#include <utility>
 
 namespace kerf::load {
 namespace {
@@ -49,6 +50,13 @@ bool is_prefix(std::string_view text) {
 }
 
 }  // namespace
+
+void set_stages(std::vector<Stage> stages, Staged staged, Plan& plan) {
+  plan.duration_s = length_s(stages);
+  (staged == Staged::kViewers ? plan.viewers : plan.sheets) = largest_target(stages);
+  plan.stages = std::move(stages);
+  plan.staged = staged;
+}
 
 Status check(const Plan& plan) {
   for (const Range& range : ranges(plan)) {

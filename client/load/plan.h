@@ -5,11 +5,15 @@
 #include <vector>
 
 #include "client/cpp/credentials.h"
+#include "client/load/condition.h"
+#include "client/load/cut_shape.h"
+#include "client/load/stages.h"
 #include "server/base/result.h"
 
 namespace kerf::load {
 
 enum class Transport { kGrpc, kWebSocket };
+enum class Staged { kViewers, kSheets };  // Names the things that the stages of a run count.
 
 // Describes a run. Ranges are checked by check().
 struct Plan {
@@ -32,6 +36,7 @@ struct Plan {
   std::int32_t image_width = 640;          // Pixels, 16..4096.
   std::int32_t image_height = 360;         // Pixels, 16..4096.
   double cuts_per_second = 0.0;            // Over all sheets together, 0..1000.
+  CutKind cut_kind = CutKind::kSlit;
   bool keep_cuts = false;      // Otherwise each cut is undone once it is answered, so that sheets keep their size.
   double way_ms = 0.0;         // Delay added to each direction between readers and server, 0..10,000.
   double way_kib_per_s = 0.0;  // Limit per direction of each reader's connection, 1..1e6; 0: none.
@@ -40,7 +45,15 @@ struct Plan {
   double duration_s = 10.0;                // Measured time, 0.1..1,800.
   std::string prefix = "load";             // Sheets are PREFIX-0, PREFIX-1 ...; [a-z][a-z0-9-]{0,40}.
   std::uint64_t seed = 1;                  // For the places of cuts.
+  // Changes of the number of `staged` during the measured time; none: all are there from the beginning. Viewers open
+  // and close; sheets are made before, paused, and run while they count. Set by set_stages().
+  std::vector<Stage> stages = {};
+  Staged staged = Staged::kViewers;
+  std::vector<Condition> fail_if = {};  // The run has failed if one of them holds.
 };
+
+// Sets the stages, as well as the duration and the number of viewers or sheets, which follow from them.
+void set_stages(std::vector<Stage> stages, Staged staged, Plan& plan);
 
 // Checks the ranges. INVALID_ARGUMENT with the option as its field.
 [[nodiscard]] Status check(const Plan& plan);

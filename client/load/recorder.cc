@@ -18,9 +18,23 @@ const char* name_of(Role role) {
   return "";
 }
 
+void Stretch::merge(const Stretch& other) {
+  frames += other.frames;
+  bytes += other.bytes;
+  age_us.merge(other.age_us);
+  cut_us.merge(other.cut_us);
+  errors += other.errors;
+}
+
 void Recorder::measure(Nanoseconds begin, Nanoseconds end) {
   end_ = end;
   begin_ = begin;  // Written last, so that counts() never sees a begin without its end.
+}
+
+Stretch& Recorder::stretch_at(Nanoseconds time) {
+  const Nanoseconds begin = begin_;
+  const double share = static_cast<double>((time - begin).count()) / static_cast<double>((end() - begin).count());
+  return stretches_[std::min(static_cast<std::size_t>(share * kStretches), kStretches - 1)];
 }
 
 void Recorder::joined(Role role, Nanoseconds took) {
@@ -39,10 +53,7 @@ void Recorder::frame(Role role, const FrameSeen& frame) {
   totals.skipped += frame.skipped;
   totals.age_us.add(frame.age_us);
   if (role != Role::kViewer) return;
-  const Nanoseconds begin = begin_;
-  const double share =
-      static_cast<double>((frame.decoded - begin).count()) / static_cast<double>((end() - begin).count());
-  Stretch& stretch = stretches_[std::min(static_cast<std::size_t>(share * kStretches), kStretches - 1)];
+  Stretch& stretch = stretch_at(frame.decoded);
   ++stretch.frames;
   stretch.bytes += frame.bytes;
   stretch.age_us.add(frame.age_us);
@@ -62,6 +73,14 @@ void Recorder::ended(Role role, const std::string& how, bool joined) {
 void Recorder::error(const std::string& reason) {
   const std::lock_guard lock(mutex_);
   ++errors_[reason];
+  const Nanoseconds time = now();
+  if (counts(time)) ++stretch_at(time).errors;
+}
+
+void Recorder::answered(Nanoseconds intended, std::int64_t took_us) {
+  const std::lock_guard lock(mutex_);
+  cuts_.reply_us.add(took_us);
+  if (counts(intended)) stretch_at(intended).cut_us.add(took_us);
 }
 
 ReaderTotals Recorder::readers(Role role) const {

@@ -45,11 +45,16 @@ struct CutTotals {
   std::int64_t unseen = 0;        // Cuts on watched sheets that have no frame in seen_us when the run ends.
 };
 
-// Counts the frames that readers of role kViewer decode in one of kStretches equal parts of the measured time.
+// Counts what happens in one of kStretches equal parts of the measured time: frames that readers of role kViewer
+// decode, answers to cuts that were due then, and errors.
 struct Stretch {
   std::int64_t frames = 0;
   std::int64_t bytes = 0;
   Histogram age_us;
+  Histogram cut_us;  // From the intended time to the reply.
+  std::int64_t errors = 0;
+
+  void merge(const Stretch& other);
 };
 
 struct FrameSeen {
@@ -81,6 +86,8 @@ class Recorder {
   // Records that a stream ended early, for the reason `how`. `joined`: the reader had a first frame.
   void ended(Role role, const std::string& how, bool joined);
   void error(const std::string& reason);
+  // Records the answer to a cut that was due at `intended`.
+  void answered(Nanoseconds intended, std::int64_t took_us);
   // Calls `change` with the lock held.
   template <typename Change>
   void cuts(Change change) {
@@ -94,6 +101,8 @@ class Recorder {
   [[nodiscard]] std::map<std::string, std::int64_t> errors() const;
 
  private:
+  // Returns the part of the measured time in which `time` lies; counts(time) must be true.
+  Stretch& stretch_at(Nanoseconds time);
   ReaderTotals& of(Role role) { return readers_[static_cast<std::size_t>(role)]; }
 
   std::atomic<Nanoseconds> begin_{Nanoseconds::max()};

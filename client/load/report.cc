@@ -34,6 +34,14 @@ std::int64_t sum(const std::map<std::string, std::int64_t>& counts) {
                          [](std::int64_t so_far, const auto& each) { return so_far + each.second; });
 }
 
+// Returns the number of readers without a frame. Viewers of stages may close before their first one: only those that
+// the server refused count.
+std::int32_t num_without_frame(const Report& report, Role role) {
+  const bool in_stages = !report.plan.stages.empty() && report.plan.staged == Staged::kViewers;
+  if (report.interrupted || (role == Role::kViewer && in_stages)) return 0;
+  return asked(report.plan, role) - report.of(role).readers;
+}
+
 std::string sentence(const char* form, double a, double b) {
   std::array<char, 300> text{};
   std::snprintf(text.data(), text.size(), form, a, b);
@@ -44,8 +52,8 @@ std::string sentence(const char* form, double a, double b) {
 void add_reader_warnings(const Report& report, std::vector<std::string>& found) {
   for (const Role role : kRoles) {
     const ReaderTotals& of = report.of(role);
-    const std::int32_t missing = asked(report.plan, role) - of.readers;
-    if (missing > 0 && !report.interrupted) {
+    const std::int32_t missing = num_without_frame(report, role);
+    if (missing > 0) {
       found.push_back(sentence("%.0f of %.0f ", missing, asked(report.plan, role)) + name_of(role) +
                       " never received a frame: the figures cover the others.");
     }
@@ -63,7 +71,8 @@ Pace pace_of(const Report& report) {
   std::vector<double> factors;
   for (const SheetRun& sheet : report.sheets) {
     if (sheet.slipped_s > 0.0) ++pace.slipped;
-    if (sheet.run_state == "RUNNING") factors.push_back(sheet.real_time_factor);
+    const bool ran_a_while = report.plan.staged == Staged::kSheets && sheet.ticks > 0;
+    if (sheet.run_state == "RUNNING" || ran_a_while) factors.push_back(sheet.real_time_factor);
   }
   if (factors.empty()) return pace;
   std::sort(factors.begin(), factors.end());
@@ -72,6 +81,27 @@ Pace pace_of(const Report& report) {
   pace.median = factors[(factors.size() - 1) / 2];
   pace.most = factors.back();
   return pace;
+}
+
+double num_viewers(const Report& report, double from, double to) {
+  const Plan& plan = report.plan;
+  if (plan.stages.empty() || plan.staged != Staged::kViewers) return report.of(Role::kViewer).readers;
+  return mean_count(plan.stages, from, to);
+}
+
+double num_sheets(const Report& report, double from, double to) {
+  const auto made = static_cast<double>(report.sheets.size());
+  if (report.plan.stages.empty() || report.plan.staged != Staged::kSheets) return made;
+  return std::min(made, mean_count(report.plan.stages, from, to));
+}
+
+double reader_seconds(const Report& report, Role role) {
+  if (role != Role::kViewer || report.window_s <= 0.0) return report.of(role).readers * report.window_s;
+  return num_viewers(report, 0.0, report.window_s) * report.window_s;
+}
+
+std::int64_t num_refused(const Report& report) {
+  return sum(report.refusals);
 }
 
 double server_cores(const Report& report) {
@@ -89,8 +119,8 @@ std::map<std::string, std::int64_t> errors_of(const Report& report) {
   for (const Role role : kRoles) {
     const ReaderTotals& of = report.of(role);
     const std::string who = name_of(role);
-    const std::int64_t waiting = asked(report.plan, role) - of.readers - of.ended_without;
-    if (waiting > 0 && !report.interrupted) errors[who + " without a frame"] += waiting;
+    const std::int64_t waiting = num_without_frame(report, role) - of.ended_without;
+    if (waiting > 0) errors[who + " without a frame"] += waiting;
     if (role == Role::kStalled) continue;
     for (const auto& [how, count] : of.ends) errors[who + " ended: " + how] += count;
   }

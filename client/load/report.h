@@ -19,7 +19,7 @@ struct SheetRun {
   std::int64_t ticks = 0;
   std::int64_t overruns = 0;
   double slipped_s = 0.0;
-  double real_time_factor = 0.0;  // Simulated time over wall time.
+  double real_time_factor = 0.0;  // Simulated time over the wall time during which it was to run.
 };
 
 // Holds all results of a run.
@@ -36,6 +36,7 @@ struct Report {
   std::map<std::string, std::int64_t> refusals;  // Number of sheets not made, by reason.
   std::string first_refusal;                     // The server's words.
   double creation_s = 0.0;                       // Time in which all sheets were created.
+  Nanoseconds begin{0};                          // Beginning of the measured time.
   std::vector<SheetRun> sheets;
   std::array<ReaderTotals, kRoles.size()> readers;
   CutTotals cuts;
@@ -58,6 +59,13 @@ struct Pace {
   std::int64_t slipped = 0;  // Sheets that gave up simulated time.
 };
 [[nodiscard]] Pace pace_of(const Report& report);
+
+// Return the mean number that was to be there from `from` to `to`, seconds from the beginning of the measured time.
+[[nodiscard]] double num_viewers(const Report& report, double from, double to);
+[[nodiscard]] double num_sheets(const Report& report, double from, double to);
+// Returns the time for which readers of a role read, summed over all of them.
+[[nodiscard]] double reader_seconds(const Report& report, Role role);
+[[nodiscard]] std::int64_t num_refused(const Report& report);  // Sheets.
 
 // Return the mean number of cores that the server, or this program, used; negative if unknown.
 [[nodiscard]] double server_cores(const Report& report);
@@ -84,6 +92,7 @@ struct Latency {
 [[nodiscard]] std::vector<Latency> latencies(const Report& report);
 
 inline constexpr std::array<double, 4> kQuantiles{0.5, 0.9, 0.99, 0.999};
+inline constexpr const char* kFewValues = "* of too few values: the largest of them stands for the percentile";
 
 [[nodiscard]] std::string to_text(const Report& report);
 [[nodiscard]] std::string to_json(const Report& report);

@@ -17,7 +17,9 @@
 #include "client/load/cut_tracker.h"
 #include "client/load/cutter.h"
 #include "client/load/delaying_proxy.h"
+#include "client/load/ramp.h"
 #include "client/load/sheet_set.h"
+#include "client/load/sheet_switch.h"
 #include "client/load/viewer.h"
 
 namespace kerf::load {
@@ -112,16 +114,30 @@ class Run {
     }
     Recorder recorder;
     CutTracker tracker(recorder);
-    open_readers(names, recorder, tracker);
+    const bool in_stages = !plan.stages.empty();
+    const bool sheets_in_stages = in_stages && plan.staged == Staged::kSheets;
+    SheetSwitch running(names, sheets_in_stages ? 0 : static_cast<std::int32_t>(names.size()), client_, recorder);
+    const auto set_viewers = [&](std::int32_t count) { this->set_viewers(count, names, recorder, tracker); };
+    open_readers(names, recorder);
+    if (!in_stages || sheets_in_stages) set_viewers(plan.viewers);
     // Starts the schedule only now: a thousand readers take a while to open, and events due meanwhile would be late.
     const Nanoseconds begin = now() + nanoseconds(plan.warm_up_s);
     recorder.measure(begin, begin + nanoseconds(plan.duration_s));
+    report_.begin = begin;
     wait(begin, "warming up", recorder);
     {
       const Schedule ticks{begin, nanoseconds(1.0 / plan.tick_rate_hz)};
       const Control control(ticks, recorder.end(), stopper_);
       std::optional<Cutter> cutter;
-      if (plan.cuts_per_second > 0.0) cutter.emplace(plan, names, client_, recorder, tracker, stopper_);
+      std::optional<Ramp> ramp;
+      if (sheets_in_stages) {
+        ramp.emplace(plan.stages, begin, stopper_, [&](std::int32_t count) { running.set(count); });
+      } else if (in_stages) {
+        ramp.emplace(plan.stages, begin, stopper_, set_viewers);
+      }
+      if (plan.cuts_per_second > 0.0) {
+        cutter.emplace(plan, names, running.count(), client_, recorder, tracker, stopper_);
+      }
       watch_over(recorder);
       report_.interrupted = stopper_.stopped();
       report_.window_s =
@@ -131,34 +147,64 @@ class Run {
     }
     wait_for_cuts(tracker, recorder);
     stopper_.stop();
+    for (const auto& viewer : viewers_) viewer->stop();
     for (const auto& reader : readers_) reader->stop();
+    viewers_.clear();
     readers_.clear();
     proxy_.reset();
     tracker.finish();
     collect(recorder);
+    if (sheets_in_stages) set_paces(names, running);
     return Nothing{};
   }
 
-  void open_readers(const std::vector<std::string>& names, Recorder& recorder, CutTracker& tracker) {
+  // Divides the ticks of each sheet by the time for which it was to run.
+  void set_paces(const std::vector<std::string>& names, const SheetSwitch& running) {
+    for (SheetRun& sheet : report_.sheets) {
+      const auto index = static_cast<std::size_t>(std::find(names.begin(), names.end(), sheet.name) - names.begin());
+      const double ran_s = running.ran_s(index, last_listed_);
+      const double simulated_s = static_cast<double>(sheet.ticks) / report_.plan.tick_rate_hz;
+      sheet.real_time_factor = ran_s > 0.0 ? simulated_s / ran_s : 0.0;
+    }
+  }
+
+  void open_readers(const std::vector<std::string>& names, Recorder& recorder) {
     const Plan& plan = report_.plan;
     const auto open = [&](Role role, std::int32_t count) {
       for (std::int32_t i = 0; i < count; ++i) {
-        Watching watching;
-        watching.role = role;
-        watching.index = static_cast<std::size_t>(i) % names.size();
-        watching.sheet = names[watching.index];
-        watching.address = role == Role::kImage ? plan.server : proxy_ ? proxy_->address() : frames_at();
-        if (role == Role::kViewer && static_cast<std::size_t>(i) < names.size()) {
-          tracker.watch(watching.index);
-          watching.tracker = &tracker;
-        }
-        readers_.push_back(open_reader(watching, recorder));
+        readers_.push_back(open_reader(watching_of(role, static_cast<std::size_t>(i), names), recorder));
       }
     };
-    open(Role::kViewer, plan.viewers);
     open(Role::kSlow, plan.slow_readers);
     open(Role::kStalled, plan.stalled_readers);
     open(Role::kImage, plan.image_viewers);
+  }
+
+  // Returns what reader number `i` of a role watches.
+  [[nodiscard]] Watching watching_of(Role role, std::size_t i, const std::vector<std::string>& names) const {
+    Watching watching;
+    watching.role = role;
+    watching.index = i % names.size();
+    watching.sheet = names[watching.index];
+    watching.address = role == Role::kImage ? report_.plan.server : proxy_ ? proxy_->address() : frames_at();
+    return watching;
+  }
+
+  // Opens or closes viewers until there are `count`; the last opened closes first.
+  void set_viewers(std::int32_t count, const std::vector<std::string>& names, Recorder& recorder, CutTracker& tracker) {
+    const auto wanted = static_cast<std::size_t>(count);
+    while (viewers_.size() < wanted) {
+      Watching watching = watching_of(Role::kViewer, viewers_.size(), names);
+      if (viewers_.size() < names.size()) {  // The first viewer of its sheet.
+        tracker.watch(watching.index);
+        watching.tracker = &tracker;
+      }
+      viewers_.push_back(open_reader(watching, recorder));
+    }
+    while (viewers_.size() > wanted) {
+      viewers_.pop_back();
+      if (viewers_.size() < names.size()) tracker.unwatch(viewers_.size());
+    }
   }
 
   // Returns the address for readers of frames, without a proxy.
@@ -254,7 +300,8 @@ class Run {
   client::Client client_;
   ServerProbe probe_;
   std::unique_ptr<DelayingProxy> proxy_;
-  std::vector<std::unique_ptr<Viewer>> readers_;
+  std::vector<std::unique_ptr<Viewer>> viewers_;  // Readers at full speed; the Ramp changes them.
+  std::vector<std::unique_ptr<Viewer>> readers_;  // All others.
   std::map<std::string, SheetCounts> first_;
   std::map<std::string, SheetCounts> last_;
   Nanoseconds first_listed_{0};

@@ -72,6 +72,7 @@ SheetSet::SheetSet(const Plan& plan, client::Client& client, Waiter& waiter, Tel
     : plan_(plan), client_(client), tell_(std::move(tell)) {
   v1::CreateSheetRequest request;
   *request.mutable_scene() = scene_of(plan);
+  request.set_paused(plan.staged == Staged::kSheets);
   const auto make = [&](std::int32_t i) {
     v1::CreateSheetRequest named = request;
     named.set_sheet_id(plan_.prefix + "-" + std::to_string(i));

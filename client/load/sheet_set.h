@@ -17,7 +17,7 @@
 namespace kerf::load {
 
 // Owns the sheets of a run. They hang from their top corners, which move to and fro, so that they never come to rest.
-// With a still plan they lie flat without gravity and fall asleep.
+// With a still plan they lie flat without gravity and fall asleep. They are paused if the plan has stages of sheets.
 class SheetSet {
  public:
   static constexpr std::chrono::seconds kPatience{30};

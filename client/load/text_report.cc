@@ -3,7 +3,9 @@
 #include <cstdarg>
 #include <cstdio>
 #include <string>
+#include <vector>
 
+#include "client/load/metrics.h"
 #include "client/load/report.h"
 
 namespace kerf::load {
@@ -37,6 +39,10 @@ void add_sheets(Text& text, const Report& report) {
             report.integrator.c_str());
   for (const auto& [reason, count] : report.refusals) text.line("  refused  %lld: %s", whole(count), reason.c_str());
   if (!report.first_refusal.empty()) text.line("           \"%s\"", report.first_refusal.c_str());
+  if (!report.plan.stages.empty()) {
+    text.line("stages     of %s: %s", report.plan.staged == Staged::kSheets ? "sheets" : "viewers",
+              text_of(report.plan.stages).c_str());
+  }
   text.line("ticks      %lld, %lld after their deadline", whole(ticks_of(report)), whole(overruns_of(report)));
   text.line("real time  %lld running: least %.3f, median %.3f, most %.3f; %lld slipped", whole(pace.running),
             pace.least, pace.median, pace.most, whole(pace.slipped));
@@ -46,11 +52,10 @@ void add_readers(Text& text, const Report& report) {
   for (const Role role : kRoles) {
     const ReaderTotals& of = report.of(role);
     if (of.readers == 0 && of.ends.empty()) continue;
-    const double readers = std::max(of.readers, 1);
+    const double seconds = std::max(reader_seconds(report, role), 1e-9);
     text.line("%-15s  %d joined; each %.2f frames/s, %.1f kB/s; %lld frames, %lld keyframes, %lld ticks skipped",
-              name_of(role), of.readers, static_cast<double>(of.frames) / readers / report.window_s,
-              static_cast<double>(of.bytes) / readers / report.window_s / 1e3, whole(of.frames), whole(of.keyframes),
-              whole(of.skipped));
+              name_of(role), of.readers, static_cast<double>(of.frames) / seconds,
+              static_cast<double>(of.bytes) / seconds / 1e3, whole(of.frames), whole(of.keyframes), whole(of.skipped));
     for (const auto& [how, count] : of.ends) text.line("  ended    %lld: %s", whole(count), how.c_str());
   }
 }
@@ -58,7 +63,8 @@ void add_readers(Text& text, const Report& report) {
 void add_cuts(Text& text, const Report& report) {
   const CutTotals& cuts = report.cuts;
   if (cuts.sent == 0) return;
-  text.line("cuts       %lld sent, %lld applied, %lld missed, %lld undone", whole(cuts.sent), whole(cuts.applied),
+  text.line("cuts       %s: %lld sent, %lld applied, %lld missed, %lld undone",
+            std::string(name_of(report.plan.cut_kind)).c_str(), whole(cuts.sent), whole(cuts.applied),
             whole(cuts.missed), whole(cuts.undone));
   if (cuts.reply_ticks.count() > 0) {
     text.line("  ticks    from the one shown when sent to the one applied at: p50 %lld, p99 %lld, max %lld (of %lld)",
@@ -70,13 +76,22 @@ void add_cuts(Text& text, const Report& report) {
 }
 
 void add_latencies(Text& text, const Report& report) {
-  text.line("\n%-46s %9s %9s %9s %9s %9s %9s", "ms", "count", "p50", "p90", "p99", "p99.9", "max");
+  bool any_few = false;
+  text.line("\n%-46s %9s %9s  %9s  %9s  %9s  %9s", "ms", "count", "p50", "p90", "p99", "p99.9", "max");
   for (const Latency& latency : latencies(report)) {
-    const auto ms = [&](double q) { return static_cast<double>(latency.us->quantile(q)) / 1e3; };
-    text.line("%-46s %9lld %9.2f %9.2f %9.2f %9.2f %9.2f", latency.name.c_str(), whole(latency.us->count()),
-              ms(kQuantiles[0]), ms(kQuantiles[1]), ms(kQuantiles[2]), ms(kQuantiles[3]),
+    std::string cells;
+    for (const double q : kQuantiles) {
+      const bool few = latency.us->count() < values_needed(q);
+      any_few = any_few || few;
+      std::array<char, 40> cell{};
+      std::snprintf(cell.data(), cell.size(), " %9.2f%c", static_cast<double>(latency.us->quantile(q)) / 1e3,
+                    few ? '*' : ' ');
+      cells += cell.data();
+    }
+    text.line("%-46s %9lld%s %9.2f", latency.name.c_str(), whole(latency.us->count()), cells.c_str(),
               static_cast<double>(latency.us->max()) / 1e3);
   }
+  if (any_few) text.line("%s", kFewValues);
 }
 
 void add_machines(Text& text, const Report& report) {
@@ -109,6 +124,9 @@ std::string to_text(const Report& report) {
   text.line("errors     %lld", whole(num_errors(report)));
   for (const auto& [reason, count] : errors_of(report)) text.line("  %lld: %s", whole(count), reason.c_str());
   add_latencies(text, report);
+  const std::vector<Judgement> judged = judge(report);
+  if (!judged.empty()) text.line("\nconditions under which the run has failed");
+  for (const Judgement& judgement : judged) text.line("  %s", describe(judgement).c_str());
   for (const std::string& warning : warnings(report)) text.line("\nNote: %s", warning.c_str());
   return text.take();
 }

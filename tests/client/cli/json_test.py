@@ -13,6 +13,7 @@ CALLS = {
     "completion": "completion bash",
     "cut": "cut still --circle 0.5,0.5,0.2",
     "cuts": "cuts still",
+    "doctor": "doctor --data none",
     "export": "export still --out {work}/still.obj",
     "images": "images still --out {work}/film --size 64x64 --count 1",
     "info": "info",
@@ -51,6 +52,7 @@ CALLS = {
     "store prune": "store prune",
     "token new": "token new alice --file {work}/tokens",
     "undo": "undo still",
+    "version": "version",
     "watch": "watch live --frames 1",
 }
 # Commands for which this test has nothing; they refuse in JSON, and their own tests see the other answer.

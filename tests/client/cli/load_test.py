@@ -1,5 +1,7 @@
 """`kerf load` against a real kerfd; what it measures is tested in tests/client/load."""
 
+import csv
+import io
 import json
 import pathlib
 import signal
@@ -59,11 +61,71 @@ class Load(Case):
         self.assertIn("2 of 2 viewers never received a frame", " ".join(report["warnings"]))
         self.assertEqual((done.returncode, json.loads(done.stderr)["error"]["reason"]), (1, "NO_READER"))
 
+    def test_conditions_have_exit_codes_of_their_own(self):
+        cuts = (*self.SMALL, "--cuts-per-second", "20")
+        for conditions, code, says in ((("cuts_sent<10", "errors>0"), 0, ""), (("cuts_sent>=10",), 3, "cuts_sent>=10: failed, 10"),
+                                       ((" cut_p99>1s ",), 4, "10 values, where at least 100 are needed"),
+                                       (("cut_p99>1s", "cuts_sent>1"), 3, "cuts_sent>1: failed")):
+            done = kerf(*cuts, *(word for condition in conditions for word in ("--fail-if", condition)))
+            self.assertEqual(done.returncode, code, done.stdout + done.stderr)
+            self.assertIn(says, done.stderr)
+            self.assertIn(f"  {conditions[0].strip()}: ", done.stdout)
+        self.refused("load", "--fail-if", "cut_p98>1ms", code=2, says="there is no metric cut_p98; did you mean cut_p")
+        self.refused("load", "--fail-if", "cut_p99>1kB", code=2, says="units ms, s, us, not \"kB\"")
+        listed = kerf("load", "--help", server=False).stdout
+        for metric in ("cut_shown", "real_time_least", "server_memory"):
+            self.assertIn(f"  {metric} ", listed)
+
+    def test_csv_and_two_reports_side_by_side(self):
+        one = kerf("--json", *self.SMALL, "--csv", path("run.csv"), "--csv-summary", path("summary.csv"))
+        rows = list(csv.DictReader(io.StringIO(pathlib.Path(path("run.csv")).read_text())))
+        self.assertEqual([(row["from_s"], row["to_s"], row["sheets"]) for row in rows], [("0", "0.5", "1")])
+        summary = {row["metric"]: row for row in csv.DictReader(io.StringIO(pathlib.Path(path("summary.csv")).read_text()))}
+        report = json.loads(one.stdout)
+        self.assertEqual(float(summary["ticks"]["value"]), report["sheets"]["ticks"])
+        self.assertEqual(list(summary), list(report["metrics"]))
+        pathlib.Path(path("a.json")).write_text(one.stdout)
+        pathlib.Path(path("b.json")).write_text(kerf("--json", *self.SMALL, "--sheets", "2").stdout)
+        done = kerf("load", "--compare", path("a.json"), path("b.json"), "--html", path("both.html"), server=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("differs sheets: 1 and 2", done.stdout)
+        self.assertRegex(done.stdout, r"\nticks +\d+ +\d+ +[\d.]+\n")
+        self.assertIn("second / first", pathlib.Path(path("both.html")).read_text())
+        compared = json.loads(kerf("--json", "load", "--compare", path("a.json"), path("b.json"), server=False).stdout)
+        self.assertEqual(compared["settings"][0], {"name": "sheets", "first": 1, "second": 2})
+        self.refused("load", "--compare", path("a.json"), path("run.csv"), says="run.csv is no report")
+        self.refused("load", "--compare", path("a.json"), path("none.json"), says="none.json")
+
+    def test_a_scenario_is_a_file_of_options(self):
+        pathlib.Path(path("scenario.json")).write_text(json.dumps(
+            {"sheets": 2, "grid": "6x6", "duration": 0.5, "warm-up": 0, "still": True, "fail-if": ["errors>0", "ticks<0"], "prefix": "scenario"}))
+        report = self.json_of("load", "--scenario", path("scenario.json"), "--sheets", "1")
+        self.assertEqual((report["plan"]["sheets"], report["plan"]["columns"], report["plan"]["still"], report["plan"]["prefix"]), (1, 6, True, "scenario"))
+        self.assertEqual([one["condition"] for one in report["fail_if"]], ["errors>0", "ticks<0"])
+        for content, says in (({"sheet": 1}, 'no option "sheet"; did you mean sheets?'), ([], "no JSON object"), ({"sheets": "many"}, "many"),
+                              ({"still": 3}, "true or false"), ({"sheets": [1, 2]}, "wrong kind"), ({"compare": ["a", "b"]}, "no option"),
+                              ({"transport": "tcp"}, "tcp")):
+            pathlib.Path(path("wrong.json")).write_text(json.dumps(content))
+            self.refused("load", "--scenario", path("wrong.json"), says=says)
+        pathlib.Path(path("wrong.json")).write_text("{")
+        self.refused("load", "--scenario", path("wrong.json"), says="parse error")
+
+    def test_the_shipped_scenario_has_the_options_that_there_are(self):
+        scenario = cli_case.ROOT / "deploy/examples/load.json"
+        report = self.json_of("load", "--scenario", str(scenario), "--stages", "300ms:2,200ms:0", "--fail-if", "errors>0")
+        self.assertEqual((report["plan"]["cut_kind"], report["plan"]["sheets"], report["plan"]["viewers"]), ("mixed", 4, 2))
+
+    def test_stages_of_sheets(self):
+        report = self.json_of("load", "--grid", "6x6", "--warm-up", "0", "--stages", "0s:2,500ms:2", "--stages-of", "sheets")
+        self.assertEqual((report["sheets"]["made"], report["sheets"]["running"], report["plan"]["duration_s"]), (2, 2, 0.5))
+        self.refused("load", "--stages", "10:4", code=2, says="such as 10s:4")
+
     def test_wrong_options_are_refused_before_anything_is_made(self):
         for options, says in ((("--sheets", "10001"), "1..10000"), (("--grid", "big"), "50x50"), (("--duration", "0"), "0.1..1800"),
                               (("--viewers", "-1"), "0..1000"), (("--transport", "ws"), "--http"), (("--prefix", "Load"), "--prefix"),
                               (("--image-size", "1x1"), "16..4096")):
             self.refused("load", *options, code=2, says=says)
+        self.refused(*self.SMALL, "--csv", below_a_file("run.csv"), says="no-folder/run.csv")
         self.refused(*self.SMALL, "--html", below_a_file("report.html"), says="no-folder/report.html")
         self.assertEqual(self.loaded(), [])
 

@@ -49,6 +49,18 @@ TEST_F(CutTrackerTest, AFrameWithoutItIsAnError) {
   EXPECT_EQ(totals().seen_without, 1);
 }
 
+TEST_F(CutTrackerTest, CutsOfASheetThatNobodyWatchesAnyMoreAreLeftOut) {
+  tracker_.applied(3, 11, 2, 100ms);
+  EXPECT_EQ(tracker_.num_waiting(), 1);
+  tracker_.unwatch(3);
+  tracker_.frame(3, 12, 2, 130ms);  // From a viewer that closes just now.
+  tracker_.applied(3, 13, 3, 140ms);
+  EXPECT_EQ(tracker_.num_waiting(), 0);
+  EXPECT_FALSE(tracker_.newest_tick(3));
+  tracker_.finish();
+  EXPECT_EQ(totals().seen_us.count() + totals().unseen, 0);
+}
+
 TEST_F(CutTrackerTest, WhatIsNeverShownIsCountedAtTheEnd) {
   tracker_.applied(3, 11, 2, 100ms);
   tracker_.applied(4, 11, 2, 100ms);  // That one is not watched.

@@ -100,6 +100,54 @@ TEST_F(LoadRunTest, CountsWhatItDoesAndLeavesNothingBehind) {
   EXPECT_GE(server_cores(*report), 0.0);  // from the page of metrics
 }
 
+TEST_F(LoadRunTest, ViewersComeAndGoInStages) {
+  Plan wanted = plan();
+  wanted.sheets = 2;
+  wanted.cuts_per_second = 10.0;
+  wanted.cut_kind = CutKind::kMixed;
+  set_stages(*parse_stages("400ms:4,600ms:4,400ms:0"), Staged::kViewers, wanted);
+  const Result<Report> report = run(wanted);
+  ASSERT_TRUE(report.ok()) << report.error().message;
+  const ReaderTotals& viewers = report->of(Role::kViewer);
+  EXPECT_GT(viewers.readers, 0);
+  EXPECT_LE(viewers.readers, 4) << "None opened twice.";
+  EXPECT_TRUE(viewers.ends.empty());
+  EXPECT_EQ(report->cuts.sent, 14);
+  EXPECT_EQ(report->cuts.applied, 14) << "Each kind of cut lies inside the sheet.";
+  EXPECT_EQ(num_errors(*report), 0) << to_text(*report);
+  EXPECT_THAT(to_text(*report), HasSubstr("stages     of viewers: 0.4s:4,0.6s:4,0.4s:0"));
+  std::int64_t answered = 0;
+  for (const Stretch& stretch : report->stretches) answered += stretch.cut_us.count();
+  EXPECT_EQ(answered, 14);
+}
+
+TEST_F(LoadRunTest, SheetsRunInStages) {
+  Plan wanted = plan();
+  wanted.viewers = 2;
+  wanted.cuts_per_second = 10.0;
+  set_stages(*parse_stages("0s:2,1s:2,0s:1,500ms:1"), Staged::kSheets, wanted);
+  const Result<Report> report = run(wanted);
+  ASSERT_TRUE(report.ok()) << report.error().message;
+  ASSERT_EQ(report->sheets.size(), 2U);
+  EXPECT_EQ(report->sheets[0].run_state, "RUNNING");
+  EXPECT_EQ(report->sheets[1].run_state, "PAUSED");
+  for (const SheetRun& sheet : report->sheets) EXPECT_GT(sheet.ticks, 0);
+  EXPECT_LT(report->sheets[1].ticks, report->sheets[0].ticks);
+  EXPECT_EQ(pace_of(*report).running, 2);
+  EXPECT_EQ(num_errors(*report), 0) << to_text(*report);
+  EXPECT_EQ(sheets_left(), 0);
+}
+
+TEST_F(LoadRunTest, NothingIsCutWhileNoSheetRuns) {
+  Plan wanted = plan();
+  wanted.cuts_per_second = 20.0;
+  set_stages(*parse_stages("500ms:0,0s:1,0s:0"), Staged::kSheets, wanted);
+  const Result<Report> report = run(wanted);
+  ASSERT_TRUE(report.ok()) << report.error().message;
+  EXPECT_EQ(report->cuts.sent, 0);
+  EXPECT_EQ(report->sheets[0].run_state, "PAUSED");
+}
+
 TEST_F(LoadRunTest, WebSocketsDoTheSame) {
   Plan wanted = plan();
   wanted.transport = Transport::kWebSocket;
