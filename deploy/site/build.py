@@ -5,6 +5,7 @@
 """
 
 import gzip
+import json
 import os
 import pathlib
 import re
@@ -15,6 +16,7 @@ import tempfile
 
 import api_pages
 import cpp_pages
+import openapi
 import pages
 import python_pages
 
@@ -29,7 +31,7 @@ NORMALIZE = b"@import url(/javascript/normalize.css/normalize.css);"
 NORMALIZE_FILE = pathlib.Path("/usr/share/javascript/normalize.css/normalize.css")
 IMPORT = b'import Gumshoe from "./gumshoe-patched.js";'
 DARK = re.compile(rb'@media not print \{\n(  body\[data-theme="dark"\] \{\n.*?\})', re.DOTALL)
-COMPRESSED = {".html", ".js", ".css", ".svg"}
+COMPRESSED = {".html", ".js", ".css", ".svg", ".json"}
 
 
 def finished_page(path, text):
@@ -67,6 +69,7 @@ def publish(made, site):
         name = path.relative_to(made)
         if path.is_file() and not name.name.startswith(".") and name.name != "objects.inv" and name.suffix not in (".map", ".txt"):
             files[name] = finished(name, path)
+    files[pathlib.Path("openapi.json")] = (json.dumps(openapi.document(), indent=1) + "\n").encode()
     for name in [name for name in files if name.suffix in COMPRESSED]:
         files[name.with_name(name.name + ".gz")] = gzip.compress(files[name], mtime=0)
     pages.fill(site, files)

@@ -137,6 +137,12 @@ LONG = {
         "for seed in $(shuf -i 1000000-9999999 -n 20); do echo \"seed $seed\"; "
         "tests/durable/kills.py build/release/bin/kerfd --kills 50 --seed $seed || status=1; done; exit $status",
         "10 minutes on two cores"),
+    "package": Proof(
+        "the Debian package installs in a Debian 12 that has nothing else, starts as its service would, keeps its sheets, and leaves "
+        "nothing behind when purged",
+        "deploy/setup build; deploy/build-viewer; cmake --preset release >/dev/null; "
+        "cmake --build --preset release --target installed >/dev/null; (cd build/release && cpack -G DEB >/dev/null); "
+        "tests/install/clean_root build/release/kerf_*.deb", "5 minutes; needs root, mmdebstrap and Debian's archive"),
     "each-file": Proof("a second compiler (clang) takes every source by itself, as editors do",
                        f"{RUNNER}/each_file.py", "12 minutes on two cores"),
     "attacks": Proof("seventeen kinds of attack change no tick of nine sheets beside them, nor their pace; kerfd keeps its memory, "
