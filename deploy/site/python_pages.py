@@ -9,15 +9,15 @@ PAGES = {
     "cuts": ("Curves and cuts", ("kerf.curves", "kerf.cuts")),
     "regions": ("Regions of a sheet", ("kerf.regions",)),
     "frames": ("Frames and pictures", ("kerf.blocking.streams", "kerf.frames", "kerf.images")),
-    "results": ("States, analyses and runs", ("kerf.arrays", "kerf.blocking.recorder", "kerf.runs")),
+    "results": ("States, analyses and runs", ("kerf.arrays", "kerf.blocking.recorder", "kerf.probes", "kerf.runs")),
     "errors": ("Errors", ("kerf.errors",)),
 }
 # Names the module of those names that do not say it themselves: types and numbers.
 HOMES = {
     "APPLIED": "kerf.cuts", "NO_INTERSECTION": "kerf.cuts", "SCHEDULED": "kerf.cuts", "Point": "kerf.curves", "Edge": "kerf.regions",
-    "Place": "kerf.regions", "Codec": "kerf.images", "ColorBy": "kerf.images"}
+    "AnyProbe": "kerf.probes", "Quantity": "kerf.probes", "Values": "kerf.probes", "Place": "kerf.regions", "Codec": "kerf.images", "ColorBy": "kerf.images"}
 # Members of these are Python's, not Kerf's.
-FOREIGN = "BaseException, Exception, dict, Sequence, ABC, Generic, object"
+FOREIGN = "BaseException, Exception, dict, Mapping, Sequence, ABC, Generic, object"
 
 
 def public_names(package):
