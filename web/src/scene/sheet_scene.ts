@@ -3,6 +3,7 @@ import type { Collider } from '../gen/kerf/v1/scene_pb';
 import type { Sheet } from '../gen/kerf/v1/sheets_pb';
 import type { Surface } from '../geometry/surface';
 import { ColliderView } from './colliders';
+import { kLooks, lookName } from './material_looks';
 import { PinView } from './pin_view';
 import { SheetView } from './sheet_view';
 import type { Stage } from './stage';
@@ -39,6 +40,7 @@ export class SheetScene {
 
   /** Shows the server's settings, which frames do not contain. */
   set({ scene, pinnedVertices }: Sheet): void {
+    this.view.setLook(kLooks[lookName(scene?.material)]);
     this.wind.set(scene?.wind);
     this.pins.set(pinnedVertices);
     this.colliders.set(scene?.colliders ?? []);

@@ -7,6 +7,7 @@ import { kClothOffset } from './depth_offsets';
 import { FatLines } from './fat_lines';
 import { hidingMaterial, kHidingOrder } from './hiding_material';
 import { LipHighlight } from './lip_highlight';
+import type { MaterialLook } from './material_looks';
 import { carriedColors, pieceColors } from './piece_colors';
 import { PieceHighlight } from './piece_highlight';
 import { strainColors, strainScaleEnd } from './strain_colors';
@@ -57,6 +58,11 @@ export class SheetView {
 
   get isWireframe(): boolean {
     return this.hasWires;
+  }
+
+  /** Shows the cloth as this material looks. */
+  setLook(look: MaterialLook): void {
+    this.cloth.setLook(look);
   }
 
   setWireframe(isOn: boolean): void {

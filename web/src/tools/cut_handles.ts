@@ -25,7 +25,7 @@ const kApartPx = 27;
 const kRounds = 12;
 
 /**
- * Moves places apart, so that discs there can be told from each other. Those that are far enough stay where they are.
+ * Moves places apart, so that discs there do not overlap. Those that are far enough stay where they are.
  * @param held  index of a place that stays; -1: none
  */
 export function spread(places: readonly (Vector2 | undefined)[], held: number): (Vector2 | undefined)[] {
