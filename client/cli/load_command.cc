@@ -117,6 +117,20 @@ int read_choices(LoadArguments& arguments) {
   return kDone;
 }
 
+// Returns the exit code of the conditions, after a line on stderr for each that did not pass; none with --json, whose
+// report has them.
+int code_of(const Session& session, const std::vector<load::Judgement>& judged) {
+  using Verdict = load::Judgement::Verdict;
+  int code = kDone;
+  for (const load::Judgement& judgement : judged) {
+    if (judgement.verdict == Verdict::kPassed) continue;
+    if (!session.json) std::fprintf(stderr, "kerf: --fail-if %s\n", load::describe(judgement).c_str());
+    if (judgement.verdict == Verdict::kFailed) code = kFailed;
+    if (judgement.verdict == Verdict::kUndecided && code == kDone) code = kUndecided;
+  }
+  return code;
+}
+
 // Prints two reports side by side.
 int compare(const Session& session, const LoadArguments& arguments) {
   constexpr std::size_t kMostReportBytes = 64 << 20;
@@ -129,10 +143,14 @@ int compare(const Session& session, const LoadArguments& arguments) {
   }
   const Result<load::Comparison> comparison = load::compare(reports[0], reports[1]);
   if (!comparison.ok()) return refuse(comparison.error());
-  std::fputs((session.json ? load::to_json(*comparison) : load::to_text(*comparison)).c_str(), stdout);
-  if (arguments.html.empty()) return kDone;
-  const Status written = disk.write_file(arguments.html, load::to_html(*comparison));
-  return written.ok() ? kDone : refuse(written.error());
+  const Result<std::vector<load::Judgement>> judged = load::judge(*comparison, arguments.plan.fail_if);
+  if (!judged.ok()) return misuse(judged.error().message);
+  std::fputs((session.json ? load::to_json(*comparison, *judged) : load::to_text(*comparison)).c_str(), stdout);
+  if (!arguments.html.empty()) {
+    const Status written = disk.write_file(arguments.html, load::to_html(*comparison));
+    if (!written.ok()) return refuse(written.error());
+  }
+  return code_of(session, *judged);
 }
 
 // Writes the report to the files asked for.
@@ -144,26 +162,13 @@ Status write_files(const LoadArguments& arguments, const load::Report& report) {
   return Nothing{};
 }
 
-// Returns the exit code of the conditions, after a line on stderr for each that did not pass.
-int code_of(const load::Report& report) {
-  using Verdict = load::Judgement::Verdict;
-  int code = kDone;
-  for (const load::Judgement& judgement : load::judge(report)) {
-    if (judgement.verdict == Verdict::kPassed) continue;
-    std::fprintf(stderr, "kerf: --fail-if %s\n", load::describe(judgement).c_str());
-    if (judgement.verdict == Verdict::kFailed) code = kFailed;
-    if (judgement.verdict == Verdict::kUndecided && code == kDone) code = kUndecided;
-  }
-  return code;
-}
-
 int run_load(const Session& session, const CLI::App& command, LoadArguments& arguments) {
-  if (!arguments.compare.empty()) return compare(session, arguments);
   if (!arguments.scenario.empty()) {
     if (const Status read = read_scenario(command, arguments.scenario); !read.ok()) return refuse(read.error());
   }
   arguments.plan.server = session.server.address;
   if (const int code = read_choices(arguments); code != kDone) return code;
+  if (!arguments.compare.empty()) return compare(session, arguments);
   if (const int code = read_sizes(arguments); code != kDone) return code;
   if (const Status valid = load::check(arguments.plan); !valid.ok()) return misuse(valid.error().message);
   for (const OutputFile& file : files_of(arguments)) {  // Checked before a run that may take half an hour.
@@ -194,7 +199,7 @@ int run_load(const Session& session, const CLI::App& command, LoadArguments& arg
   if (load::nobody_joined(*report) && !report->interrupted) {
     return refuse(unavailable("NO_READER", "no reader received a frame: see the report"));
   }
-  return code_of(*report);
+  return code_of(session, load::judge(*report));
 }
 
 void add_sheet_options(CLI::App& command, LoadArguments& arguments) {
@@ -265,9 +270,10 @@ void add_stage_options(CLI::App& command, LoadArguments& arguments) {
       ->check(CLI::IsMember({"viewers", "sheets"}))
       ->capture_default_str();
   command
-      .add_option("--fail-if", arguments.fail_if,
-                  "Condition under which the run has failed, such as \"cut_p99>50ms\"; repeatable. Exit code 3 if one "
-                  "holds, 4 if none does and one has too few values")
+      .add_option(
+          "--fail-if", arguments.fail_if,
+          "Condition under which the run has failed, such as \"cut_p99>50ms\"; repeatable. Exit code 3 if one "
+          "holds, 4 if none does and one has too few values. With --compare limits are ratios: \"cut_p99>1.2x\"")
       ->type_name("CONDITION")
       ->take_all();
   command.add_option("--scenario", arguments.scenario, "File with options as JSON, such as deploy/examples/load.json")

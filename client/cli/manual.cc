@@ -92,6 +92,9 @@ std::string command_entry(const CLI::App& command) {
   for (const CLI::Option* option : options_of(command)) {
     if (option != command.get_help_ptr()) page += entry(*option);
   }
+  // A table below the help keeps its lines. Commands without one have that of their parent.
+  const std::string footer = command.get_footer();
+  if (footer != command.get_parent()->get_footer()) page += ".PP\n.nf\n" + escape(footer) + "\n.fi\n";
   return page;
 }
 

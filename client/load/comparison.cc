@@ -1,5 +1,6 @@
 #include "client/load/comparison.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <utility>
@@ -76,6 +77,27 @@ Result<Comparison> compare(const NamedReport& first, const NamedReport& second) 
   return comparison;
 }
 
+Result<std::vector<Judgement>> judge(const Comparison& comparison, const std::vector<Condition>& conditions) {
+  using Verdict = Judgement::Verdict;
+  std::vector<Judgement> judged;
+  for (const Condition& condition : conditions) {
+    if (!condition.of_ratio) {
+      return invalid_argument("NOT_A_RATIO",
+                              "--fail-if: \"" + condition.text + "\": with --compare a limit is a ratio, such as 1.2x",
+                              "--fail-if");
+    }
+    const auto metric = std::find_if(comparison.metrics.begin(), comparison.metrics.end(),
+                                     [&](const ComparedMetric& each) { return each.name == condition.metric; });
+    const bool there = metric != comparison.metrics.end();
+    Judgement judgement{condition, {there ? metric->ratio() : std::nullopt}, Verdict::kUndecided};
+    if (judgement.figure.value && metric->enough) {
+      judgement.verdict = condition.holds(*judgement.figure.value) ? Verdict::kFailed : Verdict::kPassed;
+    }
+    judged.push_back(std::move(judgement));
+  }
+  return judged;
+}
+
 std::string to_text(const Comparison& comparison) {
   std::string text = "first   " + comparison.first + "\nsecond  " + comparison.second + "\n";
   for (const ChangedSetting& setting : comparison.settings) {
@@ -95,7 +117,7 @@ std::string to_text(const Comparison& comparison) {
   return any_few ? text + "* of too few values in at least one of them\n" : text;
 }
 
-std::string to_json(const Comparison& comparison) {
+std::string to_json(const Comparison& comparison, const std::vector<Judgement>& judged) {
   const auto number = [](const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); };
   Json json{{"first", comparison.first}, {"second", comparison.second}, {"settings", Json::array()}};
   for (const ChangedSetting& setting : comparison.settings) {
@@ -112,6 +134,12 @@ std::string to_json(const Comparison& comparison) {
                                     {"second", number(metric.second)},
                                     {"ratio", number(metric.ratio())},
                                     {"enough", metric.enough}};
+  }
+  json["fail_if"] = Json::array();
+  for (const Judgement& judgement : judged) {
+    json["fail_if"].push_back({{"condition", judgement.condition.text},
+                               {"verdict", name_of(judgement.verdict)},
+                               {"ratio", number(judgement.figure.value)}});
   }
   return json.dump(2) + "\n";
 }

@@ -45,8 +45,12 @@ struct NamedReport {
 };
 Result<Comparison> compare(const NamedReport& first, const NamedReport& second);
 
+// Judges conditions about ratios. INVALID_ARGUMENT NOT_A_RATIO for others. A ratio that does not exist, or is of too
+// few values, is undecided.
+Result<std::vector<Judgement>> judge(const Comparison& comparison, const std::vector<Condition>& conditions);
+
 [[nodiscard]] std::string to_text(const Comparison& comparison);
-[[nodiscard]] std::string to_json(const Comparison& comparison);
+[[nodiscard]] std::string to_json(const Comparison& comparison, const std::vector<Judgement>& judged);
 // Returns one self-contained file.
 [[nodiscard]] std::string to_html(const Comparison& comparison);
 

@@ -26,7 +26,8 @@ std::string compared_or_dash(const std::optional<double>& value) {
 
 const char* tone_of(const ComparedMetric& metric) {
   const std::optional<double> ratio = metric.ratio();
-  if (!ratio || metric.better == Better::kNeither || (*ratio<kSame&& * ratio> 1.0 / kSame)) return "same";
+  if (!ratio || !metric.enough || metric.better == Better::kNeither || (*ratio<kSame&& * ratio> 1.0 / kSame))
+    return "same";
   return (*ratio > 1.0) == (metric.better == Better::kHigh) ? "better" : "worse";
 }
 
@@ -44,11 +45,20 @@ std::string html_cell(const std::string& html, const char* kind = "") {
   return *kind == '\0' ? "<td>" + html + "</td>" : "<td class=\"" + std::string(kind) + "\">" + html + "</td>";
 }
 
+std::string setting_table(const Comparison& comparison) {
+  if (comparison.settings.empty()) return "<p>Both runs had the same settings.</p>";
+  std::string html = "\n<h2>Settings that differ</h2><table>" + html_row({"setting", "first", "second"}, "th");
+  for (const ChangedSetting& setting : comparison.settings) {
+    html += html_row({setting.name, setting.first, setting.second});
+  }
+  return html + "</table>";
+}
+
 }  // namespace
 
 std::string to_html(const Comparison& comparison) {
   std::string html = "<p>First: " + escape_html(comparison.first) + "<br/>Second: " + escape_html(comparison.second) +
-                     "</p>\n<h2>Metrics</h2><div class=\"wide\"><table>" +
+                     "</p>" + setting_table(comparison) + "\n<h2>Metrics</h2><div class=\"wide\"><table>" +
                      html_row({"metric", "unit", "first", "second", "second / first", ""}, "th");
   for (const ComparedMetric& metric : comparison.metrics) {
     const std::string mark = metric.enough ? "" : " *";
@@ -59,13 +69,7 @@ std::string to_html(const Comparison& comparison) {
   }
   html += "</table></div><p class=\"faint\">* of too few values in at least one of them. Coloured are ratios beyond " +
           compared_number(kSame) + ", as better or worse.</p>";
-  html += "\n<h2>Settings that differ</h2>";
-  if (comparison.settings.empty()) return html_page("Kerf under load, compared", html + "<p>None.</p>");
-  html += "<table>" + html_row({"setting", "first", "second"}, "th");
-  for (const ChangedSetting& setting : comparison.settings) {
-    html += html_row({setting.name, setting.first, setting.second});
-  }
-  return html_page("Kerf under load, compared", html + "</table>");
+  return html_page("Kerf under load, compared", html);
 }
 
 }  // namespace kerf::load

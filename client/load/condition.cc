@@ -26,7 +26,8 @@ std::string list_of_units(Unit unit) {
 }
 
 // Reads a number and its unit, from `text` to its end.
-Result<double> parse_limit(const std::string& text, const Metric& metric, const std::string& whole) {
+Status read_limit(const std::string& text, const Metric& metric, Condition& condition) {
+  const std::string& whole = condition.text;
   double value = 0.0;
   const auto [rest, wrong] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (wrong != std::errc() || !std::isfinite(value)) {
@@ -35,7 +36,9 @@ Result<double> parse_limit(const std::string& text, const Metric& metric, const 
   const std::string unit = trimmed({rest, static_cast<std::size_t>(text.data() + text.size() - rest)});
   const auto& known = units_of(metric.unit);
   const auto found = std::find_if(known.begin(), known.end(), [&](const auto& each) { return each.first == unit; });
-  if (found != known.end()) return value * found->second;
+  condition.of_ratio = unit == "x";
+  condition.limit = found == known.end() ? value : value * found->second;
+  if (found != known.end() || condition.of_ratio) return Nothing{};
   const std::string wants = known.front().first.empty()
                                 ? "takes a number without a unit"
                                 : "takes a number with one of the units " + list_of_units(metric.unit);
@@ -86,7 +89,7 @@ Result<Condition> parse_condition(const std::string& text) {
   using Relation = Condition::Relation;
   condition.relation =
       rest[0] == '>' ? (equal ? Relation::kAtLeast : Relation::kAbove) : (equal ? Relation::kAtMost : Relation::kBelow);
-  KERF_TRY_ASSIGN(condition.limit, parse_limit(trimmed(rest.substr(equal ? 2 : 1)), *metric, condition.text));
+  KERF_TRY(read_limit(trimmed(rest.substr(equal ? 2 : 1)), *metric, condition));
   return condition;
 }
 

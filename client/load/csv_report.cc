@@ -47,12 +47,16 @@ double count_at(const Report& report, double time, Count count) {
 std::string csv_line(const Report& report, const Stretch& sum, double from, double to) {
   const double span = to - from;
   const auto change = [&](auto count) { return count_at(report, to, count) - count_at(report, from, count); };
-  const double ticks = change([](const Probe& probe) { return static_cast<double>(probe.ticks); });
+  // Rounded where intervals meet, so that the numbers of all lines add up.
+  const auto whole_change = [&](auto count) {
+    return std::round(count_at(report, to, count)) - std::round(count_at(report, from, count));
+  };
+  const double ticks = whole_change([](const Probe& probe) { return static_cast<double>(probe.ticks); });
   const double sheets = num_sheets(report, from, to);
   std::string text = csv_number(from) + ',' + csv_number(to) + ',' + csv_number(num_viewers(report, from, to)) + ',' +
                      csv_number(sheets) + ',' + csv_number(ticks) + ',';
   if (sheets > 0.0) text += csv_number(ticks / (report.plan.tick_rate_hz * sheets * span));
-  text += ',' + csv_number(change([](const Probe& probe) { return static_cast<double>(probe.overruns); }));
+  text += ',' + csv_number(whole_change([](const Probe& probe) { return static_cast<double>(probe.overruns); }));
   text += ',' + std::to_string(sum.frames) + ',' + std::to_string(sum.bytes) + ',' + quantile_ms(sum.age_us, 0.5) +
           ',' + quantile_ms(sum.age_us, 0.99) + ',' + std::to_string(sum.cut_us.count()) + ',' +
           quantile_ms(sum.cut_us, 0.5) + ',' + quantile_ms(sum.cut_us, 0.99) + ',' + std::to_string(sum.errors) + ',';

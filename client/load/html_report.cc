@@ -77,7 +77,7 @@ std::string condition_table(const Report& report) {
     const bool passed = judgement.verdict == Judgement::Verdict::kPassed;
     rows += "<p class=\"" + std::string(passed ? "done" : "note") + "\">" + escape_html(describe(judgement)) + "</p>";
   }
-  return rows.empty() ? rows : "\n<h2>Conditions under which the run has failed</h2>" + rows;
+  return rows.empty() ? rows : "\n<h2>Conditions that fail the run</h2>" + rows;
 }
 
 std::string reader_table(const Report& report) {
@@ -135,6 +135,21 @@ std::string stretch_plots(const Report& report) {
          svg_plot("Bytes to viewers", {"s", false, {}}, {"MB/s", false, {}}, {bytes});
 }
 
+// Plots how many viewers or sheets the stages have; nothing without stages.
+std::string stage_plot(const Report& report) {
+  if (report.plan.stages.empty()) return {};
+  const bool of_sheets = report.plan.staged == Staged::kSheets;
+  PlotSeries line{of_sheets ? "running" : "open", {{0.0, 0.0}}};
+  for (const Step& step : steps_of(report.plan.stages)) {
+    const double time = 1e-9 * static_cast<double>(step.time.count());
+    line.points.emplace_back(time, line.points.back().second);
+    line.points.emplace_back(time, step.count);
+  }
+  line.points.emplace_back(report.plan.duration_s, line.points.back().second);
+  return svg_plot(of_sheets ? "Sheets of the stages" : "Viewers of the stages", {"s", false, {}}, {"number", false, {}},
+                  {line});
+}
+
 std::string probe_plots(const Report& report) {
   PlotSeries ticks{"ticks", {}};
   PlotSeries overruns{"after their deadline", {}};
@@ -186,7 +201,7 @@ std::string to_html(const Report& report) {
                                  std::to_string(report.server_workers) + " workers; " + report.started +
                                  ", measured for " + fixed(report.measured_s, 1) + " s. Sheets of " +
                                  std::to_string(plan.columns) + " x " + std::to_string(plan.rows) + " vertices at " +
-                                 fixed(plan.tick_rate_hz, 0) + " Hz (" + report.integrator + ").") +
+                                 fixed(plan.tick_rate_hz, 0) + " Hz (" + short_integrator(report) + ").") +
                      "</p>";
   for (const std::string& warning : warnings(report)) html += "<p class=\"note\">" + escape_html(warning) + "</p>";
   if (!report.first_refusal.empty()) {
@@ -197,8 +212,8 @@ std::string to_html(const Report& report) {
       "<p class=\"faint\">Latencies of cuts count from the time at which each was due, those of frames from the time "
       "of the tick shown, so a stall counts in everything that it delays. The last row is a thread that only sleeps "
       "until fixed times: it shows what this machine itself adds.</p>";
-  html += "<div class=\"plots\">" + percentile_plot(report) + stretch_plots(report) + probe_plots(report) +
-          pace_plot(report) + "</div>";
+  html += "<div class=\"plots\">" + percentile_plot(report) + stage_plot(report) + stretch_plots(report) +
+          probe_plots(report) + pace_plot(report) + "</div>";
   html += "\n<h2>Readers</h2>" + reader_table(report);
   if (report.cuts.sent > 0) {
     const CutTotals& cuts = report.cuts;

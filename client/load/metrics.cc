@@ -229,6 +229,12 @@ std::string describe(const Judgement& judgement) {
   const Figure& figure = judgement.figure;
   const Metric* metric = find_metric(judgement.condition.metric);
   std::string text = judgement.condition.text + ": " + name_of(judgement.verdict);
+  if (judgement.condition.of_ratio) {
+    if (!figure.value) return text + ", there is no ratio";
+    std::array<char, 64> ratio{};
+    std::snprintf(ratio.data(), ratio.size(), ", %.4gx", *figure.value);
+    return text + ratio.data() + (judgement.verdict == Judgement::Verdict::kUndecided ? " of too few values" : "");
+  }
   if (!figure.value || metric == nullptr) return text + ", nothing was measured";
   std::array<char, 64> value{};
   std::snprintf(value.data(), value.size(), ", %.4g %s", *figure.value,

@@ -79,6 +79,12 @@ Status check(const Plan& plan) {
                                 std::to_string(kMaxPrefix) + " of them",
                             "--prefix");
   }
+  for (const Condition& condition : plan.fail_if) {
+    if (!condition.of_ratio) continue;
+    return invalid_argument("NOT_A_COMPARISON",
+                            "--fail-if: \"" + condition.text + "\": limits with x are for the ratios of --compare",
+                            "--fail-if");
+  }
   if (plan.transport == Transport::kWebSocket && plan.http.empty()) {
     return invalid_argument("NO_HTTP", "--transport ws: give --http HOST:PORT, the viewer's port of the server",
                             "--http");

@@ -83,6 +83,10 @@ Pace pace_of(const Report& report) {
   return pace;
 }
 
+std::string short_integrator(const Report& report) {
+  return report.integrator.substr(0, report.integrator.find(';'));
+}
+
 double num_viewers(const Report& report, double from, double to) {
   const Plan& plan = report.plan;
   if (plan.stages.empty() || plan.staged != Staged::kViewers) return report.of(Role::kViewer).readers;

@@ -60,6 +60,9 @@ struct Pace {
 };
 [[nodiscard]] Pace pace_of(const Report& report);
 
+// Returns the integrator of the first sheet, without the estimates by which the server chose it.
+[[nodiscard]] std::string short_integrator(const Report& report);
+
 // Return the mean number that was to be there from `from` to `to`, seconds from the beginning of the measured time.
 [[nodiscard]] double num_viewers(const Report& report, double from, double to);
 [[nodiscard]] double num_sheets(const Report& report, double from, double to);

@@ -36,7 +36,7 @@ void add_sheets(Text& text, const Report& report) {
   const Pace pace = pace_of(report);
   text.line("sheets     %zu of %d, %d x %d vertices, %.0f Hz, made in %.1f s; %s", report.sheets.size(),
             report.plan.sheets, report.plan.columns, report.plan.rows, report.plan.tick_rate_hz, report.creation_s,
-            report.integrator.c_str());
+            short_integrator(report).c_str());
   for (const auto& [reason, count] : report.refusals) text.line("  refused  %lld: %s", whole(count), reason.c_str());
   if (!report.first_refusal.empty()) text.line("           \"%s\"", report.first_refusal.c_str());
   if (!report.plan.stages.empty()) {
@@ -125,7 +125,7 @@ std::string to_text(const Report& report) {
   for (const auto& [reason, count] : errors_of(report)) text.line("  %lld: %s", whole(count), reason.c_str());
   add_latencies(text, report);
   const std::vector<Judgement> judged = judge(report);
-  if (!judged.empty()) text.line("\nconditions under which the run has failed");
+  if (!judged.empty()) text.line("\nconditions that fail the run");
   for (const Judgement& judgement : judged) text.line("  %s", describe(judgement).c_str());
   for (const std::string& warning : warnings(report)) text.line("\nNote: %s", warning.c_str());
   return text.take();

@@ -24,6 +24,9 @@ kerf::cli::ManualText text_of_kerf() {
       {{"EXIT STATUS",
         "0: done, a cut that misses the sheet included. 1: refused, with the reason on standard error. 2: wrong "
         "usage.\n"
+        "kerf load --fail-if: 3: a condition holds. 4: none holds, and one has too few values. kerf doctor: 3: there "
+        "is "
+        "a problem.\n"
         "With --json the reason of 1 and 2 is one line of JSON on standard error:\n"
         " {\"error\": {\"code\": \"NOT_FOUND\", \"reason\": \"SHEET_NOT_FOUND\", \"message\": \"...\", \"field\": "
         "\"name\"}}\n"

@@ -38,6 +38,9 @@ void expect_in(const std::string& page, const CLI::App& command) {
     EXPECT_THAT(page, testing::ContainsRegex("\n.TP\n[^\n]*" + option_name(*option) + "[ \n]")) << full_name(command);
     EXPECT_THAT(page, HasSubstr(first_line(option->get_description()))) << option_name(*option);
   }
+  if (command.get_name() == "load") {
+    EXPECT_THAT(page, HasSubstr(command.get_footer()));  // With its lines, as of a table.
+  }
   for (const CLI::App* below : commands_of(command)) expect_in(page, *below);
 }
 

@@ -93,6 +93,13 @@ class Load(Case):
         self.assertIn("second / first", pathlib.Path(path("both.html")).read_text())
         compared = json.loads(kerf("--json", "load", "--compare", path("a.json"), path("b.json"), server=False).stdout)
         self.assertEqual(compared["settings"][0], {"name": "sheets", "first": 1, "second": 2})
+        for condition, code, says in (("ticks>1.0x", 3, "ticks>1.0x: failed"), ("ticks<1.0x", 0, ""), ("cut_p99>2x", 4, "there is no ratio"), ("ticks>1", 2, "1.2x")):
+            done = kerf("load", "--compare", path("a.json"), path("b.json"), "--fail-if", condition, server=False)
+            self.assertEqual(done.returncode, code, done.stderr)
+            self.assertIn(says, done.stderr)
+        done = kerf("--json", "load", "--compare", path("a.json"), path("b.json"), "--fail-if", "ticks>1.0x", server=False)
+        self.assertEqual((done.returncode, done.stderr, json.loads(done.stdout)["fail_if"][0]["verdict"]), (3, "", "failed"))
+        self.refused("load", "--fail-if", "ticks>1.2x", code=2, says="--compare")
         self.refused("load", "--compare", path("a.json"), path("run.csv"), says="run.csv is no report")
         self.refused("load", "--compare", path("a.json"), path("none.json"), says="none.json")
 

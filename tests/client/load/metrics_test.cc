@@ -153,6 +153,8 @@ TEST(Csv, CountsWhatStagesHave) {
   const std::vector<std::string> lines = lines_of(to_interval_csv(report));
   EXPECT_THAT(lines[1], testing::StartsWith("0,1,0.5,1,"));
   EXPECT_THAT(lines[2], testing::StartsWith("1,2,1.5,1,"));
+  EXPECT_THAT(to_html(report), HasSubstr("Viewers of the stages"));
+  EXPECT_THAT(to_html(run_of(5)), testing::Not(HasSubstr("of the stages")));
   EXPECT_EQ(reader_seconds(report, Role::kViewer), 4.0);
   EXPECT_EQ(find_metric("frame_rate")->figure(report).value, 120.0);
 }
@@ -185,12 +187,31 @@ TEST(Comparison, ShowsBothReportsAndTheirRatio) {
   EXPECT_THAT(text, HasSubstr("differs cuts_per_second: 0.0 and 20.0\n"));
   EXPECT_THAT(text, testing::ContainsRegex("\nserver_cores +0.5 +1 +2\n"));
   EXPECT_THAT(text, testing::ContainsRegex("\ncut_p99 +ms +[0-9.]+ +50 +[0-9.]+ \\*\n"));
-  EXPECT_EQ(nlohmann::json::parse(to_json(comparison))["metrics"]["server_cores"]["ratio"], 2.0);
+  EXPECT_EQ(nlohmann::json::parse(to_json(comparison, {}))["metrics"]["server_cores"]["ratio"], 2.0);
   pugi::xml_document page;
   ASSERT_TRUE(page.load_string(to_html(comparison).c_str(), pugi::parse_default | pugi::parse_doctype));
   EXPECT_EQ(page.select_nodes("//td[@class='worse']").size(), 1U) << "The server's processors.";
   EXPECT_GT(page.select_nodes("//td[@class='better']").size(), 1U) << "Latencies of cuts.";
   EXPECT_GT(page.select_nodes("//svg/line").size(), 4U);
+}
+
+TEST(Comparison, IsJudgedByItsRatios) {
+  Report slower = run_of(50);
+  for (Probe& probe : slower.probes) probe.server->cpu_s *= 2.0;
+  const Comparison comparison = *compare({"a.json", to_json(run_of(200))}, {"b.json", to_json(slower)});
+  const auto judged = [&](const std::string& condition) {
+    const Result<std::vector<Judgement>> found = judge(comparison, {*parse_condition(condition)});
+    return found.ok() ? describe((*found)[0]) : found.error().reason;
+  };
+  EXPECT_EQ(judged("server_cores>1.5x"), "server_cores>1.5x: failed, 2x");
+  EXPECT_EQ(judged("server_cores>2.5x"), "server_cores>2.5x: passed, 2x");
+  EXPECT_THAT(judged("cut_p99>0.1x"), testing::ContainsRegex("undecided, 0.2[0-9]*x of too few values"));
+  EXPECT_EQ(judged("errors>1x"), "errors>1x: undecided, there is no ratio");
+  EXPECT_EQ(judged("image_age_p50>1x"), "image_age_p50>1x: undecided, there is no ratio");
+  EXPECT_EQ(judged("cut_p99>50ms"), "NOT_A_RATIO");
+  Plan plan;
+  plan.fail_if = {*parse_condition("cut_p99>1.2x")};
+  EXPECT_EQ(check(plan).error().reason, "NOT_A_COMPARISON");
 }
 
 TEST(Comparison, OfSomethingElseIsRefused) {
