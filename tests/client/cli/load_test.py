@@ -77,7 +77,7 @@ class Load(Case):
             self.assertIn(f"  {metric} ", listed)
 
     def test_csv_and_two_reports_side_by_side(self):
-        one = kerf("--json", *self.SMALL, "--csv", path("run.csv"), "--csv-summary", path("summary.csv"))
+        one = kerf("--json", *self.SMALL, "--cuts-per-second", "10", "--csv", path("run.csv"), "--csv-summary", path("summary.csv"))
         rows = list(csv.DictReader(io.StringIO(pathlib.Path(path("run.csv")).read_text())))
         self.assertEqual([(row["from_s"], row["to_s"], row["sheets"]) for row in rows], [("0", "0.5", "1")])
         summary = {row["metric"]: row for row in csv.DictReader(io.StringIO(pathlib.Path(path("summary.csv")).read_text()))}
@@ -85,21 +85,22 @@ class Load(Case):
         self.assertEqual(float(summary["ticks"]["value"]), report["sheets"]["ticks"])
         self.assertEqual(list(summary), list(report["metrics"]))
         pathlib.Path(path("a.json")).write_text(one.stdout)
-        pathlib.Path(path("b.json")).write_text(kerf("--json", *self.SMALL, "--sheets", "2").stdout)
+        pathlib.Path(path("b.json")).write_text(kerf("--json", *self.SMALL, "--sheets", "2", "--cuts-per-second", "20").stdout)
         done = kerf("load", "--compare", path("a.json"), path("b.json"), "--html", path("both.html"), server=False)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn("differs sheets: 1 and 2", done.stdout)
-        self.assertRegex(done.stdout, r"\nticks +\d+ +\d+ +[\d.]+\n")
+        self.assertRegex(done.stdout, r"\ncuts_sent +5 +10 +2\n")
         self.assertIn("second / first", pathlib.Path(path("both.html")).read_text())
         compared = json.loads(kerf("--json", "load", "--compare", path("a.json"), path("b.json"), server=False).stdout)
         self.assertEqual(compared["settings"][0], {"name": "sheets", "first": 1, "second": 2})
-        for condition, code, says in (("ticks>1.0x", 3, "ticks>1.0x: failed"), ("ticks<1.0x", 0, ""), ("cut_p99>2x", 4, "there is no ratio"), ("ticks>1", 2, "1.2x")):
+        for condition, code, says in (("cuts_sent>1.9x", 3, "cuts_sent>1.9x: failed, 2x"), ("cuts_sent>2x", 0, ""), ("cut_p99>0.01x", 4, "of too few values"),
+                                      ("image_age_p50>2x", 4, "there is no ratio"), ("cuts_sent>1", 2, "1.2x")):
             done = kerf("load", "--compare", path("a.json"), path("b.json"), "--fail-if", condition, server=False)
             self.assertEqual(done.returncode, code, done.stderr)
             self.assertIn(says, done.stderr)
-        done = kerf("--json", "load", "--compare", path("a.json"), path("b.json"), "--fail-if", "ticks>1.0x", server=False)
+        done = kerf("--json", "load", "--compare", path("a.json"), path("b.json"), "--fail-if", "cuts_sent>1.9x", server=False)
         self.assertEqual((done.returncode, done.stderr, json.loads(done.stdout)["fail_if"][0]["verdict"]), (3, "", "failed"))
-        self.refused("load", "--fail-if", "ticks>1.2x", code=2, says="--compare")
+        self.refused("load", "--fail-if", "cuts_sent>1.2x", code=2, says="--compare")
         self.refused("load", "--compare", path("a.json"), path("run.csv"), says="run.csv is no report")
         self.refused("load", "--compare", path("a.json"), path("none.json"), says="none.json")
 
