@@ -149,9 +149,10 @@ export function accessSteps(steps, browser, { url }) {
     const found = viewer.page.locator('#help dd:visible');
     await viewer.page.waitForFunction(() => document.querySelectorAll('#help dd:not([hidden])').length < 9);
     check((await found.allTextContents()).some((text) => text.startsWith('Undo')), 'the help does not find undo');
-    // The first Escape empties the field.
+    // Escape would only empty the field.
+    await viewer.page.fill('#help input', '');
     await viewer.page.keyboard.press('Escape');
-    await viewer.page.keyboard.press('Escape');
+    await viewer.page.locator('#help').waitFor({ state: 'hidden' });
   });
 
   steps.step('the Tab key goes through everything, and everything has a name', async () => {
@@ -273,7 +274,7 @@ export function accessSteps(steps, browser, { url }) {
     steps.step(`axe finds nothing at ${name} width, ${colorScheme}, with every panel`, async () => {
       const page = await open({ ...options, colorScheme });
       await audit(page.page, 'nothing open');
-      for (const panel of ['sheets', 'physics', 'pieces', 'cuts', 'states', 'people']) {
+      for (const panel of ['sheets', 'physics', 'pieces', 'cuts', 'plots', 'states', 'people']) {
         await page.page.click(`[data-panel=${panel}]`);
         await audit(page.page, panel);
         await page.screenshot(`${name}-${colorScheme}-${panel}`);

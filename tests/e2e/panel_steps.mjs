@@ -1,4 +1,5 @@
-// The list of cuts, links to a view, and what is read from the sheet, all on one page and one sheet that nothing moves.
+// The list of cuts, links to a view, and what is read from the sheet, all on one page and one sheet that is paused.
+import { readFile } from 'node:fs/promises';
 import { kFlatScene } from './cutting_scenes.mjs';
 import { check, post } from './harness.mjs';
 import { ViewerPage } from './viewer_page.mjs';
@@ -85,5 +86,37 @@ export function panelSteps(steps, browser, { url }) {
     await viewer.shows('#measure-space', '');
     await page.keyboard.press('v');
     check(!(await page.isVisible('#measure-panel')), 'the numbers stay without the tool');
+  });
+
+  steps.step('energy and the place of a point are plotted while the sheet falls, and saved', async () => {
+    const { page } = viewer;
+    await page.keyboard.press('f');
+    await page.keyboard.press('Shift+G');
+    await page.click('#plot-add');
+    await page.selectOption('#plot-quantity', 'position');
+    await page.click('#plot-add');
+    await viewer.shows('#plot-prompt', await page.evaluate(() => 'Click the point on the sheet'));
+    await viewer.tap(0.3, 0.5);
+    await page.locator('#plot-list canvas').nth(1).waitFor();
+    await page.locator('#plot-list li li', { hasText: /^total / }).waitFor();
+    await post(url, 'InteractionService/SetSheetGravity', { name: kSheet, setGravity: { gravityMps2: { z: -9.81 } } });
+    await post(url, 'SheetService/StepSheet', { name: kSheet, ticks: 30 });
+    // A fall from rest for half a second: y of the point stays, z is 1.2 m lower.
+    await page.locator('#plot-list li li', { hasText: /^kinetic [\d.]+ J$/ }).waitFor();
+    await page.locator('#plot-list > li').nth(1).locator('li', { hasText: /^z −/ }).waitFor();
+    const place = await page.locator('#plot-list > li').nth(1).locator('li').allTextContents();
+    check(/^x (29\d|30\d)(\.\d)? mm$/.test(place[0]), `the point is at ${place}`);
+    await viewer.picture('plots');
+    const downloaded = page.waitForEvent('download');
+    await page.getByRole('button', { name: 'Save the values as CSV: Energy' }).click();
+    const path = await (await downloaded).path();
+    const [heading, ...rows] = (await readFile(path, 'utf8')).trim().split('\n');
+    check(heading.startsWith('tick,time_s,energy.kinetic_J'), heading);
+    check(rows.at(-1).startsWith('30,0.5,'), `the last of ${rows.length} rows is ${rows.at(-1)}`);
+    await page.getByRole('button', { name: 'Remove the plot: Energy' }).click();
+    check((await page.locator('#plot-list > li').count()) === 1, 'the plot stays');
+    check(viewer.errors.length === 0, `console: ${viewer.errors.join('; ')}`);
+    await page.close();
+    await post(url, 'SheetService/DeleteSheet', { name: kSheet });
   });
 }

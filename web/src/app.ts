@@ -29,6 +29,7 @@ import { Notices } from './ui/notices';
 import { PhysicsPanel } from './ui/physics/physics_panel';
 import { People } from './ui/people/people';
 import { PiecePanel } from './ui/piece_panel';
+import { PlotPanel } from './ui/plots/plot_panel';
 import { bindMoreControls } from './ui/more_controls';
 import { RecordingControl } from './ui/recording_control';
 import { ReplayBar } from './ui/replay_bar';
@@ -172,6 +173,12 @@ export class App {
   private readonly physics = new PhysicsPanel(this.live, this.shown, this.notices);
   private readonly pieces = new PiecePanel(this.live, this.shown);
   private readonly cuts: CutList = new CutList(this.live, this.shown, this.history);
+  private readonly plots: PlotPanel = new PlotPanel({
+    live: this.live,
+    shown: this.shown,
+    notices: this.notices,
+    pickPoint: (picked) => this.tools.pickPoint(picked),
+  });
   private readonly states = new StatePanel(this.live, this.notices, () => (this.imageMode.isOn ? 2 : 1));
 
   private readonly people: People = new People({
@@ -252,6 +259,7 @@ export class App {
     tools: this.tools,
     pieces: this.pieces,
     cuts: this.cuts,
+    plots: this.plots,
     axes: this.axes,
     people: this.people,
     quality: new AdaptiveDrawing({
@@ -267,6 +275,7 @@ export class App {
   constructor() {
     this.panels.add('pieces', this.pieces);
     this.panels.add('cuts', this.cuts);
+    this.panels.add('plots', this.plots);
     this.panels.add('sheets', this.sheets);
     this.panels.add('states', this.states);
     this.panels.add('people', this.people.panel);
@@ -326,6 +335,7 @@ export class App {
 
   private connectionChanged(): void {
     this.connection.update();
+    if (this.live.watch?.state === 'lost') this.plots.lost(this.live.watch.detail);
     if (this.live.watch?.state === 'lost' || this.imageMode.state === 'lost') void this.session.check();
   }
 
@@ -338,7 +348,7 @@ export class App {
     this.rights.set(access);
     this.accessPanel.show(access);
     this.people.panel.show(access);
-    if (!this.rights.may(Scope.CUT) && this.tools.tool.id !== 'measure') this.tools.choose('view');
+    if (!this.rights.may(Scope.CUT) && !['measure', 'pick'].includes(this.tools.tool.id)) this.tools.choose('view');
   }
 
   private loggedIn(): void {
@@ -356,17 +366,19 @@ export class App {
   }
 
   private get wishes(): StreamWishes {
-    return { strains: this.look.isByStrain, pace: this.pace };
+    const probes = this.plots.probesFor(this.live.sheetName);
+    return { strains: this.look.isByStrain, pace: this.pace, probes };
   }
 
   private get pace(): Pace {
     // A recording needs every tick, even while the page is hidden.
     if (this.recording.isOn) return { isPaused: false, maxRateHz: 0 };
-    return { isPaused: document.hidden, maxRateHz: this.imageMode.isShown ? this.imageMode.meshRateHz : 0 };
+    return { isPaused: document.hidden, maxRateHz: this.imageMode.isShown && !this.plots.isOn ? this.imageMode.meshRateHz : 0 };
   }
 
   private receiveLive(copy: SheetCopy, frame: FrameCopy): void {
     this.receive(copy, frame);
+    this.plots.take(copy);
     const { stats, arrivedMs } = frame;
     if (!stats || !this.live.isWatched) return;
     const { sheetName } = this.live;

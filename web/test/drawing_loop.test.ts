@@ -40,8 +40,8 @@ describe('DrawingLoop', () => {
     const tools = { tool: { update: vi.fn() }, cut: { isOnSheet: false } };
     const pieces = { update: vi.fn() };
     const people = { place: vi.fn(), update: vi.fn() };
-    const [cuts, axes] = [{ update: vi.fn() }, { update: vi.fn() }];
-    const parts = { stage, shown, live, replayBar, look, imageMode, tools, pieces, people, cuts, axes, quality, status, statistics };
+    const [cuts, plots, axes] = Array.from({ length: 3 }, () => ({ update: vi.fn() }));
+    const parts = { stage, shown, live, replayBar, look, imageMode, tools, pieces, people, cuts, plots, axes, quality, status, statistics };
     loop = new DrawingLoop(parts as unknown as DrawnParts);
     loop.start();
   });

@@ -1,6 +1,6 @@
 import type { Material } from '../gen/kerf/v1/scene_pb';
 
-/** What is drawn on a cloth in material coordinates: numbers that the shader knows. */
+/** A pattern in material coordinates, by the number that the shader knows. */
 export enum Pattern {
   /** Checks of dyed bands. */
   GINGHAM = 0,
@@ -17,7 +17,7 @@ export enum Pattern {
 /** The looks of a material. Colours are sRGB. */
 export interface MaterialLook {
   readonly pattern: Pattern;
-  /** Of the side whose triangles are counter-clockwise, and of the other one. */
+  /** Colours of the side whose triangles are counter-clockwise, and of the other one. */
   readonly front: number;
   readonly back: number;
   readonly second: number;

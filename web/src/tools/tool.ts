@@ -3,7 +3,7 @@ import type { Reporter } from '../notifier';
 import type { Stage } from '../scene/stage';
 import type { GestureStream, OpenSheet, ShownState } from '../sheet/open_sheet';
 
-export type ToolId = 'view' | 'cut' | 'grab' | 'pin' | 'measure';
+export type ToolId = 'view' | 'cut' | 'grab' | 'pin' | 'measure' | 'pick';
 
 export interface Pointer {
   /** Place on the canvas, CSS pixels. */

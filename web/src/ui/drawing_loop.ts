@@ -18,6 +18,7 @@ export interface DrawnParts {
   readonly tools: { readonly tool: { update(): void }; readonly cut: { readonly isOnSheet: boolean } };
   readonly pieces: { update(): void };
   readonly cuts: { update(): void };
+  readonly plots: { update(nowMs: number): void };
   readonly axes: { update(): void };
   readonly people: { place(): void; update(): void };
   readonly quality: Pick<AdaptiveDrawing, 'begin'>;
@@ -37,7 +38,7 @@ export class DrawingLoop {
 
   private turn(nowMs: number): void {
     this.start();
-    const { stage, shown, live, replayBar, imageMode, tools, people, cuts, axes, quality } = this.parts;
+    const { stage, shown, live, replayBar, imageMode, tools, people, cuts, plots, axes, quality } = this.parts;
     live.followPace();
     if (live.advance(nowMs) || replayBar.advance(nowMs)) shown.showAgain();
     // Lets folds hide a drawing on the sheet also over a picture of the server.
@@ -57,6 +58,7 @@ export class DrawingLoop {
     this.showFigures(nowMs);
     people.update();
     cuts.update();
+    plots.update(nowMs);
   }
 
   private takeFrame(): void {

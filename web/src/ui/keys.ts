@@ -29,6 +29,8 @@ function annotate({ button, chords, isClicked, run }: Shortcut): void {
 // for sliders and choices.
 function isForControl({ target, key }: KeyboardEvent): boolean {
   const control = target as HTMLElement;
+  // A field of a dialog that was closed keeps the focus until the next animation frame.
+  if (control.closest('dialog:not([open])')) return false;
   if (control.closest('select, textarea, input:not([type=checkbox], [type=radio], [type=range])')) return true;
   if (control.closest('button, summary, input') && (key === ' ' || key === 'Enter')) return true;
   return control.closest('[role=radio], input') !== null && key.startsWith('Arrow');

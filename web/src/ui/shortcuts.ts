@@ -149,6 +149,7 @@ function panelGroup(parts: KeyedParts): ShortcutGroup {
       panel('M', 'physics', 'Gravity, wind, pins and material'),
       panel('J', 'pieces', 'All pieces with their sizes'),
       panel('Shift+C', 'cuts', 'All cuts: show one on the sheet, undo back to one'),
+      panel('Shift+G', 'plots', 'Plots over time: energy, forces, a point'),
       panel('Y', 'states', 'Saved states: save one, go back to one'),
       panel('Shift+P', 'people', 'Who watches the sheet, and what they did'),
       {
@@ -233,7 +234,7 @@ function crossKeys(parts: KeyedParts): ShortcutGroup {
   return {
     title: 'A cross in place of the mouse',
     intro: 'Enter presses; the arrows then drag, until Enter lets go.',
-    tools: ['cut', 'grab', 'pin', 'measure'],
+    tools: ['cut', 'grab', 'pin', 'measure', 'pick'],
     shortcuts: [
       { chords: ['Enter'], what: 'Set a point, press, or let go at the cross', run: () => keyboardPointer.press() },
       { chords: ['Escape'], what: 'Hide the cross', run: () => keyboardPointer.hide() },

@@ -1,8 +1,10 @@
 import { Scope } from '../gen/kerf/v1/access_service_pb';
+import type { Point2 } from '../geometry/locator';
 import { CutTool } from '../tools/cut_tool';
 import { GrabTool } from '../tools/grab_tool';
 import { KeyboardPointer } from '../tools/keyboard_pointer';
 import { MeasureTool } from '../tools/measure_tool';
+import { PickTool } from '../tools/pick_tool';
 import { PinTool } from '../tools/pin_tool';
 import { PointerRouter } from '../tools/pointer_router';
 import type { Tool, ToolId, Viewer } from '../tools/tool';
@@ -34,8 +36,10 @@ export class ToolChoice {
   private readonly canvas = element<HTMLCanvasElement>('canvas');
   private readonly tools: Record<ToolId, Tool>;
   private readonly buttons: Choice<ToolId>;
+  private readonly picking: PickTool;
   private readonly measurePanel = new MeasurePanel();
   private chosen: Tool;
+  private beforePick: ToolId = 'view';
 
   /** @param replayBar  says whether a recording is shown, which no tool can change */
   constructor(
@@ -51,8 +55,9 @@ export class ToolChoice {
     );
     this.grab = new GrabTool(viewer);
     this.measure = new MeasureTool(viewer, (measured) => this.measurePanel.show(measured));
+    this.picking = new PickTool(viewer, () => this.choose(this.beforePick));
     const [view, pin] = [new ViewTool(), new PinTool(viewer)];
-    this.tools = { view, cut: this.cut, grab: this.grab, pin, measure: this.measure };
+    this.tools = { view, cut: this.cut, grab: this.grab, pin, measure: this.measure, pick: this.picking };
     this.chosen = this.tools.view;
     this.cutPanel = new CutPanel(
       this.cut,
@@ -77,10 +82,17 @@ export class ToolChoice {
     return this.chosen;
   }
 
+  /** Lets the next tap choose a point of the sheet; the choice of a tool gives that up. */
+  pickPoint(picked: (point: Point2) => void): void {
+    if (this.chosen.id !== 'pick') this.beforePick = this.chosen.id;
+    this.choose('pick');
+    this.picking.ask(picked);
+  }
+
   /** Chooses another tool. While a recording is shown, or without rights, only those that change nothing can be chosen. */
   choose(id: ToolId): void {
     this.keyboardPointer.hide();
-    const isChange = id !== 'view' && id !== 'measure';
+    const isChange = id !== 'view' && id !== 'measure' && id !== 'pick';
     if (isChange && this.replayBar.isOpen) {
       this.viewer.notices.notify('info', 'A recording cannot be changed: close it to return to the live sheet');
       return;
