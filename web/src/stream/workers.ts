@@ -1,8 +1,8 @@
 // Files of the workers, as the bundler finds them.
 const kStart = {
   watch: () => new Worker(new URL('./watch_worker.ts', import.meta.url), { type: 'module' }),
-  images: () => new Worker(new URL('./image_worker.ts', import.meta.url), { type: 'module' }),
-  replay: () => new Worker(new URL('./replay_worker.ts', import.meta.url), { type: 'module' }),
+  images: () => new Worker(new URL('./seldom_worker.ts', import.meta.url), { type: 'module', name: 'images' }),
+  replay: () => new Worker(new URL('./seldom_worker.ts', import.meta.url), { type: 'module', name: 'replay' }),
 };
 
 /**
