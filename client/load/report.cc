@@ -71,8 +71,9 @@ Pace pace_of(const Report& report) {
   std::vector<double> factors;
   for (const SheetRun& sheet : report.sheets) {
     if (sheet.slipped_s > 0.0) ++pace.slipped;
-    const bool ran_a_while = report.plan.staged == Staged::kSheets && sheet.ticks > 0;
-    if (sheet.run_state == "RUNNING" || ran_a_while) factors.push_back(sheet.real_time_factor);
+    const bool in_stages = report.plan.staged == Staged::kSheets;
+    if (in_stages ? sheet.real_time_factor > 0.0 : sheet.run_state == "RUNNING")
+      factors.push_back(sheet.real_time_factor);
   }
   if (factors.empty()) return pace;
   std::sort(factors.begin(), factors.end());

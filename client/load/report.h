@@ -50,7 +50,7 @@ struct Report {
   [[nodiscard]] const ReaderTotals& of(Role role) const { return readers[static_cast<std::size_t>(role)]; }
 };
 
-// Summarises the sheets running at the end.
+// Summarises the sheets running at the end; with stages of sheets, those that ran for half a second or longer.
 struct Pace {
   std::int64_t running = 0;
   double least = 0.0;  // Least real-time factor; 0 if no sheet ran.

@@ -28,6 +28,7 @@ namespace {
 constexpr std::chrono::milliseconds kProgressEvery(250);
 constexpr std::chrono::seconds kGrace(10);  // Longest wait, plus the delay, for frames that show the last cuts.
 constexpr std::chrono::milliseconds kLookEvery(50);
+constexpr double kLeastRun_s = 0.5;
 constexpr std::size_t kProbes = 60;                    // Most probes in one run.
 constexpr std::chrono::milliseconds kProbeEvery(500);  // Shortest time between probes.
 constexpr std::size_t kMostSheetsListedOften = 1000;   // More are listed at the beginning and the end only.
@@ -158,13 +159,13 @@ class Run {
     return Nothing{};
   }
 
-  // Divides the ticks of each sheet by the time for which it was to run.
+  // Divides the ticks of each sheet by the time for which it was to run; a shorter one than kLeastRun_s says little.
   void set_paces(const std::vector<std::string>& names, const SheetSwitch& running) {
     for (SheetRun& sheet : report_.sheets) {
       const auto index = static_cast<std::size_t>(std::find(names.begin(), names.end(), sheet.name) - names.begin());
       const double ran_s = running.ran_s(index, last_listed_);
       const double simulated_s = static_cast<double>(sheet.ticks) / report_.plan.tick_rate_hz;
-      sheet.real_time_factor = ran_s > 0.0 ? simulated_s / ran_s : 0.0;
+      sheet.real_time_factor = ran_s >= kLeastRun_s ? simulated_s / ran_s : 0.0;
     }
   }
 

@@ -124,8 +124,8 @@ class Load(Case):
         self.assertEqual((report["plan"]["cut_kind"], report["plan"]["sheets"], report["plan"]["viewers"]), ("mixed", 4, 2))
 
     def test_stages_of_sheets(self):
-        report = self.json_of("load", "--grid", "6x6", "--warm-up", "0", "--stages", "0s:2,500ms:2", "--stages-of", "sheets")
-        self.assertEqual((report["sheets"]["made"], report["sheets"]["running"], report["plan"]["duration_s"]), (2, 2, 0.5))
+        report = self.json_of("load", "--grid", "6x6", "--warm-up", "0", "--stages", "0s:2,900ms:2", "--stages-of", "sheets")
+        self.assertEqual((report["sheets"]["made"], report["sheets"]["running"], report["plan"]["duration_s"]), (2, 2, 0.9))
         self.refused("load", "--stages", "10:4", code=2, says="such as 10s:4")
 
     def test_wrong_options_are_refused_before_anything_is_made(self):

@@ -125,14 +125,13 @@ TEST_F(LoadRunTest, SheetsRunInStages) {
   Plan wanted = plan();
   wanted.viewers = 2;
   wanted.cuts_per_second = 10.0;
-  set_stages(*parse_stages("0s:2,1s:2,0s:1,500ms:1"), Staged::kSheets, wanted);
+  set_stages(*parse_stages("0s:3,0s:2,1500ms:2,0s:1,500ms:1"), Staged::kSheets, wanted);
   const Result<Report> report = run(wanted);
   ASSERT_TRUE(report.ok()) << report.error().message;
-  ASSERT_EQ(report->sheets.size(), 2U);
-  EXPECT_EQ(report->sheets[0].run_state, "RUNNING");
-  EXPECT_EQ(report->sheets[1].run_state, "PAUSED");
-  for (const SheetRun& sheet : report->sheets) EXPECT_GT(sheet.ticks, 0);
+  ASSERT_EQ(report->sheets.size(), 3U);
+  EXPECT_GT(report->sheets[1].ticks, 0);
   EXPECT_LT(report->sheets[1].ticks, report->sheets[0].ticks);
+  EXPECT_EQ(report->sheets[2].real_time_factor, 0.0) << "It ran for too short a time.";
   EXPECT_EQ(pace_of(*report).running, 2);
   EXPECT_EQ(num_errors(*report), 0) << to_text(*report);
   EXPECT_EQ(sheets_left(), 0);
