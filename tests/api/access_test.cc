@@ -50,7 +50,7 @@ TEST(Access, EachRequestHasARule) {
       expected.insert(file->service(0)->method(i)->input_type()->full_name());
     }
   }
-  ASSERT_EQ(expected.size(), 45U);
+  ASSERT_EQ(expected.size(), 46U);
   // Uploads are checked by what announces them. A stream of pictures without requests begins with its start.
   for (const char* const parts : {"kerf.v1.UploadSheetRequest", "kerf.v1.ReplayRecordingRequest"}) {
     EXPECT_EQ(expected.erase(parts), 1U);
@@ -59,6 +59,19 @@ TEST(Access, EachRequestHasARule) {
   const std::vector<std::string> found = messages_with_rules();
   EXPECT_EQ(std::set<std::string>(found.begin(), found.end()), expected);
   EXPECT_EQ(refusal(check_access(auth::everybody(), v1::Sheet())), "SCOPE_TOO_LOW") << "no rule, no access";
+}
+
+TEST(Access, EverySheetOfAListMustBeReached) {
+  v1::StepSheetsRequest request;
+  for (const char* const name : {"sheets/lab-1", "sheets/lab-2", "sheets/other"}) request.add_names(name);
+  const Status refused = check_access(caller_with(Scope::kCut, "lab-*"), request);
+  ASSERT_FALSE(refused.ok());
+  EXPECT_EQ(refused.error().reason, "SHEET_NOT_FOUND");
+  EXPECT_EQ(refused.error().field, "names[2]");
+  EXPECT_EQ(sheets_of(request), (std::set<std::string>{"lab-1", "lab-2", "other"}));
+  request.mutable_names()->RemoveLast();
+  EXPECT_TRUE(check_access(caller_with(Scope::kCut, "lab-*"), request).ok());
+  EXPECT_EQ(refusal(check_access(caller_with(Scope::kView, "lab-*"), request)), "SCOPE_TOO_LOW");
 }
 
 TEST(Access, AScopeIncludesThoseBeforeIt) {

@@ -147,8 +147,8 @@ TEST_F(RpcServerTest, BytesThatAreNoMessageAreRefused) {
   for (const auto& [service, methods] : std::map<std::string, std::vector<std::string>>{
            {"SheetService",
             {"CreateSheet", "GetSheet", "ListSheets", "DeleteSheet", "PauseSheet", "ResumeSheet", "StepSheet",
-             "ResetSheet", "SetSheetSpeed", "ExportSheet", "GetSheetState", "AnalyzeSheet", "SaveState", "RestoreState",
-             "ListStates", "DeleteState"}},
+             "StepSheets", "ResetSheet", "SetSheetSpeed", "ExportSheet", "GetSheetState", "AnalyzeSheet", "SaveState",
+             "RestoreState", "ListStates", "DeleteState"}},
            {"CutService",
             {"CreateCut", "CreateCuts", "ListCuts", "CancelScheduledCuts", "UndoCut", "RedoCut", "ListPieces"}},
            {"InteractionService",

@@ -230,15 +230,16 @@ struct Probes::Context {
   }
 };
 
-Status Probes::check(const sheet::Sheet& sheet, const Probe& probe, const std::string& path) {
+Status Probes::check(const sheet::Sheet& sheet, const Probe& probe, const std::string& path, bool may_be_gone) {
   for (std::size_t p = 0; p < probe.points.size(); ++p) {
-    if (probe.quantity == Quantity::kOpening || place_at(sheet, probe, probe.points[p]).exists) continue;
+    if (may_be_gone || probe.quantity == Quantity::kOpening || place_at(sheet, probe, probe.points[p]).exists) continue;
     const std::string field = path + ".points[" + std::to_string(p) + "]";
     return invalid_argument("POINT_OUTSIDE", field + " is not a point of the sheet", field);
   }
   if (!probe.region) return Nothing{};
   const std::string field = path + ".region";
   KERF_TRY_ASSIGN(const scene::PlacedRegion region, scene::place(*probe.region, sheet.components(), field));
+  if (may_be_gone) return Nothing{};
   KERF_TRY_ASSIGN(const std::vector<mesh::VertexId> found, find_vertices(sheet.mesh(), region, field));
   const bool may_fill = found.empty() && scene::schedules_cuts(sheet.config());
   if (may_fill || !members_of(sheet, probe).empty()) return Nothing{};
@@ -260,11 +261,19 @@ std::vector<std::string> Probes::columns_of(const std::vector<Probe>& requests) 
 }
 
 Result<Probes> Probes::create(std::vector<Probe> requests, const sheet::Sheet& sheet) {
+  return create(std::move(requests), sheet, false);
+}
+
+Result<Probes> Probes::create_live(std::vector<Probe> requests, const sheet::Sheet& sheet) {
+  return create(std::move(requests), sheet, sheet.topology_version() > 1);
+}
+
+Result<Probes> Probes::create(std::vector<Probe> requests, const sheet::Sheet& sheet, bool may_be_gone) {
   Probes probes;
   probes.requests_ = std::move(requests);
   for (std::size_t i = 0; i < probes.requests_.size(); ++i) {
     const Probe& probe = probes.requests_[i];
-    KERF_TRY(check(sheet, probe, "probes[" + std::to_string(i) + "]"));
+    KERF_TRY(check(sheet, probe, "probes[" + std::to_string(i) + "]", may_be_gone));
   }
   probes.columns_ = columns_of(probes.requests_);
   probes.locate(sheet);

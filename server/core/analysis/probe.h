@@ -23,6 +23,9 @@ class Probes {
   // kerf.v1.Scene. A point of Quantity::kOpening may be on a cut that is not made yet. A region may be empty if cuts
   // are scheduled, which may bring vertices.
   static Result<Probes> create(std::vector<scene::Probe> requests, const sheet::Sheet& sheet);
+  // Does the same for a sheet that is used already. If its topology has changed, a place without material is no error:
+  // a cut may have removed it, and its values are NaN.
+  static Result<Probes> create_live(std::vector<scene::Probe> requests, const sheet::Sheet& sheet);
 
   // Returns the names of the columns, such as "name.x" or "name[3].xx": one for each number that measure() appends.
   static std::vector<std::string> columns_of(const std::vector<scene::Probe>& requests);
@@ -60,7 +63,8 @@ class Probes {
   };
   struct Context;
 
-  static Status check(const sheet::Sheet& sheet, const scene::Probe& probe, const std::string& path);
+  static Result<Probes> create(std::vector<scene::Probe> requests, const sheet::Sheet& sheet, bool may_be_gone);
+  static Status check(const sheet::Sheet& sheet, const scene::Probe& probe, const std::string& path, bool may_be_gone);
   void locate(const sheet::Sheet& sheet);
   [[nodiscard]] static Place place_at(const sheet::Sheet& sheet, const scene::Probe& probe, const Eigen::Vector2d& at);
   [[nodiscard]] static std::vector<Member> members_of(const sheet::Sheet& sheet, const scene::Probe& probe);

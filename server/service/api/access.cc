@@ -1,6 +1,8 @@
 #include "server/service/api/access.h"
 
 #include <map>
+#include <set>
+#include <string>
 #include <string_view>
 
 #include <google/protobuf/descriptor.h>
@@ -19,7 +21,7 @@ using google::protobuf::Message;
 
 // The subject of a request, beside its scope.
 enum class Subject {
-  kNamedSheet,   // the sheet in its name or parent
+  kNamedSheet,   // the sheet in its name or parent, or the sheets in its names
   kStartsSheet,  // the sheet in the name of its start, if it has one
   kNewSheet,     // a sheet that it makes
   kServer,       // the server as a whole, where the caller's sheets do not matter
@@ -78,6 +80,7 @@ const std::map<std::string_view, Rule>& rules() {
       {"SetSheetWindRequest", {Scope::kCut, Subject::kNamedSheet, kRecorded}},
       {"SheetUpload", {Scope::kAdmin, Subject::kNewSheet, kRecorded}},
       {"StepSheetRequest", {Scope::kCut, Subject::kNamedSheet, kRecorded}},
+      {"StepSheetsRequest", {Scope::kCut, Subject::kNamedSheet, kRecorded}},
       {"SubscribeRequest", {Scope::kView, Subject::kNamedSheet}},
       {"UndoCutRequest", {Scope::kCut, Subject::kNamedSheet, kRecorded}},
       {"WatchImagesRequest", {Scope::kView, Subject::kStartsSheet}},
@@ -102,14 +105,24 @@ std::string_view sheet_in(std::string_view name) {
   return name.substr(0, name.find('/'));
 }
 
+// Checks a name of a sheet. A name that is malformed names no sheet, and the method says so.
+Status check_name(const auth::Rights& rights, const std::string& name, const std::string& field) {
+  const std::string id(sheet_in(name));
+  if (id.empty() || rights.reaches(id)) return Nothing{};
+  return not_found("SHEET_NOT_FOUND", "there is no sheet \"" + id + "\"", field);
+}
+
 Status check_named(const auth::Rights& rights, const Message& request, const std::string& prefix) {
+  if (const auto* const steps = dynamic_cast<const v1::StepSheetsRequest*>(&request)) {
+    for (int i = 0; i < steps->names_size(); ++i) {
+      KERF_TRY(check_name(rights, steps->names(i), "names[" + std::to_string(i) + "]"));
+    }
+    return Nothing{};
+  }
   for (const char* const field : {"name", "parent"}) {
     const FieldDescriptor* const descriptor = request.GetDescriptor()->FindFieldByName(field);
     if (descriptor == nullptr) continue;
-    const std::string id(sheet_in(request.GetReflection()->GetString(request, descriptor)));
-    // A name that is malformed names no sheet, and the method says so.
-    if (id.empty() || rights.reaches(id)) continue;
-    return not_found("SHEET_NOT_FOUND", "there is no sheet \"" + id + "\"", prefix + field);
+    KERF_TRY(check_name(rights, request.GetReflection()->GetString(request, descriptor), prefix + field));
   }
   return Nothing{};
 }
@@ -189,6 +202,14 @@ std::string call_of(const Message& request) {
   constexpr std::string_view kRequest = "Request";
   if (name.ends_with(kRequest)) name.erase(name.size() - kRequest.size());
   return name;
+}
+
+std::set<std::string> sheets_of(const Message& request) {
+  const auto* const steps = dynamic_cast<const v1::StepSheetsRequest*>(&request);
+  if (steps == nullptr) return {sheet_of(request)};
+  std::set<std::string> ids;
+  for (const std::string& name : steps->names()) ids.emplace(sheet_in(name));
+  return ids;
 }
 
 std::string sheet_of(const Message& request) {

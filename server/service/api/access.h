@@ -1,5 +1,6 @@
 #pragma once
 
+#include <set>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,8 @@ bool is_recorded(const google::protobuf::Message& request);
 std::string call_of(const google::protobuf::Message& request);
 // Returns the id of the sheet that a request is about, well-formed or not; empty: none, or one without an id yet.
 std::string sheet_of(const google::protobuf::Message& request);
+// Returns the ids of all sheets that a request is about: more than one only if it has several names.
+std::set<std::string> sheets_of(const google::protobuf::Message& request);
 
 // Returns the full names of the messages for which there is a rule, in order. All others are refused.
 std::vector<std::string> messages_with_rules();

@@ -144,9 +144,11 @@ Status Api::allow(const auth::Caller& caller, const google::protobuf::Message& r
 
 Recorder Api::recorder(const auth::Caller& caller, const google::protobuf::Message& request) const {
   if (!is_recorded(request)) return nullptr;
-  return [core = core_, caller, call = call_of(request), named = sheet_of(request),
+  return [core = core_, caller, call = call_of(request), named = sheets_of(request),
           request_id = request_id_of(request)](const Status& outcome, const std::string& sheet) {
-    api::record(*core, caller, call, named.empty() ? sheet : named, request_id, outcome);
+    for (const std::string& id : named) {
+      api::record(*core, caller, call, id.empty() ? sheet : id, request_id, outcome);
+    }
   };
 }
 

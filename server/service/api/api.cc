@@ -67,6 +67,7 @@ std::vector<Method> json_methods(Api& api) {
       json_method("/kerf.v1.SheetService/PauseSheet", api, &Api::pause_sheet),
       json_method("/kerf.v1.SheetService/ResumeSheet", api, &Api::resume_sheet),
       json_method("/kerf.v1.SheetService/StepSheet", api, &Api::step_sheet),
+      json_method("/kerf.v1.SheetService/StepSheets", api, &Api::step_sheets),
       json_method("/kerf.v1.SheetService/ResetSheet", api, &Api::reset_sheet),
       json_method("/kerf.v1.SheetService/SetSheetSpeed", api, &Api::set_sheet_speed),
       json_method("/kerf.v1.SheetService/ExportSheet", api, &Api::export_sheet),

@@ -91,6 +91,8 @@ class Sheet;
 class SheetState;
 class SheetUpload;
 class StepSheetRequest;
+class StepSheetsRequest;
+class StepSheetsResponse;
 class StoreBackup;
 class StoreInfo;
 class SubscribeRequest;
@@ -135,6 +137,7 @@ struct Limits {
   std::int64_t max_recording_upload_bytes = std::int64_t{128} << 20;  // File of ReplayRecording.
   std::int64_t max_recorded_ticks = std::int64_t{4} << 20;     // Entries of that file: 19 h at 60 Hz with one per tick.
   std::int64_t max_recorded_parts = std::int64_t{1} << 20;     // Parts of that file, see wire::RecordingLimits.
+  std::int64_t max_stepped_bytes = std::int64_t{64} << 20;     // States in one answer of StepSheets.
   std::int32_t max_recordings_sent = 16;                       // Sent to clients at once, each a whole file in memory.
   std::int64_t max_uploading_bytes = std::int64_t{256} << 20;  // Bytes of all uploads in progress.
 
@@ -234,6 +237,7 @@ class Api {
   void resume_sheet(const v1::ResumeSheetRequest& request, Reply<v1::Sheet> reply);
   // Ends early after a tick, with the result so far, once `stop` is triggered: no caller waits for the answer then.
   void step_sheet(const v1::StepSheetRequest& request, Reply<v1::Sheet> reply, std::stop_token stop);
+  void step_sheets(const v1::StepSheetsRequest& request, Reply<v1::StepSheetsResponse> reply, std::stop_token stop);
   void set_sheet_speed(const v1::SetSheetSpeedRequest& request, Reply<v1::Sheet> reply);
   void reset_sheet(const v1::ResetSheetRequest& request, Reply<v1::Sheet> reply);
   void export_sheet(const v1::ExportSheetRequest& request, Reply<v1::ExportSheetResponse> reply);

@@ -51,7 +51,7 @@ void make_live_probes(const std::shared_ptr<ApiCore>& core, const std::string& s
   inspect<Found>(
       core, sheet_id,
       [probes = std::move(probes), path](const sheet::Sheet& sheet) -> Found {
-        Result<analysis::Probes> located = analysis::Probes::create(probes, sheet);
+        Result<analysis::Probes> located = analysis::Probes::create_live(probes, sheet);
         if (!located.ok()) return std::make_shared<Result<Made>>(below(path, located.error()));
         // The first measurement finds the places again, since no sheet has the serial 0.
         return std::make_shared<Result<Made>>(std::make_shared<LiveProbes>(std::move(*located), 0));

@@ -36,7 +36,7 @@ class LiveProbes final : public stream::Meter {
   std::uint64_t serial_;
 };
 
-// Finds the places of probes on a sheet, between two ticks. Errors: those of Probes::create(), with `path` before the
+// Finds the places of probes on a sheet, between two ticks. Errors: those of Probes::create_live(), with `path` before the
 // field; those of the host.
 void make_live_probes(const std::shared_ptr<ApiCore>& core, const std::string& sheet_id,
                       std::vector<scene::Probe> probes, const std::string& path,

@@ -36,7 +36,7 @@ void append_column(const char* keyword, const Matrix& matrix, Eigen::Index colum
 
 }  // namespace
 
-v1::SheetState encode_exact_state(const sheet::Sheet& sheet) {
+v1::SheetState encode_exact_state(const sheet::Sheet& sheet, bool with_topology) {
   const std::shared_ptr<const sheet::Snapshot> snapshot = sheet.snapshot();
   const sheet::Topology& topology = *snapshot->topology;
   static_assert(sizeof(topology.triangles[0]) == 3 * sizeof(std::int32_t));
@@ -47,6 +47,7 @@ v1::SheetState encode_exact_state(const sheet::Sheet& sheet) {
   state.set_num_vertices(static_cast<std::int32_t>(sheet.state().x.cols()));
   state.set_positions(bytes_of(sheet.state().x));
   state.set_velocities(bytes_of(sheet.state().v));
+  if (!with_topology) return state;
   state.set_material_positions(bytes_of(topology.material_positions));
   state.set_triangles(bytes_of(topology.triangles.data(), topology.triangles.size()));
   state.set_pieces(bytes_of(topology.pieces.data(), topology.pieces.size()));

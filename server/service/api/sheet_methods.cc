@@ -97,18 +97,6 @@ void Api::resume_sheet(const v1::ResumeSheetRequest& request, Reply<v1::Sheet> r
   core_->host.resume(*id, sheet_reply(std::move(reply), "name"));
 }
 
-void Api::step_sheet(const v1::StepSheetRequest& request, Reply<v1::Sheet> reply, std::stop_token stop) {
-  const Result<std::string> id = addressed_sheet(*core_, request.name(), "name");
-  if (!id.ok()) return reply(id.error());
-  const std::int32_t limit = core_->host.options().max_step_ticks;
-  if (request.ticks() < 1 || request.ticks() > limit) {
-    return reply(invalid_argument(
-        "OUT_OF_RANGE", "ticks is " + std::to_string(request.ticks()) + "; must be 1 to " + std::to_string(limit),
-        "ticks"));
-  }
-  core_->host.step(*id, request.ticks(), sheet_reply(std::move(reply), "name"), std::move(stop));
-}
-
 void Api::set_sheet_speed(const v1::SetSheetSpeedRequest& request, Reply<v1::Sheet> reply) {
   const Result<std::string> id = addressed_sheet(*core_, request.name(), "name");
   if (!id.ok()) return reply(id.error());

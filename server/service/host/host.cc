@@ -9,6 +9,7 @@
 #include "server/service/host/errors.h"
 #include "server/service/host/host_strand.h"
 #include "server/service/host/sheet_runner.h"
+#include "server/service/host/step_group.h"
 
 namespace kerf::host {
 
@@ -234,13 +235,30 @@ void Host::set_speed(const std::string& id, double speed, Callback<SheetStatus> 
   });
 }
 
-void Host::step(const std::string& id, std::int64_t ticks, Callback<SheetStatus> done, std::stop_token stop) {
+Status Host::check_ticks(std::int64_t ticks) const {
   const std::int32_t limit = options_.max_step_ticks;
-  if (ticks < 1 || ticks > limit) {
-    return done(invalid_argument(
-        "OUT_OF_RANGE", "ticks is " + std::to_string(ticks) + "; must be in 1.." + std::to_string(limit), "ticks"));
-  }
+  if (ticks >= 1 && ticks <= limit) return Nothing{};
+  return invalid_argument("OUT_OF_RANGE",
+                          "ticks is " + std::to_string(ticks) + "; must be 1 to " + std::to_string(limit), "ticks");
+}
+
+void Host::step(const std::string& id, std::int64_t ticks, Callback<SheetStatus> done, std::stop_token stop) {
+  if (const Status valid = check_ticks(ticks); !valid.ok()) return done(valid.error());
   on_strand(id, done, [ticks, done, stop = std::move(stop)](SheetRunner& r) { r.step(ticks, done, stop); });
+}
+
+void Host::step_all(const std::vector<std::string>& ids, std::int64_t ticks, std::shared_ptr<StepVisitor> visitor,
+                    Callback<Nothing> done, std::stop_token stop) {
+  if (const Status valid = check_ticks(ticks); !valid.ok()) return done(valid.error());
+  std::vector<std::shared_ptr<SheetRunner>> runners;
+  for (const std::string& id : ids) {
+    runners.push_back(find(id));
+    if (runners.back()) continue;
+    Error error = missing(id);
+    if (error.code == ErrorCode::kNotFound) error.field = "names[" + std::to_string(runners.size() - 1) + "]";
+    return done(std::move(error));
+  }
+  std::make_shared<StepGroup>(std::move(runners), ticks, std::move(visitor), std::move(done), std::move(stop))->begin();
 }
 
 void Host::inspect(const std::string& id, std::function<void(const sheet::Sheet&)> look, Callback<Nothing> done) {

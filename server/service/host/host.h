@@ -41,6 +41,7 @@
 namespace kerf::host {
 
 class SheetRunner;
+class StepVisitor;
 
 // Is the only owner of sheets, and the only class that runs them in real time. Each sheet has a strand: a queue whose
 // work runs on one thread pool, one piece at a time. A tick simulates the time dt, and tick k is due at t0 + k * dt /
@@ -173,6 +174,11 @@ class Host {
   // replay or a stop requested through `stop` ends it early, with the ticks done so far. kInvalidArgument outside
   // 1..max_step_ticks; kFailedPrecondition NOT_PAUSED, STEPPING or SHEET_FROZEN.
   void step(const std::string& id, std::int64_t ticks, Callback<SheetStatus> done, std::stop_token stop = {});
+  // Does what step() does for several sheets, side by side; no id may come twice. `done` is called after the last look
+  // of the visitor. Errors of step(), of a missing sheet and of the visitor's checks come before any sheet is stepped;
+  // the field is that of the sheet, such as "names[2]", unless the visitor gives another. Later ones go to the visitor.
+  void step_all(const std::vector<std::string>& ids, std::int64_t ticks, std::shared_ptr<StepVisitor> visitor,
+                Callback<Nothing> done, std::stop_token stop = {});
 
   // Calls `look` between two ticks, on the sheet's strand.
   void inspect(const std::string& id, std::function<void(const sheet::Sheet&)> look, Callback<Nothing> done);
@@ -275,6 +281,7 @@ class Host {
   template <typename T>
   void on_strand(const std::string& id, const Callback<T>& done, std::function<void(SheetRunner&)> work);
   [[nodiscard]] std::shared_ptr<SheetRunner> find(const std::string& id) const;
+  [[nodiscard]] Status check_ticks(std::int64_t ticks) const;
   [[nodiscard]] Error missing(const std::string& id) const;
 
   const HostOptions options_;

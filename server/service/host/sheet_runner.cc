@@ -204,7 +204,7 @@ void SheetRunner::post_pause(const Callback<SheetStatus>& done) {
 }
 
 void SheetRunner::pause() {
-  if (step_call_) finish_step(status());
+  if (step_call_) finish_step(Nothing{});
   if (clock_.is_paused()) return;
   if (playback_) playback_->next_tick();
   clock_.pause();
@@ -229,12 +229,33 @@ Status SheetRunner::resume() {
   return Nothing{};
 }
 
-void SheetRunner::step(std::int64_t ticks, Callback<SheetStatus> done, std::stop_token stop) {
-  const auto refuse = [&](const char* reason, const char* message) { done(failed_precondition(reason, message)); };
-  if (!clock_.is_paused()) return refuse("NOT_PAUSED", "only a paused sheet can be stepped; pause it first");
-  if (step_call_) return refuse("STEPPING", "the sheet is already being stepped; wait for that call");
-  if (sheet_.frozen()) return refuse("SHEET_FROZEN", "the sheet is frozen at its last good tick; reset it first");
-  step_call_ = StepCall{ticks, std::move(done), std::move(stop)};
+void SheetRunner::step(std::int64_t ticks, const Callback<SheetStatus>& done, std::stop_token stop) {
+  const auto answered = [done](SheetRunner& r, const Status& status) {
+    r.answer<SheetStatus>(done, status.ok() ? Result<SheetStatus>(r.status()) : status.error());
+  };
+  const Status reserved = reserve_step(this, answered, std::move(stop));
+  if (!reserved.ok()) return done(reserved.error());
+  run_reserved(this, ticks);
+}
+
+Status SheetRunner::reserve_step(const void* owner, StepDone done, std::stop_token stop) {
+  if (!clock_.is_paused()) {
+    return failed_precondition("NOT_PAUSED", "only a paused sheet can be stepped; pause it first");
+  }
+  if (step_call_) {
+    return failed_precondition("STEPPING", "the sheet is already being stepped; wait for that call");
+  }
+  if (sheet_.frozen()) {
+    return failed_precondition("SHEET_FROZEN", "the sheet is frozen at its last good tick; reset it first");
+  }
+  step_call_ = StepCall{0, std::move(done), std::move(stop), owner, true};
+  return Nothing{};
+}
+
+void SheetRunner::run_reserved(const void* owner, std::int64_t ticks) {
+  if (!step_call_ || step_call_->owner != owner || !step_call_->is_reserved) return;
+  step_call_->remaining = ticks;
+  step_call_->is_reserved = false;
   // An earlier call may have ended while its next turn was posted. That turn then steps the sheet for this call.
   if (!turn_posted_) keep_or_lose([this] { take_turn(); });
 }

@@ -144,7 +144,14 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   [[nodiscard]] double speed() const { return clock_.pace().speed(); }
   [[nodiscard]] bool is_paused() const { return clock_.is_paused(); }
   [[nodiscard]] SheetShare& share() const { return *share_; }
-  void step(std::int64_t ticks, Callback<SheetStatus> done, std::stop_token stop);
+  // Called on the strand when a step call ends, with the reason if that is an error.
+  using StepDone = std::function<void(SheetRunner&, const Status&)>;
+  void step(std::int64_t ticks, const Callback<SheetStatus>& done, std::stop_token stop);
+  // Begins a step call without ticks for `owner`, until run_reserved(). Meanwhile the sheet takes no commands and no
+  // other step calls. Errors of step(); `done` is not called then.
+  Status reserve_step(const void* owner, StepDone done, std::stop_token stop);
+  // Runs the ticks of a reserved call; does nothing if that has ended, as by a pause.
+  void run_reserved(const void* owner, std::int64_t ticks);
   Result<std::int64_t> schedule(scene::Command command, std::int64_t at_tick, const RequestName<std::int64_t>& request);
   [[nodiscard]] const std::vector<ScheduledCommand>& scheduled() const { return queue_.scheduled(); }
   Result<ScheduledCommand> cancel(std::int64_t number, const RequestName<ScheduledCommand>& request);
@@ -173,8 +180,10 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
  private:
   struct StepCall {
     std::int64_t remaining = 0;
-    Callback<SheetStatus> done;
+    StepDone done;
     std::stop_token stop;
+    const void* owner = nullptr;
+    bool is_reserved = false;  // Its ticks may not begin yet.
   };
 
   // A tick's commands and what became of them.
@@ -263,7 +272,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   [[nodiscard]] bool is_playing() const { return playback_ && playback_->is_playing(); }
   // Runs some ticks of the step() call.
   void take_turn();
-  void finish_step(Result<SheetStatus> result);
+  void finish_step(const Status& result);
 
   // Returns an error while the sheet plays a recording or is stepped.
   [[nodiscard]] Status check_between_runs() const;

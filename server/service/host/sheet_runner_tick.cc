@@ -227,12 +227,12 @@ void SheetRunner::end_playback() {
 }
 
 void SheetRunner::take_turn() {
-  if (closed_ || !step_call_) return;
+  if (closed_ || !step_call_ || step_call_->is_reserved) return;
   for (std::int32_t i = 0; i < Host::kTicksPerTurn && step_call_->remaining > 0; ++i) {
     if (context_.stopping) return;  // close() answers the call.
     // Lets a waiting pause run before the next long tick. A turn of short ticks ends soon enough without this.
     if (pauses_waiting_ > 0 && progress_.was_long()) break;
-    if (step_call_->stop.stop_requested()) return finish_step(status());
+    if (step_call_->stop.stop_requested()) return finish_step(Nothing{});
     if (!run_once(true)) break;
     --step_call_->remaining;  // -1 if the tick has ended the call, by a Reset or the end of a recording.
     if (!sheet_.frozen()) continue;
@@ -248,16 +248,16 @@ void SheetRunner::take_turn() {
     });
     return;
   }
-  finish_step(status());
+  finish_step(Nothing{});
 }
 
-void SheetRunner::finish_step(Result<SheetStatus> result) {
-  const Callback<SheetStatus> done = std::move(step_call_->done);
+void SheetRunner::finish_step(const Status& result) {
+  const StepDone done = std::move(step_call_->done);
   step_call_.reset();
   if (playback_) playback_->next_tick();
   store_run_state();
   publish_state();
-  answer<SheetStatus>(done, std::move(result));
+  done(*this, result);
   commands_arrived();
 }
 

@@ -133,12 +133,12 @@ using RawSheets = RawService<
     v1::SheetService::WithRawCallbackMethod_GetSheet, v1::SheetService::WithRawCallbackMethod_ListSheets,
     v1::SheetService::WithRawCallbackMethod_DeleteSheet, v1::SheetService::WithRawCallbackMethod_PauseSheet,
     v1::SheetService::WithRawCallbackMethod_ResumeSheet, v1::SheetService::WithRawCallbackMethod_StepSheet,
-    v1::SheetService::WithRawCallbackMethod_ResetSheet, v1::SheetService::WithRawCallbackMethod_SetSheetSpeed,
-    v1::SheetService::WithRawCallbackMethod_ExportSheet, v1::SheetService::WithRawCallbackMethod_GetSheetState,
-    v1::SheetService::WithRawCallbackMethod_AnalyzeSheet, v1::SheetService::WithRawCallbackMethod_SaveState,
-    v1::SheetService::WithRawCallbackMethod_RestoreState, v1::SheetService::WithRawCallbackMethod_ListStates,
-    v1::SheetService::WithRawCallbackMethod_DeleteState, v1::SheetService::WithRawCallbackMethod_UploadSheet,
-    v1::SheetService::WithRawCallbackMethod_GetSheetRecording,
+    v1::SheetService::WithRawCallbackMethod_StepSheets, v1::SheetService::WithRawCallbackMethod_ResetSheet,
+    v1::SheetService::WithRawCallbackMethod_SetSheetSpeed, v1::SheetService::WithRawCallbackMethod_ExportSheet,
+    v1::SheetService::WithRawCallbackMethod_GetSheetState, v1::SheetService::WithRawCallbackMethod_AnalyzeSheet,
+    v1::SheetService::WithRawCallbackMethod_SaveState, v1::SheetService::WithRawCallbackMethod_RestoreState,
+    v1::SheetService::WithRawCallbackMethod_ListStates, v1::SheetService::WithRawCallbackMethod_DeleteState,
+    v1::SheetService::WithRawCallbackMethod_UploadSheet, v1::SheetService::WithRawCallbackMethod_GetSheetRecording,
     v1::SheetService::WithRawCallbackMethod_ReplayRecording>::type;
 class Sheets final : public RawSheets {
  public:
@@ -150,6 +150,7 @@ class Sheets final : public RawSheets {
   KERF_UNARY(PauseSheet, pause_sheet)
   KERF_UNARY(ResumeSheet, resume_sheet)
   KERF_UNARY(StepSheet, step_sheet)
+  KERF_UNARY(StepSheets, step_sheets)
   KERF_UNARY(ResetSheet, reset_sheet)
   KERF_UNARY(SetSheetSpeed, set_sheet_speed)
   KERF_UNARY(ExportSheet, export_sheet)
