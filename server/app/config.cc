@@ -159,6 +159,7 @@ void declare(CLI::App& parser, Arguments& arguments) {
   parser
       .add_option("--allow-origin", arguments.allowed_origins,
                   "Web origin, such as https://viewer.example.org, whose pages may use this server; repeatable")
+      ->check(ws::fault_of_origin)
       ->type_name("ORIGIN")
       ->take_all();
   parser

@@ -71,12 +71,18 @@ struct Origin {
 std::optional<Origin> parse_origin(std::string_view text) {
   for (const auto& [scheme, port] : {std::pair<std::string_view, int>{"http", 80}, {"https", 443}}) {
     const std::string prefix = std::string(scheme) + "://";
-    if (!text.starts_with(prefix)) continue;
+    if (lower(text.substr(0, prefix.size())) != prefix) continue;
     const std::optional<Endpoint> endpoint = parse_authority(text.substr(prefix.size()), port);
     if (!endpoint) return std::nullopt;
     return Origin{std::string(scheme), *endpoint};
   }
   return std::nullopt;
+}
+
+// Parses an origin of the policy's list, which may be copied from an address bar, with a slash at its end.
+std::optional<Origin> parse_listed(std::string_view text) {
+  if (text.ends_with('/')) text.remove_suffix(1);
+  return parse_origin(text);
 }
 
 // True if the page comes from this server itself; `host` is the value of the Host header.
@@ -123,7 +129,7 @@ Status check_host(const AccessPolicy& policy, std::string_view host) {
   if (!endpoint) return invalid_argument("BAD_HOST", "the Host header is missing or malformed", "Host");
   if (!policy.bound_to_loopback || is_loopback(endpoint->host)) return Nothing{};
   for (const std::string& allowed : policy.allowed_origins) {
-    const std::optional<Origin> origin = parse_origin(allowed);
+    const std::optional<Origin> origin = parse_listed(allowed);
     if (origin && origin->endpoint.host == endpoint->host) return Nothing{};
   }
   return failed_precondition("HOST_NOT_ALLOWED",
@@ -132,9 +138,25 @@ Status check_host(const AccessPolicy& policy, std::string_view host) {
                              "Host");
 }
 
+std::string fault_of_origin(const std::string& origin) {
+  if (parse_listed(origin)) return {};
+  return "'" + origin +
+         "' is not an origin; give each as the browser's address bar shows it up to the path, such as "
+         "https://viewer.example.org";
+}
+
+bool lists_origin(const AccessPolicy& policy, std::string_view origin) {
+  const std::optional<Origin> page = parse_origin(origin);
+  if (!page) return false;
+  return std::ranges::any_of(policy.allowed_origins, [&page](const std::string& text) {
+    const std::optional<Origin> allowed = parse_listed(text);
+    return allowed && allowed->scheme == page->scheme && allowed->endpoint.host == page->endpoint.host &&
+           allowed->endpoint.port == page->endpoint.port;
+  });
+}
+
 Status check_origin(const AccessPolicy& policy, std::string_view origin, std::string_view host) {
-  if (origin.empty()) return Nothing{};
-  if (std::ranges::find(policy.allowed_origins, origin) != policy.allowed_origins.end()) return Nothing{};
+  if (origin.empty() || lists_origin(policy, origin)) return Nothing{};
   if (const std::optional<Origin> page = parse_origin(origin); page && is_own(policy, *page, host)) return Nothing{};
   return failed_precondition(
       "ORIGIN_NOT_ALLOWED",

@@ -33,6 +33,10 @@ struct AccessPolicy {
   bool is_secure = false;  // It speaks TLS.
 };
 
+// Returns what is wrong with an origin for AccessPolicy::allowed_origins, which has a scheme, a host and perhaps a
+// port; empty if nothing is.
+std::string fault_of_origin(const std::string& origin);
+
 // Checks the value of the Host header. On a loopback bind it must name this machine. Otherwise a site whose DNS entry
 // was pointed at 127.0.0.1 (DNS rebinding) would count as the same origin. FAILED_PRECONDITION with reason
 // HOST_NOT_ALLOWED; an empty or malformed value is INVALID_ARGUMENT.
@@ -44,5 +48,9 @@ Status check_host(const AccessPolicy& policy, std::string_view host);
 // server's port. Other web servers of this machine, and the other scheme, are foreign: FAILED_PRECONDITION with reason
 // ORIGIN_NOT_ALLOWED.
 Status check_origin(const AccessPolicy& policy, std::string_view origin, std::string_view host);
+
+// Returns true if the policy's list has this value of the Origin header. Case, a slash at the end and the port that the
+// scheme has by default make no difference.
+bool lists_origin(const AccessPolicy& policy, std::string_view origin);
 
 }  // namespace kerf::ws

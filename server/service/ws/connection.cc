@@ -140,6 +140,7 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
     lowest_.expires_after(context_.options.request_timeout);
     boost::system::error_code error;
     co_await http::async_read_header(stream_, buffer_, parser, asio::redirect_error(asio::use_awaitable, error));
+    origin_ = header(parser.get(), http::field::origin);
     if (!error && beast::websocket::is_upgrade(parser.get())) {
       co_await upgrade(parser.release());
       co_return false;
@@ -243,7 +244,10 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
     const std::stop_source hung_up;
     drop_input(hung_up);
     const MjpegTimes times{context_.options.write_timeout, context_.options.picture_repeat};
-    const std::optional<Error> error = co_await play_mjpeg(std::move(session), stream_, times, hung_up.get_token());
+    HeaderLines shared;
+    context_.router.share_with_origin(origin_, shared);
+    const std::optional<Error> error =
+        co_await play_mjpeg(std::move(session), stream_, times, std::move(shared), hung_up.get_token());
     if (error && !hung_up.stop_requested()) {
       co_await write(refusal(in_words_of_query(*error)), Framing());
     } else {
@@ -320,8 +324,10 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
     });
   }
 
-  asio::awaitable<bool> write(const HttpResponse& response, Framing framing) {
-    return write_response(stream_, context_, response, framing);
+  asio::awaitable<bool> write(HttpResponse response, Framing framing) {
+    context_.router.share_with_origin(origin_, response.headers);
+    const bool written = co_await write_response(stream_, context_, response, framing);
+    co_return written;
   }
 
   // Ends this side, and reads the rest of the input. Closing a socket with unread bytes resets it, and the reset may
@@ -371,6 +377,7 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
   std::shared_ptr<SocketStream<Stream>> socket_;  // Set once upgraded.
   asio::steady_timer farewell_;                   // See end_tls().
   int num_watches_ = 0;                           // Watches for a hang-up that have ended.
+  std::string origin_;                            // Origin of the request in progress.
   bool first_ = true;
   bool idle_ = false;
   bool finishing_ = false;

@@ -35,6 +35,7 @@ HttpRequest head_of(const RequestMessage& message) {
           header(message, http::field::cookie),
           header_named(message, "x-kerf-csrf"),
           header_named(message, "x-forwarded-for"),
+          header_named(message, "access-control-request-private-network"),
           {},
           {}};
 }

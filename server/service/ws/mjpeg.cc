@@ -30,10 +30,9 @@ constexpr std::string_view kHead =
     "Content-Type: multipart/x-mixed-replace; boundary=kerf-picture\r\n"
     "Cache-Control: no-store\r\n"
     "X-Content-Type-Options: nosniff\r\n"
-    "Cross-Origin-Resource-Policy: same-origin\r\n"
-    "Connection: close\r\n"
-    "\r\n"
-    "--kerf-picture\r\n";
+    "Connection: close\r\n";
+constexpr std::string_view kResourcePolicy = "Cross-Origin-Resource-Policy";
+constexpr std::string_view kFirstPart = "\r\n--kerf-picture\r\n";
 constexpr std::string_view kNextPart = "\r\n--kerf-picture\r\n";
 
 // Makes a write wait until all but about kUnsentBytes have left the machine, regardless of the send buffer. TCP ends
@@ -47,14 +46,26 @@ void set_options(PlainStream& stream, std::chrono::milliseconds write_timeout) {
 }
 
 template <typename Stream>
-asio::awaitable<bool> write_part(Stream& stream, const std::string& picture, bool first) {
-  const std::string head = (first ? std::string(kHead) : std::string()) +
-                           "Content-Type: image/jpeg\r\nContent-Length: " + std::to_string(picture.size()) + "\r\n\r\n";
+asio::awaitable<bool> write_part(Stream& stream, const std::string& picture, const std::string& before) {
+  const std::string head =
+      before + "Content-Type: image/jpeg\r\nContent-Length: " + std::to_string(picture.size()) + "\r\n\r\n";
   const std::array<asio::const_buffer, 3> parts = {asio::buffer(head), asio::buffer(picture),
                                                    asio::buffer(kNextPart.data(), kNextPart.size())};
   boost::system::error_code error;
   co_await asio::async_write(stream, parts, asio::redirect_error(asio::use_awaitable, error));
   co_return !error;
+}
+
+// Returns all that comes before the first picture.
+std::string beginning(const HeaderLines& headers) {
+  std::string all(kHead);
+  bool says_resource_policy = false;
+  for (const auto& [name, value] : headers) {
+    all += name + ": " + value + "\r\n";
+    says_resource_policy = says_resource_policy || name == kResourcePolicy;
+  }
+  if (!says_resource_policy) all += std::string(kResourcePolicy) + ": same-origin\r\n";
+  return all + std::string(kFirstPart);
 }
 
 Error no_picture(const api::ImageSession& session) {
@@ -66,7 +77,8 @@ Error no_picture(const api::ImageSession& session) {
 
 template <typename Stream>
 asio::awaitable<std::optional<Error>> play_mjpeg(std::shared_ptr<api::ImageSession> session, Stream& stream,
-                                                 MjpegTimes times, std::stop_token hung_up) {
+                                                 MjpegTimes times, HeaderLines headers, std::stop_token hung_up) {
+  const std::string first = beginning(headers);
   const auto woken = std::make_shared<WakeEvent>(stream.get_executor());
   const std::function<void()> wake = [woken, executor = stream.get_executor()] {
     asio::post(executor, [woken] { woken->raise(); });
@@ -85,7 +97,9 @@ asio::awaitable<std::optional<Error>> play_mjpeg(std::shared_ptr<api::ImageSessi
     repeat = false;
     if (picture) {
       lowest.expires_after(times.write_timeout);
-      open = co_await write_part(stream, **picture, last == nullptr);
+      // Not a temporary of the co_await, which g++ 12 would destroy twice.
+      const std::string before = last == nullptr ? first : std::string();
+      open = co_await write_part(stream, **picture, before);
       last = *picture;
     } else if (ended) {
       open = false;
@@ -102,8 +116,8 @@ asio::awaitable<std::optional<Error>> play_mjpeg(std::shared_ptr<api::ImageSessi
 }
 
 template asio::awaitable<std::optional<Error>> play_mjpeg(std::shared_ptr<api::ImageSession>, PlainStream&, MjpegTimes,
-                                                          std::stop_token);
+                                                          HeaderLines, std::stop_token);
 template asio::awaitable<std::optional<Error>> play_mjpeg(std::shared_ptr<api::ImageSession>, TlsStream&, MjpegTimes,
-                                                          std::stop_token);
+                                                          HeaderLines, std::stop_token);
 
 }  // namespace kerf::ws

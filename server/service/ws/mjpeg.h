@@ -10,6 +10,7 @@
 #include <stop_token>
 
 #include "server/service/api/image_session.h"
+#include "server/service/ws/cross_origin.h"
 #include "server/service/ws/transport.h"
 
 namespace kerf::ws {
@@ -27,9 +28,9 @@ struct MjpegTimes {
 // reader are only as old as the link and its own buffers make them. Returns the error if there is no first picture,
 // with nothing written; nothing otherwise.
 //
-// `Stream` is PlainStream or TlsStream.
+// `Stream` is PlainStream or TlsStream. `headers`: further ones of the answer.
 template <typename Stream>
 boost::asio::awaitable<std::optional<Error>> play_mjpeg(std::shared_ptr<api::ImageSession> session, Stream& stream,
-                                                        MjpegTimes times, std::stop_token hung_up);
+                                                        MjpegTimes times, HeaderLines headers, std::stop_token hung_up);
 
 }  // namespace kerf::ws

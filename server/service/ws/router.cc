@@ -13,6 +13,7 @@ namespace kerf::ws {
 namespace {
 
 constexpr std::string_view kDocs = "/docs";
+constexpr std::string_view kMethods = "GET, HEAD, OPTIONS, POST";
 constexpr std::string_view kSubprotocol = "kerf.v1";
 // Restricts the viewer and the documentation to this server: a page loads and contacts nothing else, and no other site
 // may frame it.
@@ -181,8 +182,19 @@ void Router::respond(HttpRequest request, std::function<void(HttpResponse)> done
     return files_.download(logins_.caller_of(request, LoginRoutes::Kind::kRead), target.path, std::move(done));
   }
   if (reads) return done(get(request, target.path));
-  if (request.method != "POST") return done(method_not_allowed("GET, HEAD, POST"));
+  if (request.method == "OPTIONS") return done(options(request));
+  if (request.method != "POST") return done(method_not_allowed(kMethods));
   call(std::move(request), target.path, std::move(done), std::move(stop));
+}
+
+HttpResponse Router::options(const HttpRequest& request) const {
+  if (const Status origin = check_origin(access_, request.origin, request.host); !origin.ok()) {
+    return refusal_with_status(403, origin.error());
+  }
+  HttpResponse response{204, {}, nullptr};
+  if (lists_origin(access_, request.origin)) response.headers = preflight_headers(request.private_network);
+  response.headers.emplace_back("Allow", kMethods);
+  return response;
 }
 
 void Router::draw(const HttpRequest& from, const PicturePath& picture, std::string_view query,

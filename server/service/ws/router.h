@@ -13,6 +13,7 @@
 
 #include "server/service/ws/access.h"
 #include "server/service/ws/asset_table.h"
+#include "server/service/ws/cross_origin.h"
 #include "server/service/ws/file_routes.h"
 #include "server/service/ws/login_routes.h"
 #include "server/service/ws/picture_query.h"
@@ -38,6 +39,7 @@ struct HttpRequest {
   std::string cookie;           // Cookie
   std::string csrf;             // x-kerf-csrf
   std::string forwarded_for;    // x-forwarded-for
+  std::string private_network;  // Access-Control-Request-Private-Network
   std::string body;
   std::string peer;  // Address of the client.
 };
@@ -45,8 +47,8 @@ struct HttpRequest {
 struct HttpResponse {
   int status = 200;
   std::string media_type;
-  std::shared_ptr<const std::string> body;                     // Null: none.
-  std::vector<std::pair<std::string, std::string>> headers{};  // Besides Content-Type and Content-Length.
+  std::shared_ptr<const std::string> body;  // Null: none.
+  HeaderLines headers{};                    // Besides Content-Type and Content-Length.
 };
 
 // Returns the HTTP status of a refusal.
@@ -68,6 +70,11 @@ class Router {
   // Answers a request. `done` is called exactly once: on this thread, or on one of the Api's. `stop`: see
   // api::Method::call.
   void respond(HttpRequest request, std::function<void(HttpResponse)> done, std::stop_token stop = {}) const;
+
+  // See share_with_origin().
+  void share_with_origin(std::string_view origin, HeaderLines& headers) const {
+    ws::share_with_origin(access_, origin, headers);
+  }
 
   // Returns the MJPEG stream of GET /sheets/ID.mjpeg, or the error; nothing if `request` is not for such a stream.
   [[nodiscard]] std::optional<Result<std::shared_ptr<api::ImageSession>>> play(const HttpRequest& request) const;
@@ -97,6 +104,8 @@ class Router {
   // Answers a GET of a file that everybody may read: the viewer, its documentation.
   [[nodiscard]] HttpResponse get(const HttpRequest& request, std::string_view path) const;
   [[nodiscard]] HttpResponse metrics(const HttpRequest& request) const;
+  // Answers OPTIONS: a browser's question whether a page of another origin may send a request, or a plain one.
+  [[nodiscard]] HttpResponse options(const HttpRequest& request) const;
   void draw(const HttpRequest& request, const PicturePath& picture, std::string_view query,
             std::function<void(HttpResponse)> done) const;
   // `path`: the path part of request.target.

@@ -35,7 +35,8 @@ asio::awaitable<bool> write_response(Stream& stream, ConnectionContext& context,
   const std::string_view content = response.body ? std::string_view(*response.body) : std::string_view();
   Message message{static_cast<http::status>(response.status), framing.version};
   const bool is_unchanged = response.status == 304;
-  if (!is_unchanged || framing.head) message.content_length(content.size());
+  const bool has_no_content = response.status == 204;  // It may have no length then (RFC 9110, 8.6).
+  if (!has_no_content && (!is_unchanged || framing.head)) message.content_length(content.size());
   message.set(http::field::server, "kerfd");
   message.set("X-Content-Type-Options", "nosniff");
   message.set("Cross-Origin-Resource-Policy", "same-origin");
