@@ -57,10 +57,13 @@ class Client {
                     std::chrono::milliseconds timeout = std::chrono::seconds(60)) {
     grpc::ClientContext context;
     context.set_deadline(std::chrono::system_clock::now() + timeout);
-    return (service.*method)(&context, request, &response);
+    grpc::Status status = (service.*method)(&context, request, &response);
+    if (status.error_code() == grpc::StatusCode::UNAVAILABLE) wait_until_connected(kLooksFor);
+    return status;
   }
 
-  // Connects now. Returns false if that takes longer than `timeout`.
+  // Connects now. Returns false if that takes longer than `timeout`. It also waits for a server that was lost: without
+  // a call in progress gRPC looks only every 5 s whether it has connected.
   bool wait_until_connected(std::chrono::milliseconds timeout) {
     return channel_->WaitForConnected(std::chrono::system_clock::now() + timeout);
   }
@@ -75,6 +78,9 @@ class Client {
   [[nodiscard]] v1::AccessService::Stub& access() { return *access_; }
 
  private:
+  // Time that a call looks for a lost server before it fails, so that the next call finds one that is back.
+  static constexpr std::chrono::milliseconds kLooksFor{100};
+
   std::shared_ptr<grpc::Channel> channel_;
   std::unique_ptr<v1::SheetService::Stub> sheets_;
   std::unique_ptr<v1::CutService::Stub> cuts_;

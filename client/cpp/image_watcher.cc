@@ -40,7 +40,8 @@ grpc::Status ImageWatcher::run(const std::string& name, const ImageOptions& opti
     if (on_image(response.image())) return {sequence, {}};
     return {sequence, grpc::Status::OK};
   };
-  return stream_.run(open, start, take, options.reopening);
+  const auto connect = [this](std::chrono::milliseconds timeout) { return client_.wait_until_connected(timeout); };
+  return stream_.run(open, start, take, connect, options.reopening);
 }
 
 void ImageWatcher::set_look(const ImageLook& look) {

@@ -37,9 +37,11 @@ class LiveStream {
   };
 
   // Runs the stream: `open(context)` begins a call, `start()` returns its first message, `take(response)` gets each
-  // answer except the last. Returns OK if the stream was stopped or the server ended it.
-  template <typename Open, typename Start, typename Take>
-  grpc::Status run(const Open& open, const Start& start, const Take& take, const Reopening& reopening) {
+  // answer except the last. `connect(timeout)` looks for a lost server and returns true once it is there. Returns OK if
+  // the stream was stopped or the server ended it.
+  template <typename Open, typename Start, typename Take, typename Connect>
+  grpc::Status run(const Open& open, const Start& start, const Take& take, const Connect& connect,
+                   const Reopening& reopening) {
     auto lost_at = std::chrono::steady_clock::now();
     for (;;) {
       const auto opened_at = std::chrono::steady_clock::now();
@@ -49,7 +51,7 @@ class LiveStream {
       const auto now = std::chrono::steady_clock::now();
       // Counts the server as back after a while even without messages, because a paused stream has none.
       if (has_answers_ || now - opened_at > kIsBackAfter) lost_at = now;
-      const bool again = is_lost(status) ? now - lost_at < reopening.when_lost && wait_to_retry()
+      const bool again = is_lost(status) ? now - lost_at < reopening.when_lost && wait_to_retry(connect)
                                          : reopening.when_slow && status.ok() && ended_.reason() == v1::Ended::TOO_SLOW;
       if (!again || stopped_) return stopped_ ? grpc::Status::OK : status;
     }
@@ -120,10 +122,14 @@ class LiveStream {
     return status.error_code() == grpc::StatusCode::UNAVAILABLE && failure_of(status).reason.empty();
   }
 
-  // Waits before a retry; returns false if stopped.
-  bool wait_to_retry() {
+  // Waits before a retry, and looks for the server meanwhile; returns false if stopped.
+  template <typename Connect>
+  bool wait_to_retry(const Connect& connect) {
+    const auto until = std::chrono::steady_clock::now() + kRetryAfter;
+    while (!stopped_ && std::chrono::steady_clock::now() < until && !connect(kLooksFor)) {
+    }
     std::unique_lock lock(context_mutex_);
-    return !stopping_.wait_for(lock, kRetryAfter, [this] { return stopped_.load(); });
+    return !stopping_.wait_until(lock, until, [this] { return stopped_.load(); });
   }
 
   // Lets stop() cancel the call while the Entered exists, also if `take` throws. Converts to false if stop() was called
@@ -179,6 +185,7 @@ class LiveStream {
   }
 
   static constexpr std::chrono::milliseconds kRetryAfter{250};
+  static constexpr std::chrono::milliseconds kLooksFor{50};
   static constexpr std::chrono::seconds kIsBackAfter{30};  // Longer than gRPC tries to connect.
 
   v1::Ended ended_;

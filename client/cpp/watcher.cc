@@ -40,7 +40,8 @@ grpc::Status Watcher::run(const std::string& name, const WatchOptions& options, 
     if (on_frame(frame, mirror)) return {frame.sequence(), {}};
     return {frame.sequence(), grpc::Status::OK};
   };
-  return stream_.run(open, start, take, options.reopening);
+  const auto connect = [this](std::chrono::milliseconds timeout) { return client_.wait_until_connected(timeout); };
+  return stream_.run(open, start, take, connect, options.reopening);
 }
 
 void Watcher::set_pace(double max_rate_hz, bool paused) {

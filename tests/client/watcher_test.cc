@@ -143,6 +143,21 @@ TEST_F(RestartTest, AStreamGoesOnWithTheServerThatIsStartedAgain) {
   EXPECT_EQ(sequences, (std::vector<std::int64_t>{1, 1, 1})) << "a stream of each server";
 }
 
+TEST_F(RestartTest, CallsFindAServerThatIsBackWithinTwoSeconds) {
+  const auto answers = [&] {
+    v1::ServerInfo info;
+    return client_->call(&v1::ServerService::Stub::GetServerInfo, client_->server(), v1::GetServerInfoRequest(), info)
+        .ok();
+  };
+  ASSERT_TRUE(answers());
+  running_.reset();
+  // gRPC's waits between tries have grown to their longest by then. A call without a server takes 0.1 s.
+  for (int i = 0; i < 30; ++i) ASSERT_FALSE(answers());
+  running_ = ws_test::start_server(config_);
+  int tries = 0;
+  while (!answers()) ASSERT_LT(++tries, 20);
+}
+
 TEST_F(RestartTest, AndEndsWhereItIsNotToBeWaitedFor) {
   Watcher watcher(*client_);
   int frames = 0;

@@ -14,7 +14,8 @@ export interface ConnectionEvents {
 }
 
 const kFirstRetryMs = 250;
-const kLastRetryMs = 8000;
+// Longest wait between two tries, so that a server that is back is found within 2 s.
+const kLastRetryMs = 1600;
 // After a connection that was live for this long, the next retry starts with the shortest wait again.
 const kStableAfterMs = 5000;
 
