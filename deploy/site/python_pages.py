@@ -9,15 +9,17 @@ PAGES = {
     "cuts": ("Curves and cuts", ("kerf.curves", "kerf.cuts")),
     "regions": ("Regions of a sheet", ("kerf.regions",)),
     "frames": ("Frames and pictures", ("kerf.blocking.streams", "kerf.frames", "kerf.images")),
-    "results": ("States, analyses and runs", ("kerf.arrays", "kerf.blocking.recorder", "kerf.probes", "kerf.runs")),
+    "results": ("States, analyses and runs", ("kerf.arrays", "kerf.blocking.recorder", "kerf.runs")),
+    "probes": ("Probes and steps", ("kerf.probes", "kerf.steps")),
     "errors": ("Errors", ("kerf.errors",)),
 }
 # Names the module of those names that do not say it themselves: types and numbers.
 HOMES = {
     "APPLIED": "kerf.cuts", "NO_INTERSECTION": "kerf.cuts", "SCHEDULED": "kerf.cuts", "Point": "kerf.curves", "Edge": "kerf.regions",
-    "AnyProbe": "kerf.probes", "Quantity": "kerf.probes", "Values": "kerf.probes", "Place": "kerf.regions", "Codec": "kerf.images", "ColorBy": "kerf.images"}
+    "Place": "kerf.regions", "Codec": "kerf.images", "ColorBy": "kerf.images",
+    "AnyProbe": "kerf.probes", "Quantity": "kerf.probes"}
 # Members of these are Python's, not Kerf's.
-FOREIGN = "BaseException, Exception, dict, Mapping, Sequence, ABC, Generic, object"
+FOREIGN = "BaseException, Exception, dict, Sequence, Mapping, ABC, Generic, object"
 
 
 def public_names(package):
@@ -58,7 +60,10 @@ def references():
         raise SystemExit(f"deploy/site/python_pages.py names no page for {homeless}")
     asynchronous = "".join(directive(aio, name) for name in public_names(aio))
     texts["reference/python/aio.rst"] = f"{title_and_line('For asyncio')}.. automodule:: kerf.aio\n\n{asynchronous}"
-    pages = "".join(f"   {page}\n" for page in (*PAGES, "aio"))
+    texts["reference/python/env.rst"] = (
+        f"{title_and_line('Environments for learning')}.. automodule:: kerf.env\n\n"
+        ".. autoclass:: kerf.env.SheetEnv\n   :members:\n\n.. autoclass:: kerf.env.SheetVectorEnv\n   :members:\n\n")
+    pages = "".join(f"   {page}\n" for page in (*PAGES, "aio", "env"))
     texts["reference/python/index.rst"] = (
         f"{title_and_line('Python package')}.. automodule:: kerf\n\n"
         ":doc:`/client/python/README` introduces it. In annotations, ``Floats``, ``Float32s``, ``Ints`` and ``Bytes`` are NumPy arrays of "

@@ -14,6 +14,7 @@ kerf.v1, described field by field in proto/kerf/v1, or NumPy arrays. A refusal o
 with its code, reason, message and field. kerf.aio has the same for asyncio.
 """
 
+from kerf import grpc_environment as _grpc_environment  # before grpc
 from kerf.arrays import Analysis, State, Table
 from kerf.blocking.client import Server, connect
 from kerf.blocking.interaction import Hand
@@ -42,6 +43,7 @@ from kerf.probes import AnyProbe, Quantity, Values, probe
 from kerf.regions import Edge, Place, along, box, edge, nearest, of_component, vertices, whole, wind
 from kerf.runs import Run, load_run
 from kerf.scenes import SheetOptions
+from kerf.steps import Stepped
 from kerf.version import __version__
 
 __all__ = [
@@ -79,6 +81,7 @@ __all__ = [
     "Sheet",
     "SheetOptions",
     "State",
+    "Stepped",
     "Subscription",
     "Table",
     "Unauthenticated",

@@ -3,11 +3,13 @@ it."""
 
 from __future__ import annotations
 
+import html
 import importlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Dict, List, Optional
 
+from kerf.notebooks import Pictured
 from kerf.v1 import analysis_pb2, sheets_pb2
 
 if TYPE_CHECKING:
@@ -41,8 +43,8 @@ def packed(content: bytes, kind: str, columns: int) -> Any:
     return flat if columns == 1 else flat.reshape(-1, columns)
 
 
-@dataclass(frozen=True)
-class State:
+@dataclass(frozen=True, repr=False)
+class State(Pictured):
     """The exact state of a sheet with V vertices and T triangles after a tick, in the solver's 64-bit floats.
 
     >>> sheet.state().positions.shape
@@ -74,7 +76,7 @@ def state_of(reply: sheets_pb2.SheetState) -> State:
     )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Table:
     """Numbers over time or load, one row for each moment. NaN where there was nothing to measure.
 
@@ -90,6 +92,16 @@ class Table:
     columns: List[str]  # the first is "time_s", "load" or "mode"; those of a probe are "name.x" and so on
     values: Floats  # rows x columns
 
+    def __repr__(self) -> str:
+        columns = ", ".join(self.columns[:8]) + (", ..." if len(self.columns) > 8 else "")
+        return f"Table({self.name!r}, {len(self.values)} rows: {columns})"
+
+    def _repr_html_(self) -> str:
+        head = "".join(f"<th>{html.escape(column)}</th>" for column in self.columns)
+        rows = "".join(f"<tr>{''.join(f'<td>{number:.6g}</td>' for number in row)}</tr>" for row in self.values[:20])
+        more = f"<p>{len(self.values) - 20} more rows</p>" if len(self.values) > 20 else ""
+        return f"<table><tr>{head}</tr>{rows}</table>{more}"
+
     def __getitem__(self, column: str) -> Floats:
         """Returns one column. Raises KeyError with the names of all columns."""
         if column not in self.columns:
@@ -97,7 +109,7 @@ class Table:
         return self.values[:, self.columns.index(column)]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Analysis:
     """Holds the results of Sheet.analyze(), for a copy of the sheet."""
 
@@ -107,6 +119,14 @@ class Analysis:
     static: Optional[analysis_pb2.StaticResult]  # result of an equilibrium analysis
     dynamic: Optional[analysis_pb2.DynamicResult]  # result of `ticks`
     positions: Optional[Floats]  # V x 3, metres; None unless requested
+
+    def __repr__(self) -> str:
+        parts = [repr(table) for table in self.tables.values()]
+        if self.static is not None:
+            parts.append("static, converged" if self.static.converged else "static, not converged")
+        if self.dynamic is not None:
+            parts.append(f"dynamic, {self.dynamic.ticks} ticks")
+        return f"Analysis(tick {self.tick}: {'; '.join(parts)})"
 
 
 def analysis_of(reply: sheets_pb2.AnalyzeSheetResponse) -> Analysis:

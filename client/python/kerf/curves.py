@@ -31,6 +31,11 @@ def rows_of(points: Sequence[Any], width: int) -> List[Any]:
     return rows
 
 
+def is_point(points: Any) -> bool:
+    """Returns True for two numbers: one point, not several."""
+    return len(points) == 2 and not any(hasattr(number, "__len__") and getattr(number, "shape", None) != () for number in points)
+
+
 def polyline(*points: Any) -> geometry_pb2.Curve:
     """Returns straight pieces; closed if the last point equals the first. 2..4096 points, one by one or as an array of
     shape (n, 2).
@@ -76,7 +81,7 @@ def circle(center: Point, radius: float) -> geometry_pb2.Curve:
     >>> sheet.cut(circle((0.5, 0.5), 0.2)).pieces
     2
     """
-    return geometry_pb2.Curve(circle=geometry_pb2.Circle(center=vec2(center), radius_m=radius))
+    return geometry_pb2.Curve(circle=geometry_pb2.Circle(center=vec2(center), radius_m=float(radius)))
 
 
 def ellipse(center: Point, semi_axis_x: float, semi_axis_y: float, rotation_deg: float = 0.0) -> geometry_pb2.Curve:
@@ -88,8 +93,8 @@ def ellipse(center: Point, semi_axis_x: float, semi_axis_y: float, rotation_deg:
     return geometry_pb2.Curve(
         ellipse=geometry_pb2.Ellipse(
             center=vec2(center),
-            semi_axis_x_m=semi_axis_x,
-            semi_axis_y_m=semi_axis_y,
+            semi_axis_x_m=float(semi_axis_x),
+            semi_axis_y_m=float(semi_axis_y),
             rotation_rad=math.radians(rotation_deg),
         )
     )
@@ -132,9 +137,9 @@ class Path:
         self._path.subpaths.add(start=vec2(start))
         return self
 
-    def line(self, *ends: Point) -> Path:
-        """Adds straight pieces to each of the points in turn."""
-        for end in ends:
+    def line(self, *ends: Any) -> Path:
+        """Adds straight pieces to each of the points in turn, given one by one or as an array of shape (n, 2)."""
+        for end in rows_of(([ends[0]],) if len(ends) == 1 and is_point(ends[0]) else ends, 2):
             self._segments().add(line=vec2(end))
         return self
 
@@ -164,8 +169,8 @@ class Path:
     ) -> Path:
         """Adds an arc of an ellipse, or of a circle if there is one semi-axis. large: takes the longer way round."""
         segment = geometry_pb2.Path.Arc(
-            semi_axis_x_m=semi_axis_x,
-            semi_axis_y_m=semi_axis_x if semi_axis_y is None else semi_axis_y,
+            semi_axis_x_m=float(semi_axis_x),
+            semi_axis_y_m=float(semi_axis_x if semi_axis_y is None else semi_axis_y),
             rotation_rad=math.radians(rotation_deg),
             large=large,
             counter_clockwise=counter_clockwise,

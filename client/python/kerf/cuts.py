@@ -59,6 +59,8 @@ def cut(curve: geometry_pb2.Curve, **options: Unpack[CutOptions]) -> scene_pb2.C
         fields["method"] = enum_value(scene_pb2.Cut.Method, "method", fields["method"])
     if "quality" in fields:
         fields["quality"] = enum_value(scene_pb2.Cut.Quality, "quality", fields["quality"])
+    if "relax" in fields:
+        fields["relax"] = bool(fields["relax"])
     if "fit" in fields:
         fields["fit"] = _as_box(fields["fit"])
     return scene_pb2.Cut(curve=curve, **fields)
@@ -66,7 +68,7 @@ def cut(curve: geometry_pb2.Curve, **options: Unpack[CutOptions]) -> scene_pb2.C
 
 def vec3(vector: Vector) -> geometry_pb2.Vec3:
     x, y, z = vector
-    return geometry_pb2.Vec3(x=x, y=y, z=z)
+    return geometry_pb2.Vec3(x=float(x), y=float(y), z=float(z))
 
 
 def camera(
@@ -107,17 +109,18 @@ def view(
 
 
 def view_of_matrices(
-    view: Sequence[float],
-    projection: Sequence[float],
+    view: Sequence[Any],
+    projection: Sequence[Any],
     size_px: Tuple[float, float],
     *,
     layers: str = "nearest",
     piece: Optional[int] = None,
     depth_m: Tuple[float, float] = (0.0, 0.0),
 ) -> scene_pb2.View:
-    """Returns a view as view() does, from two 4 x 4 matrices of 16 numbers each, column by column as in OpenGL and
-    WebGL."""
-    return _with_layers(scene_pb2.View(view=view, projection=projection), size_px, layers, piece, depth_m)
+    """Returns a view as view() does, from two 4 x 4 matrices: 16 numbers each, column by column as in OpenGL and WebGL,
+    or arrays of shape (4, 4) that multiply columns."""
+    made = scene_pb2.View(view=_by_columns(view), projection=_by_columns(projection))
+    return _with_layers(made, size_px, layers, piece, depth_m)
 
 
 def save_cuts(path: "str | os.PathLike[str]", cuts: Iterable[scene_pb2.Cut]) -> None:
@@ -138,6 +141,13 @@ def load_cuts(path: "str | os.PathLike[str]") -> List[scene_pb2.Cut]:
     except json_format.ParseError as wrong:
         raise ValueError(f"{os.fspath(path)}: {wrong}") from None
     return list(batch.cuts)
+
+
+def _by_columns(matrix: Sequence[Any]) -> List[float]:
+    """Returns the 16 numbers of a matrix column by column. Four rows are taken as rows."""
+    if len(matrix) != 4:
+        return [float(number) for number in matrix]
+    return [float(row[column]) for column in range(4) for row in matrix]
 
 
 def _as_box(fit: Fit) -> conditions_pb2.MaterialBox:

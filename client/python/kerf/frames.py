@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, List, Optional
 
 from kerf.arrays import numpy_module, packed
 from kerf.errors import DataLoss
+from kerf.notebooks import Pictured
 from kerf.probes import Values, values_of
 from kerf.v1 import stream_pb2
 
@@ -14,8 +15,8 @@ if TYPE_CHECKING:
     from kerf.arrays import Float32s, Floats, Ints
 
 
-@dataclass(frozen=True)
-class Frame:
+@dataclass(frozen=True, repr=False)
+class Frame(Pictured):
     """A sheet of V vertices and T triangles after one tick. The arrays are read-only; triangles, pieces and material
     positions are the same objects in all frames until the topology changes.
 

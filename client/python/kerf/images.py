@@ -18,7 +18,7 @@ Codec = Literal["jpeg", "png", "vp8"]
 _CODECS = {render_pb2.IMAGE_JPEG: "jpeg", render_pb2.IMAGE_PNG: "png", render_pb2.IMAGE_VP8: "vp8"}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Image:
     """One picture of an image stream."""
 
@@ -30,6 +30,16 @@ class Image:
     camera: geometry_pb2.Camera  # camera that the picture was drawn with
     stats: stream_pb2.FrameStats  # see proto/kerf/v1/stream.proto
     strain_end: float  # with color_by="strains": the colours span the strains -strain_end..strain_end; else 0
+
+    def __repr__(self) -> str:
+        width, height = self.size_px
+        return f"Image(tick {self.tick}: {self.codec}, {width} x {height}, {len(self.data)} bytes)"
+
+    def _repr_png_(self) -> Optional[bytes]:
+        return self.data if self.codec == "png" else None
+
+    def _repr_jpeg_(self) -> Optional[bytes]:
+        return self.data if self.codec == "jpeg" else None
 
     def array(self) -> Bytes:
         """Returns the picture as height x width x 3 uint8, red, green, blue, top row first.

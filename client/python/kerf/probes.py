@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, List, Literal, Optional, Union
 from google.protobuf import json_format
 
 from kerf.arrays import numpy_module
-from kerf.curves import Point, rows_of, vec2
+from kerf.curves import Point, is_point, rows_of, vec2
 from kerf.cuts import enum_value
 from kerf.regions import Place, as_region
 from kerf.v1 import analysis_pb2
@@ -61,7 +61,7 @@ def probe(
     """
     message = analysis_pb2.Probe(name=name, quantity=enum_value(analysis_pb2.Probe.Quantity, "quantity", quantity))
     if points is not None:
-        message.points.extend(vec2(point) for point in rows_of(([points] if _is_point(points) else points,), 2))
+        message.points.extend(vec2(point) for point in rows_of(([points] if is_point(points) else points,), 2))
     if place is not None:
         message.region.CopyFrom(as_region(place))
     if reduce is not None:
@@ -91,11 +91,6 @@ def _as_probe(given: AnyProbe) -> analysis_pb2.Probe:
         return json_format.ParseDict(dict(given), analysis_pb2.Probe())
     except json_format.ParseError as wrong:
         raise ValueError(f"probe: {wrong}") from None
-
-
-def _is_point(points: Any) -> bool:
-    """Returns True for two numbers: one point, not several."""
-    return len(points) == 2 and all(getattr(number, "ndim", 0) == 0 and not isinstance(number, Sequence) for number in points)
 
 
 class Values(Mapping[str, Any]):

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Iterable
-from typing import List, Literal, Tuple, Union
+from typing import Any, List, Literal, Tuple, Union
 
 from kerf.curves import Point, vec2
 from kerf.cuts import Vector, enum_value, vec3
@@ -33,14 +34,15 @@ def box(low: Point, high: Point) -> conditions_pb2.Region:
     return conditions_pb2.Region(box=conditions_pb2.MaterialBox(min=vec2(low), max=vec2(high)))
 
 
-def vertices(*ids: int) -> conditions_pb2.Region:
-    """The vertices with these ids.
+def vertices(*ids: Any) -> conditions_pb2.Region:
+    """The vertices with these ids, given one by one or as an array or list of them.
 
     >>> tick = sheet.set_pins([vertices(7, 8)])
     >>> list(sheet.get().pinned_vertices)
     [7, 8]
     """
-    return conditions_pb2.Region(vertices=conditions_pb2.VertexList(vertices=ids))
+    given = ids[0] if len(ids) == 1 and hasattr(ids[0], "__iter__") else ids
+    return conditions_pb2.Region(vertices=conditions_pb2.VertexList(vertices=map(operator.index, given)))
 
 
 def nearest(point: Point) -> conditions_pb2.Region:

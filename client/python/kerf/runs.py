@@ -122,6 +122,10 @@ class Run(Sequence[Frame]):
     def __len__(self) -> int:
         return len(self._frames)
 
+    def __repr__(self) -> str:
+        span = f", ticks {self.ticks[0]}..{self.ticks[-1]}" if len(self) else ""
+        return f"<kerf.Run of {len(self)} frames{span}>"
+
     @overload
     def __getitem__(self, index: int) -> Frame: ...
     @overload

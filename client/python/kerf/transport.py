@@ -3,6 +3,7 @@ one source."""
 
 from __future__ import annotations
 
+import os
 import queue
 import threading
 import time
@@ -11,15 +12,21 @@ from typing import Any, Optional
 
 import grpc
 
+from kerf import forks
 from kerf.channel_options import CHANNEL_OPTIONS
 from kerf.credentials import Secrets
-from kerf.errors import connection_closed, cut_off, error_of, is_cancelled, is_out_of_time
+from kerf.errors import Error, connection_closed, cut_off, error_of, is_cancelled, is_out_of_time
+from kerf.notebooks import picture_html
 
 
 _CHANNEL_CLOSED = "Channel closed!"  # grpc's details of calls that end because their channel was closed
 
 
+IS_ASYNC = False
+
+
 def open_channel(address: str, secrets: Secrets) -> grpc.Channel:
+    forks.check()
     if secrets.use_tls:
         return grpc.secure_channel(address, secrets.channel_credentials(), options=CHANNEL_OPTIONS)
     return grpc.insecure_channel(address, options=CHANNEL_OPTIONS)
@@ -31,6 +38,7 @@ def close_channel(channel: grpc.Channel) -> None:
 
 def call_unary(method: Any, request: Any, timeout_s: Optional[float], address: str) -> Any:
     """Makes a unary call. Raises kerf.Error if it fails."""
+    forks.check()
     try:
         return method(request, timeout=timeout_s)
     except grpc.RpcError as failure:
@@ -52,7 +60,9 @@ class Stream:
     def __init__(self, method: Any, address: str, *, request: Any = None, duration_s: Optional[float] = None) -> None:
         self._address = address
         self._closed = True  # until there is a call
+        self._pid = os.getpid()
         self._requests: queue.SimpleQueue[Any] = queue.SimpleQueue()
+        forks.check()
         try:
             self._call = method(iter(self._requests.get, None) if request is None else request, timeout=duration_s)
         except ValueError:  # from grpc: the channel was closed
@@ -70,6 +80,8 @@ class Stream:
 
     def receive(self) -> Any:
         """Returns the next answer; None when the stream has ended without an error. Raises kerf.Error if it failed."""
+        if self._pid != os.getpid():
+            raise forks.stream_of_parent()
         try:
             return next(self._call)
         except StopIteration:
@@ -87,7 +99,21 @@ class Stream:
         if not self._closed:
             self._closed = True
             self._requests.put(None)
-            self._call.cancel()
+            if self._pid == os.getpid():  # the call of a parent is not this process's to end
+                self._call.cancel()
+
+
+class Shown:
+    """Shows a sheet in notebooks. That of kerf.aio does not, because a notebook awaits nothing."""
+
+    def _repr_html_(self) -> Optional[str]:
+        """Returns a picture of the sheet as it is now; None, which shows the repr, if the server does not answer."""
+        sheet: Any = self
+        try:
+            state = sheet.state()
+        except (Error, ImportError):
+            return None
+        return picture_html(state._repr_png_(), f"{sheet.name}, {state!r}")
 
 
 class Background:

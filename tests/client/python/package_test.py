@@ -113,6 +113,17 @@ class Documentation(Case):
         self.assertEqual(done.stdout, "INVALID_ARGUMENT RADIUS_NOT_POSITIVE cut.curve.circle.radius_m\n")
         self.server.sheet("flag").delete()
 
+    def test_the_page_of_scripts_works_as_it_stands(self):
+        steps, environments = re.findall(r"```python\n(.*?)```", (ROOT / "client/python/scripts.md").read_text(), re.DOTALL)
+        with self.server.temporary_sheet(grid=(6, 6), paused=True) as other:
+            names = {"kerf": kerf, "server": self.server, "sheet": self.sheet, "other": other}
+            exec(steps, names)
+            self.assertEqual((names["stepped"].tick, self.sheet.get().tick, other.get().tick), (4, 12, 4))
+        exec(environments.replace("127.0.0.1:50051", support.ADDRESS), names)
+        self.assertEqual(names["info"]["tick"], 4)
+        names["env"].close()
+        names["envs"].close()
+
     def assert_documented(self, name, function, without_example):
         """without_example: names that need none; None: no function here needs one."""
         self.assertTrue(function.__doc__, name)

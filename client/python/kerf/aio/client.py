@@ -6,7 +6,7 @@ import contextlib
 import os
 import pathlib
 import secrets
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Iterable
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING, Any, List, Literal, Optional
 
@@ -17,7 +17,9 @@ from kerf.credentials import FilePath, read_secrets
 from kerf.errors import NotFound
 from kerf.files import chunks_of
 from kerf.links import scope_value
+from kerf.probes import AnyProbe
 from kerf.scenes import AnyScene, SheetOptions, as_scene, scene_with, take_large_mesh
+from kerf.steps import Stepped, stepped_of, steps_request
 from kerf.v1 import access_service_pb2, server_pb2, sheets_pb2, store_service_pb2
 
 if TYPE_CHECKING:
@@ -58,6 +60,9 @@ def connect(
 
 class Server(Connection):
     """A server; made by connect()."""
+
+    def __repr__(self) -> str:
+        return f"<kerf.Server {self.address}>"
 
     async def info(self) -> server_pb2.ServerInfo:
         """Version, renderer, limits, material presets.
@@ -143,6 +148,27 @@ class Server(Connection):
             if not page.next_page_token:
                 return found
             request.page_token = page.next_page_token
+
+    async def step(
+        self,
+        sheets: Iterable[Sheet],
+        ticks: int = 1,
+        *,
+        state: bool = False,
+        probes: Iterable[AnyProbe] = (),
+    ) -> List[Stepped]:
+        """Runs up to 256 paused sheets for exactly this many ticks each, side by side; returns when all are done, in the
+        order of `sheets`.
+
+        state, probes: as in Sheet.step(), for each sheet. If one cannot be stepped the call raises, and none is. One that
+        fails on the way says so in Stepped.failure. Raises ResourceExhausted if the states exceed 64 MiB. Needs NumPy if
+        states or probes are requested.
+
+        >>> [stepped.state.positions.shape for stepped in await server.step([sheet], 5, state=True)]
+        [(400, 3)]
+        """
+        request = steps_request([sheet.name for sheet in sheets], ticks, state, probes)
+        return stepped_of(await self.call(self.sheet_service.StepSheets, request))
 
     async def create_sheet(self, sheet_id: str = "", **options: Unpack[SheetOptions]) -> Sheet:
         """Creates a sheet: a rectangle of grid[0] x grid[1] vertices, or the mesh of an .obj or .ply file. SheetOptions

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Optional
 
-from kerf.aio.transport import call_unary, close_channel, open_channel
+from kerf import forks
+from kerf.aio.transport import IS_ASYNC, call_unary, close_channel, open_channel
 from kerf.credentials import Secrets
 from kerf.v1 import (
     access_service_pb2_grpc,
@@ -25,10 +26,16 @@ class Connection:
     """The base class of Server. Sheets hold it, so that they need not import Server."""
 
     def __init__(self, address: str, *, timeout_s: Optional[float] = None, secrets: Secrets = Secrets()) -> None:
-        self._channel = open_channel(address, secrets)
         self.address = address
         self.timeout_s = timeout_s  # time limit of later calls, seconds; None: no limit
-        channel = secrets.stub_channel(self._channel)
+        self._secrets = secrets
+        self._open()
+        forks.watch(self, is_async=IS_ASYNC)
+
+    def _open(self) -> None:
+        """Opens the channel, in the child of a fork another one than the parent's."""
+        self._channel = open_channel(self.address, self._secrets)
+        channel = self._secrets.stub_channel(self._channel)
         # The generated stubs; call() calls those that have no method here.
         self.sheet_service = sheets_pb2_grpc.SheetServiceStub(channel)
         self.cut_service = cuts_pb2_grpc.CutServiceStub(channel)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import contextlib
+import operator
 import secrets
 from collections.abc import AsyncIterator, Iterable
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
-from typing import Any, Optional, Union
+from typing import Any, Optional, SupportsIndex, Union, cast
 
 from kerf.aio.part import SheetPart
 from kerf.curves import Point, vec2
@@ -22,7 +23,7 @@ class Interaction(SheetPart):
     """Acts on the sheet. Each method returns the tick at which it took effect."""
 
     async def grab(
-        self, grab_id: str, point: Union[int, Point], target: Optional[Vector] = None, stiffness_npm: float = 0.0
+        self, grab_id: str, point: Union[SupportsIndex, Point], target: Optional[Vector] = None, stiffness_npm: float = 0.0
     ) -> int:
         """Ties a vertex (int) or a material point by a spring to a target in the world, metres; absent: the point's
         present place.
@@ -35,10 +36,10 @@ class Interaction(SheetPart):
         >>> tick = await sheet.release("corner")
         """
         grab = scene_pb2.Grab(grab_id=grab_id, stiffness_npm=stiffness_npm)
-        if isinstance(point, int):
-            grab.vertex = point
+        if isinstance(point, SupportsIndex) and not hasattr(point, "__len__"):
+            grab.vertex = operator.index(point)
         else:
-            grab.material.CopyFrom(vec2(point))
+            grab.material.CopyFrom(vec2(cast(Point, point)))
         if target is not None:
             grab.target.CopyFrom(vec3(target))
         return await self._interact("GrabPoint", interaction_pb2.GrabPointRequest(name=self.name, grab=grab))
@@ -55,7 +56,7 @@ class Interaction(SheetPart):
 
     @asynccontextmanager
     async def holding(
-        self, point: Union[int, Point], target: Optional[Vector] = None, *, stiffness_npm: float = 0.0
+        self, point: Union[SupportsIndex, Point], target: Optional[Vector] = None, *, stiffness_npm: float = 0.0
     ) -> AsyncIterator[Hand]:
         """Returns a hand that holds a point as grab() does, until the `with` is left.
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any, Optional
+from typing import TYPE_CHECKING, Any, Literal, Optional, Union, overload
 
 from kerf.aio.part import SheetPart
 from kerf.analyses import analyze_request
 from kerf.arrays import Analysis, State, analysis_of, state_of
 from kerf.probes import AnyProbe, Values, as_probes, probe, values_of
 from kerf.regions import Place, vertices
+from kerf.steps import Stepped, one_stepped, steps_request
 from kerf.v1 import sheets_pb2
 
 if TYPE_CHECKING:
@@ -43,19 +44,34 @@ class Running(SheetPart):
         """
         return await self._call(self._server.sheet_service.ResumeSheet, sheets_pb2.ResumeSheetRequest(name=self.name))
 
-    async def step(self, ticks: int = 1) -> sheets_pb2.Sheet:
+    @overload
+    async def step(self, ticks: int = 1) -> sheets_pb2.Sheet: ...
+    @overload
+    async def step(self, ticks: int = 1, *, state: Literal[True], probes: Iterable[AnyProbe] = ()) -> Stepped: ...
+    @overload
+    async def step(self, ticks: int = 1, *, state: bool = False, probes: Iterable[AnyProbe]) -> Stepped: ...
+    async def step(
+        self, ticks: int = 1, *, state: bool = False, probes: Optional[Iterable[AnyProbe]] = None
+    ) -> Union[sheets_pb2.Sheet, Stepped]:
         """Runs a paused sheet for exactly this many ticks, 1..100000, as fast as the server can; returns when they are
         done.
 
-        Raises FailedPrecondition if the sheet is running. If the call exceeds its time limit, stepping stops after
-        the tick in progress.
+        state: the answer has the exact state after the last tick, in the same call. probes: up to 64 of kerf.probe(),
+        measured then. With one of them the answer is a Stepped; it needs NumPy. Raises FailedPrecondition if the sheet is
+        running. If the call exceeds its time limit, stepping stops after the tick in progress.
 
         >>> before = (await sheet.get()).tick
         >>> (await sheet.step(10)).tick - before
         10
+        >>> after = await sheet.step(2, state=True, probes=[kerf.probe("tip", "position", points=(0, 0))])
+        >>> after.probes["tip"].tolist() == after.state.positions[0].tolist()
+        True
         """
-        request = sheets_pb2.StepSheetRequest(name=self.name, ticks=ticks)
-        return await self._call(self._server.sheet_service.StepSheet, request)
+        if state or probes is not None:
+            request = steps_request([self.name], ticks, state, probes or ())
+            return one_stepped(await self._call(self._server.sheet_service.StepSheets, request))
+        message = sheets_pb2.StepSheetRequest(name=self.name, ticks=ticks)
+        return await self._call(self._server.sheet_service.StepSheet, message)
 
     async def set_speed(self, speed: float) -> sheets_pb2.Sheet:
         """Sets slow motion or time lapse: simulated seconds per second of wall time, 0.01..4; 1 is live. The results of

@@ -9,12 +9,17 @@ from typing import Any, Optional
 
 import grpc
 
+from kerf import forks
 from kerf.channel_options import CHANNEL_OPTIONS
 from kerf.credentials import Secrets
 from kerf.errors import connection_closed, cut_off, error_of, is_cancelled, is_out_of_time
 
 
+IS_ASYNC = True
+
+
 def open_channel(address: str, secrets: Secrets) -> grpc.aio.Channel:
+    forks.check()
     if secrets.use_tls:
         return grpc.aio.secure_channel(address, secrets.channel_credentials(), options=CHANNEL_OPTIONS)
     return grpc.aio.insecure_channel(address, options=CHANNEL_OPTIONS)
@@ -26,6 +31,7 @@ async def close_channel(channel: grpc.aio.Channel) -> None:
 
 async def call_unary(method: Any, request: Any, timeout_s: Optional[float], address: str) -> Any:
     """Makes a unary call. Raises kerf.Error if it fails."""
+    forks.check()
     try:
         return await method(request, timeout=timeout_s)
     except grpc.RpcError as failure:
@@ -49,6 +55,7 @@ class Stream:
         self._closed = True  # until there is a call
         # A queue, because a direct write to a call that the server has ended never returns.
         self._requests: asyncio.Queue[Any] = asyncio.Queue()
+        forks.check()
         try:
             self._call = method(_until_none(self._requests) if request is None else request, timeout=duration_s)
         except grpc.aio.UsageError:  # the channel was closed
@@ -106,6 +113,10 @@ class Stream:
 async def _until_none(requests: asyncio.Queue[Any]) -> AsyncIterator[Any]:
     while (request := await requests.get()) is not None:
         yield request
+
+
+class Shown:
+    """Shows a sheet in notebooks, but only that of the blocking surface, because a notebook awaits nothing."""
 
 
 class Background:
