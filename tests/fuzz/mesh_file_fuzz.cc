@@ -11,9 +11,11 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace kerf;
   const std::string_view file(reinterpret_cast<const char*>(data), size);
-  const auto rest_shape = size % 2 == 0 ? mesh::RestShape::kAutomatic : mesh::RestShape::kSurface;
+  mesh::MeshReading reading;
+  reading.rest_shape = size % 2 == 0 ? mesh::RestShape::kAutomatic : mesh::RestShape::kSurface;
+  reading.version = size % 3 == 0 ? mesh::kFirstReader : mesh::kNewestReader;
   const Result<mesh::ImportedSheet> sheet =
-      file.starts_with("ply") ? mesh::parse_ply(file, rest_shape) : mesh::parse_obj(file, rest_shape);
+      file.starts_with("ply") ? mesh::parse_ply(file, reading) : mesh::parse_obj(file, reading);
   if (!sheet.ok()) {
     KERF_CHECK(!sheet.error().reason.empty() && !sheet.error().message.empty(), "a refusal says why");
     return 0;

@@ -229,7 +229,7 @@ TEST(Import, RefusesOverlapHoweverItComesAbout) {
                  "MESH_OVERLAP", "cross");
   // One inside the other.
   expect_refused(test::indexed({{0, 0}, {9, 0}, {0, 9}, {1, 1}, {2, 1}, {1, 2}}, {{0, 1, 2}, {3, 4, 5}}),
-                 "MESH_OVERLAP", "triangles 0, 1 overlap");
+                 "MESH_OVERLAP", "triangles 0 and 1 overlap");
   // The same triangle twice, with vertices of its own.
   expect_refused(test::indexed({{0, 0}, {1, 0}, {0, 1}, {0, 0}, {1, 0}, {0, 1}}, {{0, 1, 2}, {3, 4, 5}}),
                  "MESH_OVERLAP", "triangles 0 and 1");

@@ -56,7 +56,7 @@ class PlyBody {
   std::string text_;
 };
 
-// Returns a PLY file of a flat sheet of triangles at height z, with positions as doubles.
+// Returns a PLY file of a flat sheet of triangles at height z, with positions as doubles. Lips of cuts stay apart.
 inline std::string write_ply(const mesh::IndexedMesh& sheet, PlyKind kind, double z = 0.0) {
   PlyBody body(kind);
   for (Eigen::Index v = 0; v < sheet.rest.cols(); ++v) body.add(sheet.rest(0, v)).add(sheet.rest(1, v)).add(z).end();
@@ -65,16 +65,17 @@ inline std::string write_ply(const mesh::IndexedMesh& sheet, PlyKind kind, doubl
     for (int k = 0; k < 3; ++k) body.add(static_cast<std::int32_t>(sheet.triangles(k, t)));
     body.end();
   }
-  return ply_start(kind) + "element vertex " + std::to_string(sheet.rest.cols()) +
+  return ply_start(kind) + "comment Kerf: lips stay apart\nelement vertex " + std::to_string(sheet.rest.cols()) +
          "\nproperty double x\nproperty double y\nproperty double z\nelement face " +
          std::to_string(sheet.triangles.cols()) + "\nproperty list uchar int vertex_indices\nend_header\n" +
          body.text();
 }
 
-// Returns a Wavefront OBJ file of a flat sheet of triangles at height z.
+// Returns a Wavefront OBJ file of a flat sheet of triangles at height z. Lips of cuts stay apart.
 inline std::string write_obj(const mesh::IndexedMesh& sheet, double z = 0.0) {
   std::ostringstream text;
   text.precision(17);
+  text << "# Kerf: lips stay apart\n";
   for (Eigen::Index v = 0; v < sheet.rest.cols(); ++v) {
     text << "v " << sheet.rest(0, v) << ' ' << sheet.rest(1, v) << ' ' << z << '\n';
   }

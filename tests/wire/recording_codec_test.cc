@@ -2,12 +2,16 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <fstream>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "kerf/v1/run.pb.h"
 #include "server/base/random.h"
+#include "server/core/scene/mesh_source.h"
 #include "server/service/wire/protobuf_log.h"
 #include "server/service/wire/recording_codec.h"
 #include "server/service/wire/recording_frames.h"
@@ -267,6 +271,33 @@ TEST(RecordingCodec, OtherFilesAreNoRecordings) {
     EXPECT_EQ(decode_recording(file).error().reason, "RECORDING_FORMAT");
     EXPECT_THAT(decode_recording(file).error().message, HasSubstr("version " + std::to_string(other)));
   }
+}
+
+// The file was recorded before mesh files were mended: two lips at the same place, and a face of five corners.
+TEST(RecordingCodec, MeshFilesOfOldRecordingsAreReadAsTheyWere) {
+  std::ifstream in(std::string(KERF_SOURCE_DIR) + "/tests/data/recordings/before_mesh_reading.kerfrec",
+                   std::ios::binary);
+  std::stringstream content;
+  content << in.rdbuf();
+  const Result<RecordingFile> read = decode_recording(content.str());
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  const scene::SheetConfig& config = read->recording.config;
+  EXPECT_EQ(std::get<scene::ObjSource>(config.mesh).reading.version, mesh::kFirstReader);
+  const scene::BuiltMesh old = scene::build_mesh(config).value();
+  EXPECT_EQ(old.mesh.num_pieces(), 3);
+  EXPECT_EQ(old.mesh.vertices(4), (std::array<mesh::VertexId, 3>{6, 9, 10}));
+  EXPECT_TRUE(old.notes.empty());
+  // A copy in a scene that a server returns says so, and is still read alike.
+  v1::Scene scene = encode_scene(config);
+  EXPECT_EQ(scene.obj().reading().reader_version(), mesh::kFirstReader);
+  EXPECT_EQ(scene::build_mesh(decoded(scene)).value().mesh.num_pieces(), 3);
+  // The same file in a new scene is read by the newest reader, and its scene names that.
+  scene.mutable_obj()->clear_reading();
+  const scene::SheetConfig fresh = decoded(scene);
+  const scene::BuiltMesh mended = scene::build_mesh(fresh).value();
+  EXPECT_EQ(mended.mesh.num_pieces(), 2);
+  EXPECT_EQ(mended.notes.size(), 1U);
+  EXPECT_EQ(encode_scene(fresh).obj().reading().reader_version(), mesh::kNewestReader);
 }
 
 TEST(RecordingCodec, FilesOfOlderFormatsAreReadAsWell) {

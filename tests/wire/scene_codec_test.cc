@@ -272,14 +272,14 @@ TEST(SceneCodec, RestShapesOfMeshFiles) {
     scene.mutable_obj()->set_text("v 0 0 0\n");
     scene.mutable_obj()->set_rest_shape(name);
     const scene::MeshSource obj = decode_scene(scene).value().mesh;
-    EXPECT_EQ(std::get<scene::ObjSource>(obj).rest_shape, rest_shape);
+    EXPECT_EQ(std::get<scene::ObjSource>(obj).reading.rest_shape, rest_shape);
     v1::Scene again;
     encode_mesh_source(obj, again);
     EXPECT_EQ(again.obj().rest_shape(), name);
     scene.mutable_ply()->set_data("ply\n");
     scene.mutable_ply()->set_rest_shape(name);
     const scene::MeshSource ply = decode_scene(scene).value().mesh;
-    EXPECT_EQ(std::get<scene::PlySource>(ply).rest_shape, rest_shape);
+    EXPECT_EQ(std::get<scene::PlySource>(ply).reading.rest_shape, rest_shape);
     encode_mesh_source(ply, again);
     EXPECT_EQ(again.ply().rest_shape(), name);
   }

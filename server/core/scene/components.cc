@@ -78,6 +78,7 @@ class ComponentJoin {
     num_vertices_ += place.num_vertices;
     num_triangles_ += built.mesh.num_solid_triangles();
     places_.push_back(std::move(place));
+    for (const std::string& note : built.notes) notes_.push_back(component.name + ": " + note);
     parts_.push_back(std::move(built));
     return Nothing{};
   }
@@ -162,7 +163,7 @@ class ComponentJoin {
       error.message = "the components together: " + error.message;
       return error;
     }
-    return BuiltMesh{std::move(whole).value(), std::move(positions), std::move(places_)};
+    return BuiltMesh{std::move(whole).value(), std::move(positions), std::move(places_), std::move(notes_)};
   }
 
   [[nodiscard]] Placement placement_of(std::size_t index) const {
@@ -175,6 +176,7 @@ class ComponentJoin {
   const SheetConfig& config_;
   std::vector<SourceMesh> parts_;
   std::vector<ComponentPlace> places_;
+  std::vector<std::string> notes_;
   std::int32_t num_vertices_ = 0;
   std::int32_t num_triangles_ = 0;
   double largest_ = 0.0;  // m, largest side of all components

@@ -31,24 +31,27 @@ Result<SourceMesh> build(const GridSource& grid, std::int32_t /*max_vertices*/) 
                                          ? mesh::make_jittered_grid(config, grid.seed)
                                          : mesh::make_grid(config);
   if (!built.ok()) return with_field(built.error(), "grid");
-  return SourceMesh{std::move(built).value(), {}, {}};
+  return SourceMesh{std::move(built).value(), {}, {}, {}};
 }
 
 // Builds a mesh from the content of a file. Positions need no check against the limits of the world, as those of the
 // reader are tighter.
-Result<SourceMesh> build(Result<mesh::ImportedSheet> parsed, const std::string& field) {
-  if (!parsed.ok()) return with_field(parsed.error(), field);
-  Result<mesh::TriangleMesh> built = mesh::import_mesh(parsed->sheet);
-  if (!built.ok()) return with_field(built.error(), field);
-  return SourceMesh{std::move(built).value(), std::move(parsed->world), std::move(parsed->sheet.surface)};
+Result<SourceMesh> build(const Result<mesh::MeshFile>& file, const mesh::MeshReading& reading,
+                         const std::string& field) {
+  if (!file.ok()) return with_field(file.error(), field);
+  Result<mesh::FileSheet> made = mesh::make_sheet(*file, reading);
+  if (!made.ok()) return with_field(made.error(), field);
+  mesh::ImportedSheet& imported = made->imported;
+  return SourceMesh{std::move(made->mesh), std::move(imported.world), std::move(imported.sheet.surface),
+                    std::move(imported.notes)};
 }
 
 Result<SourceMesh> build(const ObjSource& obj, std::int32_t /*max_vertices*/) {
-  return build(mesh::parse_obj(obj.text, obj.rest_shape), "obj.text");
+  return build(mesh::read_obj(obj.text, obj.reading.version), obj.reading, "obj.text");
 }
 
 Result<SourceMesh> build(const PlySource& ply, std::int32_t /*max_vertices*/) {
-  return build(mesh::parse_ply(ply.data, ply.rest_shape), "ply.data");
+  return build(mesh::read_ply(ply.data), ply.reading, "ply.data");
 }
 
 Result<SourceMesh> build(const ArraySource& arrays, std::int32_t /*max_vertices*/) {
@@ -64,12 +67,12 @@ Result<SourceMesh> build(const ArraySource& arrays, std::int32_t /*max_vertices*
                                                           : "inline.triangles");
   }
   const Eigen::Matrix3Xd& given = arrays.positions.cols() > 0 ? arrays.positions : arrays.rest_positions;
-  return SourceMesh{std::move(built).value(), given, arrays.rest_positions};
+  return SourceMesh{std::move(built).value(), given, arrays.rest_positions, {}};
 }
 
 Result<SourceMesh> build(const OutlineSource& outline, std::int32_t max_vertices) {
   KERF_TRY_ASSIGN(mesh::TriangleMesh built, mesh_outline(outline, max_vertices));
-  return SourceMesh{std::move(built), {}, {}};
+  return SourceMesh{std::move(built), {}, {}, {}};
 }
 
 }  // namespace
@@ -119,7 +122,7 @@ Result<BuiltMesh> build_mesh(const SheetConfig& config) {
   KERF_TRY_ASSIGN(SourceMesh built, build_source(config.mesh, config.max_vertices));
   Eigen::Matrix3Xd positions =
       built.positions.cols() > 0 ? std::move(built.positions) : place(built.mesh, config.placement);
-  return BuiltMesh{std::move(built.mesh), std::move(positions), {}};
+  return BuiltMesh{std::move(built.mesh), std::move(positions), {}, std::move(built.notes)};
 }
 
 }  // namespace kerf::scene

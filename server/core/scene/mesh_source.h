@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -17,6 +18,7 @@ struct BuiltMesh {
   mesh::TriangleMesh mesh;
   Eigen::Matrix3Xd positions;              // 3 x V, m
   std::vector<ComponentPlace> components;  // by index into SheetConfig::components
+  std::vector<std::string> notes;          // what readers of mesh files mended, guessed or left out, for people
 
   // Returns the larger side of the bounding box in material coordinates, m; that of the largest component, if there are
   // any.
@@ -31,8 +33,9 @@ struct BuiltMesh {
 // The mesh of one source.
 struct SourceMesh {
   mesh::TriangleMesh mesh;
-  Eigen::Matrix3Xd positions;  // 3 x V, m, start in the world as the source gives it; or 3 x 0: Placement gives it
-  Eigen::Matrix3Xd surface;    // 3 x V, m, rest shape in space; or 3 x 0 if it is flat
+  Eigen::Matrix3Xd positions;      // 3 x V, m, start in the world as the source gives it; or 3 x 0: Placement gives it
+  Eigen::Matrix3Xd surface;        // 3 x V, m, rest shape in space; or 3 x 0 if it is flat
+  std::vector<std::string> notes;  // of the reader of a mesh file, for people
 };
 
 // Builds the mesh of a valid source. Errors: those of the mesh importers and of outline_source.h, with the field as in

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/core/mesh/build/mesh_import.h"
 #include "server/core/scene/components.h"
 #include "server/core/scene/field_checks.h"
 #include "server/core/scene/integrator_settings.h"
@@ -17,6 +18,8 @@ constexpr std::int32_t kMaxGridSide = 1000;  // most vertices along x, and along
 constexpr double kMinExtent = 1.0e-6;        // m, least side of a grid
 constexpr double kAxisTolerance = 1.0e-6;    // -; tolerance of the length of the placement's axes, and of the cosine
                                              // between them
+constexpr double kMinUnit = 1e-9;            // m, of a mesh file
+constexpr double kMaxUnit = 1e6;             // m
 constexpr std::size_t kMaxDescriptionBytes = 1000;
 constexpr std::int64_t kMaxTicks = 10'000'000;
 
@@ -34,13 +37,22 @@ Status validate_source(const GridSource& grid) {
   return check_number(grid.height, kMinExtent, kMaxMaterialCoordinate, "grid.height_m");
 }
 
+Status validate_reading(const mesh::MeshReading& reading, const std::string& field) {
+  KERF_TRY(check_number(reading.unit_m, kMinUnit, kMaxUnit, field + ".unit_m"));
+  if (reading.join_m) KERF_TRY(check_number(*reading.join_m, 0.0, mesh::kMaxRestCoordinate, field + ".join_m"));
+  KERF_TRY(check_count(reading.objects.size(), kMaxReadObjects, "names", field + ".objects"));
+  return check_integer(reading.version, mesh::kFirstReader, mesh::kNewestReader, field + ".reader_version");
+}
+
 Status validate_source(const ObjSource& obj) {
   if (obj.text.empty()) return invalid_argument("EMPTY", "obj.text must not be empty", "obj.text");
+  KERF_TRY(validate_reading(obj.reading, "obj.reading"));
   return check_count(obj.text.size(), kMaxMeshFileBytes, "bytes", "obj.text");
 }
 
 Status validate_source(const PlySource& ply) {
   if (ply.data.empty()) return invalid_argument("EMPTY", "ply.data must not be empty", "ply.data");
+  KERF_TRY(validate_reading(ply.reading, "ply.reading"));
   return check_count(ply.data.size(), kMaxMeshFileBytes, "bytes", "ply.data");
 }
 
@@ -91,6 +103,14 @@ Status check_unit(const Eigen::Vector3d& axis, const std::string& field) {
 Status validate_source(const MeshSource& source) {
   return std::visit([](const auto& each) { return validate_source(each); }, source);
 }
+
+}  // namespace
+
+Status validate(const MeshSource& source) {
+  return validate_source(source);
+}
+
+namespace {
 
 Status validate_placement(const Placement& placement) {
   KERF_TRY(check_vector(placement.origin, kMaxWorldCoordinate, "placement.origin"));

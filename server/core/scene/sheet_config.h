@@ -15,6 +15,7 @@
 #include "server/core/cut/curve.h"
 #include "server/core/fem/element/material.h"
 #include "server/core/linear/linear_solver_kind.h"
+#include "server/core/mesh/build/mesh_reading.h"
 #include "server/core/mesh/ids.h"
 #include "server/core/scene/command.h"
 #include "server/core/scene/conditions.h"
@@ -31,6 +32,7 @@ inline constexpr std::size_t kMaxOutlineHoles = 1024;  // most curves of holes
 inline constexpr std::size_t kMaxOutlineSizes = 1024;
 inline constexpr std::size_t kMaxOutlineChords = 1'000'000;  // most chords of all curves of an outline, after
                                                              // flattening
+inline constexpr std::size_t kMaxReadObjects = 64;           // names in MeshReading::objects
 inline constexpr std::size_t kMaxSheetIdBytes = 63;
 inline constexpr std::size_t kMaxComponents = 64;
 inline constexpr std::size_t kMaxColliders = 64;
@@ -55,14 +57,14 @@ struct GridSource {
 // Wavefront OBJ; see core/mesh/build/obj_import.h. The positions in the text place the sheet; Placement is ignored.
 struct ObjSource {
   std::string text;  // at most kMaxMeshFileBytes
-  RestShape rest_shape = RestShape::kAutomatic;
+  mesh::MeshReading reading;
 };
 
 // PLY, text or binary; see core/mesh/build/ply_import.h. The positions in the file place the sheet; Placement is
 // ignored.
 struct PlySource {
   std::string data;  // at most kMaxMeshFileBytes
-  RestShape rest_shape = RestShape::kAutomatic;
+  mesh::MeshReading reading;
 };
 
 // A mesh given by its arrays.
@@ -284,6 +286,7 @@ struct SheetConfig {
 [[nodiscard]] bool is_in_plane(Quantity quantity);
 
 // Check ranges; fields are named as in kerf.v1.Scene ("analysis.static.loads[2]", "probes[1].points[0].x").
+Status validate(const MeshSource& source);
 Status validate(const Analysis& analysis);
 Status validate(const std::vector<Probe>& probes);
 

@@ -69,6 +69,9 @@ std::shared_ptr<const scene::SheetConfig> Sheet::shared_config() const {
 const std::vector<scene::ComponentPlace>& Sheet::components() const {
   return impl_->moving.initial().built.components;
 }
+const std::vector<std::string>& Sheet::mesh_notes() const {
+  return impl_->moving.initial().built.notes;
+}
 std::int64_t Sheet::tick() const {
   return impl_->clock.tick();
 }

@@ -162,6 +162,7 @@ class Sheet {
   [[nodiscard]] const scene::SheetConfig& config() const;  // as given
   [[nodiscard]] std::shared_ptr<const scene::SheetConfig> shared_config() const;
   [[nodiscard]] const std::vector<scene::ComponentPlace>& components() const;  // by index into config().components
+  [[nodiscard]] const std::vector<std::string>& mesh_notes() const;            // of readers of mesh files, for people
   [[nodiscard]] std::int64_t tick() const;                                     // ticks made since the sheet was created
   [[nodiscard]] std::int64_t scene_tick() const;        // ticks made since the scene began or was reset
   [[nodiscard]] double dt() const;                      // s

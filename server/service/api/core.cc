@@ -1,5 +1,7 @@
 #include "server/service/api/core.h"
 
+#include <algorithm>
+
 #include "server/core/mesh/triangle_mesh.h"
 #include "server/service/api/tick_advice.h"
 #include "server/service/wire/component_codec.h"
@@ -10,6 +12,7 @@ namespace kerf::api {
 namespace {
 
 constexpr std::size_t kMaxRequestIdBytes = 64;
+constexpr std::size_t kMaxMeshNotes = 64;
 
 v1::Sheet::RunState encode_run_state(host::RunState state) {
   switch (state) {
@@ -166,6 +169,9 @@ v1::Sheet encode_sheet(const host::SheetStatus& status) {
   sheet.set_strained_share(status.stats.strained_share);
   sheet.set_viewers(status.viewers);
   sheet.set_scene_tick(status.scene_tick);
+  for (std::size_t i = 0; i < std::min(status.mesh_notes.size(), kMaxMeshNotes); ++i) {
+    sheet.add_mesh_notes(status.mesh_notes[i]);
+  }
   for (const scene::ComponentPlace& place : status.components) {
     *sheet.add_components() = wire::encode_component_place(place);
   }

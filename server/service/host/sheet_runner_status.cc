@@ -66,6 +66,7 @@ SheetStatus SheetRunner::unhashed_status() const {
   status.materials = sheet_.materials().entries;
   status.config = sheet_.shared_config();
   status.components = sheet_.components();
+  status.mesh_notes = sheet_.mesh_notes();
   status.integrator = sheet_.integrator_description();
   status.softening = sheet_.softening();
   status.local_inertia = sheet_.local_inertia();

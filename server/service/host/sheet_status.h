@@ -58,6 +58,7 @@ struct SheetStatus {
   std::vector<fem::Material> materials;              // In force: the sheet's own, then those of config->materials.
   std::shared_ptr<const scene::SheetConfig> config;  // as created
   std::vector<scene::ComponentPlace> components;     // by index into config->components
+  std::vector<std::string> mesh_notes;               // see sheet::Sheet::mesh_notes()
   std::string integrator;                            // Names the integrator in use and the reason for it.
   std::optional<fem::Softening> softening;           // In force with Fidelity::kRealTime.
   std::int32_t linear_iterations = 0;                // In the last tick, see fem::StepStats.

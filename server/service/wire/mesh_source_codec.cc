@@ -1,11 +1,13 @@
 #include "server/service/wire/mesh_source_codec.h"
 
+#include <array>
 #include <string>
 #include <utility>
 #include <variant>
 
 #include "server/base/overloaded.h"
 #include "server/base/text_encoding.h"
+#include "server/service/wire/choices.h"
 #include "server/service/wire/geometry_codec.h"
 
 namespace kerf::wire {
@@ -32,43 +34,53 @@ Result<scene::MeshSource> decode_grid(const v1::GridMesh& message) {
   return scene::MeshSource(grid);
 }
 
-Result<scene::RestShape> decode_rest_shape(v1::RestShape rest_shape, const std::string& path) {
-  switch (rest_shape) {
-    case v1::REST_SHAPE_UNSPECIFIED:
-      return scene::RestShape::kAutomatic;
-    case v1::REST_SHAPE_FLAT:
-      return scene::RestShape::kFlat;
-    case v1::REST_SHAPE_SURFACE:
-      return scene::RestShape::kSurface;
-    default:
-      return unknown_enum(path, static_cast<int>(rest_shape));
-  }
+constexpr std::array<std::pair<v1::RestShape, scene::RestShape>, 3> kRestShapes{{
+    {v1::REST_SHAPE_UNSPECIFIED, scene::RestShape::kAutomatic},
+    {v1::REST_SHAPE_FLAT, scene::RestShape::kFlat},
+    {v1::REST_SHAPE_SURFACE, scene::RestShape::kSurface},
+}};
+constexpr std::array<std::pair<v1::MeshReading::UpAxis, mesh::UpAxis>, 4> kUpAxes{{
+    {v1::MeshReading::UP_AXIS_UNSPECIFIED, mesh::UpAxis::kZ},
+    {v1::MeshReading::Z_UP, mesh::UpAxis::kZ},
+    {v1::MeshReading::Y_UP, mesh::UpAxis::kY},
+    {v1::MeshReading::X_UP, mesh::UpAxis::kX},
+}};
+
+Result<mesh::MeshReading> decode_reading(v1::RestShape rest_shape, const v1::MeshReading& message,
+                                         const std::string& path) {
+  mesh::MeshReading reading;
+  KERF_TRY(decode_choice(kRestShapes, rest_shape, path + ".rest_shape", reading.rest_shape));
+  KERF_TRY(decode_choice(kUpAxes, message.up_axis(), path + ".reading.up_axis", reading.up_axis));
+  if (message.unit_m() != 0.0) reading.unit_m = message.unit_m();
+  if (message.has_join_m()) reading.join_m = message.join_m();
+  reading.ignore_texture = message.ignore_texture_coordinates();
+  reading.objects.assign(message.objects().begin(), message.objects().end());
+  if (message.reader_version() != 0) reading.version = message.reader_version();
+  return reading;
 }
 
-v1::RestShape encode_rest_shape(scene::RestShape rest_shape) {
-  switch (rest_shape) {
-    case scene::RestShape::kFlat:
-      return v1::REST_SHAPE_FLAT;
-    case scene::RestShape::kSurface:
-      return v1::REST_SHAPE_SURFACE;
-    case scene::RestShape::kAutomatic:
-      break;
-  }
-  return v1::REST_SHAPE_UNSPECIFIED;
+// Encodes how a file is read. Fields that have their default are left out, except the version.
+void encode_reading(const mesh::MeshReading& reading, v1::MeshReading& message) {
+  if (reading.unit_m != 1.0) message.set_unit_m(reading.unit_m);
+  if (reading.up_axis != mesh::UpAxis::kZ) message.set_up_axis(encode_choice(kUpAxes, reading.up_axis));
+  if (reading.join_m) message.set_join_m(*reading.join_m);
+  message.set_ignore_texture_coordinates(reading.ignore_texture);
+  for (const std::string& name : reading.objects) message.add_objects(name);
+  message.set_reader_version(reading.version);
 }
 
 Result<scene::MeshSource> decode_obj(v1::ObjMesh& message, const FileReader& read_file) {
   KERF_TRY_ASSIGN(std::string text,
                   read_content({std::move(*message.mutable_text()), message.file()}, read_file, "OBJ", "obj"));
-  KERF_TRY_ASSIGN(const scene::RestShape rest_shape, decode_rest_shape(message.rest_shape(), "obj.rest_shape"));
-  return scene::MeshSource(scene::ObjSource{obj_text(std::move(text)), rest_shape});
+  KERF_TRY_ASSIGN(mesh::MeshReading reading, decode_reading(message.rest_shape(), message.reading(), "obj"));
+  return scene::MeshSource(scene::ObjSource{obj_text(std::move(text)), std::move(reading)});
 }
 
 Result<scene::MeshSource> decode_ply(v1::PlyMesh& message, const FileReader& read_file) {
   KERF_TRY_ASSIGN(std::string data,
                   read_content({std::move(*message.mutable_data()), message.file(), "data"}, read_file, "PLY", "ply"));
-  KERF_TRY_ASSIGN(const scene::RestShape rest_shape, decode_rest_shape(message.rest_shape(), "ply.rest_shape"));
-  return scene::MeshSource(scene::PlySource{std::move(data), rest_shape});
+  KERF_TRY_ASSIGN(mesh::MeshReading reading, decode_reading(message.rest_shape(), message.reading(), "ply"));
+  return scene::MeshSource(scene::PlySource{std::move(data), std::move(reading)});
 }
 
 Status check_length(int length, int multiple, const std::string& path) {
@@ -145,12 +157,14 @@ void encode_source(const scene::GridSource& grid, v1::GridMesh& message) {
 
 void encode_source(const scene::ObjSource& obj, v1::ObjMesh& message) {
   message.set_text(obj.text);
-  message.set_rest_shape(encode_rest_shape(obj.rest_shape));
+  message.set_rest_shape(encode_choice(kRestShapes, obj.reading.rest_shape));
+  encode_reading(obj.reading, *message.mutable_reading());
 }
 
 void encode_source(const scene::PlySource& ply, v1::PlyMesh& message) {
   message.set_data(ply.data);
-  message.set_rest_shape(encode_rest_shape(ply.rest_shape));
+  message.set_rest_shape(encode_choice(kRestShapes, ply.reading.rest_shape));
+  encode_reading(ply.reading, *message.mutable_reading());
 }
 
 void encode_source(const scene::ArraySource& arrays, v1::InlineMesh& message) {
@@ -223,6 +237,19 @@ Result<scene::MeshSource> decode_mesh_source(v1::Component& component, const Fil
 
 std::string obj_text(std::string file) {
   return utf8_text(std::move(file));
+}
+
+void name_first_reader(v1::Scene& scene) {
+  const auto name_in = [](auto& owner) {
+    if (owner.has_obj() && owner.obj().reading().reader_version() == 0) {
+      owner.mutable_obj()->mutable_reading()->set_reader_version(mesh::kFirstReader);
+    }
+    if (owner.has_ply() && owner.ply().reading().reader_version() == 0) {
+      owner.mutable_ply()->mutable_reading()->set_reader_version(mesh::kFirstReader);
+    }
+  };
+  name_in(scene);
+  for (v1::Component& component : *scene.mutable_components()) name_in(component);
 }
 
 void encode_mesh_source(const scene::MeshSource& mesh, v1::Scene& scene) {

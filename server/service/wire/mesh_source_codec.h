@@ -20,6 +20,9 @@ Result<scene::MeshSource> decode_mesh_source(v1::Component& component, const Fil
 // Converts an OBJ file to ObjMesh.text, which must be UTF-8 (see utf8_text).
 std::string obj_text(std::string file);
 
+// Names the first reader where a recorded or stored scene names none: it was made before there were others.
+void name_first_reader(v1::Scene& scene);
+
 void encode_mesh_source(const scene::MeshSource& mesh, v1::Scene& scene);
 void encode_mesh_source(const scene::MeshSource& mesh, v1::Component& component);
 

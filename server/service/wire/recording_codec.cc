@@ -11,6 +11,7 @@
 
 #include "kerf/v1/run.pb.h"
 #include "server/service/wire/command_codec.h"
+#include "server/service/wire/mesh_source_codec.h"
 #include "server/service/wire/recording_frames.h"
 #include "server/service/wire/scene_codec.h"
 
@@ -199,6 +200,7 @@ Result<RecordingFile> decode_recording(std::string_view file, const RecordingLim
   KERF_TRY_ASSIGN(v1::RecordingHeader header, read_header(reader));
   RecordingFile decoded;
   decoded.build = header.build();
+  name_first_reader(*header.mutable_scene());
   Result<scene::SheetConfig> config = decode_scene(std::move(*header.mutable_scene()));
   if (!config.ok()) return recording_damage("RECORDING_DAMAGED", 0, "the scene is refused: " + config.error().message);
   decoded.recording.config = std::move(*config);

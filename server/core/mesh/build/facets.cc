@@ -16,7 +16,8 @@ namespace {
 
 class FacetMaker {
  public:
-  FacetMaker(const Eigen::Matrix3Xd& surface, MeshData& data) : surface_(surface), data_(data) {}
+  FacetMaker(const Eigen::Matrix3Xd& surface, MeshData& data, const ElementNames& names)
+      : surface_(surface), data_(data), names_(names) {}
 
   Status run() {
     const auto count = static_cast<TriangleId>(data_.triangles.size());
@@ -27,7 +28,7 @@ class FacetMaker {
       if (is_degenerate(first)) {
         return invalid_argument(
             "MESH_DEGENERATE_TRIANGLE",
-            "triangle " + std::to_string(first) +
+            names_.triangle(first) +
                 " is a line on the rest surface, or its height is below a millionth of its longest edge",
             "surface");
       }
@@ -88,12 +89,13 @@ class FacetMaker {
 
   const Eigen::Matrix3Xd& surface_;
   MeshData& data_;
+  const ElementNames& names_;
 };
 
 }  // namespace
 
-Status make_facets(const Eigen::Matrix3Xd& surface, MeshData& data) {
-  return FacetMaker(surface, data).run();
+Status make_facets(const Eigen::Matrix3Xd& surface, MeshData& data, const ElementNames& names) {
+  return FacetMaker(surface, data, names).run();
 }
 
 }  // namespace kerf::mesh

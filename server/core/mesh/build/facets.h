@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 
 #include "server/base/result.h"
+#include "server/core/mesh/build/element_names.h"
 #include "server/core/mesh/mesh_data.h"
 
 namespace kerf::mesh {
@@ -12,6 +13,6 @@ namespace kerf::mesh {
 // neighbours. A triangle joins the facet of a neighbour of its region if that facet's map meets its corners. The
 // tolerance is kSameFacet times its longest edge. Afterwards TriangleRecord::region is the number of the facet. Error:
 // MESH_DEGENERATE_TRIANGLE (flatter than kMinFlatness on the surface), field = `surface`.
-Status make_facets(const Eigen::Matrix3Xd& surface, MeshData& data);
+Status make_facets(const Eigen::Matrix3Xd& surface, MeshData& data, const ElementNames& names);
 
 }  // namespace kerf::mesh

@@ -77,16 +77,16 @@ std::vector<Component> split_components(const Eigen::Matrix3Xd& surface, const E
 
 // Finds the borders of a component. Refuses surfaces that are closed, not orientable, not manifold, or that have
 // handles.
-Status find_borders(Component& part) {
+Status find_borders(Component& part, const ElementNames& names) {
   std::map<std::pair<int, int>, int> sides;  // directed edge -> triangle
-  const auto name = [&](int v) { return std::to_string(part.vertices[v]); };
+  const auto name = [&](int v) { return names.vertex(part.vertices[v]); };
   for (std::size_t t = 0; t < part.triangles.size(); ++t) {
     for (std::size_t k = 0; k < 3; ++k) {
       const std::pair<int, int> side{part.triangles[t][k], part.triangles[t][(k + 1) % 3]};
       if (!sides.emplace(side, static_cast<int>(t)).second) {
         return refuse("MESH_INCONSISTENT_ORIENTATION",
-                      "two triangles run along edge (" + name(side.first) + ", " + name(side.second) +
-                          ") in the same direction: they have opposite orientations, or more than two meet there");
+                      "two triangles run along " + names.edge(part.vertices[side.first], part.vertices[side.second]) +
+                          " in the same direction: they have opposite orientations, or more than two meet there");
       }
     }
   }
@@ -97,7 +97,7 @@ Status find_borders(Component& part) {
     ++num_borders;
     if (next[side.first] >= 0) {
       return refuse("MESH_NON_MANIFOLD_VERTEX",
-                    "triangles meet at vertex " + name(side.first) + " without a common edge; duplicate the vertex");
+                    "triangles meet at " + name(side.first) + " without a common edge; duplicate the vertex");
     }
     next[side.first] = side.second;
   }
@@ -109,7 +109,7 @@ Status find_borders(Component& part) {
   const std::size_t num_edges = (sides.size() + num_borders) / 2;
   const auto euler =
       static_cast<std::int64_t>(part.vertices.size() + part.triangles.size()) - static_cast<std::int64_t>(num_edges);
-  const std::string where = "the surface with vertex " + name(0);
+  const std::string where = "the surface with " + name(0);
   if (part.loops.empty()) {
     return refuse("MESH_NOT_FLATTENABLE",
                   where + " is closed; cut it open along seams, or give texture coordinates with seams");
@@ -298,15 +298,14 @@ Complex mean(const std::vector<Complex>& values) {
 }
 
 // Scales the map to the area of the surface. Then rotates and moves it to fit the projection of the surface best.
-Status align(const Component& part, std::vector<Complex>& mapped) {
+Status align(const Component& part, const ElementNames& names, std::vector<Complex>& mapped) {
   double area = 0.0;
   for (const auto& [a, b, c] : part.triangles) {
     area += 0.5 * (std::conj(mapped[b] - mapped[a]) * (mapped[c] - mapped[a])).imag();
   }
   const double wanted = total_area(part);
   if (!(area > 0.0) || !(wanted > 0.0) || !std::isfinite(area)) {
-    return refuse("MESH_NOT_FLATTENABLE",
-                  "the surface with vertex " + std::to_string(part.vertices[0]) + " has no area");
+    return refuse("MESH_NOT_FLATTENABLE", "the surface with " + names.vertex(part.vertices[0]) + " has no area");
   }
   const std::vector<Complex> target = project(part);
   const Complex from = mean(mapped);
@@ -326,8 +325,8 @@ bool has_area(const Component& part) {
 
 }  // namespace
 
-Result<Eigen::Matrix2Xd> flatten(const Eigen::Matrix3Xd& surface, const Eigen::Matrix3Xi& triangles,
-                                 Flattening method) {
+Result<Eigen::Matrix2Xd> flatten(const Eigen::Matrix3Xd& surface, const Eigen::Matrix3Xi& triangles, Flattening method,
+                                 const ElementNames& names) {
   if (surface.cols() > kMaxFlattenedVertices) {
     return refuse("MESH_TOO_LARGE", std::to_string(surface.cols()) +
                                         " vertices; material coordinates can be computed for at most " +
@@ -337,12 +336,12 @@ Result<Eigen::Matrix2Xd> flatten(const Eigen::Matrix3Xd& surface, const Eigen::M
   Eigen::Matrix2Xd material(2, surface.cols());
   double right = 0.0;
   for (Component& part : components) {
-    KERF_TRY(find_borders(part));
+    KERF_TRY(find_borders(part, names));
     if (!has_area(part)) return refuse("MESH_DEGENERATE_TRIANGLE", "a triangle of the surface has no area");
     std::vector<Complex> mapped = method == Flattening::kConformal ? map_conformally(part) : map_into_circle(part);
     if (mapped.empty())
       return refuse("MESH_NOT_FLATTENABLE", "no map to the plane was found; give texture coordinates");
-    KERF_TRY(align(part, mapped));
+    KERF_TRY(align(part, names, mapped));
     Complex shift(0.0, 0.0);
     if (components.size() > 1) {
       Eigen::AlignedBox2d box;

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 
 #include "server/base/result.h"
+#include "server/core/mesh/build/element_names.h"
 
 namespace kerf::mesh {
 
@@ -27,6 +28,8 @@ enum class Flattening {
 //   MESH_DEGENERATE_TRIANGLE: a triangle of the surface has no area,
 //   MESH_NOT_FLATTENABLE: closed (no border), with handles, of no area, or no map was found,
 //   MESH_TOO_LARGE: more than kMaxFlattenedVertices.
-Result<Eigen::Matrix2Xd> flatten(const Eigen::Matrix3Xd& surface, const Eigen::Matrix3Xi& triangles, Flattening method);
+// `names`: how messages name vertices.
+Result<Eigen::Matrix2Xd> flatten(const Eigen::Matrix3Xd& surface, const Eigen::Matrix3Xi& triangles, Flattening method,
+                                 const ElementNames& names = {});
 
 }  // namespace kerf::mesh

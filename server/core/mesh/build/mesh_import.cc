@@ -40,7 +40,7 @@ double flatness(const LatticePoint& a, const LatticePoint& b, const LatticePoint
 
 class SheetImport {
  public:
-  explicit SheetImport(const IndexedMesh& input) : input_(input) {}
+  SheetImport(const IndexedMesh& input, const ElementNames& names) : input_(input), names_(names) {}
 
   Result<TriangleMesh> run() {
     using Step = Status (SheetImport::*)();
@@ -49,7 +49,7 @@ class SheetImport {
       KERF_TRY((this->*step)());
     }
     data_.num_solid_triangles = num_triangles();
-    KERF_TRY(fill_void(data_, border_));
+    KERF_TRY(fill_void(data_, border_, names_));
     label_pieces();
     anchor();
     measure();
@@ -87,9 +87,9 @@ class SheetImport {
     for (std::int32_t v = 0; v < num_vertices(); ++v) {
       const Eigen::Vector2d position = input_.rest.col(v);
       if (!position.allFinite())
-        return invalid_argument("MESH_NOT_FINITE", "vertex " + id(v) + " is not finite", "rest");
+        return invalid_argument("MESH_NOT_FINITE", names_.vertex(v) + " is not finite", "rest");
       if (position.cwiseAbs().maxCoeff() > kMaxRestCoordinate) {
-        return invalid_argument("MESH_OUT_OF_RANGE", "vertex " + id(v) + " is farther than 1e4 m from the origin",
+        return invalid_argument("MESH_OUT_OF_RANGE", names_.vertex(v) + " is farther than 1e4 m from the origin",
                                 "rest");
       }
     }
@@ -106,7 +106,7 @@ class SheetImport {
     }
     for (std::int32_t v = 0; v < num_vertices(); ++v) {
       interruption_point();
-      if (!is_used[v]) return invalid_argument("MESH_UNUSED_VERTEX", "no triangle uses vertex " + id(v), "rest");
+      if (!is_used[v]) return invalid_argument("MESH_UNUSED_VERTEX", "no triangle uses " + names_.vertex(v), "rest");
     }
     return check_surface();
   }
@@ -123,8 +123,7 @@ class SheetImport {
       const Eigen::Vector3d at = input_.surface.col(v);
       if (!at.allFinite() || at.cwiseAbs().maxCoeff() > kMaxRestCoordinate) {
         return invalid_argument("MESH_OUT_OF_RANGE",
-                                "vertex " + id(v) + " of the rest surface is not within 1e4 m of the origin",
-                                "surface");
+                                names_.vertex(v) + " of the rest surface is not within 1e4 m of the origin", "surface");
       }
     }
     return check_regions();
@@ -206,7 +205,7 @@ class SheetImport {
       if (flatness(at(0), at(1), at(2)) < kMinFlatness) {
         return invalid_argument(
             "MESH_DEGENERATE_TRIANGLE",
-            "triangle " + id(t) +
+            names_.triangle(t) +
                 " is a line, or its height is below a millionth of its longest edge; merge the vertices "
                 "that lie close together, or flip that edge",
             "triangles");
@@ -215,10 +214,10 @@ class SheetImport {
     const std::vector<Side> sides = sorted_sides(false);
     for (std::size_t i = 0, j = 0; i < sides.size(); i = j) {
       for (j = i; j < sides.size() && sides[j].ends() == sides[i].ends();) ++j;
-      const std::string edge = "edge (" + id(sides[i].ends().first) + ", " + id(sides[i].ends().second) + ")";
+      const auto edge = [&] { return names_.edge(sides[i].ends().first, sides[i].ends().second); };
       if (j - i > 2) {
         return invalid_argument("MESH_NON_MANIFOLD_EDGE",
-                                edge + " has " + id(static_cast<std::int64_t>(j - i)) + " triangles, such as " +
+                                edge() + " has " + id(static_cast<std::int64_t>(j - i)) + " triangles, such as " +
                                     id(sides[i].triangle) + ", " + id(sides[i + 1].triangle) + ", " +
                                     id(sides[i + 2].triangle),
                                 "triangles");
@@ -228,7 +227,7 @@ class SheetImport {
       if (sides[i].from == sides[i + 1].from || sign[t] != sign[u]) {
         return invalid_argument(
             "MESH_INCONSISTENT_ORIENTATION",
-            "triangles " + id(t) + " and " + id(u) + " at " + edge + " have opposite orientations, or fold over it",
+            names_.triangles(std::array{t, u}) + " at " + edge() + " have opposite orientations, or fold over it",
             "triangles");
       }
     }
@@ -254,9 +253,9 @@ class SheetImport {
       }
       const Side& b = sides[i + 1];
       if (j - i > 2 || a.from == b.from) {
-        return invalid_argument(
-            "MESH_OVERLAP", "triangles " + id(a.triangle) + " and " + id(b.triangle) + " overlap along a common edge",
-            "triangles");
+        return invalid_argument("MESH_OVERLAP",
+                                names_.triangles(std::array{a.triangle, b.triangle}) + " overlap along a common edge",
+                                "triangles");
       }
       TriangleRecord& ra = data_.triangles[a.triangle];
       TriangleRecord& rb = data_.triangles[b.triangle];
@@ -287,14 +286,14 @@ class SheetImport {
       sheet.triangles_around(v, ring);
       if (static_cast<std::int32_t>(ring.size()) == num_corners[v]) continue;
       return invalid_argument("MESH_NON_MANIFOLD_VERTEX",
-                              "triangles meet at vertex " + id(v) + " without a common edge; duplicate the vertex",
+                              "triangles meet at " + names_.vertex(v) + " without a common edge; duplicate the vertex",
                               "triangles");
     }
     return Nothing{};
   }
 
   Status curve() {
-    return input_.surface.cols() == 0 ? Status(Nothing{}) : make_facets(input_.surface, data_);
+    return input_.surface.cols() == 0 ? Status(Nothing{}) : make_facets(input_.surface, data_, names_);
   }
 
   void label_pieces() {
@@ -332,19 +331,20 @@ class SheetImport {
   }
 
   const IndexedMesh& input_;
+  const ElementNames& names_;
   MeshData data_;
   std::vector<BorderSide> border_;
 };
 
 // Computes material coordinates for a surface without any. Tries the conformal map first, then the convex one, which
 // never overlaps.
-Result<TriangleMesh> import_surface(const IndexedMesh& input) {
+Result<TriangleMesh> import_surface(const IndexedMesh& input, const ElementNames& names) {
   IndexedMesh with_rest = input;
   with_rest.rest = Eigen::Matrix2Xd::Zero(2, input.surface.cols());  // the checks below do not depend on it
-  KERF_TRY(SheetImport(with_rest).check());
+  KERF_TRY(SheetImport(with_rest, names).check());
   const auto import_flattened = [&](Flattening method) -> Result<TriangleMesh> {
-    KERF_TRY_ASSIGN(with_rest.rest, flatten(input.surface, input.triangles, method));
-    return SheetImport(with_rest).run();
+    KERF_TRY_ASSIGN(with_rest.rest, flatten(input.surface, input.triangles, method, names));
+    return SheetImport(with_rest, names).run();
   };
   Result<TriangleMesh> conformal = import_flattened(Flattening::kConformal);
   return conformal.ok() ? std::move(conformal) : import_flattened(Flattening::kConvex);
@@ -352,9 +352,9 @@ Result<TriangleMesh> import_surface(const IndexedMesh& input) {
 
 }  // namespace
 
-Result<TriangleMesh> import_mesh(const IndexedMesh& input) {
-  if (input.surface.cols() == 0 || input.rest.cols() > 0) return SheetImport(input).run();
-  return import_surface(input);
+Result<TriangleMesh> import_mesh(const IndexedMesh& input, const ElementNames& names) {
+  if (input.surface.cols() == 0 || input.rest.cols() > 0) return SheetImport(input, names).run();
+  return import_surface(input, names);
 }
 
 }  // namespace kerf::mesh

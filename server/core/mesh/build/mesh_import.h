@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 
 #include "server/base/result.h"
+#include "server/core/mesh/build/element_names.h"
 #include "server/core/mesh/triangle_mesh.h"
 
 namespace kerf::mesh {
@@ -40,6 +41,7 @@ inline constexpr double kSameFacet = 1e-7;
 //   MESH_SURFACE, MESH_DEGENERATE_TRIANGLE (flatter than kMinFlatness, or a sheet of no size), MESH_NON_MANIFOLD_EDGE,
 //   MESH_NON_MANIFOLD_VERTEX, MESH_INCONSISTENT_ORIENTATION, MESH_OVERLAP (triangles overlap, or a vertex lies inside
 //   another triangle's edge); the errors of flatten() if it must compute the material coordinates.
-Result<TriangleMesh> import_mesh(const IndexedMesh& input);
+// `names`: how messages name triangles and vertices.
+Result<TriangleMesh> import_mesh(const IndexedMesh& input, const ElementNames& names = {});
 
 }  // namespace kerf::mesh

@@ -4,7 +4,7 @@
 #include <array>
 #include <utility>
 
-#include "server/core/mesh/build/mesh_import.h"
+#include "server/core/mesh/build/mesh_file.h"
 #include "server/core/mesh/build/ply_import.h"
 #include "server/core/mesh/build/tokenizer.h"
 
@@ -15,7 +15,7 @@ struct TypeName {
   std::string_view name;
   PlyType type;
 };
-constexpr std::array<TypeName, 16> kTypeNames{{{"char", PlyType::kInt8},
+constexpr std::array<TypeName, 19> kTypeNames{{{"char", PlyType::kInt8},
                                                {"int8", PlyType::kInt8},
                                                {"uchar", PlyType::kUint8},
                                                {"uint8", PlyType::kUint8},
@@ -30,7 +30,10 @@ constexpr std::array<TypeName, 16> kTypeNames{{{"char", PlyType::kInt8},
                                                {"float", PlyType::kFloat32},
                                                {"float32", PlyType::kFloat32},
                                                {"double", PlyType::kFloat64},
-                                               {"float64", PlyType::kFloat64}}};
+                                               {"float64", PlyType::kFloat64},
+                                               {"int64", PlyType::kInt64},
+                                               {"uint64", PlyType::kUint64},
+                                               {"float16", PlyType::kFloat16}}};
 
 std::optional<PlyType> type_named(std::string_view name) {
   const auto* const found = std::find_if(kTypeNames.begin(), kTypeNames.end(),
@@ -39,7 +42,7 @@ std::optional<PlyType> type_named(std::string_view name) {
 }
 
 bool is_integer(PlyType type) {
-  return type != PlyType::kFloat32 && type != PlyType::kFloat64;
+  return type != PlyType::kFloat32 && type != PlyType::kFloat64 && type != PlyType::kFloat16 && type != PlyType::kOther;
 }
 
 template <typename Named>
@@ -63,7 +66,8 @@ class HeaderReader {
       ++line_;
       if (file_.empty()) return refuse("HEADER", "the file ends before end_header");
       const std::string_view line = next_line(file_, header_.line_end);
-      if (static_cast<std::size_t>(line_) > kMaxPlyHeaderLines || line.size() > kMaxPlyHeaderLineBytes) {
+      if (is_comment(line)) continue;
+      if (++num_statements_ > kMaxPlyHeaderLines || line.size() > kMaxPlyHeaderLineBytes) {
         return refuse("HEADER", "the header's limits are " + std::to_string(kMaxPlyHeaderLines) + " lines of " +
                                     std::to_string(kMaxPlyHeaderLineBytes) + " bytes");
       }
@@ -79,10 +83,18 @@ class HeaderReader {
     const std::string line = std::to_string(std::max<std::int64_t>(line_, 1));
     return invalid_argument("PLY_" + reason, "line " + line + ": " + what, "ply:" + line);
   }
+  // Returns true if the line is a comment or blank, however long.
+  bool is_comment(std::string_view line) {
+    const std::string_view keyword = next_token(line);
+    if (keyword != "comment" && keyword != "obj_info") return keyword.empty();
+    while (!line.empty() && is_blank(line.front())) line.remove_prefix(1);
+    if (line.starts_with(kKerfComment)) header_.is_kerf_export = true;
+    return true;
+  }
+
   // Returns true if this line was the last of the header.
   Result<bool> read_line(std::string_view line) {
     const std::string_view keyword = next_token(line);
-    if (keyword == "comment" || keyword == "obj_info") return false;
     Status read = Nothing{};
     if (keyword == "format") {
       read = read_format(line);
@@ -139,14 +151,17 @@ class HeaderReader {
     return Nothing{};
   }
 
+  [[nodiscard]] Error unknown_type(std::string_view word) const {
+    return refuse(
+        "HEADER",
+        quoted(word) + " is not a type: char, uchar, short, ushort, int, uint, float, double or int8..float64");
+  }
+
+  // Reads a type. In text files an unknown one can be passed over; in binary files its size must be known.
   Status read_type(std::string_view word, PlyType& type) {
     const std::optional<PlyType> found = type_named(word);
-    if (!found) {
-      return refuse(
-          "HEADER",
-          quoted(word) + " is not a type: char, uchar, short, ushort, int, uint, float, double or int8..float64");
-    }
-    type = *found;
+    if (!found && (word.empty() || header_.format != PlyFormat::kAscii)) return unknown_type(word);
+    type = found.value_or(PlyType::kOther);
     return Nothing{};
   }
 
@@ -156,31 +171,40 @@ class HeaderReader {
     std::string_view word = next_token(line);
     if (word == "list") {
       KERF_TRY(read_type(next_token(line), property.count_type.emplace()));
-      if (!is_integer(*property.count_type)) return refuse("HEADER", "the length of a list must be of an integer type");
+      if (property.count_type == PlyType::kOther) return refuse("HEADER", "the length of a list must be an integer");
       word = next_token(line);
     }
     KERF_TRY(read_type(word, property.type));
     property.name = next_token(line);
     if (property.name.empty()) return refuse("HEADER", "a property needs a name");
+    if (property.type == PlyType::kOther && is_read(property.name)) return unknown_type(word);
     std::vector<PlyProperty>& properties = header_.elements.back().properties;
-    if (find_named(properties, property.name) != nullptr) {
+    if (find_named(properties, property.name) != nullptr && is_read(property.name)) {
       return refuse("HEADER", "property " + quoted(property.name) + " is given twice");
     }
     properties.push_back(std::move(property));
     return Nothing{};
   }
 
+  static bool is_read(std::string_view name) {
+    constexpr std::array<std::string_view, 11> kRead{
+        "x", "y", "z", "s", "t", "u", "v", "texture_u", "texture_v", "vertex_indices", "vertex_index"};
+    return std::find(kRead.begin(), kRead.end(), name) != kRead.end();
+  }
+
   // Decides which property of the file is which coordinate. Errors name the last line of the header.
   Status assign_roles() {
     PlyElement* const vertex = find_named(header_.elements, "vertex");
     PlyElement* const face = find_named(header_.elements, "face");
-    if (vertex == nullptr || face == nullptr) {
-      return refuse("HEADER", std::string("the file has no element ") + (vertex == nullptr ? "vertex" : "face"));
+    PlyElement* const strips = find_named(header_.elements, "tristrips");
+    if (vertex == nullptr) return refuse("HEADER", "the file has no element vertex");
+    if (face == nullptr && strips == nullptr) {
+      return refuse("HEADER", "the file has no element face, so it is a cloud of points; a sheet needs faces");
     }
     using Axis = std::pair<std::string_view, PlyRole>;
     for (const auto& [name, role] : {Axis{"x", PlyRole::kX}, Axis{"y", PlyRole::kY}, Axis{"z", PlyRole::kZ}}) {
       PlyProperty* const property = find_named(vertex->properties, name);
-      if (property == nullptr || property->count_type) {
+      if (property == nullptr || property->count_type || property->type == PlyType::kOther) {
         return refuse("HEADER", "element vertex must have x, y and z, a number each");
       }
       property->role = role;
@@ -198,16 +222,17 @@ class HeaderReader {
       first->role = PlyRole::kTextureX;
       second->role = PlyRole::kTextureY;
     }
-    return assign_corners(*face);
+    if (strips != nullptr) KERF_TRY(assign_corners(*strips, "tristrips"));
+    return face == nullptr ? Status(Nothing{}) : assign_corners(*face, "face");
   }
 
-  Status assign_corners(PlyElement& face) {
+  Status assign_corners(PlyElement& face, const std::string& name) {
     PlyProperty* const plural = find_named(face.properties, "vertex_indices");
     PlyProperty* const singular = find_named(face.properties, "vertex_index");
     PlyProperty* const corners = plural != nullptr ? plural : singular;
     if (corners == nullptr || (plural != nullptr && singular != nullptr) || !corners->count_type ||
         !is_integer(corners->type)) {
-      return refuse("HEADER", "element face must have one list of integers vertex_indices or vertex_index");
+      return refuse("HEADER", "element " + name + " must have one list of integers vertex_indices or vertex_index");
     }
     corners->role = PlyRole::kCorners;
     return Nothing{};
@@ -215,6 +240,7 @@ class HeaderReader {
 
   std::string_view& file_;  // the part that is not read yet
   std::int64_t line_ = 0;
+  std::size_t num_statements_ = 1;
   bool has_format_ = false;
   PlyHeader header_;
 };
@@ -228,15 +254,20 @@ std::size_t size_of(PlyType type) {
       return 1;
     case PlyType::kInt16:
     case PlyType::kUint16:
+    case PlyType::kFloat16:
       return 2;
     case PlyType::kInt32:
     case PlyType::kUint32:
     case PlyType::kFloat32:
       return 4;
     case PlyType::kFloat64:
+    case PlyType::kInt64:
+    case PlyType::kUint64:
       return 8;
+    case PlyType::kOther:
+      break;
   }
-  return 8;
+  return 0;
 }
 
 Result<PlyHeader> read_ply_header(std::string_view& file) {

@@ -13,9 +13,24 @@ namespace kerf::mesh {
 
 enum class PlyFormat { kAscii, kLittleEndian, kBigEndian };
 
-enum class PlyType { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat32, kFloat64 };
+// The eight types of the format, and three that some programs add. kOther: a name that is none of them, whose size is
+// unknown.
+enum class PlyType {
+  kInt8,
+  kUint8,
+  kInt16,
+  kUint16,
+  kInt32,
+  kUint32,
+  kFloat32,
+  kFloat64,
+  kInt64,
+  kUint64,
+  kFloat16,
+  kOther
+};
 
-// Returns the size of a number of this type, bytes.
+// Returns the size of a number of this type, bytes; 0 for kOther.
 std::size_t size_of(PlyType type);
 
 // Meaning of a property for the sheet; kCorners is the list of a face's vertices.
@@ -24,7 +39,7 @@ enum class PlyRole { kSkipped, kX, kY, kZ, kTextureX, kTextureY, kCorners };
 struct PlyProperty {
   std::string name;
   PlyType type = PlyType::kInt8;
-  std::optional<PlyType> count_type;  // type of the length, if the property is a list; an integer
+  std::optional<PlyType> count_type;  // type of the length, if the property is a list
   PlyRole role = PlyRole::kSkipped;
 };
 
@@ -36,11 +51,12 @@ struct PlyElement {
 
 struct PlyHeader {
   PlyFormat format = PlyFormat::kAscii;
-  std::vector<PlyElement> elements;  // in the order of the file; one is "vertex" and one "face"
+  std::vector<PlyElement> elements;  // in the order of the file; one is "vertex", another "face" or "tristrips"
   char line_end = '\n';              // or '\r'; with '\n', a '\r' before it counts as a blank
   std::int64_t num_lines = 0;
   std::int64_t num_vertices = 0;  // <= kMaxVertices
   bool has_texture = false;
+  bool is_kerf_export = false;  // a comment begins with kKerfComment
 };
 
 // Reads the header and removes it from the front of `file`. Errors as of parse_ply, with reason and place complete:

@@ -16,8 +16,8 @@ constexpr int kUnvisited = -1'000'000;
 
 class VoidFill {
  public:
-  VoidFill(MeshData& data, std::span<const BorderSide> border)
-      : data_(data), border_(border), domain_(make_empty_domain(data.lattice)) {
+  VoidFill(MeshData& data, std::span<const BorderSide> border, const ElementNames& names)
+      : data_(data), border_(border), names_(names), domain_(make_empty_domain(data.lattice)) {
     for (std::int32_t i = 0; i < static_cast<std::int32_t>(border_.size()); ++i)
       by_ends_.push_back({key(border_[i]), i});
     std::sort(by_ends_.begin(), by_ends_.end());
@@ -45,6 +45,13 @@ class VoidFill {
     return invalid_argument("MESH_OVERLAP", what + "; the rest shape of a sheet may not overlap itself", "triangles");
   }
 
+  // Names a vertex at a point of the sheet.
+  [[nodiscard]] std::string point_name(PointId point) const {
+    const auto at = std::find_if(data_.vertices.begin(), data_.vertices.end(),
+                                 [point](const VertexRecord& vertex) { return vertex.point == point; });
+    return names_.vertex(static_cast<VertexId>(at - data_.vertices.begin()));
+  }
+
   Status triangulate_border() {
     std::vector<PointId> used;
     for (const BorderSide& side : border_) used.insert(used.end(), {side.from, side.to});
@@ -63,14 +70,14 @@ class VoidFill {
     for (const BorderSide& side : border_) {
       const Recovery made = editor.recover_edge(domain_point_[side.from], domain_point_[side.to], kLockOriginal);
       if (made.status == Recovery::Status::kRecovered) continue;
-      const std::string triangle = "triangle " + std::to_string(side.triangle);
       if (made.status == Recovery::Status::kPoint) {
-        return overlap("point " + std::to_string(sheet_point_[made.point]) + " lies inside a border edge of " +
-                       triangle);
+        return overlap(point_name(sheet_point_[made.point]) + " lies inside a border edge of " +
+                       names_.triangle(side.triangle));
       }
       KERF_CHECK(made.status == Recovery::Status::kFixedEdge, "recovery of an edge ends");
       const BorderSide& other = *side_of_edge(made.triangle, made.corner);
-      return overlap("border edges of " + triangle + " and triangle " + std::to_string(other.triangle) + " cross");
+      return overlap("border edges of " + names_.triangle(side.triangle) + " and " + names_.triangle(other.triangle) +
+                     " cross");
     }
     locked_.resize(static_cast<std::size_t>(domain_.num_triangle_slots()));
     for (TriangleId t = 0; t < domain_.num_triangle_slots(); ++t) locked_[t] = domain_.record(t).locks;
@@ -117,18 +124,16 @@ class VoidFill {
       middle.x += domain_.at(corner).x / 3;
       middle.y += domain_.at(corner).y / 3;
     }
-    std::string list;
-    int num_listed = 0;
-    for (TriangleId s = 0; s < static_cast<TriangleId>(data_.triangles.size()) && num_listed < 8; ++s) {
+    std::vector<TriangleId> covering;
+    for (TriangleId s = 0; s < static_cast<TriangleId>(data_.triangles.size()) && covering.size() < 8; ++s) {
       const std::array<PointId, 3>& c = data_.triangles[s].points;
       bool is_inside = true;
       for (int k = 0; k < 3; ++k) {
         is_inside = is_inside && orient2d(data_.points[c[k]].at, data_.points[c[next_corner(k)]].at, middle) >= 0;
       }
-      if (!is_inside) continue;
-      list += (num_listed++ == 0 ? "" : ", ") + std::to_string(s);
+      if (is_inside) covering.push_back(s);
     }
-    return overlap("triangles " + list + " overlap");
+    return overlap(names_.triangles(covering) + " overlap");
   }
 
   void append_void() {
@@ -164,6 +169,7 @@ class VoidFill {
 
   MeshData& data_;
   std::span<const BorderSide> border_;
+  const ElementNames& names_;
   TriangleMesh domain_;  // the triangulation of the border's points, with its edges
   std::vector<std::pair<Ends, std::int32_t>> by_ends_;
   std::vector<PointId> sheet_point_;   // point of domain_ -> point of the sheet; kNone for the domain's corners
@@ -174,8 +180,8 @@ class VoidFill {
 
 }  // namespace
 
-Status fill_void(MeshData& data, std::span<const BorderSide> border) {
-  return VoidFill(data, border).run();
+Status fill_void(MeshData& data, std::span<const BorderSide> border, const ElementNames& names) {
+  return VoidFill(data, border, names).run();
 }
 
 }  // namespace kerf::mesh

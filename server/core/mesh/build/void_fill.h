@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "server/base/result.h"
+#include "server/core/mesh/build/element_names.h"
 #include "server/core/mesh/mesh_data.h"
 
 namespace kerf::mesh {
@@ -24,6 +25,7 @@ struct BorderSide {
 // Error: MESH_OVERLAP if the sheet covers a place twice or has a point inside a border side. The test is exact, as the
 // number of triangles over a place is the winding number of the border about it. So it is enough that no two border
 // sides cross and that every face between them has winding number 0 or 1.
-Status fill_void(MeshData& data, std::span<const BorderSide> border);
+// `names`: how messages name triangles and vertices.
+Status fill_void(MeshData& data, std::span<const BorderSide> border, const ElementNames& names);
 
 }  // namespace kerf::mesh
