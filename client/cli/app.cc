@@ -97,6 +97,7 @@ std::unique_ptr<CLI::App> make_app(Session& session) {
   add_sheet_commands(app, session);
   add_cut_command(app, session);
   add_cuts_commands(app, session);
+  add_inspect_command(app, session);
   add_watch_command(app, session);
   add_view_commands(app, session);
   add_images_command(app, session);

@@ -21,6 +21,7 @@ void add_cut_command(CLI::App& app, Session& session);
 void add_cuts_commands(CLI::App& app, Session& session);  // cuts, undo, redo, pieces
 void add_view_commands(CLI::App& app, Session& session);  // render, export, info
 void add_images_command(CLI::App& app, Session& session);
+void add_inspect_command(CLI::App& app, Session& session);
 void add_watch_command(CLI::App& app, Session& session);
 void add_offline_commands(CLI::App& app, Session& session);  // run, replay
 void add_analyze_command(CLI::App& app, Session& session);

@@ -16,6 +16,7 @@
 #include "client/cli/arguments.h"
 #include "client/cli/commands.h"
 #include "client/cli/connect.h"
+#include "client/cli/mesh_options.h"
 #include "client/cli/progress.h"
 #include "client/cli/scene_options.h"
 #include "client/cpp/client.h"
@@ -32,7 +33,7 @@ struct CreateArguments {
   std::string size = "1x1";
   std::string obj;  // A file, instead of a grid.
   std::string ply;  // A file, instead of a grid.
-  std::string rest = "auto";
+  MeshArguments mesh;
   std::string pin = "top";
   std::string material;
   std::vector<std::string> parts;  // Parts of other materials: x0,y0,x1,y1=PRESET.
@@ -41,17 +42,12 @@ struct CreateArguments {
   bool paused = false;
 };
 
-v1::RestShape rest_shape(const std::string& name) {
-  if (name == "flat") return v1::REST_SHAPE_FLAT;
-  return name == "surface" ? v1::REST_SHAPE_SURFACE : v1::REST_SHAPE_UNSPECIFIED;
-}
-
 // Takes a mesh that was read from a file. Returns kDone, or an exit code after printing the error.
 template <typename Mesh>
-int take(Result<Mesh> read, v1::RestShape rest, Mesh& mesh) {
+int take(Result<Mesh> read, const MeshArguments& arguments, Mesh& mesh) {
   if (!read.ok()) return refuse(read.error());
   mesh = std::move(read).value();
-  mesh.set_rest_shape(rest);
+  set_reading(arguments, mesh);
   return kDone;
 }
 
@@ -59,9 +55,8 @@ int take(Result<Mesh> read, v1::RestShape rest, Mesh& mesh) {
 int add_mesh(const CreateArguments& arguments, v1::Scene& scene) {
   if (const std::string& path = arguments.obj.empty() ? arguments.ply : arguments.obj; !path.empty()) {
     RealDisk disk;
-    const v1::RestShape rest = rest_shape(arguments.rest);
-    return arguments.obj.empty() ? take(offline::read_ply(disk, path), rest, *scene.mutable_ply())
-                                 : take(offline::read_obj(disk, path), rest, *scene.mutable_obj());
+    return arguments.obj.empty() ? take(offline::read_ply(disk, path), arguments.mesh, *scene.mutable_ply())
+                                 : take(offline::read_obj(disk, path), arguments.mesh, *scene.mutable_obj());
   }
   const Parsed<GridSize> grid = parse_grid(arguments.grid);
   const Parsed<SheetSize> size = parse_size(arguments.size);
@@ -133,6 +128,9 @@ int create_sheet(const Session& session, const CreateArguments& arguments) {
   }();
   if (!status.ok()) return refuse(status, session.server);
   print(session, sheet);
+  if (!session.json) {
+    for (const std::string& note : sheet.mesh_notes()) std::printf("  note: %s\n", note.c_str());
+  }
   return kDone;
 }
 
@@ -258,15 +256,9 @@ void add_create(CLI::App& sheet, Session& session) {
   for (CLI::Option* other : {grid, size, obj, ply}) scene->excludes(other);
   add_integrator_options(*create, "the default, or the scene's", arguments->overrides);
   add_fidelity_option(*create, "the default, or the scene's", arguments->overrides);
-  create
-      ->add_option("--rest", arguments->rest,
-                   "Rest shape of a mesh file: flat (its texture coordinates, or its plane), surface\n"
-                   "(its positions, curved as they are), or auto: flat where the file allows it")
-      ->check(CLI::IsMember({"auto", "flat", "surface"}))
-      ->excludes(grid)
-      ->excludes(size)
-      ->excludes(scene)
-      ->capture_default_str();
+  for (CLI::Option* option : add_mesh_options(*create, arguments->mesh)) {
+    option->excludes(grid)->excludes(size)->excludes(scene);
+  }
   create->add_option("--pin", arguments->pin, "Vertices held: top (the edge y = height), corners, none")
       ->check(CLI::IsMember({"top", "corners", "none"}))
       ->excludes(scene)

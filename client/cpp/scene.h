@@ -19,7 +19,8 @@ namespace kerf::client {
 
 // Returns a rectangle of columns x rows vertices, 2..1000 each, from (0, 0) to (width_m, height_m).
 v1::Scene grid_scene(std::int32_t columns, std::int32_t rows, double width_m, double height_m);
-// Return a mesh file's content as a scene.
+// Return a mesh file's content as a scene. Units, axes and other choices are fields of its `reading`, see
+// kerf.v1.MeshReading.
 v1::Scene obj_scene(std::string text, v1::RestShape rest = v1::REST_SHAPE_UNSPECIFIED);
 v1::Scene ply_scene(std::string content, v1::RestShape rest = v1::REST_SHAPE_UNSPECIFIED);
 // Returns a mesh. material_positions: 2 V numbers, x, y interleaved, m. triangles: 3 T vertices in 0..V-1.

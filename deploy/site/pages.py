@@ -11,7 +11,7 @@ INDEX = pathlib.PurePosixPath("README.md")  # which is index.md of the site
 
 # Pages by heading, in the order of reading; a page that is not listed stands under the last heading.
 CONTENTS = {
-    "Start": ["client/tutorial", "client/howto", "deploy/troubleshooting", "server/limits", "client/compared", "server/glossary"],
+    "Start": ["client/tutorial", "client/howto", "client/files", "deploy/troubleshooting", "server/limits", "client/compared", "server/glossary"],
     "Clients": ["client/cli/README", "client/python/README", "client/cpp/README", "web/README", "client/load/README", "client/load/thresholds"],
     "Operation": ["deploy/install", "server/configuration", "server/access", "deploy/proxy"],
     "Reference": ["reference/api/index", "reference/python/index", "reference/cpp/index", "proto/README"],

@@ -42,15 +42,16 @@ TEST(Access, EachRequestHasARule) {
   std::set<std::string> expected;
   for (const google::protobuf::FileDescriptor* file :
        {v1::GetSheetRequest::descriptor()->file(), v1::CreateCutRequest::descriptor()->file(),
-        v1::GrabPointRequest::descriptor()->file(), v1::WatchRequest::descriptor()->file(),
-        v1::RenderImageRequest::descriptor()->file(), v1::GetServerInfoRequest::descriptor()->file(),
-        v1::GetStoreInfoRequest::descriptor()->file(), v1::GetAccessRequest::descriptor()->file()}) {
+        v1::InspectMeshRequest::descriptor()->file(), v1::GrabPointRequest::descriptor()->file(),
+        v1::WatchRequest::descriptor()->file(), v1::RenderImageRequest::descriptor()->file(),
+        v1::GetServerInfoRequest::descriptor()->file(), v1::GetStoreInfoRequest::descriptor()->file(),
+        v1::GetAccessRequest::descriptor()->file()}) {
     ASSERT_EQ(file->service_count(), 1);
     for (int i = 0; i < file->service(0)->method_count(); ++i) {
       expected.insert(file->service(0)->method(i)->input_type()->full_name());
     }
   }
-  ASSERT_EQ(expected.size(), 46U);
+  ASSERT_EQ(expected.size(), 48U);
   // Uploads are checked by what announces them. A stream of pictures without requests begins with its start.
   for (const char* const parts : {"kerf.v1.UploadSheetRequest", "kerf.v1.ReplayRecordingRequest"}) {
     EXPECT_EQ(expected.erase(parts), 1U);

@@ -22,7 +22,7 @@ import urllib.request
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SCOPES = ("view", "cut", "admin")
 TENANTS = ("lab", "shop")
-OF_THE_SERVER = ("ListSheets", "GetServerInfo", "GetAccess", "CreateLink")
+OF_THE_SERVER = ("ListSheets", "GetServerInfo", "GetAccess", "CreateLink", "InspectMesh", "InspectDrawing")
 OPTIONS = None
 STREAMS = ("Watch", "Subscribe", "WatchImages", "UploadSheet", "ReplayRecording", "GetSheetRecording")
 
@@ -68,9 +68,10 @@ class EveryMethod(unittest.TestCase):
         self.server.stdout.close()
 
     def services(self):
-        from kerf.v1 import (access_service_pb2, cuts_pb2, interaction_pb2, render_pb2, server_pb2, sheets_pb2, store_service_pb2,
-                             stream_pb2)
-        files = (access_service_pb2, cuts_pb2, interaction_pb2, render_pb2, server_pb2, sheets_pb2, store_service_pb2, stream_pb2)
+        from kerf.v1 import (access_service_pb2, cuts_pb2, files_pb2, interaction_pb2, render_pb2, server_pb2, sheets_pb2,
+                             store_service_pb2, stream_pb2)
+        files = (access_service_pb2, cuts_pb2, files_pb2, interaction_pb2, render_pb2, server_pb2, sheets_pb2, store_service_pb2,
+                 stream_pb2)
         return [service for file in files for service in file.DESCRIPTOR.services_by_name.values()]
 
     def request(self, method, sheet):

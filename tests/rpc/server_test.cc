@@ -154,6 +154,7 @@ TEST_F(RpcServerTest, BytesThatAreNoMessageAreRefused) {
            {"InteractionService",
             {"GrabPoint", "DragPoint", "ReleasePoint", "SetSheetPins", "SetSheetGravity", "SetSheetWind",
              "SetSheetMaterial", "SetSheetSelfContact"}},
+           {"FileService", {"InspectMesh"}},
            {"StreamService", {"Watch"}},
            {"RenderService", {"RenderImage"}},
            {"ServerService", {"GetServerInfo"}},
@@ -227,9 +228,9 @@ TEST_F(RpcServerTest, ReflectionListsTheServices) {
   const grpc::Status status = exchange(channel, "/grpc.reflection.v1alpha.ServerReflection/ServerReflectionInfo",
                                        std::string("\x3a\x00", 2), response);
   EXPECT_TRUE(status.ok()) << status.error_message();
-  for (const char* name :
-       {"kerf.v1.SheetService", "kerf.v1.CutService", "kerf.v1.InteractionService", "kerf.v1.StreamService",
-        "kerf.v1.RenderService", "kerf.v1.ServerService", "kerf.v1.StoreService", "grpc.health.v1.Health"}) {
+  for (const char* name : {"kerf.v1.SheetService", "kerf.v1.CutService", "kerf.v1.FileService",
+                           "kerf.v1.InteractionService", "kerf.v1.StreamService", "kerf.v1.RenderService",
+                           "kerf.v1.ServerService", "kerf.v1.StoreService", "grpc.health.v1.Health"}) {
     EXPECT_NE(response.find(name), std::string::npos) << name;
   }
 }

@@ -103,8 +103,7 @@ TEST(Components, KeepTheirOwnYAndMayBeginAnywhere) {
 
 TEST(Components, MayHaveEveryKindOfMesh) {
   scene::SheetConfig config = cloth_and_ribbon();
-  config.components.push_back(
-      component("obj", scene::ObjSource{"v 0 0 2\nv 1 0 2\nv 0 1 2\nf 1 2 3\n", scene::RestShape::kAutomatic}));
+  config.components.push_back(component("obj", scene::ObjSource{"v 0 0 2\nv 1 0 2\nv 0 1 2\nf 1 2 3\n", {}}));
   scene::OutlineSource disc;
   disc.boundary = cut::Circle{{0.0, 0.0}, 0.3};
   config.components.push_back(component("disc", disc));

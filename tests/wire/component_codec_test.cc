@@ -91,8 +91,10 @@ TEST(ComponentCodec, EveryMeshComesBackUnchanged) {
   v1::Scene scene = encode_scene(decoded(cloth_and_ribbon()));
   v1::Component& component = *scene.mutable_components(0);
   component.mutable_obj()->set_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  component.mutable_obj()->mutable_reading()->set_reader_version(mesh::kNewestReader);
   expect_equal(encode_scene(decoded(scene)), scene);
   component.mutable_ply()->set_data("ply");
+  component.mutable_ply()->mutable_reading()->set_reader_version(mesh::kNewestReader);
   expect_equal(encode_scene(decoded(scene)), scene);
   for (const double number : {0.0, 0.0, 1.0, 0.1, 0.3, 1.0}) {
     component.mutable_inline_()->add_material_positions(number);

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -36,8 +37,18 @@ TEST(SceneCodec, EveryMeshSourceComesBackUnchanged) {
   scene.mutable_inline_()->clear_positions();
   expect_equal(encode_scene(decoded(scene)), scene);
   scene.mutable_obj()->set_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  v1::MeshReading& reading = *scene.mutable_obj()->mutable_reading();
+  reading.set_reader_version(mesh::kNewestReader);
+  expect_equal(encode_scene(decoded(scene)), scene);
+  reading.set_unit_m(1e-3);
+  reading.set_up_axis(v1::MeshReading::Y_UP);
+  reading.set_join_m(0.0);
+  reading.set_ignore_texture_coordinates(true);
+  reading.add_objects("left");
+  reading.set_reader_version(mesh::kFirstReader);
   expect_equal(encode_scene(decoded(scene)), scene);
   scene.mutable_ply()->set_data(test::write_ply(test::one_triangle(), test::PlyKind::kBigEndian));
+  scene.mutable_ply()->mutable_reading()->set_reader_version(mesh::kNewestReader);
   expect_equal(encode_scene(decoded(scene)), scene);
   set_outline(scene);
   expect_equal(encode_scene(decoded(scene)), scene);
@@ -45,6 +56,26 @@ TEST(SceneCodec, EveryMeshSourceComesBackUnchanged) {
   scene.mutable_ply()->set_data(std::string("ply\n\0\xff", 6));
   ASSERT_TRUE(from_json(to_json(scene), from_file).ok());
   expect_equal(from_file, scene);
+}
+
+TEST(SceneCodec, ReadingsOfMeshFilesAreChecked) {
+  const auto refused = [](const std::function<void(v1::MeshReading&)>& change) {
+    v1::Scene scene;
+    scene.mutable_obj()->set_text("v 0 0 0\n");
+    change(*scene.mutable_obj()->mutable_reading());
+    const Result<scene::SheetConfig> config = decode_scene(scene);
+    return config.ok() ? std::string() : config.error().field;
+  };
+  EXPECT_EQ(refused([](v1::MeshReading& reading) { reading.set_unit_m(1e-3); }), "");
+  EXPECT_EQ(refused([](v1::MeshReading& reading) { reading.set_unit_m(-1.0); }), "obj.reading.unit_m");
+  EXPECT_EQ(refused([](v1::MeshReading& reading) { reading.set_join_m(2e4); }), "obj.reading.join_m");
+  EXPECT_EQ(refused([](v1::MeshReading& reading) { reading.set_reader_version(3); }), "obj.reading.reader_version");
+  EXPECT_EQ(refused([](v1::MeshReading& reading) { reading.set_up_axis(static_cast<v1::MeshReading::UpAxis>(9)); }),
+            "obj.reading.up_axis");
+  EXPECT_EQ(refused([](v1::MeshReading& reading) {
+              for (int i = 0; i <= 64; ++i) reading.add_objects("a");
+            }),
+            "obj.reading.objects");
 }
 
 TEST(SceneCodec, EveryAnalysisComesBackUnchanged) {

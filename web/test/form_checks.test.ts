@@ -13,6 +13,7 @@ const kForm: NewSheet = {
   widthM: 3,
   heightM: 2,
   file: undefined,
+  mesh: { unitM: 1, up: 'z', object: '', ignoresTexture: false },
   outline: undefined,
   outlineWidthM: 1,
   hang: 'flat',

@@ -14,6 +14,7 @@ const kGrid: NewSheet = {
   widthM: 3,
   heightM: 2,
   file: undefined,
+  mesh: { unitM: 1, up: 'z', object: '', ignoresTexture: false },
   outline: undefined,
   outlineWidthM: 1,
   hang: 'flat',
@@ -72,7 +73,7 @@ describe('createRequest', () => {
     const content = new Blob(['v 0 0 0\n']);
     const file = { name: 'a.obj', kind: 'obj' as const, content };
     const { scene, request } = made({ shape: 'file', file });
-    expect([scene.mesh.case, scene.placement]).toEqual([undefined, undefined]);
+    expect([scene.mesh.case, scene.placement]).toEqual(['obj', undefined]);
     expect(scene.colliders.map((collider) => collider.shape.case)).toEqual(['plane']);
     const query = new URLSearchParams(uploadPath(file, request).replace('/sheets?', ''));
     expect(query.get('format')).toBe('obj');

@@ -37,8 +37,9 @@ def text_of(content: bytes) -> str:
     """Decodes a text file: UTF-8 or UTF-16 by its byte order mark, else UTF-8, else ISO-8859-1."""
     if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         return content.decode("utf-16", errors="replace")
+    content = content.removeprefix(codecs.BOM_UTF8)
     try:
-        return content.decode("utf-8-sig")
+        return content.decode("utf-8")
     except UnicodeDecodeError:
         return content.decode("iso-8859-1")
 

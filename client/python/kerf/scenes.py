@@ -25,6 +25,12 @@ _REST_SHAPES = {
     "surface": scene_pb2.REST_SHAPE_SURFACE,
 }
 
+_UP_AXES = {
+    "z": scene_pb2.MeshReading.Z_UP,
+    "y": scene_pb2.MeshReading.Y_UP,
+    "x": scene_pb2.MeshReading.X_UP,
+}
+
 
 class SheetOptions(TypedDict, total=False):
     """Holds the options of Server.create_sheet(); those left out have their defaults."""
@@ -35,6 +41,13 @@ class SheetOptions(TypedDict, total=False):
     # The rest shape of a mesh file: "flat" (its texture coordinates, or its plane), "surface" (its positions, curved
     # as they are), or "auto", the default: flat where the file allows it.
     rest: Literal["auto", "flat", "surface"]
+    unit_m: float  # metres of a unit of the mesh file, such as 1e-3 for millimetres; default 1
+    up: Literal["x", "y", "z"]  # the axis of the mesh file that points up in the world; default "z"
+    objects: Iterable[str]  # objects and groups of an OBJ file that are read; default: all
+    # Joins vertices of the mesh file at most this far apart, metres; 0 joins none. Default: those that agree as exactly
+    # as the file is written.
+    join_m: float
+    ignore_texture: bool  # reads the mesh file as if it had no texture coordinates
     pins: Iterable[Place]  # default ["top"]
     material: AnyMaterial  # a preset listed by Server.info(), or numbers, {"youngs_modulus_pa": 1e6}
     # Parts of other materials, each a box (x0, y0, x1, y1) in metres on the undeformed sheet and a material. Where
@@ -57,7 +70,7 @@ def scene_with(options: SheetOptions) -> scene_pb2.Scene:
         part.region.box.min.x, part.region.box.min.y = x0, y0
         part.region.box.max.x, part.region.box.max.y = x1, y1
     if "mesh_file" in options:
-        _add_mesh_file(scene, pathlib.Path(options["mesh_file"]), options.get("rest", "auto"))
+        _add_mesh_file(scene, pathlib.Path(options["mesh_file"]), options)
     else:
         (columns, rows), (width, height) = options.get("grid", (50, 50)), options.get("size_m", (1.0, 1.0))
         scene.grid.CopyFrom(scene_pb2.GridMesh(columns=columns, rows=rows, width_m=width, height_m=height))
@@ -106,14 +119,25 @@ def take_large_mesh(scene: scene_pb2.Scene) -> bytes:
     return b""
 
 
-def _add_mesh_file(scene: scene_pb2.Scene, file: pathlib.Path, rest: str) -> None:
+def _add_mesh_file(scene: scene_pb2.Scene, file: pathlib.Path, options: SheetOptions) -> None:
+    rest, up = options.get("rest", "auto"), options.get("up", "z")
     if rest not in _REST_SHAPES:
         raise ValueError(f"rest is {rest!r}; must be one of {', '.join(_REST_SHAPES)}")
+    if up not in _UP_AXES:
+        raise ValueError(f"up is {up!r}; must be one of {', '.join(_UP_AXES)}")
+    mesh: "scene_pb2.PlyMesh | scene_pb2.ObjMesh"
     if file.suffix.lower() == ".ply":
         scene.ply.data = file.read_bytes()
-        scene.ply.rest_shape = _REST_SHAPES[rest]
+        mesh = scene.ply
     elif file.suffix.lower() == ".obj":
         scene.obj.text = text_of(file.read_bytes())
-        scene.obj.rest_shape = _REST_SHAPES[rest]
+        mesh = scene.obj
     else:
         raise ValueError(f"{file}: the name of a mesh file ends in .obj or .ply")
+    mesh.rest_shape = _REST_SHAPES[rest]
+    mesh.reading.up_axis = _UP_AXES[up]
+    mesh.reading.unit_m = options.get("unit_m", 1.0)
+    mesh.reading.objects.extend(options.get("objects", ()))
+    mesh.reading.ignore_texture_coordinates = options.get("ignore_texture", False)
+    if "join_m" in options:
+        mesh.reading.join_m = options["join_m"]

@@ -13,14 +13,14 @@
 
 namespace kerf::scene {
 
-// What a mesh file has, and the sheet that it makes; kerf.v1.MeshReport without Protocol Buffers.
+// Describes a mesh file and the sheet that it makes; kerf.v1.MeshReport without Protocol Buffers.
 struct MeshInspection {
   std::string format;
   std::int32_t file_vertices = 0;
   std::int32_t file_faces = 0;
   bool has_texture = false;  // the material coordinates are the file's texture coordinates
   std::vector<std::pair<std::string, std::int32_t>> objects;  // and their faces
-  // Of the sheet; 0 if the file makes none.
+  // Numbers of the sheet; 0 if the file makes none.
   std::int32_t num_vertices = 0;
   std::int32_t num_triangles = 0;
   std::int32_t pieces = 0;

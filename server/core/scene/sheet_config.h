@@ -15,7 +15,6 @@
 #include "server/core/cut/curve.h"
 #include "server/core/fem/element/material.h"
 #include "server/core/linear/linear_solver_kind.h"
-#include "server/core/mesh/build/mesh_reading.h"
 #include "server/core/mesh/ids.h"
 #include "server/core/scene/command.h"
 #include "server/core/scene/conditions.h"
@@ -57,14 +56,14 @@ struct GridSource {
 // Wavefront OBJ; see core/mesh/build/obj_import.h. The positions in the text place the sheet; Placement is ignored.
 struct ObjSource {
   std::string text;  // at most kMaxMeshFileBytes
-  mesh::MeshReading reading;
+  mesh::MeshReading reading = {};
 };
 
 // PLY, text or binary; see core/mesh/build/ply_import.h. The positions in the file place the sheet; Placement is
 // ignored.
 struct PlySource {
   std::string data;  // at most kMaxMeshFileBytes
-  mesh::MeshReading reading;
+  mesh::MeshReading reading = {};
 };
 
 // A mesh given by its arrays.

@@ -58,6 +58,8 @@ const std::map<std::string_view, Rule>& rules() {
       {"GetSheetStateRequest", {Scope::kView, Subject::kNamedSheet}},
       {"GetStoreInfoRequest", {Scope::kAdmin, Subject::kAllSheets}},
       {"GrabPointRequest", {Scope::kCut, Subject::kNamedSheet, kRecorded}},
+      {"InspectDrawingRequest", {Scope::kCut, Subject::kServer}},  // They take a processor, and read no sheet.
+      {"InspectMeshRequest", {Scope::kCut, Subject::kServer}},
       {"ListCutsRequest", {Scope::kView, Subject::kNamedSheet}},
       {"ListPiecesRequest", {Scope::kView, Subject::kNamedSheet}},
       {"ListSheetsRequest", {Scope::kView, Subject::kServer}},  // The list has those that the caller reaches.

@@ -5,6 +5,7 @@
 #include "google/protobuf/empty.pb.h"
 #include "kerf/v1/access_service.pb.h"
 #include "kerf/v1/cuts.pb.h"
+#include "kerf/v1/files.pb.h"
 #include "kerf/v1/interaction.pb.h"
 #include "kerf/v1/render.pb.h"
 #include "kerf/v1/server.pb.h"
@@ -77,6 +78,7 @@ std::vector<Method> json_methods(Api& api) {
       json_method("/kerf.v1.SheetService/RestoreState", api, &Api::restore_state),
       json_method("/kerf.v1.SheetService/ListStates", api, &Api::list_states),
       json_method("/kerf.v1.SheetService/DeleteState", api, &Api::delete_state),
+      json_method("/kerf.v1.FileService/InspectMesh", api, &Api::inspect_mesh),
       json_method("/kerf.v1.CutService/CreateCut", api, &Api::create_cut),
       json_method("/kerf.v1.CutService/CreateCuts", api, &Api::create_cuts),
       json_method("/kerf.v1.CutService/ListCuts", api, &Api::list_cuts),

@@ -57,6 +57,7 @@ class GetSheetRequest;
 class GetSheetStateRequest;
 class GetStoreInfoRequest;
 class GrabPointRequest;
+class InspectMeshRequest;
 class InteractionResponse;
 class ListCutsRequest;
 class ListCutsResponse;
@@ -66,6 +67,7 @@ class ListSheetsRequest;
 class ListSheetsResponse;
 class ListStatesRequest;
 class ListStatesResponse;
+class MeshReport;
 class PauseSheetRequest;
 class PruneStoreRequest;
 class PruneStoreResponse;
@@ -261,6 +263,9 @@ class Api {
   // Ends early after an iteration, with the result so far, once `stop` is triggered.
   void analyze_sheet(const v1::AnalyzeSheetRequest& request, Reply<v1::AnalyzeSheetResponse> reply,
                      std::stop_token stop);
+
+  // Ends early once `stop` is triggered.
+  void inspect_mesh(const v1::InspectMeshRequest& request, Reply<v1::MeshReport> reply, std::stop_token stop);
 
   void create_cut(const v1::CreateCutRequest& request, Reply<v1::CutResult> reply);
   void create_cuts(const v1::CreateCutsRequest& request, Reply<v1::CreateCutsResponse> reply);

@@ -10,6 +10,7 @@
 
 #include "kerf/v1/access_service.grpc.pb.h"
 #include "kerf/v1/cuts.grpc.pb.h"
+#include "kerf/v1/files.grpc.pb.h"
 #include "kerf/v1/interaction.grpc.pb.h"
 #include "kerf/v1/render.grpc.pb.h"
 #include "kerf/v1/server.grpc.pb.h"
@@ -196,6 +197,16 @@ class Cuts final : public RawCuts {
   api::Api& api_;
 };
 
+using RawFiles = RawService<v1::FileService::Service, v1::FileService::WithRawCallbackMethod_InspectMesh>::type;
+class Files final : public RawFiles {
+ public:
+  explicit Files(api::Api& api) : api_(api) {}
+  KERF_UNARY(InspectMesh, inspect_mesh)
+
+ private:
+  api::Api& api_;
+};
+
 using RawInteraction =
     RawService<v1::InteractionService::Service, v1::InteractionService::WithRawCallbackMethod_GrabPoint,
                v1::InteractionService::WithRawCallbackMethod_DragPoint,
@@ -284,6 +295,7 @@ std::vector<NamedService> make_services(api::Api& api, TransferTiming timing, St
   std::vector<NamedService> services;
   services.push_back({v1::SheetService::service_full_name(), std::make_unique<Sheets>(api, timing)});
   services.push_back({v1::CutService::service_full_name(), std::make_unique<Cuts>(api)});
+  services.push_back({v1::FileService::service_full_name(), std::make_unique<Files>(api)});
   services.push_back({v1::InteractionService::service_full_name(), std::make_unique<Interaction>(api)});
   services.push_back({v1::StreamService::service_full_name(), make_stream_service(api, hosting)});
   services.push_back({v1::RenderService::service_full_name(), std::make_unique<Render>(api, hosting)});

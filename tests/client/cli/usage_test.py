@@ -10,7 +10,7 @@ from cli_case import Case, closed_port, kerf, main, path, scene_file, setUpModul
 
 class Usage(Case):
     def test_help_and_version(self):
-        for command in ([], ["sheet"], ["sheet", "create"], ["cut"], ["cuts"], ["undo"], ["redo"], ["pieces"], ["render"], ["watch"], ["export"], ["run"], ["replay"], ["analyze"], ["load"], ["open"], ["access"]):
+        for command in ([], ["sheet"], ["sheet", "create"], ["cut"], ["cuts"], ["undo"], ["redo"], ["pieces"], ["render"], ["watch"], ["export"], ["run"], ["replay"], ["inspect"], ["analyze"], ["load"], ["open"], ["access"]):
             done = kerf(*command, "--help", server=False)
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assertIn("Usage", done.stdout)

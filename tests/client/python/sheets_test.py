@@ -283,6 +283,21 @@ class Sheets(Case):
         self.assertEqual([sheet.get().num_triangles for sheet in made], [2, 2])
         for sheet in made:
             sheet.delete()
+        # Two triangles with vertices of their own, in millimetres, y up.
+        apart = "v 0 0 0\nv 400 0 0\nv 400 300 0\nv 0 0 0\nv 400 300 0\nv 0 300 0\no a\nf 1 2 3\no b\nf 4 5 6\n"
+        pathlib.Path(path("apart.obj")).write_text(apart)
+        joined = self.server.create_sheet("py-apart", mesh_file=path("apart.obj"), unit_m=1e-3, up="y", pins=()).get()
+        self.assertEqual((joined.pieces, joined.num_vertices), (1, 4))
+        self.assertEqual(list(joined.mesh_notes), ["joined 4 vertices that lie at the same place, which leaves 2; "
+                                                   "join_m 0 (--join 0) keeps them apart"])
+        self.assertEqual(joined.scene.obj.reading.unit_m, 1e-3)
+        self.server.sheet("py-apart").delete()
+        with self.server.temporary_sheet(mesh_file=path("apart.obj"), join_m=0, unit_m=1e-3, pins=()) as sheet:
+            self.assertEqual((sheet.get().pieces, list(sheet.get().mesh_notes)), (2, []))
+        with self.server.temporary_sheet(mesh_file=path("apart.obj"), objects=["b"], ignore_texture=True, pins=()) as sheet:
+            self.assertEqual(sheet.get().num_triangles, 1)
+        with self.assertRaisesRegex(ValueError, "up is 'w'"):
+            self.server.create_sheet("py-up", mesh_file=path("apart.obj"), up="w")
         pathlib.Path(path("bent.obj")).write_text("v 0 0 0\nv 1 0 0\nv 1 1 0.5\nv 0 1 0\nf 1 2 3\nf 1 3 4\n")
         bent = self.server.create_sheet("py-bent", mesh_file=path("bent.obj"), rest="surface", pins=())
         self.assertAlmostEqual(sum(piece.area_m2 for piece in bent.pieces()), 1.25 ** 0.5, places=12)

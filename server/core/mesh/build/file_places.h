@@ -8,7 +8,7 @@
 #include <Eigen/Core>
 
 #include "server/core/mesh/build/mesh_file.h"
-#include "server/core/mesh/build/mesh_reading.h"
+#include "server/core/mesh/ids.h"
 
 namespace kerf::mesh {
 

@@ -9,7 +9,7 @@
 #include "server/base/result.h"
 #include "server/core/mesh/build/mesh_file.h"
 #include "server/core/mesh/build/mesh_import.h"
-#include "server/core/mesh/build/mesh_reading.h"
+#include "server/core/mesh/ids.h"
 
 namespace kerf::mesh {
 

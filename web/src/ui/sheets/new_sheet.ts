@@ -4,15 +4,11 @@ import { Region_Edge } from '../../gen/kerf/v1/conditions_pb';
 import type { CurveSchema } from '../../gen/kerf/v1/geometry_pb';
 import type { ColliderSchema, Fidelity, PlacementSchema, SceneSchema } from '../../gen/kerf/v1/scene_pb';
 import { CreateSheetRequestSchema } from '../../gen/kerf/v1/sheets_pb';
+import { readingOf } from './mesh_reading';
+import type { MeshChoices, MeshFile } from './mesh_reading';
 
 export type NewShape = 'grid' | 'file' | 'outline';
 export type Hang = 'upright' | 'flat';
-
-export interface MeshFile {
-  name: string;
-  kind: 'obj' | 'ply';
-  content: Blob;
-}
 
 /** A drawing with its size: see scaledOutline(). */
 export interface Outline {
@@ -33,6 +29,7 @@ export interface NewSheet {
   widthM: number;
   heightM: number;
   file: MeshFile | undefined;
+  mesh: MeshChoices;
   outline: Outline | undefined;
   outlineWidthM: number;
   hang: Hang;
@@ -57,9 +54,9 @@ const kFlatHeight = 0.8;
 const kUprightHeight = 0.3;
 const kBallGap = 0.08;
 
-// Undefined for a mesh file, which is not part of the request: see uploadPath().
-function meshOf({ shape, columns, rows, widthM, heightM, outline }: NewSheet): Mesh {
-  if (shape === 'file') return { case: undefined };
+// The content of a mesh file is not part of the request: see uploadPath().
+function meshOf({ shape, columns, rows, widthM, heightM, outline, file, mesh }: NewSheet): Mesh {
+  if (shape === 'file') return file ? { case: file.kind, value: { reading: readingOf(mesh) } } : { case: undefined };
   if (shape === 'grid') return { case: 'grid', value: { columns, rows, widthM, heightM } };
   const holes = outline?.holes === undefined ? [] : [svgCurve(outline.holes)];
   return { case: 'outline', value: { boundary: svgCurve(outline?.text ?? ''), holes } };

@@ -9,8 +9,10 @@ import { element, make, setText } from '../dom';
 import { errorText } from '../error_text';
 import { materialFacts } from '../material_text';
 import { formErrors, nameError, refusal } from './form_checks';
+import { MeshPreview } from './mesh_preview';
+import type { MeshFile } from './mesh_reading';
 import { createRequest, uploadPath } from './new_sheet';
-import type { Hang, MeshFile, NewShape, NewSheet, Outline } from './new_sheet';
+import type { Hang, NewShape, NewSheet, Outline } from './new_sheet';
 import { outlineParts } from './outline_parts';
 import type { OutlineParts } from './outline_parts';
 import { scaledOutline } from './scaled_drawing';
@@ -27,6 +29,7 @@ export class NewSheetDialog {
   private readonly progress = element<HTMLProgressElement>('new-progress');
   private info: ServerInfo | undefined;
   private mesh: MeshFile | undefined;
+  private readonly preview = new MeshPreview(() => this.info?.limits?.maxRequestBytes ?? 1 << 20);
   private drawing: { name: string; parts: OutlineParts } | undefined;
   private sending: AbortController | undefined;
 
@@ -100,6 +103,7 @@ export class NewSheetDialog {
       if (!this.drawing) return this.update();
     } else if (ending === 'obj' || ending === 'ply') {
       this.mesh = { name: file.name, kind: ending, content: file };
+      void this.preview.take(this.mesh);
     } else {
       return this.showError(name, `${file.name} is not an OBJ, PLY or SVG file: choose another one`);
     }
@@ -136,6 +140,7 @@ export class NewSheetDialog {
       widthM: number('width'),
       heightM: number('height'),
       file: this.mesh,
+      mesh: this.preview.choices,
       outline: shape === 'outline' ? this.outline(outlineWidthM) : undefined,
       outlineWidthM,
       hang: chosen('hang') as Hang,
@@ -215,6 +220,7 @@ export class NewSheetDialog {
   private forgetFiles(): void {
     for (const name of ['id', 'file', 'outline']) fieldOf(name).value = '';
     this.mesh = undefined;
+    void this.preview.take(undefined);
     this.drawing = undefined;
   }
 

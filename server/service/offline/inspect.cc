@@ -1,0 +1,42 @@
+#include "server/service/offline/inspect.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "server/base/text_encoding.h"
+#include "server/core/scene/sheet_config.h"
+#include "server/service/wire/mesh_report_codec.h"
+
+namespace kerf::offline {
+namespace {
+
+constexpr std::size_t kFirstBytes = 4096;
+
+bool ends_with(const std::string& path, std::string_view ending) {
+  return path.size() >= ending.size() &&
+         std::equal(ending.begin(), ending.end(), path.end() - static_cast<std::ptrdiff_t>(ending.size()),
+                    [](char wanted, char c) { return wanted == (c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c); });
+}
+
+}  // namespace
+
+FileKind kind_of_file(Disk& disk, const std::string& path) {
+  const Result<std::string> content = disk.read_file(path, scene::kMaxMeshFileBytes);
+  if (!content.ok()) return ends_with(path, ".ply") ? FileKind::kPly : FileKind::kObj;
+  const std::string start = utf8_text(content->substr(0, kFirstBytes));
+  if (start.starts_with("ply\n") || start.starts_with("ply\r")) return FileKind::kPly;
+  const std::size_t first = std::min(start.find_first_not_of(" \t\r\n"), start.size());
+  const std::string_view text = std::string_view(start).substr(first);
+  if (text.starts_with('<')) return FileKind::kSvg;
+  if (text.starts_with("AutoCAD Binary DXF")) return FileKind::kDxf;
+  if (text.starts_with("0") && text.find("SECTION") != std::string_view::npos) return FileKind::kDxf;
+  if (ends_with(path, ".ply")) return FileKind::kPly;
+  if (ends_with(path, ".dxf")) return FileKind::kDxf;
+  return ends_with(path, ".svg") ? FileKind::kSvg : FileKind::kObj;
+}
+
+Result<v1::MeshReport> inspect_mesh(v1::InspectMeshRequest request) {
+  return wire::inspect_mesh(std::move(request));
+}
+
+}  // namespace kerf::offline
