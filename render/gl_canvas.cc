@@ -244,6 +244,15 @@ void GlCanvas::draw_sheet(const DrawList& list) const {
   set_surface_uniforms(program, list);
   program.set("u_front", linear(list.style.front));
   program.set("u_back", linear(list.style.back));
+  const Finish& finish = list.style.finish;
+  program.set("u_banded", finish.bands != Bands::kNone);
+  program.set("u_own_dye", finish.bands == Bands::kOfOwnDye);
+  program.set("u_front_dye", linear(finish.front_dye));
+  program.set("u_back_dye", linear(finish.back_dye));
+  program.set("u_threads", finish.threads);
+  program.set("u_gloss", finish.gloss);
+  program.set("u_translucency", finish.translucency);
+  program.set("u_mirror", finish.mirror);
   program.set("u_textured", list.textured);
   program.set("u_coloured", list.coloured);
   program.set("u_wireframe", list.style.wireframe);

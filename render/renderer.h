@@ -87,6 +87,23 @@ using Collider = std::variant<Sphere, Plane, Box, Capsule>;
 inline constexpr Colour kLightBackground{0.93, 0.94, 0.96};
 inline constexpr Colour kDarkBackground{0.11, 0.13, 0.16};
 
+enum class Bands {
+  kNone,
+  kOfOneDye,  // Shades of the colour of each side.
+  kOfOwnDye,  // Finish::front_dye and back_dye on the colour of each side.
+};
+
+// Describes the surface of a sheet.
+struct Finish {
+  Bands bands = Bands::kOfOneDye;  // Crossing bands of dyed yarn.
+  Colour front_dye;                // For kOfOwnDye.
+  Colour back_dye;
+  double threads = 1.0;        // Strength of the threads, in [0, 1].
+  double gloss = 0.18;         // Strength of the highlight, in [0, 1].
+  double translucency = 0.22;  // Share of the light on the other side that comes through, in [0, 1].
+  double mirror = 0.0;         // Share of the surroundings that is mirrored, in [0, 1].
+};
+
 struct Style {
   bool texture = true;     // Crossing bands of dyed yarn and threads, in material coordinates.
   bool wireframe = false;  // Edges of triangles over the surface, fainter on small ones; replaces the threads.
@@ -97,7 +114,8 @@ struct Style {
   Colour background = kLightBackground;
   Colour front{0.20, 0.43, 0.66};  // Colour of the side whose triangles are counter-clockwise.
   Colour back{0.90, 0.50, 0.26};   // Colour of the other side.
-  Colour lips{1.00, 0.93, 0.76};   // Colour of the strips along the border and the lips of cuts.
+  Finish finish;
+  Colour lips{1.00, 0.93, 0.76};  // Colour of the strips along the border and the lips of cuts.
 };
 
 struct Scene {

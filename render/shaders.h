@@ -115,6 +115,14 @@ vec3 unit(vec3 v, vec3 otherwise) {
 inline constexpr const char* kSheetFragmentShader = R"(
 uniform vec3 u_front;
 uniform vec3 u_back;
+uniform bool u_banded;
+uniform bool u_own_dye;
+uniform vec3 u_front_dye;
+uniform vec3 u_back_dye;
+uniform float u_threads;
+uniform float u_gloss;
+uniform float u_translucency;
+uniform float u_mirror;
 uniform bool u_textured;
 uniform bool u_coloured;
 uniform bool u_wireframe;
@@ -184,9 +192,19 @@ void main() {
     if (u_textured) {
       vec2 woven = cloth(v_material, footprint);
       float dye = u_wireframe ? mix(0.5, woven.x, 0.35) : woven.x;  // fainter, so that wires stand out
-      albedo = woven.y * mix(mix(albedo, vec3(0.72), 0.55), 0.62 * albedo, dye);
+      if (u_own_dye) {
+        albedo = mix(albedo, (gl_FrontFacing ? u_front_dye : u_back_dye) * v_tint, 0.92 * dye);
+      } else if (u_banded) {
+        albedo = mix(mix(albedo, vec3(0.72), 0.55), 0.62 * albedo, dye);
+      }
+      albedo *= mix(1.0, woven.y, u_threads);
     }
-    colour = shade(albedo, n, 0.18, 0.22, 1.0 + (ridge > 0.0 ? 0.25 : 0.75) * ridge);
+    colour = shade(albedo, n, u_gloss, u_translucency, 1.0 + (ridge > 0.0 ? 0.25 : 0.75) * ridge);
+    if (u_mirror > 0.0) {
+      float towards_sky = dot(reflect(normalize(v_world - u_eye), n), u_up);
+      vec3 surroundings = albedo * mix(vec3(0.22, 0.24, 0.27), vec3(1.25), smoothstep(-0.35, 0.75, towards_sky));
+      colour = mix(colour, surroundings, u_mirror);
+    }
   }
   if (u_wireframe) {
     vec3 per_px = max(sqrt(over_x * over_x + over_y * over_y), vec3(1e-9));

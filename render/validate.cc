@@ -186,11 +186,13 @@ Status validate(const Scene& scene) {
   if (scene.ground) {
     if (Status status = check_shape(*scene.ground, "scene.ground"); !status.ok()) return status;
   }
-  const std::array<std::pair<const Colour*, const char*>, 4> colours{
+  const std::array<std::pair<const Colour*, const char*>, 6> colours{
       {{&scene.style.background, "scene.style.background"},
        {&scene.style.front, "scene.style.front"},
        {&scene.style.back, "scene.style.back"},
-       {&scene.style.lips, "scene.style.lips"}}};
+       {&scene.style.lips, "scene.style.lips"},
+       {&scene.style.finish.front_dye, "scene.style.finish.front_dye"},
+       {&scene.style.finish.back_dye, "scene.style.finish.back_dye"}}};
   for (const auto& [colour, field] : colours) {
     if (Status status = check_colour(*colour, field); !status.ok()) return status;
   }

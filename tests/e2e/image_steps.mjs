@@ -165,7 +165,8 @@ async function changesLook(viewer) {
 }
 
 async function savesPicture(viewer) {
-  const at = await viewer.at(0.5, 0.2);
+  // In the middle of a dyed check.
+  const at = await viewer.at(0.475, 0.175);
   const isCloth = ([colour]) => Math.max(...colour) - Math.min(...colour) > 20;  // strains at rest are grey
   await coloursOnce(viewer, [at], 'image-mode-cloth', isCloth, 'the cloth is');
   const { png } = await savedPng(viewer);

@@ -22,6 +22,20 @@ describe('looks of materials', () => {
     expect(own).toEqual(presets());
   });
 
+  it('have the colours of the server’s pictures', () => {
+    const source = readFileSync(new URL('../../server/service/picture/material_look.cc', import.meta.url), 'utf8');
+    const lines = [...source.matchAll(/\{"(\w+)", \{([^}]*)\}, (0x\w{6}), (0x\w{6}), ([^}]*)\}/g)];
+    const drawn = lines.map(([, name, numbers, front, back, finish]) => {
+      const [translucency, mirror] = finish.split(',').slice(-2).map(Number);
+      return [name, ...numbers.split(',').map(Number), Number(front), Number(back), translucency, mirror];
+    });
+    const own = Object.entries(kLooks).map(([name, look]) => {
+      const { modulusPa, thicknessM, densityKgpm3, front, back, translucency, mirror } = look;
+      return [name, modulusPa, thicknessM, densityKgpm3, front, back, translucency, mirror];
+    });
+    expect(drawn).toEqual(own);
+  });
+
   it('differ in the colour of the front by more than a shade', () => {
     const rgb = (color: number) => [color >> 16, (color >> 8) & 255, color & 255];
     const looks = Object.values(kLooks);

@@ -1,5 +1,6 @@
 #include "server/service/picture/picture.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -10,6 +11,8 @@
 
 #include "render/colours.h"
 #include "server/core/mesh/triangle_mesh.h"
+#include "server/core/scene/sheet_materials.h"
+#include "server/service/picture/material_look.h"
 #include "server/service/picture/picture_colours.h"
 
 namespace kerf::picture {
@@ -74,8 +77,8 @@ MeshArrays arrays_of(const sheet::Snapshot& snapshot, const Eigen::Matrix3Xd& po
   return arrays;
 }
 
-render::Style style_of(const PictureView& view) {
-  render::Style style;
+render::Style style_of(const PictureView& view, const render::Style& look) {
+  render::Style style = look;
   style.wireframe = view.wireframe;
   if (view.dark) style.background = render::kDarkBackground;
   style.shadows = !view.undeformed;         // A flat sheet casts none on itself.
@@ -134,14 +137,18 @@ render::Scene scene_of(const MeshArrays& arrays, const Backdrop& backdrop, const
       scene.colliders.push_back(std::visit(ShapeForRenderer{}, collider.shape));
     }
   }
-  scene.style = style_of(view);
+  scene.style = style_of(view, backdrop.look);
   return scene;
 }
 
 }  // namespace
 
 Backdrop backdrop_of(const sheet::Sheet& sheet) {
-  return {sheet.shared_config(), sheet.mesh().bounding_box()};
+  Backdrop backdrop{sheet.shared_config(), sheet.mesh().bounding_box(), {}};
+  const fem::Material& own = sheet.materials().entries.front();
+  const double modulus = std::max(own.youngs_modulus_1, own.youngs_modulus_2);
+  set_material_look({modulus, own.thickness, own.density}, backdrop.look);
+  return backdrop;
 }
 
 Result<DrawnPicture> draw_picture(render::Renderer& renderer, const PictureSubject& subject, const PictureView& view,

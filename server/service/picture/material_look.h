@@ -1,0 +1,18 @@
+#pragma once
+
+#include "render/renderer.h"
+
+namespace kerf::picture {
+
+// Holds the numbers of a material by which its look is chosen.
+struct LookNumbers {
+  double modulus = 0.0;    // Pa, the larger Young's modulus, > 0
+  double thickness = 0.0;  // m, > 0
+  double density = 0.0;    // kg/m^3, > 0
+};
+
+// Sets the colours and the finish of a sheet of this material: those of the preset whose stiffness, thickness and
+// density are nearest, by their ratios. The viewer has the same looks, in web/src/scene/material_looks.ts.
+void set_material_look(const LookNumbers& numbers, render::Style& style);
+
+}  // namespace kerf::picture
