@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <memory>
@@ -16,6 +18,7 @@
 #include "client/cli/arguments.h"
 #include "client/cli/commands.h"
 #include "client/cli/connect.h"
+#include "client/cli/drawing_options.h"
 #include "client/cpp/client.h"
 #include "client/cpp/cut_options.h"
 #include "server/base/disk.h"
@@ -34,6 +37,9 @@ struct CutArguments {
   std::optional<std::string> rational;
   std::optional<std::string> path;
   std::optional<std::string> svg;
+  std::optional<std::string> drawing;  // A file.
+  DrawingArguments reading;
+  std::optional<std::string> join;
   std::optional<std::string> fit;
   std::optional<std::string> dash;
   std::optional<std::string> view;
@@ -84,6 +90,53 @@ std::optional<UsageError> set_curve(const CutArguments& arguments, v1::Curve& cu
   return set_points(arguments, curve);
 }
 
+std::optional<UsageError> take_reading(const DrawingArguments& arguments, v1::DrawingReading& reading) {
+  Parsed<v1::DrawingReading> parsed = to_reading(arguments);
+  if (const auto* wrong = std::get_if<UsageError>(&parsed)) return *wrong;
+  reading = std::get<v1::DrawingReading>(std::move(parsed));
+  return std::nullopt;
+}
+
+// Returns the larger side of the sheet in metres, up to a factor near 1; 0 if the server does not say.
+double sheet_size(client::Client& client, const std::string& id, const std::string& component) {
+  v1::GetSheetRequest request;
+  request.set_name("sheets/" + id);
+  v1::Sheet sheet;
+  if (!client.call(&v1::SheetService::Stub::GetSheet, client.sheets(), request, sheet).ok()) return 0.0;
+  for (const v1::SheetComponent& each : sheet.components()) {
+    if (each.name() != component) continue;
+    return std::max(each.extent().max().x() - each.extent().min().x(),
+                    each.extent().max().y() - each.extent().min().y());
+  }
+  const v1::GridMesh& grid = sheet.scene().grid();
+  if (grid.width_m() > 0.0) return std::max(grid.width_m(), grid.height_m());
+  v1::ListPiecesRequest pieces;
+  pieces.set_parent(request.name());
+  pieces.set_page_size(1000);
+  v1::ListPiecesResponse page;
+  if (!client.call(&v1::CutService::Stub::ListPieces, client.cuts(), pieces, page).ok()) return 0.0;
+  double area = 0.0;
+  for (const v1::Piece& piece : page.pieces()) area += piece.area_m2();
+  return std::sqrt(area);
+}
+
+// Returns a thousandth of the drawing's size on the sheet, within which ends of its lines are joined.
+double default_join(client::Client& client, const std::string& id, const v1::Cut& cut) {
+  constexpr double kShareOfDrawing = 1e-3;
+  if (cut.has_view()) return 0.0;
+  const Result<offline::DrawingSize> drawing = offline::size_of_drawing(cut.curve());
+  if (!drawing.ok()) return 0.0;  // The server says why.
+  double size = std::max(drawing->width, drawing->height);
+  if (!drawing->is_placed) {
+    const v1::MaterialBox& box = cut.fit();
+    const double width = box.has_max() ? box.max().x() - box.min().x() : sheet_size(client, id, cut.component());
+    const double height = box.has_max() ? box.max().y() - box.min().y() : width;
+    size *= std::min(width / std::max(drawing->fitted_width, 1e-9), height / std::max(drawing->fitted_height, 1e-9));
+  }
+  const double join = kShareOfDrawing * size;
+  return join >= 1e-9 && join <= 1e4 ? join : 0.0;
+}
+
 std::optional<UsageError> set_view(const CutArguments& arguments, v1::View& view) {
   if (auto wrong = take("--layers", parse_layers(arguments.layers), view)) return wrong;
   if (auto wrong = take("--view", parse_camera(*arguments.view), *view.mutable_camera())) return wrong;
@@ -97,6 +150,11 @@ std::optional<UsageError> set_view(const CutArguments& arguments, v1::View& view
 
 // Sets the options that are more than a number; returns the error, if any.
 std::optional<UsageError> set_options(const CutArguments& arguments, v1::Cut& cut) {
+  if (arguments.join) {
+    double join = 0.0;
+    if (auto wrong = take("--join", parse_length(*arguments.join), join)) return wrong;
+    cut.set_join_m(join);
+  }
   cut.set_method(arguments.method == "element" ? v1::Cut::ELEMENT : v1::Cut::NEIGHBOURHOOD);
   if (arguments.quality == "fine") cut.set_quality(v1::Cut::FINE);
   if (arguments.no_relax) cut.set_relax(false);
@@ -121,11 +179,15 @@ int cut(const Session& session, const CutArguments& arguments) {
   request.set_parent("sheets/" + arguments.id);
   *request.mutable_cut() = client::make_cut({}, arguments.options);
   v1::Curve& curve = *request.mutable_cut()->mutable_curve();
-  if (arguments.svg) {
+  const std::optional<std::string>& file = arguments.drawing ? arguments.drawing : arguments.svg;
+  if (!file && arguments.reading.any()) return misuse("--only, --true-size and their like need a drawing");
+  if (file) {
+    v1::DrawingReading reading;
+    if (const auto wrong = take_reading(arguments.reading, reading)) return misuse(wrong->message);
     RealDisk disk;
-    Result<v1::Svg> drawing = offline::read_svg(disk, *arguments.svg);
+    Result<v1::Curve> drawing = offline::read_drawing(disk, *file, reading);
     if (!drawing.ok()) return refuse(drawing.error());
-    *curve.mutable_svg() = std::move(drawing).value();
+    curve = std::move(drawing).value();
   } else if (const auto wrong = set_curve(arguments, curve)) {
     return misuse(wrong->message);
   }
@@ -133,6 +195,7 @@ int cut(const Session& session, const CutArguments& arguments) {
   request.set_at_tick(arguments.at_tick);
   request.set_validate_only(arguments.is_dry_run);
   client::Client client = connect(session.server);
+  if (file && !arguments.join) request.mutable_cut()->set_join_m(default_join(client, arguments.id, request.cut()));
   v1::CutResult result;
   const grpc::Status status = client.call(&v1::CutService::Stub::CreateCut, client.cuts(), request, result);
   if (!status.ok()) return refuse(status, session.server);
@@ -167,10 +230,7 @@ std::vector<OptionRow> curve_options() {
       {"--rational", &CutArguments::rational,
        "Rational Bezier curve, quadratic of 3 points or cubic of 4: \"x,y,w x,y,w x,y,w\", weights above 0"},
       {"--path", &CutArguments::path, "SVG path data in metres, y up: \"M 0.2,0.2 H 0.8 A 0.3,0.3 0 0 1 0.2,0.2 Z\""},
-      {.name = "--svg",
-       .target = &CutArguments::svg,
-       .help = "SVG file, at most 512 KiB: every outline in it is cut; fitted into the sheet unless --fit is given",
-       .type_name = value::kFile},
+      {.name = "--svg", .target = &CutArguments::svg, .help = "As DRAWING", .type_name = value::kFile},
       {.name = "--batch",
        .target = &CutArguments::batch,
        .help = "All cuts of this file, or none: {\"cuts\": [{\"curve\": ...}, ...]}, as `kerf cuts ID --export FILE`\n"
@@ -185,6 +245,10 @@ std::vector<OptionRow> other_options() {
   return {
       {"--fit", &CutArguments::fit,
        "Scale the curve evenly and centre it in the box \"x0,y0,x1,y1\", or in 90 % of the sheet: \"sheet\""},
+      {"--join", &CutArguments::join,
+       "Lead ends of lines that nearly meet another line, a cut or the border on to it, if closer than this: 1mm, "
+       "0.001\n"
+       "(metres), 0 for none (default: a thousandth of the size of a drawing, none for other curves)"},
       {"--dash", &CutArguments::dash, "Perforate: metres cut and left in turn along the curve, \"0.01,0.005[,...]\""},
       {"--dash-offset", &CutOptions::dash_offset, "Start this many metres into the pattern (default 0)", "--dash"},
       {"--width", &CutOptions::width_m,
@@ -269,11 +333,20 @@ void add_cut_command(CLI::App& app, Session& session) {
   command->group(group::kCuts);
   add_sheet_id(*command, arguments->id);
   CLI::Option_group* curve = command->add_option_group("curve", "Exactly one of");
+  curve
+      ->add_option(
+          "drawing", arguments->drawing,
+          "SVG file: every outline that is painted is cut, fitted into the sheet unless other options place it")
+      ->type_name(value::kFile);
   add_options(*command, *curve, curve_options(), *arguments);
   curve->require_option(1);
+  add_choice_options(*command, arguments->reading);
+  add_unit_option(*command, arguments->reading);
+  add_place_options(*command, arguments->reading);
   add_options(*command, *command, other_options(), *arguments);
   CLI::Option* batch = curve->get_option("--batch");
-  for (const char* name : {"--tolerance", "--min-angle", "--fit", "--dash", "--view", "--width", "--component"}) {
+  for (const char* name :
+       {"--tolerance", "--min-angle", "--fit", "--dash", "--view", "--width", "--component", "--join"}) {
     batch->excludes(command->get_option(name));
   }
   command->callback(

@@ -11,6 +11,8 @@
 
 #include "client/cli/app.h"
 #include "client/cli/commands.h"
+#include "client/cli/drawing_options.h"
+#include "client/cli/inspect_drawing.h"
 #include "client/cli/mesh_options.h"
 #include "server/base/disk.h"
 #include "server/service/offline/files.h"
@@ -24,6 +26,7 @@ constexpr int kMostObjects = 10;  // listed without --json
 struct InspectArguments {
   std::string file;
   MeshArguments mesh;
+  DrawingArguments drawing;
 };
 
 std::string counted(int count, const std::string& one, const std::string& many) {
@@ -95,7 +98,7 @@ int inspect(const Session& session, const InspectArguments& arguments) {
       break;
     case offline::FileKind::kSvg:
     case offline::FileKind::kDxf:
-      return refuse(invalid_argument("DRAWING", arguments.file + " is a drawing; only mesh files can be inspected"));
+      return inspect_drawing(session, arguments.file, arguments.drawing, arguments.mesh.unit);
   }
   Result<v1::ObjMesh> obj = offline::read_obj(disk, arguments.file);
   if (!obj.ok()) return refuse(obj.error());
@@ -110,14 +113,15 @@ void add_inspect_command(CLI::App& app, Session& session) {
   const auto arguments = std::make_shared<InspectArguments>();
   CLI::App* inspecting =
       app.add_subcommand("inspect",
-                         "Describe a mesh file without a server: what is in it, what is mended, and each fault with\n"
-                         "its line. Exit code 1 if it makes no sheet.\n"
+                         "Describe a mesh file or a drawing without a server: what is in it, what is mended, and each\n"
+                         "fault with its line. Exit code 1 if a mesh file makes no sheet.\n"
                          "Example: kerf inspect deploy/examples/panel.obj --unit mm");
-  inspecting->add_option("FILE", arguments->file, "File: OBJ or PLY, known by its content")
+  inspecting->add_option("FILE", arguments->file, "File: OBJ, PLY, SVG or DXF, known by its content")
       ->required()
       ->type_name(value::kFile);
   inspecting->group(group::kSheets);
   add_mesh_options(*inspecting, arguments->mesh);
+  add_choice_options(*inspecting, arguments->drawing);
   inspecting->callback(
       [&session, arguments] { session.action = [&session, arguments] { return inspect(session, *arguments); }; });
 }

@@ -176,9 +176,10 @@ std::string outcome(const v1::CutResult& result) {
     text += format("\n  layer: piece %d, %.4g m long, %.4g to %.4g m from the camera, %s", layer.piece(),
                    layer.length_m(), layer.nearest_m(), layer.farthest_m(), layer.faces_camera() ? "front" : "back");
   }
-  if (result.closed_gaps() > 0) {
-    text += format("\n  gaps closed to earlier cuts, the border or the curve itself: %d, up to %.3g m wide",
-                   result.closed_gaps(), result.widest_gap_m());
+  // Gaps that snapping closed are below the cut's tolerance, and not worth a line.
+  if (result.joined_ends() > 0) {
+    text += format("\n  ends joined to another line, a cut or the border: %d, over up to %s", result.joined_ends(),
+                   millimetres(result.widest_join_m()).c_str());
   }
   if (result.merged_segments() > 0) {
     text += format("\n  parts of the curve too short to cut, left out: %d", result.merged_segments());

@@ -16,6 +16,7 @@
 #include "client/cli/arguments.h"
 #include "client/cli/commands.h"
 #include "client/cli/connect.h"
+#include "client/cli/drawing_options.h"
 #include "client/cli/mesh_options.h"
 #include "client/cli/progress.h"
 #include "client/cli/scene_options.h"
@@ -31,8 +32,11 @@ struct CreateArguments {
   std::string id;
   std::string grid = "50x50";
   std::string size = "1x1";
-  std::string obj;  // A file, instead of a grid.
-  std::string ply;  // A file, instead of a grid.
+  std::string obj;      // A file, instead of a grid.
+  std::string ply;      // A file, instead of a grid.
+  std::string outline;  // A drawing, instead of a grid.
+  DrawingArguments reading;
+  std::string edge;  // Longest edge of an outline.
   MeshArguments mesh;
   std::string pin = "top";
   std::string material;
@@ -51,8 +55,25 @@ int take(Result<Mesh> read, const MeshArguments& arguments, Mesh& mesh) {
   return kDone;
 }
 
+// Adds an outline from a drawing, at true size. Returns kDone, or an exit code after printing the error.
+int add_outline(const CreateArguments& arguments, v1::OutlineMesh& outline) {
+  Parsed<v1::DrawingReading> reading = to_reading(arguments.reading);
+  if (const auto* wrong = std::get_if<UsageError>(&reading)) return misuse(wrong->message);
+  std::get<v1::DrawingReading>(reading).set_true_size(true);
+  const Parsed<double> edge = parse_length(arguments.edge.empty() ? "0" : arguments.edge);
+  if (const auto* wrong = std::get_if<UsageError>(&edge)) return misuse("--edge: " + wrong->message);
+  RealDisk disk;
+  Result<v1::Curve> drawing =
+      offline::read_drawing(disk, arguments.outline, std::get<v1::DrawingReading>(std::move(reading)));
+  if (!drawing.ok()) return refuse(drawing.error());
+  *outline.mutable_boundary() = std::move(drawing).value();
+  outline.set_edge_length_m(std::get<double>(edge));
+  return kDone;
+}
+
 // Adds the sheet's mesh. Returns kDone, or an exit code after printing the error.
 int add_mesh(const CreateArguments& arguments, v1::Scene& scene) {
+  if (!arguments.outline.empty()) return add_outline(arguments, *scene.mutable_outline());
   if (const std::string& path = arguments.obj.empty() ? arguments.ply : arguments.obj; !path.empty()) {
     RealDisk disk;
     return arguments.obj.empty() ? take(offline::read_ply(disk, path), arguments.mesh, *scene.mutable_ply())
@@ -244,7 +265,23 @@ void add_create(CLI::App& sheet, Session& session) {
                                       "Take the mesh from this PLY file, text or binary; texture coordinates are s t, "
                                       "u v or texture_u texture_v")
                          ->type_name(value::kFile);
-  for (CLI::Option* file : {obj, ply}) file->excludes(grid)->excludes(size);
+  CLI::Option* outline =
+      create
+          ->add_option(
+              "--outline", arguments->outline,
+              "Make a sheet of what the closed lines of this drawing surround, SVG or DXF, at true size: lines\n"
+              "within a line are holes; the lower left corner of the page is (0,0)")
+          ->type_name(value::kFile)
+          ->excludes(grid)
+          ->excludes(size);
+  add_choice_options(*create, arguments->reading);
+  for (const char* option : {"--only", "--all-shapes"}) create->get_option(option)->needs(outline);
+  create
+      ->add_option("--edge", arguments->edge,
+                   "Longest edge of its triangles, 5mm or 0.005 (metres); default: 1/32 of the larger side")
+      ->needs(outline)
+      ->type_name("LENGTH");
+  for (CLI::Option* file : {obj, ply}) file->excludes(grid)->excludes(size)->excludes(outline);
   obj->excludes(ply);
   CLI::Option* scene =
       create
@@ -253,7 +290,7 @@ void add_create(CLI::App& sheet, Session& session) {
               "Take everything from this scene file (JSON form of kerf.v1.Scene, as `kerf run` reads it) except its\n"
               "sheet_id and analysis; `kerf analyze` measures its probes. At most 1 MiB without its mesh file")
           ->type_name(value::kFile);
-  for (CLI::Option* other : {grid, size, obj, ply}) scene->excludes(other);
+  for (CLI::Option* other : {grid, size, obj, ply, outline}) scene->excludes(other);
   add_integrator_options(*create, "the default, or the scene's", arguments->overrides);
   add_fidelity_option(*create, "the default, or the scene's", arguments->overrides);
   for (CLI::Option* option : add_mesh_options(*create, arguments->mesh)) {

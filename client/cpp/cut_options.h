@@ -35,6 +35,7 @@ struct CutOptions {
   std::vector<double> dash = {};      // Lengths cut and left in turn, m.
   double dash_offset = 0.0;           // Place in the pattern of `dash` where the curve begins, m.
   std::optional<v1::View> view = {};  // Picture of the sheet in whose pixels the curve is.
+  double join_m = 0.0;                // Ends of lines closer than this to another line, a lip or the border are joined.
   std::string component = {};         // Name of the component in whose coordinates the curve is; it alone is cut.
 };
 
@@ -61,6 +62,7 @@ inline v1::Cut make_cut(v1::Curve curve, const CutOptions& options = {}) {
   cut.set_dash_offset(options.dash_offset);
   if (options.view) *cut.mutable_view() = *options.view;
   cut.set_component(options.component);
+  cut.set_join_m(options.join_m);
   return cut;
 }
 

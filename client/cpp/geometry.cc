@@ -66,9 +66,24 @@ v1::Curve ellipse(Point center, double semi_axis_x_m, double semi_axis_y_m, doub
   return curve;
 }
 
-v1::Curve svg(std::string text) {
+v1::Curve svg(std::string text, const v1::DrawingReading& reading) {
   v1::Curve curve;
   curve.mutable_svg()->set_text(std::move(text));
+  if (reading.ByteSizeLong() > 0) *curve.mutable_svg()->mutable_reading() = reading;
+  return curve;
+}
+
+v1::Curve svg_data(std::string bytes, const v1::DrawingReading& reading) {
+  v1::Curve curve;
+  curve.mutable_svg()->set_data(std::move(bytes));
+  if (reading.ByteSizeLong() > 0) *curve.mutable_svg()->mutable_reading() = reading;
+  return curve;
+}
+
+v1::Curve dxf(std::string bytes, const v1::DrawingReading& reading) {
+  v1::Curve curve;
+  curve.mutable_dxf()->set_data(std::move(bytes));
+  if (reading.ByteSizeLong() > 0) *curve.mutable_dxf()->mutable_reading() = reading;
   return curve;
 }
 

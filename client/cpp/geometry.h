@@ -38,8 +38,14 @@ v1::Curve bezier(std::initializer_list<Point> points);
 v1::Curve circle(Point center, double radius_m);
 // Returns a full ellipse, turned counter-clockwise by rotation_rad.
 v1::Curve ellipse(Point center, double semi_axis_x_m, double semi_axis_y_m, double rotation_rad = 0.0);
-// Returns the outlines of a drawing, given as SVG text. Without CutOptions::fit the drawing is fitted into the sheet.
-v1::Curve svg(std::string text);
+// Returns the outlines of a drawing, given as SVG text in UTF-8. Without CutOptions::fit and `reading` the drawing is
+// fitted into the sheet. `reading` chooses what is cut, and how large; proto/kerf/v1/geometry.proto describes its
+// fields.
+v1::Curve svg(std::string text, const v1::DrawingReading& reading = {});
+// Returns the same of the bytes of a file, in any encoding of XML or compressed by gzip.
+v1::Curve svg_data(std::string bytes, const v1::DrawingReading& reading = {});
+// Returns the outlines of a DXF drawing, given as the bytes of its file, in the same way.
+v1::Curve dxf(std::string bytes, const v1::DrawingReading& reading = {});
 
 // Builds a curve of one or more lines, each made of straight, Bezier and arc pieces:
 //   PathBuilder({0.1, 0.1}).line({0.3, 0.1}).arc({0.1, 0.1}, 0.1).close().move({0.6, 0.6}).line({0.8, 0.7}).curve()

@@ -36,6 +36,19 @@ FlatCurve flat_line(std::vector<Vector2d> points) {
   return {{Stroke{std::move(points)}}, 1e-9};
 }
 
+TEST(CutFit, TwoPointsFirstAreTheFrame) {
+  const auto mark = [](const Vector2d& at) { return Subpath{at, {QuadraticTo{at, at}}, false}; };
+  Curve curve = Path{{mark({0, 0}), mark({4, 2}), {{1, 1}, {LineTo{{2, 1}}}, false}}};
+  expect_box(frame(curve), {0, 0}, {4, 2});
+  ASSERT_TRUE(fit_into({{0, 0}, {2, 2}}, curve).ok());
+  const Subpath& line = std::get<Path>(curve).subpaths[2];
+  EXPECT_LT((line.start - Vector2d(0.5, 1.0)).norm(), 1e-12);
+  // The points themselves cut nothing.
+  EXPECT_EQ(flatten(curve, 1e-3).strokes.size(), 1U);
+  // A drawing of two points and no more is fitted as it is.
+  expect_box(frame(Path{{mark({0, 0}), mark({4, 2})}}), {0, 0}, {4, 2});
+}
+
 TEST(CutFit, ExtentIsThatOfTheCurveNotOfItsControlPoints) {
   expect_box(extent(Circle{{1, 2}, 3}), {-2, -1}, {4, 5});
   expect_box(extent(Polyline{{{0, 1}, {2, -3}}}), {0, -3}, {2, 1});

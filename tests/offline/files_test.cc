@@ -68,12 +68,19 @@ TEST(OfflineMeshes, AreReadAsTheyAre) {
   EXPECT_EQ(read_obj(disk, "b.obj").error().reason, "FILE_NOT_FOUND");
 }
 
-TEST(OfflineDrawings, HaveTheLimitOfAServer) {
+TEST(OfflineDrawings, HaveTheLimitOfAServerAndOneEncoding) {
   test::MemoryDisk disk;
   ASSERT_TRUE(disk.write_file("a.svg", "<svg/>").ok());
   ASSERT_TRUE(disk.write_file("b.svg", std::string((std::size_t{512} << 10) + 1, ' ')).ok());
-  EXPECT_EQ(read_svg(disk, "a.svg")->text(), "<svg/>");
-  EXPECT_EQ(read_svg(disk, "b.svg").error().reason, "FILE_TOO_LARGE");
+  EXPECT_EQ(read_drawing(disk, "a.svg", {})->svg().text(), "<svg/>");
+  EXPECT_EQ(read_drawing(disk, "b.svg", {}).error().reason, "SVG_TOO_LARGE");
+  ASSERT_TRUE(disk.write_file("c", "\xef\xbb\xbf<svg id='\xf6'/>").ok());
+  EXPECT_EQ(read_drawing(disk, "c", {})->svg().text(), "<svg id='\xc3\xb6'/>");
+  ASSERT_TRUE(disk.write_file("d", "0\nSECTION\n").ok());
+  v1::DrawingReading reading;
+  reading.add_only("layer=Cut");
+  EXPECT_EQ(read_drawing(disk, "d", reading)->dxf().data(), "0\nSECTION\n");
+  EXPECT_EQ(read_drawing(disk, "d", reading)->dxf().reading().only(0), "layer=Cut");
 }
 
 TEST(OfflinePaths, AreParsedOrRefusedWithTheirFault) {

@@ -154,7 +154,7 @@ TEST_F(RpcServerTest, BytesThatAreNoMessageAreRefused) {
            {"InteractionService",
             {"GrabPoint", "DragPoint", "ReleasePoint", "SetSheetPins", "SetSheetGravity", "SetSheetWind",
              "SetSheetMaterial", "SetSheetSelfContact"}},
-           {"FileService", {"InspectMesh"}},
+           {"FileService", {"InspectMesh", "InspectDrawing"}},
            {"StreamService", {"Watch"}},
            {"RenderService", {"RenderImage"}},
            {"ServerService", {"GetServerInfo"}},

@@ -134,6 +134,29 @@ TEST(SheetOutline, HolesOfManyLinesAndEndsOfPiecesAreVertices) {
   EXPECT_NEAR(area_of(sheet), 1.0 - 0.0225 * pi - 0.01 - 0.005 * pi, 2e-3);
 }
 
+TEST(SheetOutline, LinesOfTheBorderNest) {
+  const auto square = [](double x, double y, double side) {
+    return cut::Subpath{
+        {x, y}, {cut::LineTo{{x + side, y}}, cut::LineTo{{x + side, y + side}}, cut::LineTo{{x, y + side}}}, true};
+  };
+  scene::OutlineSource outline;
+  // A panel with a hole, an island in the hole, and a second panel; in any order.
+  outline.boundary = cut::Path{{square(0.2, 0.2, 0.6), square(2, 0, 1), square(0, 0, 1), square(0.4, 0.4, 0.2)}};
+  outline.edge_length = 0.1;
+  Sheet sheet = test::must(Sheet::create(config_of(outline)));
+  EXPECT_NEAR(area_of(sheet), 1.0 - 0.36 + 0.04 + 1.0, 1e-9);
+  EXPECT_EQ(sheet.mesh().num_pieces(), 3);
+  // A hole by itself goes where the sheet is, and nowhere else.
+  outline.holes = {cut::Circle{{2.5, 0.5}, 0.2}};
+  EXPECT_LT(area_of(test::must(Sheet::create(config_of(outline)))), 1.68 - 0.12);
+  for (const Vector2d& wrong : {Vector2d(0.3, 0.3), Vector2d(1.5, 0.5)}) {
+    outline.holes = {cut::Circle{wrong, 0.05}};
+    const Result<Sheet> refused = Sheet::create(config_of(outline));
+    ASSERT_FALSE(refused.ok());
+    EXPECT_EQ(refused.error().reason, "OUTLINE_NESTING");
+  }
+}
+
 TEST(SheetOutline, SizesAtPointsAndAlongCurves) {
   scene::OutlineSource outline = square_with_hole();
   const auto least_edge_near = [&](const Vector2d& at) {
@@ -208,7 +231,7 @@ TEST(SheetOutline, RefusesWhatIsNoOutlineWithItsField) {
               const cut::Subpath triangle{{0, 0}, {cut::LineTo{{1, 0}}, cut::LineTo{{0, 1}}}, true};
               o.boundary = cut::Path{{triangle, triangle}};
             }),
-            "OUTLINE_BORDER outline.boundary");
+            "OUTLINE_CROSSES outline.boundary");
   EXPECT_EQ(refusal([](scene::OutlineSource& o) {
               o.boundary = cut::Circle{{9999, 0}, 2};
             }),

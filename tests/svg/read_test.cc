@@ -13,6 +13,7 @@
 #include "server/base/random.h"
 #include "server/core/cut/fit.h"
 #include "server/service/svg/transform.h"
+#include "tests/svg/drawn.h"
 
 namespace kerf::svg {
 namespace {
@@ -21,19 +22,6 @@ using Eigen::Vector2d;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-
-constexpr double kPixel = 0.0254 / 96.0;
-
-std::string document(const std::string& content, const std::string& attributes = R"svg(width="100" height="100")svg") {
-  return R"svg(<?xml version="1.0"?><svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" )svg" +
-         attributes + ">" + content + "</svg>";
-}
-
-Drawing drawn(const std::string& text) {
-  Result<Drawing> drawing = read(text);
-  EXPECT_TRUE(drawing.ok()) << text << "\n" << drawing.error().message;
-  return drawing.ok() ? *drawing : Drawing{};
-}
 
 // The extent in pixels with y down: low x, low y, high x, high y.
 void expect_extent(const Drawing& drawing, const Eigen::Vector4d& pixels) {
@@ -176,7 +164,9 @@ TEST(SvgRead, LeavesOutWhatIsHidden) {
         R"svg(<metadata><rdf:RDF><circle r="9"/></rdf:RDF></metadata>)svg"}) {
     const Drawing drawing = drawn(document(hidden + box));
     EXPECT_EQ(drawing.path.subpaths.size(), 1U) << hidden;
-    EXPECT_THAT(drawing.not_cut, IsEmpty()) << hidden;
+    const bool is_there = std::string(hidden).find("display") != std::string::npos ||
+                          std::string(hidden).find("visibility") != std::string::npos;
+    EXPECT_EQ(drawing.not_cut.size(), is_there ? 1U : 0U) << hidden;
   }
   expect_extent(
       R"svg(<g visibility="hidden"><rect width="9" height="9"/><rect width="3" height="3" visibility="visible"/></g>)svg",
@@ -193,7 +183,8 @@ TEST(SvgRead, ReportsWhatIsNotCut) {
               ElementsAre("SVG: 2 x text element: not cut"));
   EXPECT_THAT(report(R"svg(<image href="x.png"/>)svg"), ElementsAre("SVG: 1 x image element: not cut"));
   EXPECT_THAT(report("<script>alert(1)</script>"), ElementsAre("SVG: 1 x script element: not cut"));
-  EXPECT_THAT(report("<style>rect{display:none}</style>"), ElementsAre("SVG: 1 x style sheet: not applied"));
+  EXPECT_THAT(report("<style>@import 'more.css';</style><style type=\"text/less\">@a: 1;</style>"),
+              ElementsAre("SVG: 1 x external style sheet: not applied", "SVG: 1 x style sheet: not applied"));
   EXPECT_THAT(report("<style> </style>"), IsEmpty());
   EXPECT_THAT(
       report(R"svg(<g clip-path="url(#c)"/><g style="mask:url(#m)"/>)svg"),
@@ -210,8 +201,8 @@ TEST(SvgRead, ReportsWhatIsNotCut) {
                           "missing after 'Q')"));
   EXPECT_THAT(report(R"svg(<path d="M0 0L9 9" transform="translate(x)"/>)svg"),
               ElementsAre("SVG: 1 x element with a transform that cannot be read: not cut"));
-  EXPECT_THAT(report(R"svg(<path d="M0 0L9 9" style="transform:scale(2)"/>)svg"),
-              ElementsAre("SVG: 1 x element with a transform in its style: not cut"));
+  EXPECT_THAT(report(R"svg(<path d="M0 0L9 9" style="transform:perspective(2px)"/>)svg"),
+              ElementsAre("SVG: 1 x element with a transform that cannot be read: not cut"));
   EXPECT_THAT(report(R"svg(<path d="M0 0L101 9"/>)svg"),
               ElementsAre("SVG: it reaches beyond its viewport; nothing was clipped"));
 }
@@ -267,7 +258,7 @@ TEST(SvgRead, RefusesWithReason) {
       {document(segments + "\"/>"), "CURVE_TOO_LONG"},
   };
   for (const Case& item : cases) {
-    const Result<Drawing> drawing = read(item.text);
+    const Result<Drawing> drawing = read_all(item.text);
     ASSERT_FALSE(drawing.ok()) << item.text.substr(0, 200);
     EXPECT_EQ(drawing.error().reason, item.reason) << item.text.substr(0, 200);
     EXPECT_EQ(drawing.error().field, "cut.curve.svg");
@@ -280,7 +271,7 @@ TEST(SvgRead, AcceptsTheLimitsThemselves) {
   for (int i = 0; i < 62; ++i) deep += "<g>";
   deep += R"svg(<circle r="1"/>)svg";
   for (int i = 0; i < 62; ++i) deep += "</g>";
-  EXPECT_TRUE(read(document(deep)).ok());
+  EXPECT_TRUE(read_all(document(deep)).ok());
   std::string segments = "<path d=\"M0 0";
   for (int i = 0; i < 10'000; ++i) segments += " 1 1";
   segments += "\"/>";
@@ -288,7 +279,7 @@ TEST(SvgRead, AcceptsTheLimitsThemselves) {
   EXPECT_EQ(drawing.path.subpaths.at(0).segments.size(), 10'000U);
   std::string padded = document(R"svg(<circle r="1"/>)svg");
   padded += std::string(kMaxTextBytes - padded.size(), ' ');
-  EXPECT_TRUE(read(padded).ok());
+  EXPECT_TRUE(read_all(padded).ok());
 }
 
 TEST(SvgRead, ExpandsNoEntitiesAndFollowsNoCycle) {
@@ -309,7 +300,7 @@ TEST(SvgRead, SurvivesMutilatedDocuments) {
       <g transform="matrix(1 2 3 4 5 6) rotate(3)" style="display:inline;fill:url(#p)"><use xlink:href="#s" width="5mm"/>
       <path d="M1.5.5C1 2 3 4-5-6s.1.2.3.4a5 5 0 1017 3q1 1 2 2t3 3hv1z"/><polygon points="1,2 3,4 5"/></g><text>x</text>)svg",
                R"svg(viewBox="0 0 9 9" width="10cm" preserveAspectRatio="xMaxYMin slice")svg");
-  ASSERT_TRUE(read(good).ok());
+  ASSERT_TRUE(read_all(good).ok());
   SeededRandom random(17);
   int accepted = 0;
   for (int trial = 0; trial < 20'000; ++trial) {
@@ -332,7 +323,7 @@ TEST(SvgRead, SurvivesMutilatedDocuments) {
           break;
       }
     }
-    const Result<Drawing> drawing = read(text);
+    const Result<Drawing> drawing = read_all(text);
     if (drawing.ok()) {
       ++accepted;
       EXPECT_TRUE(cut::validate(drawing->path).ok());

@@ -45,6 +45,7 @@ const std::vector<Group>& groups() {
       {"CLI11", {"CLI/"}},
       {"nlohmann-json", {"nlohmann/"}},
       {"pugixml", {"pugixml.hpp"}},
+      {"zlib", {"zlib.h"}},
       {"OpenSSL", {"openssl/"}},
       {"SQLite", {"sqlite3.h"}},
       {"OpenSSL", {"openssl/"}},

@@ -21,7 +21,20 @@ from kerf.blocking.interaction import Hand
 from kerf.blocking.recorder import Recorder
 from kerf.blocking.sheet import Sheet
 from kerf.blocking.streams import FrameStream, ImageStream, Subscription
-from kerf.curves import Path, Point, bezier, circle, ellipse, polyline, rational, svg, svg_file
+from kerf.curves import (
+    Path,
+    Point,
+    Reading,
+    bezier,
+    circle,
+    dxf,
+    dxf_file,
+    ellipse,
+    polyline,
+    rational,
+    svg,
+    svg_file,
+)
 from kerf.cuts import APPLIED, NO_INTERSECTION, SCHEDULED, CutOptions, camera, cut, load_cuts, save_cuts, view, view_of_matrices
 from kerf.errors import (
     AlreadyExists,
@@ -74,6 +87,7 @@ __all__ = [
     "Place",
     "Point",
     "Quantity",
+    "Reading",
     "Recorder",
     "ResourceExhausted",
     "Run",
@@ -96,6 +110,8 @@ __all__ = [
     "connect",
     "cut",
     "decode_image",
+    "dxf",
+    "dxf_file",
     "edge",
     "ellipse",
     "load_cuts",

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+import gzip
 import math
 import os
 import pathlib
+import re
+import zlib
 from collections.abc import Sequence
-from typing import Any, List, Optional, Tuple
+from typing import TYPE_CHECKING, Any, Dict, List, Optional, Tuple, TypedDict, Union
 
 from kerf.v1 import geometry_pb2
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 Point = Tuple[float, float]
 
@@ -100,21 +106,84 @@ def ellipse(center: Point, semi_axis_x: float, semi_axis_y: float, rotation_deg:
     )
 
 
-def svg(text: str) -> geometry_pb2.Curve:
-    """Returns the outlines of a drawing, given as SVG text. A cut without the option `fit` fits the drawing into the
-    sheet.
+class Reading(TypedDict, total=False):
+    """Chooses what of a drawing is cut, and how large."""
+
+    # cuts only shapes that one of these names: "stroke=red", "fill=#00f", "layer=NAME", ".CLASS" or "#ID"
+    only: Union[str, Sequence[str]]
+    all_shapes: bool  # True: also shapes that are hidden or paint nothing
+    true_size: bool  # True: the drawing keeps its own size, and the lower left corner of its page lies at `at`
+    at: Point  # metres; only with true_size; default (0, 0)
+    fit_page: bool  # True: the page is fitted, rather than the outlines
+    unit_m: float  # metres of a unit of the drawing's coordinates, instead of its own
+
+
+def svg(drawing: "str | bytes", **reading: Unpack[Reading]) -> geometry_pb2.Curve:
+    """Returns the outlines of an SVG drawing, given as text or as the bytes of a file. These may be in any encoding of
+    XML, or compressed by gzip. Embedded pictures and fonts are left out. Without the option `fit` of the cut, and without
+    true_size, the drawing is fitted into the sheet.
 
     >>> drawing = '<svg xmlns="http://www.w3.org/2000/svg"><circle r="40"/></svg>'
     >>> sheet.cut(svg(drawing), fit=(0.1, 0.1, 0.3, 0.3)).pieces
     2
+    >>> sheet.cut(svg(drawing, true_size=True, at=(0.5, 0.5))).pieces
+    3
     """
-    return geometry_pb2.Curve(svg=geometry_pb2.Svg(text=text))
+    message = geometry_pb2.Svg(reading=_reading_of(reading))
+    if isinstance(drawing, str):
+        message.text = without_embedded_data(drawing)
+    else:
+        fill_svg(message, drawing)
+    return geometry_pb2.Curve(svg=message)
 
 
-def svg_file(path: "str | os.PathLike[str]") -> geometry_pb2.Curve:
-    """Returns the outlines of a drawing in an SVG file of this machine. Raises OSError, or UnicodeDecodeError if it is
-    not UTF-8."""
-    return svg(pathlib.Path(path).read_text(encoding="utf-8"))
+def dxf(drawing: bytes, **reading: Unpack[Reading]) -> geometry_pb2.Curve:
+    """Returns the outlines of a DXF drawing, given as the bytes of its file, as svg() does."""
+    # Compressed, the largest file fits into a request.
+    data = gzip.compress(drawing) if len(drawing) > 512 << 10 else drawing
+    return geometry_pb2.Curve(dxf=geometry_pb2.Dxf(data=data, reading=_reading_of(reading)))
+
+
+def svg_file(path: "str | os.PathLike[str]", **reading: Unpack[Reading]) -> geometry_pb2.Curve:
+    """Returns the outlines of a drawing in an SVG file of this machine, as svg() does. Raises OSError."""
+    return svg(pathlib.Path(path).read_bytes(), **reading)
+
+
+def dxf_file(path: "str | os.PathLike[str]", **reading: Unpack[Reading]) -> geometry_pb2.Curve:
+    """Returns the outlines of a drawing in a DXF file of this machine, as dxf() does. Raises OSError."""
+    return dxf(pathlib.Path(path).read_bytes(), **reading)
+
+
+def _reading_of(options: Reading) -> Optional[geometry_pb2.DrawingReading]:
+    if not options:
+        return None
+    fields: Dict[str, Any] = dict(options)
+    unknown = fields.keys() - Reading.__annotations__.keys()
+    if unknown:
+        raise TypeError(f"a drawing has no option {min(unknown)!r}; there are {', '.join(Reading.__annotations__)}")
+    if isinstance(fields.get("only"), str):
+        fields["only"] = [fields["only"]]
+    if "at" in fields:
+        fields["at"] = vec2(fields["at"])
+    return geometry_pb2.DrawingReading(**fields)
+
+
+def fill_svg(message: geometry_pb2.Svg, content: bytes) -> None:
+    """Sets the content of an SVG file: as text if it is UTF-8, else as it is."""
+    if content.startswith(b"\x1f\x8b"):
+        try:
+            content = gzip.decompress(content)
+        except (OSError, EOFError, zlib.error):
+            pass  # The server says what is wrong with it.
+    try:
+        message.text = without_embedded_data(content.decode("utf-8-sig"))
+    except UnicodeDecodeError:
+        message.data = content
+
+
+def without_embedded_data(text: str) -> str:
+    """Empties data URIs, which hold pictures and fonts that are not cut."""
+    return re.sub(r"""(["']\s*data:)[^"']*(?=["'])|(\(\s*data:)[^)]*(?=\))""", lambda uri: uri[1] or uri[2], text)
 
 
 class Path:

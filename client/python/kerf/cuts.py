@@ -42,6 +42,7 @@ class CutOptions(TypedDict, total=False):
     width_m: float  # width of the strip removed around the curve; result.removed describes what was removed
     view: scene_pb2.View  # picture of the sheet in whose pixels the curve is
     component: str  # name of the component in whose coordinates the curve is; it alone is cut
+    join_m: float  # ends of lines closer than this to another line, a lip or the border are joined to it
 
 
 def cut(curve: geometry_pb2.Curve, **options: Unpack[CutOptions]) -> scene_pb2.Cut:

@@ -69,6 +69,7 @@ class Cutter {
   Result<CutOutcome> run() {
     CutOutcome outcome;
     outcome.report.triangles_behind = plan_.triangles_behind;
+    outcome.report.joins = plan_.joins;
     enter_phase(observer_, "insert path");
     const std::vector<TriangleId> crossed = crossed_triangles(mesh_, plan_.strokes);
     outcome.report.crossed_triangles = static_cast<std::int32_t>(crossed.size());

@@ -77,6 +77,7 @@ struct CutPlan {
   double snap = 1.0e-3;                                  // as of CutRequest
   std::vector<mesh::VertexId> fixed_vertices;            // sorted
   std::vector<std::array<mesh::PointId, 2>> kept_edges;  // by their ends: edges that may be split, but not flipped
+  JoinReport joins;                                      // ends of the curve's lines
   std::vector<ViewLayer> layers;                         // for a cut on a picture
   std::int32_t triangles_behind = 0;  // for a cut on a picture: triangles left out, as they reach behind the camera
   double view_deviation_m = 0.0;  // m; bound on the distance between sight lines and strokes, if this would take too

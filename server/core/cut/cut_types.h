@@ -140,6 +140,9 @@ struct CutOptions {
   // removes nothing. m, in [kMinWidth, kMaxWidth]
   std::optional<double> width_m = std::nullopt;
   ElementLimits element_limits;  // for Method::kElement
+  // Leads ends of lines on to the nearest place of another line of the curve, a lip or the border that is closer than
+  // this. Absent: ends stay where they are. m, in [kMinLength, kMaxLength]
+  std::optional<double> join_m = std::nullopt;
 };
 
 // Checks the ranges of the options: calls check(value, low, high, field) for each number, and returns the first error.
@@ -154,9 +157,22 @@ Status check_ranges(const CutOptions& options, double least_angle, const Check& 
   KERF_TRY(check(options.tip_edge_length_m.value_or(1.0), kMinLength, kMaxLength, "cut.tip_edge_length_m"));
   KERF_TRY(check(options.tip_grading, kMinTipGrading, kMaxTipGrading, "cut.tip_grading"));
   KERF_TRY(check(options.width_m.value_or(1.0), kMinWidth, kMaxWidth, "cut.width_m"));
+  KERF_TRY(check(options.join_m.value_or(1.0), kMinLength, kMaxLength, "cut.join_m"));
   KERF_TRY(validate(options.dash));
   return options.fit ? validate(*options.fit) : Nothing{};
 }
+
+// An end of a line that stays open is near if another line, lip or border is closer than this. It is over the local
+// edge length. -
+inline constexpr double kNearEnd = 0.1;
+
+// Tells which ends of lines were led on, and which met nothing.
+struct JoinReport {
+  std::int32_t joined_ends = 0;  // ends led on to another line, a lip or the border
+  double widest_join_m = 0.0;    // m; longest way by which an end was led on
+  std::int32_t near_ends = 0;    // ends left open, closer than kNearEnd to another line, a lip or the border
+  double nearest_end_m = 0.0;    // m; shortest distance of these
+};
 
 // One connected stretch of a cut on a picture. It lies on one layer, or continues from layer to layer around folds.
 struct ViewLayer {
@@ -246,6 +262,7 @@ struct CutReport {
                                      // part of the path
   double widest_gap_m = 0.0;         // m; largest distance by which these were moved, at most the snap distance
   std::int32_t merged_segments = 0;  // path segments shorter than the snap distance that vanished ("dust")
+  JoinReport joins;                  // as of CutPlan
   CutQuality quality;
   std::vector<ViewLayer> layers;       // for a cut on a picture: its connected stretches
   std::int32_t triangles_behind = 0;   // for a cut on a picture: as of CutPlan

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
+#include <variant>
 
 #include <Eigen/Geometry>
 
@@ -114,6 +116,24 @@ void extend(Eigen::AlignedBox2d& box, const Path& path) {
   for (const Subpath& subpath : path.subpaths) extend(box, pieces_of(subpath));
 }
 
+// Returns the place of a line that is only a point, a piece of which all points are the same.
+std::optional<Vector2d> mark_of(const Subpath& line) {
+  if (line.segments.size() != 1) return std::nullopt;
+  const auto* piece = std::get_if<QuadraticTo>(&line.segments.front());
+  if (piece == nullptr || piece->control != line.start || piece->end != line.start) return std::nullopt;
+  return line.start;
+}
+
+// Returns the box that two points at the beginning of a path span, if it begins so and is more than these.
+std::optional<Box> frame_of(const Curve& curve) {
+  const auto* path = std::get_if<Path>(&curve);
+  if (path == nullptr || path->subpaths.size() < 3) return std::nullopt;
+  const std::optional<Vector2d> first = mark_of(path->subpaths[0]);
+  const std::optional<Vector2d> second = mark_of(path->subpaths[1]);
+  if (!first || !second) return std::nullopt;
+  return Box{first->cwiseMin(*second), first->cwiseMax(*second)};
+}
+
 Status check_coordinate(double value, const std::string& field) {
   if (std::abs(value) <= kMaxCoordinateM) return Nothing{};  // false for NaN
   return invalid_argument("FIT_OUT_OF_RANGE",
@@ -140,8 +160,12 @@ Box extent(const Curve& curve) {
   return {box.min(), box.max()};
 }
 
+Box frame(const Curve& curve) {
+  return frame_of(curve).value_or(extent(curve));
+}
+
 Status fit_into(const Box& box, Curve& curve) {
-  const Box own = extent(curve);
+  const Box own = frame(curve);
   const Vector2d size = own.high - own.low;
   if (!(size.maxCoeff() >= kMinFitExtentM)) {
     return invalid_argument("CURVE_DEGENERATE", "the curve is smaller than 1e-9 m, too small to be fitted into a box",

@@ -10,6 +10,7 @@
 #include "server/core/cut/dash.h"
 #include "server/core/cut/element_path.h"
 #include "server/core/cut/fit.h"
+#include "server/core/cut/join.h"
 #include "server/core/cut/outline.h"
 #include "server/core/cut/path_scale.h"
 #include "server/core/cut/simplify.h"
@@ -181,6 +182,7 @@ Result<CutPlan> plan(const mesh::TriangleMesh& mesh, const CutRequest& request) 
   const double share = is_by_element ? kElementFlattening : plan.options.width_m ? kWidthFlattening : 1.0;
   const double flatness = share * scale.least_flattening();
   FlatCurve whole;
+  JoinOptions join{plan.options.join_m.value_or(0.0), 0.5 * plan.options.width_m.value_or(0.0), {}};
   if (request.view) {
     KERF_TRY_ASSIGN(ViewPath path,
                     project_onto_sheet(mesh, *request.positions, request.curve, *request.view, flatness));
@@ -194,7 +196,10 @@ Result<CutPlan> plan(const mesh::TriangleMesh& mesh, const CutRequest& request) 
       KERF_TRY(place(mesh, *request.options.fit, curve));
     }
     whole = flatten(curve, flatness);
+    join.kept_ends = kept_ends(curve);
   }
+  // Ends of lines on a picture are where sight lines end, and mean nothing on the sheet unless they are to be joined.
+  if (!request.view || plan.options.join_m) plan.joins = join_ends(mesh, scale, join, whole.strokes);
   KERF_TRY_ASSIGN(const FlatCurve flat, dashed(whole, plan.options.dash));
   const Box room = room_of(mesh, plan);
   ScaledCurve simplified;
@@ -207,7 +212,14 @@ Result<CutPlan> plan(const mesh::TriangleMesh& mesh, const CutRequest& request) 
   } else {
     const FlatCurve clipped = clip(flat, room);
     if (clipped.deviation_m > scale.least_tolerance()) return curve_too_long(clipped.deviation_m);
-    simplified = is_by_element ? element_path(mesh, clipped, scale) : simplify(clipped, scale);
+    if (is_by_element) {
+      simplified = element_path(mesh, clipped, scale);
+    } else if (plan.joins.joined_ends > 0) {
+      // Ends lie on the chords as they are.
+      simplified = {clipped, clipped.deviation_m / scale.least_tolerance()};
+    } else {
+      simplified = simplify(clipped, scale);
+    }
   }
   if (spaced_size(simplified.curve, plan.edge_length_m) > kMaxPathPoints) {
     return resource_exhausted("CUT_ELEMENT_BUDGET",

@@ -87,12 +87,10 @@ class OutlineFlattening {
 
   Result<mesh::OutlineConfig> run() {
     KERF_TRY(add_contours(source_.boundary, "outline.boundary"));
-    if (config_.contours.size() != 1) {
-      return invalid_argument("OUTLINE_BORDER",
-                              "the border must be one closed line, not " + std::to_string(config_.contours.size()) +
-                                  "; lines inside it are holes",
-                              "outline.boundary");
+    if (config_.contours.empty()) {
+      return invalid_argument("OUTLINE_BORDER", "the border must have a closed line", "outline.boundary");
     }
+    config_.num_border_contours = config_.contours.size();
     for (std::size_t i = 0; i < source_.holes.size(); ++i) {
       KERF_TRY(add_contours(source_.holes[i], indexed("outline.holes", i)));
     }

@@ -88,7 +88,7 @@ struct OutlineSizing {
 
 // A flat sheet of any outline; see core/mesh/build/outline_mesh.h.
 struct OutlineSource {
-  cut::Curve boundary;               // the border, one closed line
+  cut::Curve boundary;               // the border: closed lines, of panels and of holes in them
   std::vector<cut::Curve> holes;     // each of one or more closed lines; at most kMaxOutlineHoles
   double edge_length = 0.0;          // m, largest edge length, 1e-9..1e4; 0: 1/32 of the border's larger side
   std::vector<OutlineSizing> sizes;  // at most kMaxOutlineSizes

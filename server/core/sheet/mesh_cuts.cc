@@ -34,6 +34,13 @@ std::vector<std::string> warnings_of(const cut::CutReport& report, const std::ve
     warnings.push_back("seen nearly edge-on: the cut is up to " + millimetres(report.view_deviation_m) +
                        " off the sight lines");
   }
+  if (const cut::JoinReport& joins = report.joins; joins.near_ends > 0) {
+    warnings.push_back(std::to_string(joins.near_ends) +
+                       (joins.near_ends == 1 ? " end nearly meets" : " ends nearly meet") +
+                       " another line, a cut or the border and " + (joins.near_ends == 1 ? "stays" : "stay") +
+                       " open, " + (joins.near_ends == 1 ? "" : "the closest ") + millimetres(joins.nearest_end_m) +
+                       " away; join_m (--join) joins ends that are closer than it");
+  }
   if (report.refinement_stopped) warnings.emplace_back("refinement stopped early: some new triangles are flat");
   return warnings;
 }

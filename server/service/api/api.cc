@@ -16,6 +16,7 @@
 #include "server/service/api/access.h"
 #include "server/service/api/core.h"
 #include "server/service/api/watch_stream.h"
+#include "server/service/wire/drawing_codec.h"
 #include "server/service/wire/finite_check.h"
 #include "server/service/wire/json.h"
 #include "server/service/wire/material_codec.h"
@@ -95,6 +96,7 @@ std::vector<Method> json_methods(Api& api) {
       json_method("/kerf.v1.InteractionService/SetSheetMaterial", api, &Api::set_sheet_material),
       json_method("/kerf.v1.InteractionService/SetSheetSelfContact", api, &Api::set_sheet_self_contact),
       json_method("/kerf.v1.RenderService/RenderImage", api, &Api::render_image),
+      json_method("/kerf.v1.FileService/InspectDrawing", api, &Api::inspect_drawing),
       json_method("/kerf.v1.ServerService/GetServerInfo", api, &Api::get_server_info),
       json_method("/kerf.v1.AccessService/GetAccess", api, &Api::get_access),
       json_method("/kerf.v1.AccessService/CreateLink", api, &Api::create_link),
@@ -133,6 +135,10 @@ Api::~Api() {
   core_->file_worker.stop();
   core_->analysis_worker.stop();
   core_->store_worker.stop();
+}
+
+void Api::inspect_drawing(const v1::InspectDrawingRequest& request, Reply<v1::DrawingReport> reply) {
+  reply(catch_exceptions([&] { return wire::inspect_drawing(request); }));
 }
 
 void Api::get_server_info(const v1::GetServerInfoRequest& /*request*/, Reply<v1::ServerInfo> reply) {

@@ -48,6 +48,7 @@ class DeleteSheetRequest;
 class DeleteSetAsideSheetRequest;
 class DeleteStateRequest;
 class DragPointRequest;
+class DrawingReport;
 class ExportSheetRequest;
 class ExportSheetResponse;
 class GetAccessRequest;
@@ -57,6 +58,7 @@ class GetSheetRequest;
 class GetSheetStateRequest;
 class GetStoreInfoRequest;
 class GrabPointRequest;
+class InspectDrawingRequest;
 class InspectMeshRequest;
 class InteractionResponse;
 class ListCutsRequest;
@@ -285,6 +287,8 @@ class Api {
   void set_sheet_self_contact(const v1::SetSheetSelfContactRequest& request, Reply<v1::InteractionResponse> reply);
 
   void render_image(const v1::RenderImageRequest& request, Reply<v1::RenderImageResponse> reply);
+  // FileService. It reads nothing of the server.
+  void inspect_drawing(const v1::InspectDrawingRequest& request, Reply<v1::DrawingReport> reply);
   void get_server_info(const v1::GetServerInfoRequest& request, Reply<v1::ServerInfo> reply);
 
   // Without ApiOptions::store these are kFailedPrecondition NO_STORE.

@@ -3,9 +3,14 @@
 #include <array>
 #include <filesystem>
 #include <utility>
+#include <variant>
 
+#include "server/core/cut/fit.h"
+#include "server/service/drawing/inflate.h"
+#include "server/service/dxf/dxf.h"
 #include "server/service/svg/path_data.h"
 #include "server/service/svg/svg.h"
+#include "server/service/wire/drawing_codec.h"
 #include "server/service/wire/geometry_codec.h"
 #include "server/service/wire/integrator_codec.h"
 #include "server/service/wire/mesh_source_codec.h"
@@ -13,6 +18,8 @@
 
 namespace kerf::offline {
 namespace {
+
+constexpr std::size_t kLargeDxf = std::size_t{512} << 10;  // Bytes of a DXF file that is sent as it is, at most.
 
 template <typename Choice>
 struct NamedChoice {
@@ -132,11 +139,46 @@ Result<v1::PlyMesh> read_ply(Disk& disk, const std::string& path) {
   return mesh;
 }
 
-Result<v1::Svg> read_svg(Disk& disk, const std::string& path) {
-  KERF_TRY_ASSIGN(std::string text, disk.read_file(path, svg::kMaxTextBytes));
-  v1::Svg drawing;
-  drawing.set_text(std::move(text));
-  return drawing;
+Result<v1::Curve> read_drawing(Disk& disk, const std::string& path, const v1::DrawingReading& reading) {
+  KERF_TRY_ASSIGN(std::string content, disk.read_file(path, svg::kMaxFileBytes));
+  v1::Curve curve;
+  if (dxf::is_dxf(content)) {
+    // Compressed, the largest file fits into a request.
+    curve.mutable_dxf()->set_data(content.size() > kLargeDxf ? drawing::gzipped(content) : std::move(content));
+    if (reading.ByteSizeLong() > 0) *curve.mutable_dxf()->mutable_reading() = reading;
+    return curve;
+  }
+  KERF_TRY_ASSIGN(*curve.mutable_svg()->mutable_text(), svg::outline_text(content));
+  if (reading.ByteSizeLong() > 0) *curve.mutable_svg()->mutable_reading() = reading;
+  return curve;
+}
+
+Result<v1::DrawingReport> inspect_drawing(Disk& disk, const std::string& path, const v1::DrawingReading& reading) {
+  KERF_TRY_ASSIGN(v1::Curve curve, read_drawing(disk, path, reading));
+  v1::InspectDrawingRequest request;
+  if (curve.has_dxf()) {
+    *request.mutable_dxf() = std::move(*curve.mutable_dxf());
+  } else {
+    *request.mutable_svg() = std::move(*curve.mutable_svg());
+  }
+  return wire::inspect_drawing(request);
+}
+
+Result<DrawingSize> size_of_drawing(const v1::Curve& curve) {
+  KERF_TRY_ASSIGN(wire::DecodedCurve decoded, wire::decode_curve(curve, "cut.curve", {}));
+  DrawingSize size;
+  size.is_placed = decoded.is_placed;
+  const cut::Box fitted = cut::frame(decoded.curve);
+  size.fitted_width = fitted.high.x() - fitted.low.x();
+  size.fitted_height = fitted.high.y() - fitted.low.y();
+  if (auto* path = std::get_if<cut::Path>(&decoded.curve);
+      path != nullptr && (curve.svg().reading().fit_page() || curve.dxf().reading().fit_page())) {
+    path->subpaths.erase(path->subpaths.begin(), path->subpaths.begin() + 2);  // The corners of the page.
+  }
+  const cut::Box box = cut::extent(decoded.curve);
+  size.width = box.high.x() - box.low.x();
+  size.height = box.high.y() - box.low.y();
+  return size;
 }
 
 Result<v1::Path> parse_path(std::string_view data) {

@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "kerf/v1/files.pb.h"
 #include "kerf/v1/geometry.pb.h"
 #include "kerf/v1/scene.pb.h"
 #include "server/base/disk.h"
@@ -42,8 +43,23 @@ std::vector<std::string> solver_names();
 Result<v1::ObjMesh> read_obj(Disk& disk, const std::string& path);
 Result<v1::PlyMesh> read_ply(Disk& disk, const std::string& path);
 
-// Reads an SVG file, at most 512 KiB, without parsing it.
-Result<v1::Svg> read_svg(Disk& disk, const std::string& path);
+// Reads a drawing of at most 16 MiB, SVG or DXF, which its content tells, without parsing it. An SVG may be in any
+// encoding or compressed by gzip. Embedded pictures and fonts are left out; the rest has at most 512 KiB. Errors: those
+// of svg::outline_text().
+Result<v1::Curve> read_drawing(Disk& disk, const std::string& path, const v1::DrawingReading& reading);
+
+// Describes a drawing in a file. Errors: those of read_drawing() and wire::inspect_drawing().
+Result<v1::DrawingReport> inspect_drawing(Disk& disk, const std::string& path, const v1::DrawingReading& reading);
+
+struct DrawingSize {
+  double width = 0.0;          // m, box of the lines to cut, before the drawing is fitted.
+  double height = 0.0;         // m
+  double fitted_width = 0.0;   // m, box that a cut fits: of the lines, or of the page.
+  double fitted_height = 0.0;  // m
+  bool is_placed = false;      // The drawing keeps its size.
+};
+// Returns the size of a curve that is a drawing. Errors: those of wire::decode_curve().
+Result<DrawingSize> size_of_drawing(const v1::Curve& curve);
 
 // Parses SVG path data, with coordinates in metres and y up. A text without segments gives an empty path.
 // kInvalidArgument SVG_PATH: the message names the fault and its byte.

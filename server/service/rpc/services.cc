@@ -197,11 +197,13 @@ class Cuts final : public RawCuts {
   api::Api& api_;
 };
 
-using RawFiles = RawService<v1::FileService::Service, v1::FileService::WithRawCallbackMethod_InspectMesh>::type;
+using RawFiles = RawService<v1::FileService::Service, v1::FileService::WithRawCallbackMethod_InspectMesh,
+                            v1::FileService::WithRawCallbackMethod_InspectDrawing>::type;
 class Files final : public RawFiles {
  public:
   explicit Files(api::Api& api) : api_(api) {}
   KERF_UNARY(InspectMesh, inspect_mesh)
+  KERF_UNARY(InspectDrawing, inspect_drawing)
 
  private:
   api::Api& api_;

@@ -24,23 +24,6 @@ constexpr std::array<std::pair<std::string_view, double>, 10> kUnits{{
 
 }  // namespace
 
-std::string property(const pugi::xml_node& node, std::string_view name) {
-  std::string_view style = node.attribute("style").value();
-  std::string_view found;  // The last declaration counts.
-  while (!style.empty()) {
-    const std::size_t end = style.find(';');
-    const std::string_view declaration = style.substr(0, end);
-    const std::size_t colon = declaration.find(':');
-    if (colon != std::string_view::npos && trimmed(declaration.substr(0, colon)) == name) {
-      found = trimmed(declaration.substr(colon + 1));
-      found = trimmed(found.substr(0, found.find('!')));  // Cuts off "!important".
-    }
-    style = end == std::string_view::npos ? std::string_view() : style.substr(end + 1);
-  }
-  if (!found.empty()) return std::string(found);
-  return std::string(trimmed(node.attribute(std::string(name).c_str()).value()));
-}
-
 std::optional<double> parse_length(std::string_view text, double whole) {
   Scanner scanner(text);
   scanner.skip_blanks();

@@ -1,17 +1,12 @@
 #pragma once
 
 #include <optional>
-#include <string>
 #include <string_view>
 
 #include <Eigen/Core>
 #include <pugixml.hpp>
 
 namespace kerf::svg {
-
-// Returns a property from its declaration in the `style` attribute, else from the attribute of its name. Surrounding
-// blanks are removed; the result is empty if the element has neither.
-std::string property(const pugi::xml_node& node, std::string_view name);
 
 // Holds the sides of the nearest viewport, in user units. Percentages refer to these.
 struct Viewport {

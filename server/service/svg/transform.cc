@@ -39,6 +39,12 @@ std::optional<Affine> function_value(std::string_view name, const std::vector<do
   }
   if (name == "translate" && (count == 1 || count == 2)) return translation({n[0], count == 2 ? n[1] : 0.0});
   if (name == "scale" && (count == 1 || count == 2)) return linear_map(n[0], 0.0, 0.0, n[count - 1]);
+  if (name == "translateX" && count == 1) return translation({n[0], 0.0});
+  if (name == "translateY" && count == 1) return translation({0.0, n[0]});
+  if (name == "scaleX" && count == 1) return linear_map(n[0], 0.0, 0.0, 1.0);
+  if (name == "scaleY" && count == 1) return linear_map(1.0, 0.0, 0.0, n[0]);
+  if (name == "skew" && count == 1) return linear_map(1.0, tangent(n[0]), 0.0, 1.0);
+  if (name == "skew" && count == 2) return linear_map(1.0, tangent(n[0]), tangent(n[1]), 1.0);
   if (name == "rotate" && count == 1) return rotation(n[0]);
   if (name == "rotate" && count == 3) {
     const Vector2d about(n[1], n[2]);
@@ -46,6 +52,15 @@ std::optional<Affine> function_value(std::string_view name, const std::vector<do
   }
   if (name == "skewX" && count == 1) return linear_map(1.0, tangent(n[0]), 0.0, 1.0);
   if (name == "skewY" && count == 1) return linear_map(1.0, 0.0, tangent(n[0]), 1.0);
+  return std::nullopt;
+}
+
+// Returns the pixels or degrees of a unit.
+std::optional<double> unit_value(std::string_view unit) {
+  if (unit.empty() || unit == "px" || unit == "deg") return 1.0;
+  if (unit == "grad") return 0.9;
+  if (unit == "rad") return 57.29577951308232;
+  if (unit == "turn") return 360.0;
   return std::nullopt;
 }
 
@@ -57,8 +72,9 @@ std::optional<std::vector<double>> arguments(Scanner& scanner) {
   scanner.skip_blanks();
   while (!scanner.accept(')')) {
     const std::optional<double> number = scanner.number();
-    if (!number || numbers.size() == 6) return std::nullopt;
-    numbers.push_back(*number);
+    const std::optional<double> unit = number ? unit_value(scanner.word()) : std::nullopt;
+    if (!unit || numbers.size() == 6) return std::nullopt;
+    numbers.push_back(*number * *unit);
     scanner.skip_separator();
   }
   return numbers;
@@ -72,47 +88,7 @@ double alignment(std::string_view text, std::size_t at) {
   return word == "Max" ? 1.0 : 0.5;
 }
 
-// Builds one transformed subpath, segment by segment.
-class Mapper {
- public:
-  Mapper(const cut::Subpath& from, const Affine& map) : map_(map), at_(from.start) {
-    result_.start = map(from.start);
-    result_.closed = from.closed;
-    for (const cut::Segment& segment : from.segments) {
-      std::visit([this](const auto& each) { add(each); }, segment);
-    }
-  }
-  [[nodiscard]] cut::Subpath take() { return std::move(result_); }
-
- private:
-  void add(const cut::LineTo& line) {
-    result_.segments.emplace_back(cut::LineTo{map_(line.end)});
-    at_ = line.end;
-  }
-  void add(const cut::QuadraticTo& quadratic) {
-    result_.segments.emplace_back(cut::QuadraticTo{map_(quadratic.control), map_(quadratic.end), quadratic.weights});
-    at_ = quadratic.end;
-  }
-  void add(const cut::CubicTo& cubic) {
-    result_.segments.emplace_back(
-        cut::CubicTo{{map_(cubic.controls[0]), map_(cubic.controls[1])}, map_(cubic.end), cubic.weights});
-    at_ = cubic.end;
-  }
-  void add(const cut::ArcTo& arc) {
-    const cut::ArcPieces pieces = cut::arc_pieces(at_, arc);
-    for (const cut::QuadraticTo& piece : pieces.segments) add(piece);
-  }
-
-  const Affine& map_;
-  Vector2d at_;  // The current point before the map.
-  cut::Subpath result_;
-};
-
 }  // namespace
-
-Affine translation(const Vector2d& by) {
-  return {Matrix2d::Identity(), by};
-}
 
 std::optional<Affine> parse_transform(std::string_view text) {
   Scanner scanner(text);
@@ -127,6 +103,28 @@ std::optional<Affine> parse_transform(std::string_view text) {
     scanner.skip_separator();
   }
   return map;
+}
+
+std::optional<Vector2d> parse_origin(std::string_view text, const Viewport& viewport) {
+  Vector2d origin = 0.5 * viewport.size;
+  int axis = 0;
+  for (std::string_view rest = trimmed(text); !rest.empty(); ++axis) {
+    const std::size_t end = rest.find_first_of(" \t\n\r\f");
+    const std::string_view word = rest.substr(0, end);
+    rest = end == std::string_view::npos ? std::string_view() : trimmed(rest.substr(end));
+    if (axis == 2) return std::nullopt;
+    if (word == "center") continue;
+    if (word == "left" || word == "right") {
+      origin.x() = word == "left" ? 0.0 : viewport.width();
+    } else if (word == "top" || word == "bottom") {
+      origin.y() = word == "top" ? 0.0 : viewport.height();
+    } else {
+      const std::optional<double> length = parse_length(word, viewport.size[axis]);
+      if (!length) return std::nullopt;
+      origin[axis] = *length;
+    }
+  }
+  return origin;
 }
 
 std::optional<Rectangle> parse_view_box(std::string_view text) {
@@ -158,10 +156,6 @@ Affine view_box_transform(const Rectangle& view_box, const Rectangle& viewport, 
   map.linear = scale.asDiagonal();
   map.shift = viewport.corner + share.cwiseProduct(room) - scale.cwiseProduct(view_box.corner);
   return map;
-}
-
-cut::Subpath transformed(const cut::Subpath& subpath, const Affine& map) {
-  return Mapper(subpath, map).take();
 }
 
 }  // namespace kerf::svg

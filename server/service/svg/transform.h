@@ -5,25 +5,23 @@
 
 #include <Eigen/Core>
 
-#include "server/core/cut/curve.h"
+#include "server/service/drawing/affine.h"
+#include "server/service/svg/attributes.h"
 
 namespace kerf::svg {
 
-// Maps x to linear x + shift.
-struct Affine {
-  Eigen::Matrix2d linear = Eigen::Matrix2d::Identity();
-  Eigen::Vector2d shift = Eigen::Vector2d::Zero();
+using drawing::Affine;
+using drawing::transformed;
+using drawing::translation;
 
-  [[nodiscard]] Eigen::Vector2d operator()(const Eigen::Vector2d& point) const { return linear * point + shift; }
-  // Returns the composition that applies `inner` first.
-  [[nodiscard]] Affine operator*(const Affine& inner) const { return {linear * inner.linear, (*this)(inner.shift)}; }
-};
-
-Affine translation(const Eigen::Vector2d& by);
-
-// Parses a transform attribute: matrix, translate, scale, rotate, skewX and skewY. The last one is applied to points
-// first. Returns nothing if it is malformed.
+// Parses a transform attribute or property: matrix, translate, scale, rotate, skewX and skewY, and the forms of CSS for
+// one axis. Numbers may have the units px, deg, grad, rad or turn. The last one is applied to points first. Returns
+// nothing if it is malformed.
 std::optional<Affine> parse_transform(std::string_view text);
+
+// Parses transform-origin: lengths, percentages of the viewport, or names of its sides. Returns nothing if it is
+// malformed.
+std::optional<Eigen::Vector2d> parse_origin(std::string_view text, const Viewport& viewport);
 
 // Holds a rectangle in user units, with y pointing down.
 struct Rectangle {
@@ -37,9 +35,5 @@ std::optional<Rectangle> parse_view_box(std::string_view text);
 // Maps coordinates of a view box to those of the viewport that shows it, according to preserveAspectRatio. A malformed
 // ratio counts as the default, xMidYMid meet. The sides of both rectangles must be > 0.
 Affine view_box_transform(const Rectangle& view_box, const Rectangle& viewport, std::string_view aspect_ratio);
-
-// Returns the transformed subpath. Arcs become rational quadratic segments, which an affine map keeps exact. Arcs
-// between equal points are dropped, which may leave the subpath empty.
-cut::Subpath transformed(const cut::Subpath& subpath, const Affine& map);
 
 }  // namespace kerf::svg

@@ -4,9 +4,10 @@
 #include <array>
 #include <utility>
 
+#include "server/service/svg/css_scanner.h"
+#include "server/service/svg/layer_names.h"
 #include "server/service/svg/scanner.h"
 #include "server/service/svg/shapes.h"
-#include "server/service/svg/svg.h"
 
 namespace kerf::svg {
 namespace {
@@ -19,20 +20,22 @@ bool contains(const std::array<std::string_view, count>& names, std::string_view
 }
 
 // Elements that are neither drawn nor reported: they hold references, descriptions or paint.
-constexpr std::array<std::string_view, 15> kSilent{
+constexpr std::array<std::string_view, 16> kSilent{
     "defs",   "title",  "desc", "metadata", "linearGradient", "radialGradient", "stop",   "symbol",
-    "marker", "cursor", "view", "pattern",  "clipPath",       "mask",           "filter",
+    "marker", "cursor", "view", "pattern",  "clipPath",       "mask",           "filter", "style",
 };
 // Elements that a viewer draws, or that change its drawing, but without an outline; they are reported.
-constexpr std::array<std::string_view, 13> kReported{
-    "text",         "image",    "foreignObject", "script",           "style",
-    "switch",       "flowRoot", "animate",       "animateTransform", "animateMotion",
-    "animateColor", "textPath", "set",
+constexpr std::array<std::string_view, 11> kReported{
+    "text",          "image",        "foreignObject", "script", "flowRoot", "animate", "animateTransform",
+    "animateMotion", "animateColor", "textPath",      "set",
 };
 // Properties that hide part of an outline or add to it.
-constexpr std::array<std::string_view, 7> kReferences{
-    "clip-path", "mask", "filter", "marker", "marker-start", "marker-mid", "marker-end",
+constexpr std::array<Property, 7> kReferences{
+    Property::kClipPath,    Property::kMask,      Property::kFilter,    Property::kMarker,
+    Property::kMarkerStart, Property::kMarkerMid, Property::kMarkerEnd,
 };
+constexpr double kPixelM = 0.0254 / 96.0;
+constexpr int kMaxGroupDepth = 256;  // Layers, classes and ids around a shape that can choose it.
 
 Error too_complex(const std::string& what) {
   return resource_exhausted("SVG_TOO_COMPLEX", "the drawing has " + what + "; simplify it", "cut.curve.svg");
@@ -54,28 +57,54 @@ std::string reference_in(const std::string& value) {
 
 }  // namespace
 
-Walk::Walk(const pugi::xml_node& root, const Affine& to_sheet) : root_(root), to_sheet_(to_sheet) {
+Walk::Walk(const pugi::xml_node& root, const ReadOptions& options) : root_(root), with_dashes_(options.dashes) {
   const std::string_view name = root.name();
   const std::size_t colon = name.find(':');
   if (colon != std::string_view::npos) prefix_ = std::string(name.substr(0, colon + 1));
+  drawing_.format = "SVG";
+  lay_out(options);
+}
+
+void Walk::lay_out(const ReadOptions& options) {
+  // Without width and height the outermost viewport is as large as the view box, or 300 x 150 as in HTML.
+  const std::optional<Rectangle> view_box = parse_view_box(root_.attribute("viewBox").value());
+  const bool has_box = view_box && view_box->size.minCoeff() > 0.0;
+  const Vector2d natural = has_box ? view_box->size : Vector2d(300.0, 150.0);
+  const std::optional<double> width = parse_length(root_.attribute("width").value(), natural.x());
+  const std::optional<double> height = parse_length(root_.attribute("height").value(), natural.y());
+  root_size_ = {width.value_or(natural.x()), height.value_or(natural.y())};
+  // A single side keeps the proportions of the view box.
+  if (has_box && width && !height) root_size_.y() = *width * natural.y() / natural.x();
+  if (has_box && height && !width) root_size_.x() = *height * natural.x() / natural.y();
+  pixel_ = kPixelM;
+  if (options.unit > 0.0) {
+    pixel_ = options.unit;
+    if (has_box && root_size_.minCoeff() > 0.0) {
+      const Affine map =
+          view_box_transform(*view_box, {{0.0, 0.0}, root_size_}, root_.attribute("preserveAspectRatio").value());
+      pixel_ = options.unit / map.linear(0, 0);
+    }
+  }
+  to_sheet_.linear = Vector2d(pixel_, -pixel_).asDiagonal();
+  if (!(has_box || (width && height)) || !(root_size_.minCoeff() > 0.0)) return;
+  drawing_.page = cut::Box{to_sheet_(Vector2d(0.0, root_size_.y())), to_sheet_(Vector2d(root_size_.x(), 0.0))};
+  const double slack = 1.0e-6 * root_size_.maxCoeff();
+  canvas_.extend(to_sheet_(Vector2d(-slack, -slack)));
+  canvas_.extend(to_sheet_(Vector2d(root_size_ + Vector2d::Constant(slack))));
 }
 
 Status Walk::run() {
-  KERF_TRY(index_ids());
+  KERF_TRY(index());
+  cascade_.emplace(rules_);
   Context context;
   context.to_sheet = to_sheet_;
-  // Without width and height the outermost viewport is as large as the view box, or 300 x 150 as in HTML.
-  const std::optional<Rectangle> view_box = parse_view_box(root_.attribute("viewBox").value());
-  const Vector2d natural = view_box && view_box->size.minCoeff() > 0.0 ? view_box->size : Vector2d(300.0, 150.0);
-  context.viewport.size = natural;
-  const Vector2d size(length_of(root_, "width", natural.x(), natural.x()),
-                      length_of(root_, "height", natural.y(), natural.y()));
-  if (view_box || (root_.attribute("width") && root_.attribute("height"))) {
-    const double slack = 1.0e-6 * size.maxCoeff();
-    canvas_.extend(to_sheet_(Vector2d(-slack, -slack)));
-    canvas_.extend(to_sheet_(Vector2d(size + Vector2d::Constant(slack))));
-  }
+  context.viewport.size = root_size_;
   return visit(root_, context);
+}
+
+drawing::Drawing Walk::take_drawing() {
+  drawing_.not_cut = not_cut();
+  return std::move(drawing_);
 }
 
 std::string_view Walk::name_of(const pugi::xml_node& node) const {
@@ -93,12 +122,14 @@ pugi::xml_node Walk::target_of(const std::string& reference) const {
 }
 
 // Avoids recursion, because nothing has bounded the depth yet.
-Status Walk::index_ids() {
+Status Walk::index() {
   int count = 0;
   int depth = 0;
   for (pugi::xml_node node = root_; node;) {
     if (++count > kMaxElements) return too_complex("more than " + std::to_string(kMaxElements) + " elements");
     if (const pugi::xml_attribute id = node.attribute("id")) ids_.emplace(id.value(), node);
+    if (name_of(node) == "style") index_style(node);
+    has_inkscape_layers_ = has_inkscape_layers_ || is_inkscape_layer(node);
     if (node.first_child()) {
       node = node.first_child();
       if (++depth > kMaxDepth) return too_deep();
@@ -111,7 +142,18 @@ Status Walk::index_ids() {
     if (node == root_) break;
     node = node.next_sibling();
   }
+  if (rules_.too_many) return too_complex("more than " + std::to_string(kMaxCssSelectors) + " selectors in its style");
+  for (int i = 0; i < rules_.imports; ++i) report("external style sheet");
   return Nothing{};
+}
+
+void Walk::index_style(const pugi::xml_node& node) {
+  const std::string type = lower(trimmed(node.attribute("type").value()));
+  std::string text;
+  for (const pugi::xml_node& child : node.children()) text += child.value();
+  if (trimmed(text).empty() || !applies_to_screen(node.attribute("media").value())) return;
+  if (!type.empty() && type != "text/css") return report("style sheet");
+  parse_style_sheet(text, rules_);
 }
 
 // Counts every visit, so elements repeated by `use` count each time.
@@ -131,47 +173,64 @@ Status Walk::visit(const pugi::xml_node& node, const Context& inherited) {
   if (name.empty() || contains(kSilent, name)) return Nothing{};
   Context context = inherited;
   ++context.depth;
-  if (property(node, "display") == "none") return Nothing{};
-  const std::string visibility = property(node, "visibility");
-  if (!visibility.empty() && visibility != "inherit") context.visible = visibility == "visible";
-  if (!enter(node, context)) return Nothing{};
-  report_references(node);
+  KERF_TRY_ASSIGN(const Declared declared, cascade_->declared(node));
+  apply(declared, context.style);
+  KERF_TRY(enter_groups(node, context));
+  if (!enter(declared, context)) return Nothing{};
+  if (context.style.is_shown) report_references(declared);
   open_.push_back(node);
-  const Status status = visit_shown(node, name, context);
+  const Status status = visit_content(node, name, declared, context);
   open_.pop_back();
   return status;
 }
 
-bool Walk::enter(const pugi::xml_node& node, Context& context) {
-  if (property(node, "transform") != trimmed(node.attribute("transform").value())) {
-    report("element with a transform in its style");
-    return false;
-  }
-  const pugi::xml_attribute attribute = node.attribute("transform");
-  if (!attribute) return true;
-  const std::optional<Affine> map =
-      trimmed(attribute.value()) == "none" ? Affine() : parse_transform(attribute.value());
+Status Walk::enter_groups(const pugi::xml_node& node, Context& context) {
+  const auto add = [&](std::string selector) {
+    if (context.group_depth >= kMaxGroupDepth) return;
+    drawing_.groups.push_back({std::move(selector), context.group});
+    context.group = static_cast<int>(drawing_.groups.size()) - 1;
+    ++context.group_depth;
+  };
+  for (const std::string& layer : layer_names(node, root_, has_inkscape_layers_)) add("layer=" + layer);
+  const std::string_view id = node.attribute("id").value();
+  if (!id.empty()) add("#" + std::string(id));
+  for_each_word(node.attribute("class").value(), [&](std::string_view word) { add("." + std::string(word)); });
+  if (drawing_.groups.size() <= kMaxGroups) return Nothing{};
+  return too_complex("more than " + std::to_string(kMaxGroups) + " classes and ids");
+}
+
+bool Walk::enter(const Declared& declared, Context& context) {
+  const std::string& transform = declared[Property::kTransform];
+  if (transform.empty() || transform == "none") return true;
+  const std::optional<Affine> map = parse_transform(transform);
   if (!map) {
-    report("element with a transform that cannot be read");
+    if (context.style.is_shown) report("element with a transform that cannot be read");
     return false;
   }
-  context.to_sheet = context.to_sheet * *map;
+  const std::string& origin = declared[Property::kTransformOrigin];
+  if (origin.empty()) {
+    context.to_sheet = context.to_sheet * *map;
+    return true;
+  }
+  const std::optional<Vector2d> about = parse_origin(origin, context.viewport);
+  const std::string& box = declared[Property::kTransformBox];
+  if (!about || (!box.empty() && box != "view-box")) {
+    if (context.style.is_shown) report("element with a transform about a point that cannot be read");
+    return false;
+  }
+  context.to_sheet = context.to_sheet * (translation(*about) * *map * translation(-*about));
   return true;
 }
 
-Status Walk::visit_shown(const pugi::xml_node& node, std::string_view name, const Context& context) {
+Status Walk::visit_content(const pugi::xml_node& node, std::string_view name, const Declared& declared,
+                           const Context& context) {
   if (name == "g" || name == "a") return visit_children(node, context);
   if (name == "svg") return visit_viewport(node, node, context);
   if (name == "use") return visit_use(node, context);
   if (name == "switch") return visit_switch(node, context);
-  if (is_shape(name)) return context.visible ? add_shape(node, name, context) : Nothing{};
-  if (name == "style") {
-    if (!trimmed(node.child_value()).empty()) report("style sheet");
-  } else if (contains(kReported, name)) {
-    report(std::string(name) + " element");
-  } else {
-    report("unknown element");
-  }
+  if (is_shape(name)) return add_shape(node, name, declared, context);
+  if (!context.style.is_shown) return Nothing{};
+  report(contains(kReported, name) ? std::string(name) + " element" : "unknown element");
   return Nothing{};
 }
 
@@ -201,8 +260,9 @@ Status Walk::visit_viewport(const pugi::xml_node& node, const pugi::xml_node& si
   const auto side = [&](const char* name, double whole) {
     return length_of(sized_by, name, whole, length_of(node, name, whole, whole));
   };
-  Rectangle viewport{{0.0, 0.0}, {side("width", outer.x()), side("height", outer.y())}};
+  Rectangle viewport{{0.0, 0.0}, root_size_};
   if (node != root_) {
+    viewport.size = {side("width", outer.x()), side("height", outer.y())};
     viewport.corner = {length_of(node, "x", outer.x(), 0.0), length_of(node, "y", outer.y(), 0.0)};
   }
   if (!(viewport.size.minCoeff() > 0.0)) return Nothing{};  // An empty viewport shows nothing.
@@ -241,7 +301,9 @@ Status Walk::visit_use(const pugi::xml_node& node, const Context& context) {
   const std::string_view name = name_of(target);
   if (name != "symbol" && name != "svg") return visit(target, inner);
   if (inner.depth > kMaxDepth) return too_deep();
-  if (property(target, "display") == "none") return Nothing{};
+  KERF_TRY_ASSIGN(const Declared declared, cascade_->declared(target));
+  apply(declared, inner.style);
+  KERF_TRY(enter_groups(target, inner));
   ++inner.depth;
   open_.push_back(target);
   const Status status = visit_viewport(target, node, inner);
@@ -249,61 +311,16 @@ Status Walk::visit_use(const pugi::xml_node& node, const Context& context) {
   return status;
 }
 
-void Walk::report_references(const pugi::xml_node& node) {
-  for (const std::string_view name : kReferences) {
-    const std::string value = property(node, name);
-    if (!value.empty() && value != "none" && value != "inherit") report("reference to a " + std::string(name));
+void Walk::report_references(const Declared& declared) {
+  for (const Property property : kReferences) {
+    const std::string& value = declared[property];
+    if (value.empty() || value == "none" || value == "inherit") continue;
+    report("reference to a " + std::string(kPropertyNames[static_cast<std::size_t>(property)]));
   }
-  for (const char* paint : {"fill", "stroke"}) {
-    const pugi::xml_node painted = target_of(reference_in(property(node, paint)));
+  for (const Property paint : {Property::kFill, Property::kStroke}) {
+    const pugi::xml_node painted = target_of(reference_in(declared[paint]));
     if (painted && name_of(painted) == "pattern") report("reference to a pattern");
   }
-}
-
-Status Walk::add_shape(const pugi::xml_node& node, std::string_view name, const Context& context) {
-  PathData outline = outline_of(node, name, context.viewport, cut::kMaxPathSegments);
-  if (!outline.error.empty()) {
-    report(std::string(name) + " with an error in its data, cut up to it");
-    if (first_path_error_.empty()) first_path_error_ = outline.error;
-  }
-  const Affine& map = context.to_sheet;
-  if (map.linear.determinant() == 0.0) return Nothing{};  // A singular map shows nothing.
-  for (const cut::Subpath& subpath : outline.subpaths) {
-    cut::Subpath placed = transformed(subpath, map);
-    if (placed.segments.empty()) continue;
-    num_segments_ += placed.segments.size();
-    if (num_segments_ > cut::kMaxPathSegments) {
-      return invalid_argument("CURVE_TOO_LONG",
-                              "the drawing has more than " + std::to_string(cut::kMaxPathSegments) +
-                                  " segments; simplify it or cut parts of it",
-                              "cut.curve.svg");
-    }
-    if (!canvas_.isEmpty()) {
-      beyond_ = beyond_ || !canvas_.contains(placed.start);
-      for (const cut::Segment& segment : placed.segments) {
-        const Vector2d end = std::visit([](const auto& each) { return each.end; }, segment);
-        beyond_ = beyond_ || !canvas_.contains(end);
-      }
-    }
-    path_.subpaths.push_back(std::move(placed));
-  }
-  return Nothing{};
-}
-
-std::vector<std::string> Walk::not_cut() const {
-  std::vector<std::string> lines;
-  for (const auto& [kind, count] : kinds_) {
-    std::string line = "SVG: " + std::to_string(count) + " x " + kind;
-    if (kind.find("in its data") != std::string::npos) {
-      line += " (the first at " + first_path_error_ + ")";
-    } else {
-      line += kind.find("reference") == 0 || kind == "style sheet" || kind.find("viewBox") == 0 ? ": not applied"
-                                                                                                : ": not cut";
-    }
-    lines.push_back(std::move(line));
-  }
-  if (beyond_) lines.emplace_back("SVG: it reaches beyond its viewport; nothing was clipped");
-  return lines;
 }
 
 }  // namespace kerf::svg

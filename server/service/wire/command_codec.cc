@@ -123,7 +123,8 @@ Result<cut::Fit> decode_fit(const v1::MaterialBox& message) {
 
 // Decodes a cut without validating it.
 Result<scene::Cut> read_cut(const v1::Cut& message, const FileReader& read_file) {
-  KERF_TRY_ASSIGN(DecodedCurve decoded, decode_curve(message.curve(), "cut.curve", read_file));
+  // Dashes of the cut replace those of a drawing.
+  KERF_TRY_ASSIGN(DecodedCurve decoded, decode_curve(message.curve(), "cut.curve", read_file, message.dash().empty()));
   scene::Cut cut;
   cut.curve = std::move(decoded.curve);
   cut.remarks = std::move(decoded.remarks);
@@ -132,9 +133,13 @@ Result<scene::Cut> read_cut(const v1::Cut& message, const FileReader& read_file)
   if (message.tolerance() != 0.0) options.tolerance = message.tolerance();
   if (message.min_angle_deg() != 0.0) options.min_angle_deg = message.min_angle_deg();
   if (message.max_new_triangles() != 0) options.max_new_triangles = message.max_new_triangles();
+  if (message.has_fit() && decoded.is_placed) {
+    return invalid_argument("OPTIONS_CONFLICT", "cut.fit and true_size both place the drawing; leave one of them out",
+                            "cut.fit");
+  }
   if (message.has_fit()) {
     KERF_TRY_ASSIGN(options.fit, decode_fit(message.fit()));
-  } else if (decoded.is_drawing) {
+  } else if (decoded.is_drawing && !decoded.is_placed) {
     options.fit = cut::Fit{};
   }
   options.dash = {{message.dash().begin(), message.dash().end()}, message.dash_offset()};
@@ -148,6 +153,7 @@ Result<scene::Cut> read_cut(const v1::Cut& message, const FileReader& read_file)
   if (message.tip_grading() != 0.0) options.tip_grading = message.tip_grading();
   if (message.has_relax()) options.relax = message.relax();
   if (message.width_m() != 0.0) options.width_m = message.width_m();
+  if (message.join_m() != 0.0) options.join_m = message.join_m();
   return cut;
 }
 
@@ -166,6 +172,7 @@ v1::Cut encode_cut(const scene::Cut& cut) {
   message.set_tip_grading(options.tip_grading);
   message.set_relax(options.relax);
   if (options.width_m) message.set_width_m(*options.width_m);
+  if (options.join_m) message.set_join_m(*options.join_m);
   if (options.fit) {
     v1::MaterialBox& box = *message.mutable_fit();
     if (options.fit->box) {

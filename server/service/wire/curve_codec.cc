@@ -4,7 +4,7 @@
 #include <utility>
 #include <variant>
 
-#include "server/service/svg/svg.h"
+#include "server/service/wire/drawing_codec.h"
 #include "server/service/wire/geometry_codec.h"
 
 // Converts kerf.v1.Curve.
@@ -79,12 +79,6 @@ Result<cut::Path> decode_path(const v1::Path& message, const std::string& path) 
   return result;
 }
 
-Result<DecodedCurve> decode_svg(const v1::Svg& message, const std::string& path, const FileReader& read_file) {
-  KERF_TRY_ASSIGN(const std::string text, read_content({message.text(), message.file()}, read_file, "SVG", path));
-  KERF_TRY_ASSIGN(svg::Drawing drawing, svg::read(text));
-  return DecodedCurve{std::move(drawing.path), std::move(drawing.not_cut), true};
-}
-
 template <std::size_t count, typename Message>
 void encode_weights(const std::array<double, count>& weights, Message& message) {
   const bool all_equal = std::all_of(weights.begin(), weights.end(), [](double weight) { return weight == 1.0; });
@@ -154,7 +148,8 @@ void encode(const cut::Path& path, v1::Curve& message) {
 
 }  // namespace
 
-Result<DecodedCurve> decode_curve(const v1::Curve& curve, const std::string& path, const FileReader& read_file) {
+Result<DecodedCurve> decode_curve(const v1::Curve& curve, const std::string& path, const FileReader& read_file,
+                                  bool dashes) {
   switch (curve.kind_case()) {
     case v1::Curve::kBezier:
       return DecodedCurve{cut::CubicBezier{decode_points(curve.bezier().points())}, {}, false};
@@ -173,13 +168,13 @@ Result<DecodedCurve> decode_curve(const v1::Curve& curve, const std::string& pat
       return DecodedCurve{std::move(decoded), {}, false};
     }
     case v1::Curve::kSvg:
-      return decode_svg(curve.svg(), path + ".svg", read_file);
+      return decode_drawing(curve.svg(), path + ".svg", read_file, dashes);
     case v1::Curve::kDxf:
-      return invalid_argument("DXF_MALFORMED", "DXF drawings are not read here; give the drawing as SVG", path + ".dxf");
+      return decode_drawing(curve.dxf(), path + ".dxf", read_file);
     case v1::Curve::KIND_NOT_SET:
       break;
   }
-  return choice_missing(path, "bezier, polyline, circle, ellipse, path or svg");
+  return choice_missing(path, "bezier, polyline, circle, ellipse, path, svg or dxf");
 }
 
 void encode_curve(const cut::Curve& curve, v1::Curve& message) {

@@ -36,12 +36,14 @@ Result<std::string> read_content(ContentOrFile from, const FileReader& read_file
 struct DecodedCurve {
   cut::Curve curve;
   std::vector<std::string> remarks;  // Parts of a drawing that are not in the curve.
-  bool is_drawing = false;           // The curve has no place of its own on the sheet, and is fitted to it.
+  bool is_drawing = false;           // The curve is a drawing, which is fitted to the sheet unless it is placed.
+  bool is_placed = false;            // The drawing has its true size and place.
 };
 
-// Decodes a curve without validating it. Errors: no kind chosen (CHOICE_MISSING, field `path`), weights not as many as
-// points (LENGTH_MISMATCH), and those of converting a drawing: svg::read(), read_content() with kind SVG.
-Result<DecodedCurve> decode_curve(const v1::Curve& curve, const std::string& path, const FileReader& read_file);
+// Decodes a curve without validating it. `dashes`: dashed strokes of a drawing become dashes. Errors: no kind chosen
+// (CHOICE_MISSING, field `path`), weights not as many as points (LENGTH_MISMATCH), and those of decode_drawing().
+Result<DecodedCurve> decode_curve(const v1::Curve& curve, const std::string& path, const FileReader& read_file,
+                                  bool dashes = false);
 // Encodes a curve; a drawing becomes its path.
 void encode_curve(const cut::Curve& curve, v1::Curve& message);
 

@@ -73,7 +73,7 @@ std::int64_t parts_of(const scene::Command& command) {
 
 // True if the command has a drawing. Recordings hold paths only, and a short drawing may unfold into a very long path.
 bool has_drawing(const v1::Command& command) {
-  const auto is_drawn = [](const v1::Cut& cut) { return cut.curve().has_svg(); };
+  const auto is_drawn = [](const v1::Cut& cut) { return cut.curve().has_svg() || cut.curve().has_dxf(); };
   const auto& batch = command.cut_batch().cuts();
   return is_drawn(command.cut()) || std::any_of(batch.begin(), batch.end(), is_drawn);
 }
@@ -86,7 +86,7 @@ Result<sheet::RecordedTick> decode_tick(const v1::RecordedTick& message, std::si
     if (has_drawing(message.commands(i))) {
       return recording_damage(
           "RECORDING_DAMAGED", offset,
-          "command " + std::to_string(i) + " holds an SVG; a recording must hold the path made from it");
+          "command " + std::to_string(i) + " holds a drawing; a recording must hold the path made from it");
     }
     Result<scene::Command> command = decode_command(message.commands(i));
     if (!command.ok()) {

@@ -60,6 +60,10 @@ v1::CutResult encode_cut_result(const scene::CommandReply& reply, const scene::C
   result.set_closed_gaps(report.closed_gaps);
   result.set_widest_gap_m(report.widest_gap_m);
   result.set_merged_segments(report.merged_segments);
+  result.set_joined_ends(report.joins.joined_ends);
+  result.set_widest_join_m(report.joins.widest_join_m);
+  result.set_near_ends(report.joins.near_ends);
+  result.set_nearest_end_m(report.joins.nearest_end_m);
   result.set_state_hash(encode_hash(reply.state_hash));
   for (const std::string& warning : cut.warnings) result.add_warnings(warning);
   for (const cut::ViewLayer& layer : report.layers) {

@@ -17,6 +17,7 @@ CALLS = {
     "export": "export still --out {work}/still.obj",
     "images": "images still --out {work}/film --size 64x64 --count 1",
     "info": "info",
+    "inspect": "inspect {work}/ring.svg",
     "load": "load --grid 4x4 --duration 0.2",
     "open": "open still",
     "pieces": "pieces still",
@@ -76,6 +77,7 @@ def commands(*before):
 class Json(Case):
     def test_every_command_answers_with_json(self):
         scene_file("small.json")
+        pathlib.Path(path("ring.svg")).write_text('<svg xmlns="http://www.w3.org/2000/svg"><circle r="40"/></svg>')
         self.json_of("sheet", "create", "still", "--grid", "6x6")
         self.json_of("sheet", "create", "live", "--grid", "6x6")
         everything = commands()

@@ -55,6 +55,57 @@ class Curves(Case):
         half_disc = sorted(self.sheet.pieces(), key=lambda piece: piece.area_m2)[1]
         self.assertLess(half_disc.centroid.y, 0.7)
 
+    def test_drawings_are_read_as_asked(self):
+        drawing = ('<svg xmlns="http://www.w3.org/2000/svg" width="200mm" height="100mm" viewBox="0 0 200 100"><g id="Cut">'
+                   '<circle class="a" cx="50" cy="50" r="20" stroke="red"/></g><circle cx="150" cy="50" r="20" stroke="blue"/>'
+                   '<path d="M0 0H1" fill="none"/></svg>')
+        for reading, pieces in (({}, 3), ({"only": "stroke=red"}, 2), ({"only": ["layer=Cut"], "fit_page": True}, 2),
+                                ({"true_size": True, "at": (0.3, 0.3)}, 3), ({"only": ".a", "unit_m": 1e-3}, 2)):
+            with self.subTest(reading):
+                self.assertEqual(self.sheet.cut(kerf.svg(drawing, **reading)).pieces, pieces)
+                self.sheet.undo()
+        with self.assertRaises(kerf.InvalidArgument) as refused:
+            self.sheet.cut(kerf.svg(drawing, only="stroke=pink"))
+        self.assertEqual(refused.exception.reason, "SELECTOR_UNMATCHED")
+        self.assertIn("stroke=blue", str(refused.exception))
+        with self.assertRaisesRegex(TypeError, "no option 'colour'"):
+            kerf.svg(drawing, colour="red")
+
+    def test_drawings_come_in_any_encoding(self):
+        import gzip
+        text = '<svg xmlns="http://www.w3.org/2000/svg"><circle id="Gr\u00f6\u00dfe" r="40"/></svg>'
+        picture = '<image href="data:image/png;base64,' + "A" * 1_500_000 + '"/>'
+        for content in (text, text.encode(), text.encode("utf-8-sig"), text.encode("iso-8859-1"), text.encode("utf-16"),
+                        gzip.compress(text.encode()), text.replace("<circle", picture + "<circle").encode()):
+            curve = kerf.svg(content, only="#Gr\u00f6\u00dfe")
+            self.assertLess(curve.ByteSize(), 1000)
+            self.sheet.cut(curve, fit=(0.1, 0.1, 0.3, 0.3))
+            self.sheet.undo()
+        broken = kerf.svg(b"\x1f\x8bno gzip")
+        with self.assertRaises(kerf.InvalidArgument) as refused:
+            self.sheet.cut(broken)
+        self.assertEqual(refused.exception.reason, "SVG_MALFORMED")
+
+    def test_dxf(self):
+        groups = "0 SECTION 2 HEADER 9 $INSUNITS 70 4 0 ENDSEC 0 SECTION 2 ENTITIES 0 CIRCLE 8 Cut 10 100 20 100 40 50 0 ENDSEC 0 EOF"
+        drawing = ("\n".join(groups.split()) + "\n").encode()
+        result = self.sheet.cut(kerf.dxf(drawing, true_size=True, at=(0.2, 0.2)))
+        self.assertEqual(result.pieces, 2)
+        disc = min(self.sheet.pieces(), key=lambda piece: piece.area_m2)
+        self.assertAlmostEqual(disc.centroid.x, 0.3, delta=1e-3)
+        pathlib.Path(path("disc.dxf")).write_bytes(drawing)
+        self.assertEqual(self.sheet.cut(kerf.dxf_file(path("disc.dxf")), fit=(0.6, 0.6, 0.7, 0.7)).pieces, 3)
+
+    def test_ends_are_joined(self):
+        gap = kerf.polyline((0.3, 0.3), (0.7, 0.3), (0.7, 0.7), (0.3, 0.7), (0.3, 0.301))
+        open_one = self.sheet.cut(gap)
+        self.assertEqual((open_one.pieces, open_one.near_ends), (1, 2))
+        self.assertAlmostEqual(open_one.nearest_end_m, 1e-3)
+        self.assertRegex(open_one.warnings[-1], "2 ends nearly meet .* 1 mm away; join_m")
+        self.sheet.undo()
+        joined = self.sheet.cut(gap, join_m=2e-3)
+        self.assertEqual((joined.pieces, joined.joined_ends, joined.near_ends), (2, 1, 0))
+
     def test_svg_fitted_with_its_warnings(self):
         result = self.sheet.cut(kerf.svg(RING))
         self.assertEqual((result.status, result.pieces), (kerf.APPLIED, 3))

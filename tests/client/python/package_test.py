@@ -83,7 +83,7 @@ class Surfaces(unittest.TestCase):
 class Documentation(Case):
     def test_everything_public_is_documented(self):
         # Drawn from files, the counterpart of what has an example, or calls for which the server has to keep sheets.
-        without_example = {"svg_file", "load_cuts", "load_run", "view_of_matrices", "Sheet.drag", "Sheet.release",
+        without_example = {"svg_file", "dxf", "dxf_file", "load_cuts", "load_run", "view_of_matrices", "Sheet.drag", "Sheet.release",
                            "Sheet.delete", "Sheet.watch_images", "Server.close", "Server.replay", "Server.store_info",
                            "Server.prune_store", "Server.delete_set_aside", "Server.backup_store", "Server.access",
                            "Server.create_link"}

@@ -20,7 +20,7 @@ from kerf.links import scope_value
 from kerf.probes import AnyProbe
 from kerf.scenes import AnyScene, SheetOptions, as_scene, scene_with, take_large_mesh
 from kerf.steps import Stepped, stepped_of, steps_request
-from kerf.v1 import access_service_pb2, server_pb2, sheets_pb2, store_service_pb2
+from kerf.v1 import access_service_pb2, files_pb2, geometry_pb2, server_pb2, sheets_pb2, store_service_pb2
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -71,6 +71,20 @@ class Server(Connection):
         True
         """
         return await self.call(self.server_service.GetServerInfo, server_pb2.GetServerInfoRequest())
+
+    async def inspect_drawing(self, drawing: geometry_pb2.Curve) -> files_pb2.DrawingReport:
+        """Says what is in a drawing that kerf.svg() or kerf.dxf() made: its size, colours, layers and what would be cut.
+
+        >>> report = await server.inspect_drawing(kerf.svg('<svg><circle r="40" stroke="red"/></svg>'))
+        >>> report.lines, report.groups[0].selector
+        (1, 'stroke=red')
+        """
+        request = files_pb2.InspectDrawingRequest()
+        if drawing.HasField("dxf"):
+            request.dxf.CopyFrom(drawing.dxf)
+        else:
+            request.svg.CopyFrom(drawing.svg)
+        return await self.call(self.file_service.InspectDrawing, request)
 
     async def access(self) -> access_service_pb2.Access:
         """Says what the caller may do: scope, sheets and the end of the token. `asks_for_tokens` is False if the server asks

@@ -10,6 +10,7 @@ from kerf.credentials import Secrets
 from kerf.v1 import (
     access_service_pb2_grpc,
     cuts_pb2_grpc,
+    files_pb2_grpc,
     interaction_pb2_grpc,
     render_pb2_grpc,
     server_pb2_grpc,
@@ -44,6 +45,7 @@ class Connection:
         self.stream_service = stream_pb2_grpc.StreamServiceStub(channel)
         self.server_service = server_pb2_grpc.ServerServiceStub(channel)
         self.access_service = access_service_pb2_grpc.AccessServiceStub(channel)
+        self.file_service = files_pb2_grpc.FileServiceStub(channel)
         self.store_service = store_service_pb2_grpc.StoreServiceStub(channel)
 
     async def __aenter__(self) -> Self:

@@ -184,7 +184,7 @@ class OutlineMesher {
     return import_mesh(indexed);
   }
 
-  // Returns the triangles inside the border and outside the holes. Floods the domain from outside, one level of nested
+  // Returns the triangles inside an odd number of contours. Floods the domain from outside, one level of nested
   // contours after the other.
   [[nodiscard]] Result<std::vector<TriangleId>> find_inside(const TriangleMesh& domain) const {
     std::vector<TriangleId> inside, level{domain.triangle_at_point(0)}, beyond;
@@ -196,7 +196,7 @@ class OutlineMesher {
         level.pop_back();
         if (is_reached[t]) continue;
         is_reached[t] = true;
-        if (depth == 1) inside.push_back(t);
+        if (depth % 2 == 1) inside.push_back(t);
         for (int k = 0; k < 3; ++k) {
           const TriangleId u = domain.welded_neighbour(t, k);
           if (u == kNone || is_reached[u]) continue;
@@ -214,11 +214,12 @@ class OutlineMesher {
     return inside;
   }
 
-  // Refuses a contour at a wrong level: holes must lie inside exactly one other contour. `depth`: number of contours
-  // around it.
+  // Refuses a hole at a wrong level: it must lie inside an odd number of contours. `depth`: number of contours around
+  // it.
   [[nodiscard]] Status check_nesting(std::int32_t contour, int depth) const {
     const std::string& field = border_.field(contour);
-    if (contour == 0 || depth == 1) return Nothing{};
+    const bool is_border = contour < static_cast<std::int32_t>(config_.num_border_contours);
+    if (is_border || depth % 2 == 1) return Nothing{};
     return invalid_argument(
         "OUTLINE_NESTING",
         field + (depth == 0 ? " lies outside the border, or around it" : " lies inside another hole"), field);

@@ -1,0 +1,84 @@
+#include "server/service/dxf/dxf.h"
+
+#include <array>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "server/base/text_encoding.h"
+#include "server/service/drawing/inflate.h"
+#include "server/service/dxf/entity.h"
+#include "server/service/dxf/walk_blocks.h"
+
+namespace kerf::dxf {
+namespace {
+
+constexpr const char* kDxfField = "cut.curve.dxf";
+constexpr std::string_view kBinary = "AutoCAD Binary DXF";
+
+// Returns the metres of $INSUNITS; millimetres if it names none.
+double metres_of(int units) {
+  constexpr std::array<double, 21> kMetres{1e-3,
+                                           0.0254,
+                                           0.3048,
+                                           1609.344,
+                                           1e-3,
+                                           1e-2,
+                                           1.0,
+                                           1e3,
+                                           2.54e-8,
+                                           2.54e-5,
+                                           0.9144,
+                                           1e-10,
+                                           1e-9,
+                                           1e-6,
+                                           0.1,
+                                           10.0,
+                                           100.0,
+                                           1e9,
+                                           1.495978707e11,
+                                           9.4607304725808e15,
+                                           3.0856775814913673e16};
+  return units >= 0 && units < static_cast<int>(kMetres.size()) ? kMetres[static_cast<std::size_t>(units)] : 1e-3;
+}
+
+bool is_dwg(std::string_view data) {
+  return data.size() > 6 && data.substr(0, 4) == "AC10" && data[4] >= '0' && data[4] <= '9';
+}
+
+}  // namespace
+
+bool is_dxf(std::string_view data) {
+  if (data.substr(0, kBinary.size()) == kBinary || is_dwg(data)) return true;
+  const std::string_view text = without_byte_order_mark(data);
+  const std::size_t from = text.find_first_not_of(" \t\r\n");
+  if (from == std::string_view::npos) return false;
+  const std::string_view start = text.substr(from, 8);
+  return start.substr(0, 3) == "999" ||
+         (start.size() > 1 && (start[0] == '0') && (start[1] == '\r' || start[1] == '\n' || start[1] == ' '));
+}
+
+Result<drawing::Drawing> read(std::string_view data, double unit) {
+  if (drawing::is_gzip(data)) {
+    KERF_TRY_ASSIGN(const std::string unpacked, drawing::inflated(data, "DXF", kDxfField));
+    if (!drawing::is_gzip(unpacked)) return read(unpacked, unit);
+  }
+  if (data.size() > kMaxFileBytes) {
+    return invalid_argument("DXF_TOO_LARGE",
+                            "the drawing has " + std::to_string(data.size()) + " bytes; the limit is 4 MiB", kDxfField);
+  }
+  if (data.substr(0, kBinary.size()) == kBinary) {
+    return invalid_argument("DXF_BINARY", "the drawing is a binary DXF; save it as a DXF of text (ASCII)", kDxfField);
+  }
+  if (is_dwg(data)) {
+    return invalid_argument("DXF_BINARY", "the drawing is a DWG file; save it as a DXF of text (ASCII)", kDxfField);
+  }
+  const std::string text = utf8_text(std::string(data));
+  KERF_TRY_ASSIGN(const std::vector<Group> groups, groups_of(text));
+  KERF_TRY_ASSIGN(const File file, divided(groups));
+  BlockWalk walk(file, unit > 0.0 ? unit : metres_of(file.units));
+  KERF_TRY(walk.run());
+  return walk.take_drawing();
+}
+
+}  // namespace kerf::dxf
