@@ -1,5 +1,6 @@
 import { create } from '@bufbuild/protobuf';
 import { describe, expect, it } from 'vitest';
+import { DrawingReportSchema } from '../src/gen/kerf/v1/files_pb';
 import { CutSchema } from '../src/gen/kerf/v1/scene_pb';
 import type { Point2 } from '../src/geometry/locator';
 import { inUnitBox } from '../src/geometry/svg_outline';
@@ -24,7 +25,7 @@ describe('inUnitBox', () => {
 
 describe('PictureDrawing', () => {
   const outline = inUnitBox([[at(0, 0), at(4, 0), at(4, 4), at(0, 4)]])!;
-  const drawing = () => new PictureDrawing({ name: 'square.svg', text: '<svg/>', outline }, kSheet);
+  const drawing = () => new PictureDrawing({ name: 'square.svg', content: { case: 'svg', value: { text: '<svg/>' } }, outline }, kSheet);
   const fit = (of: PictureDrawing) => create(CutSchema, of.cut()).fit!;
 
   it('is nothing without a file', () => {
@@ -76,8 +77,30 @@ describe('PictureDrawing', () => {
   });
 
   it('says so where there is no preview', () => {
-    const unseen = new PictureDrawing({ name: 'odd.svg', text: '', outline: undefined }, kSheet);
+    const unseen = new PictureDrawing({ name: 'odd.svg', content: { case: 'svg', value: { text: '' } }, outline: undefined }, kSheet);
     expect(unseen.prompt).toContain('odd.svg');
     expect(fit(unseen)).toMatchObject({ min: { x: expect.closeTo(0.1) }, max: { x: expect.closeTo(1.9) } });
+  });
+
+  const report = (width: number, height: number) =>
+    create(DrawingReportSchema, { lines: 1, min: { x: 0, y: 0 }, max: { x: width, y: height } });
+
+  it('takes its true size about its middle, and joins ends within a thousandth of its size', () => {
+    const content = { case: 'dxf' as const, value: { data: new Uint8Array([48]) } };
+    const laid = new PictureDrawing({ name: 'plate.dxf', content, outline, report: report(0.25, 0.25) }, kSheet);
+    laid.takeTrueSize();
+    expect(fit(laid)).toMatchObject({ min: { x: 0.875, y: 0.375 }, max: { x: 1.125, y: 0.625 } });
+    const cut = create(CutSchema, laid.cut());
+    expect(cut.joinM).toBeCloseTo(2.5e-4, 12);
+    expect(cut.curve!.kind.case).toBe('dxf');
+  });
+
+  it('keeps scale and middle when another part is chosen', () => {
+    const content = { case: 'svg' as const, value: { text: '<svg/>' } };
+    const laid = new PictureDrawing({ name: 'a.svg', content, outline, report: report(0.2, 0.2) }, kSheet);
+    const half = inUnitBox([[at(0, 0), at(4, 0), at(4, 2), at(0, 2)]])!;
+    laid.replace({ name: 'a.svg', content, outline: half, only: 'stroke=red', report: report(0.1, 0.05) });
+    expect(fit(laid)).toMatchObject({ min: { x: expect.closeTo(0.775) }, max: { x: expect.closeTo(1.225) } });
+    expect(create(CutSchema, laid.cut()).curve!.kind.value).toMatchObject({ reading: { only: ['stroke=red'] } });
   });
 });

@@ -3,7 +3,6 @@ import { Vector2 } from 'three';
 import { call } from '../api';
 import { CutResult_Status, CutService } from '../gen/kerf/v1/cuts_pb';
 import type { CutSchema } from '../gen/kerf/v1/scene_pb';
-import { svgOutline } from '../geometry/svg_outline';
 import type { OpenSheet } from '../sheet/open_sheet';
 import { ChosenPiece } from './chosen_piece';
 import { CutDisplay } from './cut_display';
@@ -85,12 +84,21 @@ export class CutTool implements Tool {
     this.cancel();
   }
 
-  /** Lays an SVG drawing on the sheet; false if there is no sheet yet. */
-  lay(picture: Omit<Picture, 'outline'>): boolean {
+  /** The drawing from a file that lies on the sheet; undefined if there is none. */
+  get laid(): PictureDrawing | undefined {
+    return this.drawing instanceof PictureDrawing && this.drawing.isStarted ? this.drawing : undefined;
+  }
+
+  redraw(): void {
+    this.refresh();
+  }
+
+  /** Lays a drawing from a file on the sheet; false if there is no sheet yet. */
+  lay(picture: Picture): boolean {
     const { locator } = this.viewer.shown.surface ?? {};
     if (!locator) return false;
     this.setMode('svg');
-    this.drawing = new PictureDrawing({ ...picture, outline: svgOutline(picture.text) }, locator);
+    this.drawing = new PictureDrawing(picture, locator);
     this.refresh();
     return true;
   }

@@ -12,6 +12,7 @@ import { ViewTool } from '../tools/view_tool';
 import type { Rights } from './access/rights';
 import { CutPanel } from './cut_panel';
 import { Choice, element } from './dom';
+import { DrawingOptions } from './drawing_options';
 import { MeasurePanel } from './measure_panel';
 
 export interface ToolChoiceEvents {
@@ -33,6 +34,7 @@ export class ToolChoice {
   readonly cutPanel: CutPanel;
   readonly keyboardPointer: KeyboardPointer;
 
+  private readonly drawingOptions: DrawingOptions;
   private readonly canvas = element<HTMLCanvasElement>('canvas');
   private readonly tools: Record<ToolId, Tool>;
   private readonly buttons: Choice<ToolId>;
@@ -64,6 +66,7 @@ export class ToolChoice {
       () => viewer.stage.focus(),
       () => events.onFileWanted(),
     );
+    this.drawingOptions = new DrawingOptions(this.cut, viewer.notices, () => viewer.stage.focus());
     this.buttons = new Choice<ToolId>(element('tools'), 'tool', (id) => this.choose(id));
     this.keyboardPointer = new KeyboardPointer(viewer, () => this.chosen);
     new PointerRouter(
@@ -111,5 +114,6 @@ export class ToolChoice {
 
   private updateCutPanel(): void {
     this.cutPanel.update(this.chosen === this.cut);
+    this.drawingOptions.update();
   }
 }

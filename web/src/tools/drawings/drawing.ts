@@ -3,7 +3,7 @@ import type { CutSchema } from '../../gen/kerf/v1/scene_pb';
 import type { Point2 } from '../../geometry/locator';
 
 /** Fields of a kerf.v1.Cut that a drawing sets. */
-export type DrawnCut = Pick<MessageInitShape<typeof CutSchema>, 'curve' | 'fit'>;
+export type DrawnCut = Pick<MessageInitShape<typeof CutSchema>, 'curve' | 'fit' | 'joinM'>;
 
 /** A line of the preview: a part of the curve to cut, or only a guide, such as a line to a control point. */
 export interface PreviewLine {

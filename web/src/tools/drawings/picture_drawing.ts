@@ -1,12 +1,17 @@
+import type { DrawingReport } from '../../gen/kerf/v1/files_pb';
 import type { Point2 } from '../../geometry/locator';
 import type { SvgOutline } from '../../geometry/svg_outline';
 import type { DrawnCut, Drawing, PreviewLine } from './drawing';
+import type { DrawingContent } from './drawing_content';
 
 export interface Picture {
   name: string;
-  /** SVG */
-  text: string;
-  /** Undefined if the browser cannot read the SVG. */
+  content: DrawingContent;
+  /** Selector of the shapes that are cut, such as "stroke=red"; empty: all. */
+  only?: string;
+  /** The server's word on it. */
+  report?: DrawingReport;
+  /** Undefined if there is nothing to show. */
   outline: SvgOutline | undefined;
 }
 
@@ -19,6 +24,8 @@ export interface Box {
 const kMargin = 0.05;
 // Number of straight pieces of each side of the box, so that it follows the sheet.
 const kSidePieces = 16;
+// Ends of lines are joined within this share of the drawing's size.
+const kJoin = 1e-3;
 // Least side of the box, as a share of the sheet's larger side.
 const kLeastSide = 0.01;
 
@@ -28,15 +35,16 @@ const kLeastSide = 0.01;
  */
 export class PictureDrawing implements Drawing {
   private box: Box = { min: { x: 0, y: 0 }, max: { x: 0, y: 0 } };
-  private readonly aspect: number = 1;
+  private aspect: number = 1;
   private readonly leastSide: number = 0;
   private held: Point2 | undefined;
 
   /** @param sheet  the sheet's bounding box, metres; required with a picture */
   constructor(
-    private readonly picture?: Picture,
+    private shownPicture?: Picture,
     sheet?: Box,
   ) {
+    const picture = shownPicture;
     if (!picture || !sheet) return;
     const [width, height] = [sheet.max.x - sheet.min.x, sheet.max.y - sheet.min.y];
     this.aspect = picture.outline?.aspect ?? width / height;
@@ -50,6 +58,35 @@ export class PictureDrawing implements Drawing {
     };
   }
 
+  get picture(): Picture | undefined {
+    return this.shownPicture;
+  }
+
+  get report(): DrawingReport | undefined {
+    return this.picture?.report;
+  }
+
+  get only(): string {
+    return this.picture?.only ?? '';
+  }
+
+  /** Shows another part of the same file; its box keeps its middle and the scale of what was shown. */
+  replace(picture: Picture): void {
+    const before = trueSize(this.report);
+    const after = trueSize(picture.report);
+    const scale = before && after ? (this.box.max.x - this.box.min.x) / before.width : 0;
+    this.shownPicture = picture;
+    this.aspect = picture.outline?.aspect ?? this.aspect;
+    if (scale > 0 && after) this.resize(scale * after.width);
+    else this.resize(this.box.max.x - this.box.min.x);
+  }
+
+  /** Gives the drawing its own size, about its middle. */
+  takeTrueSize(): void {
+    const size = trueSize(this.report);
+    if (size) this.resize(size.width);
+  }
+
   get isStarted(): boolean {
     return this.picture !== undefined;
   }
@@ -59,7 +96,7 @@ export class PictureDrawing implements Drawing {
   }
 
   get prompt(): string {
-    if (!this.picture) return 'Drop an SVG file on the sheet, or choose one';
+    if (!this.picture) return 'Drop an SVG or DXF file on the sheet, or choose one';
     return this.picture.outline
       ? `Drag ${this.picture.name} where it is to be cut, or its corners to scale it`
       : `No outline of ${this.picture.name} can be shown here; the server may find one`;
@@ -92,7 +129,13 @@ export class PictureDrawing implements Drawing {
 
   cut(): DrawnCut {
     const { min, max } = this.box;
-    return { curve: { kind: { case: 'svg', value: { text: this.picture?.text } } }, fit: { min, max } };
+    const { content } = this.picture!;
+    const value = { ...content.value, reading: this.only ? { only: [this.only] } : undefined };
+    return {
+      curve: { kind: { case: content.case, value } as never },
+      fit: { min, max },
+      joinM: kJoin * Math.max(max.x - min.x, max.y - min.y),
+    };
   }
 
   tap(): void {}
@@ -140,10 +183,26 @@ export class PictureDrawing implements Drawing {
     return false;
   }
 
+  private resize(width: number): void {
+    const center = middle(this.box);
+    const half = { x: 0.5 * width, y: (0.5 * width) / this.aspect };
+    this.box = {
+      min: { x: center.x - half.x, y: center.y - half.y },
+      max: { x: center.x + half.x, y: center.y + half.y },
+    };
+  }
+
   private shift(dx: number, dy: number): void {
     const { min, max } = this.box;
     this.box = { min: { x: min.x + dx, y: min.y + dy }, max: { x: max.x + dx, y: max.y + dy } };
   }
+}
+
+// Returns the size of the lines to cut, metres. A straight line has a thin box, as in its outline.
+function trueSize(report: DrawingReport | undefined): { width: number } | undefined {
+  if (!report?.min || !report.max || report.lines === 0) return undefined;
+  const [width, height] = [report.max.x - report.min.x, report.max.y - report.min.y];
+  return { width: Math.max(width, 1e-3 * height) };
 }
 
 function middle({ min, max }: Box): Point2 {
