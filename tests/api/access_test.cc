@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 
 #include "kerf/v1/access_service.pb.h"
+#include "kerf/v1/files.pb.h"
 #include "kerf/v1/store_service.pb.h"
 #include "kerf/v1/stream.pb.h"
 #include "server/service/api/image_session.h"

@@ -143,12 +143,15 @@ TEST(SheetOutline, LinesOfTheBorderNest) {
   // A panel with a hole, an island in the hole, and a second panel; in any order.
   outline.boundary = cut::Path{{square(0.2, 0.2, 0.6), square(2, 0, 1), square(0, 0, 1), square(0.4, 0.4, 0.2)}};
   outline.edge_length = 0.1;
-  Sheet sheet = test::must(Sheet::create(config_of(outline)));
-  EXPECT_NEAR(area_of(sheet), 1.0 - 0.36 + 0.04 + 1.0, 1e-9);
-  EXPECT_EQ(sheet.mesh().num_pieces(), 3);
+  const Result<Sheet> nested = Sheet::create(config_of(outline));
+  ASSERT_TRUE(nested.ok()) << nested.error().message;
+  EXPECT_NEAR(area_of(*nested), 1.0 - 0.36 + 0.04 + 1.0, 1e-9);
+  EXPECT_EQ(nested->mesh().num_pieces(), 3);
   // A hole by itself goes where the sheet is, and nowhere else.
   outline.holes = {cut::Circle{{2.5, 0.5}, 0.2}};
-  EXPECT_LT(area_of(test::must(Sheet::create(config_of(outline)))), 1.68 - 0.12);
+  const Result<Sheet> with_hole = Sheet::create(config_of(outline));
+  ASSERT_TRUE(with_hole.ok()) << with_hole.error().message;
+  EXPECT_LT(area_of(*with_hole), 1.68 - 0.12);
   for (const Vector2d& wrong : {Vector2d(0.3, 0.3), Vector2d(1.5, 0.5)}) {
     outline.holes = {cut::Circle{wrong, 0.05}};
     const Result<Sheet> refused = Sheet::create(config_of(outline));
