@@ -1,5 +1,5 @@
-// Measures CPU time of a second of motion against the error of positions, for methods of stepping and cutting, and
-// writes a line of JSON for each; tests/evaluation/tradeoff calls it.
+// Measures CPU time of a second of motion against the error of positions, for methods of stepping and cutting. Writes
+// a line of JSON for each; tests/evaluation/tradeoff calls it.
 //   time_and_error SCENE [--side N] [--cuts N] [--only TEXT]
 // SCENE: swing-soft, swing-wool, swing-paper, drape.
 #include <algorithm>

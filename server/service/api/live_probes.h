@@ -36,8 +36,8 @@ class LiveProbes final : public stream::Meter {
   std::uint64_t serial_;
 };
 
-// Finds the places of probes on a sheet, between two ticks. Errors: those of Probes::create_live(), with `path` before the
-// field; those of the host.
+// Finds the places of probes on a sheet, between two ticks. Errors: those of Probes::create_live(), with `path` before
+// the field; those of the host.
 void make_live_probes(const std::shared_ptr<ApiCore>& core, const std::string& sheet_id,
                       std::vector<scene::Probe> probes, const std::string& path,
                       std::function<void(Result<std::shared_ptr<stream::Meter>>)> done);
