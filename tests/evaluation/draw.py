@@ -14,7 +14,7 @@ def save(figure, name):
     """Keeps 64 colours, which makes a picture some three times smaller."""
     import PIL.Image
     drawn = io.BytesIO()
-    figure.savefig(drawn, format="png", dpi=90)
+    figure.savefig(drawn, format="png", dpi=90, bbox_inches="tight")
     picture = PIL.Image.open(drawn).convert("RGB").quantize(64, dither=PIL.Image.Dither.NONE)
     picture.save(HERE / f"{name}.png", optimize=True)
 

@@ -39,7 +39,7 @@ def plot(rows):
         axes[0].annotate("real time", (1.0, 0.02), xycoords=("data", "axes fraction"), rotation=90, fontsize=8, color="#777777",
                          ha="right", va="bottom")
         handles, labels = axes[0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside lower center", ncols=4)
+        figure.legend(handles, labels, loc="upper center", bbox_to_anchor=(0.5, 0.0), ncol=4)
         draw.save(figure, "tradeoff")
     plt.close("all")
 
