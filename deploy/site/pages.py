@@ -15,7 +15,8 @@ CONTENTS = {
     "Clients": ["client/cli/README", "client/python/README", "client/cpp/README", "web/README", "client/load/README", "client/load/thresholds"],
     "Operation": ["deploy/install", "server/configuration", "server/access", "deploy/proxy"],
     "Reference": ["reference/api/index", "reference/python/index", "reference/cpp/index", "proto/README"],
-    "Quality": ["tests/bench/performance", "tests/accuracy/README", "tests/accuracy/PLOTS", "tests/stability/README"],
+    "Quality": ["tests/evaluation/tradeoff", "tests/bench/performance", "tests/accuracy/README", "tests/accuracy/PLOTS", "tests/stability/README",
+                "tests/evaluation/README", "tests/evaluation/quality", "tests/evaluation/speed", "tests/evaluation/solvers"],
     "Development": ["CONTRIBUTING", "server/architecture", "server/README", "tests/README", "tests/bench/README", "CHANGELOG"],
     "More": [],
 }
