@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <string>
 #include <variant>
@@ -15,9 +16,11 @@ namespace {
 
 constexpr const char* kOwnUnit = "m";  // Default of --unit, with which a drawing keeps its own.
 
+constexpr double kRounding = 1e-9;  // m; shorter lengths are printed as 0
+
 std::string millimetres_of(double metres) {
   std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.4g", 1e3 * metres);
+  std::snprintf(text.data(), text.size(), "%.4g", std::abs(metres) < kRounding ? 0.0 : 1e3 * metres);
   return text.data();
 }
 
@@ -27,8 +30,8 @@ void print_drawing(const v1::DrawingReport& report) {
     std::printf(", page %s x %s mm", millimetres_of(report.page_width_m()).c_str(),
                 millimetres_of(report.page_height_m()).c_str());
   }
-  std::printf("\nto cut: %d lines, %d of them closed, %s mm long", report.lines(), report.closed_lines(),
-              millimetres_of(report.length_m()).c_str());
+  std::printf("\nto cut: %d %s, %d of them closed, %s mm long", report.lines(), report.lines() == 1 ? "line" : "lines",
+              report.closed_lines(), millimetres_of(report.length_m()).c_str());
   if (report.lines() > 0) {
     std::printf("; %s x %s mm, from (%s, %s) mm", millimetres_of(report.max().x() - report.min().x()).c_str(),
                 millimetres_of(report.max().y() - report.min().y()).c_str(), millimetres_of(report.min().x()).c_str(),
@@ -43,8 +46,8 @@ void print_drawing(const v1::DrawingReport& report) {
   std::size_t width = 0;
   for (const v1::DrawingGroup& group : report.groups()) width = std::max(width, group.selector().size());
   for (const v1::DrawingGroup& group : report.groups()) {
-    std::printf("  %-*s  %d shapes, %s mm", static_cast<int>(width), group.selector().c_str(), group.shapes(),
-                millimetres_of(group.length_m()).c_str());
+    std::printf("  %-*s  %d %s, %s mm", static_cast<int>(width), group.selector().c_str(), group.shapes(),
+                group.shapes() == 1 ? "shape" : "shapes", millimetres_of(group.length_m()).c_str());
     if (group.hidden_shapes() > 0) std::printf(", %d more hidden or not painted", group.hidden_shapes());
     std::printf("\n");
   }

@@ -336,8 +336,12 @@ std::string describe(const v1::CutResult& result, bool verbose) {
         result.closed_gaps() > 0 ? "follows an earlier cut or the border" : "misses the sheet or is too small";
     return format("Nothing was cut: the curve %s (%s, tick %lld)", why, pieces.c_str(), tick) + notes(result);
   }
-  std::string text = format("Cut: %s, %d new vertices, at most %s off the curve (tick %lld)", pieces.c_str(),
-                            result.new_vertices(), millimetres(result.deviation_m()).c_str(), tick);
+  constexpr double kRounding = 1e-9;  // m
+  const std::string deviation = result.deviation_m() < kRounding
+                                    ? "exactly along the curve"
+                                    : format("at most %s off the curve", millimetres(result.deviation_m()).c_str());
+  std::string text = format("Cut: %s, %d new vertices, %s (tick %lld)", pieces.c_str(), result.new_vertices(),
+                            deviation.c_str(), tick);
   if (result.has_removed()) {
     const v1::Removed& removed = result.removed();
     text +=

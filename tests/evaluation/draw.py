@@ -75,7 +75,7 @@ def detailed(plt, rows):
             if all("ticks" in row for row in some):
                 axes[1][column].plot(numbers, [1e3 / row["ticks"]["during_ms"] for row in some], "o-", color=COLOURS[way])
         axes[0][column].set_title(f"{group}: new vertices")
-        axes[1][column].set_title("ticks a second, in the tick with the cut")
+        axes[1][column].set_title("ticks a second, with the cut")
         axes[1][column].set_yscale("log")
         axes[1][column].axhline(30, color="#999999", linewidth=0.9)
         axes[1][column].set_xlabel("pattern")

@@ -112,11 +112,10 @@ struct CutMesh {
   int crossed = 0, gained = 0;
 };
 
-CutMesh cut_mesh(const mesh::TriangleMesh& sheet, const std::vector<cut::Curve>& curves,
-                 const cut::CutOptions& options) {
+CutMesh cut_mesh(const mesh::TriangleMesh& sheet, const std::vector<GivenCut>& cuts, const Way& way) {
   CutMesh result{sheet};
-  for (const cut::Curve& curve : curves) {
-    const Result<cut::CutPlan> plan = cut::plan(result.mesh, {curve, options, {}});
+  for (const GivenCut& cut : cuts) {
+    const Result<cut::CutPlan> plan = cut::plan(result.mesh, {cut.curve, options_of(cut, way), {}});
     KERF_CHECK(plan.ok(), "a cut of the evaluation is refused");
     const Result<cut::CutOutcome> outcome = cut::apply(result.mesh, *plan);
     KERF_CHECK(outcome.ok(), "a cut of the evaluation is refused");
@@ -137,18 +136,18 @@ json measure_mesh(const Uncut& uncut, const CutMesh& cut, bool has_conditions) {
   return row;
 }
 
-json measure_ticks(const scene::SheetConfig& config, const std::vector<cut::Curve>& curves, const Way& way) {
+json measure_ticks(const scene::SheetConfig& config, const std::vector<GivenCut>& cuts, const Way& way) {
   sheet::Sheet sheet = make_sheet(config, way);
-  if (way.is_one_solve) return to_json(time_ticks(sheet, kSolveTicks, commands_of(curves, way), kSolveTicks));
+  if (way.is_one_solve) return to_json(time_ticks(sheet, kSolveTicks, commands_of(cuts, way), kSolveTicks));
   for (int i = 0; i < kTicksBefore - 10; ++i) sheet.step({});
-  return to_json(time_ticks(sheet, 10, commands_of(curves, way), 60));
+  return to_json(time_ticks(sheet, 10, commands_of(cuts, way), 60));
 }
 
 // The sheet at the start of the step after the cut.
-sheet::Sheet cut_in_motion(const scene::SheetConfig& config, const std::vector<cut::Curve>& curves, const Way& way) {
+sheet::Sheet cut_in_motion(const scene::SheetConfig& config, const std::vector<GivenCut>& cuts, const Way& way) {
   sheet::Sheet sheet = make_sheet(config, kerf_default());
   for (int i = 0; i < kTicksBefore; ++i) sheet.step({});
-  const std::vector<scene::Command> commands = commands_of(curves, way);
+  const std::vector<scene::Command> commands = commands_of(cuts, way);
   KERF_CHECK(sheet.apply(commands).replies[0].ok(), "a cut of the evaluation is refused");
   return sheet;
 }
@@ -167,7 +166,7 @@ void four_patterns(const Arguments& arguments) {
     for (int repeat = 0; repeat < arguments.repeats; ++repeat) {
       const cut::Curve curve = random_curve(kind, uncut.mesh, {144, 166}, static_cast<std::uint32_t>(repeat));
       for (const Way& way : {no_optimisation(), thesis(), kerf_default()}) {
-        json row = measure_mesh(uncut, cut_mesh(uncut.mesh, {curve}, way.cut), true);
+        json row = measure_mesh(uncut, cut_mesh(uncut.mesh, {curve}, way), true);
         row.update({{"experiment", "patterns"}, {"pattern", name}, {"way", way.name}, {"repeat", repeat}});
         if (arguments.has_times && repeat < 2) {
           row["ticks"] = measure_ticks(wool_sheet(50), {curve}, way);
@@ -191,8 +190,8 @@ void bisection_levels(const Arguments& arguments) {
     // From 12 down to 1.5.
     way.cut.element_limits.edge_ratio = 12.0 * std::pow(1.5 / 12.0, run / (runs - 1.0));
     way.cut.element_limits.area_ratio = 1e-3;
-    json row = measure_mesh(uncut, cut_mesh(uncut.mesh, {curve}, way.cut), true);
-    row["before"] = measure_mesh(uncut, cut_mesh(uncut.mesh, {curve}, no_optimisation().cut), true);
+    json row = measure_mesh(uncut, cut_mesh(uncut.mesh, {curve}, way), true);
+    row["before"] = measure_mesh(uncut, cut_mesh(uncut.mesh, {curve}, no_optimisation()), true);
     row.update({{"experiment", "levels"}, {"run", run + 1}, {"limit", way.cut.element_limits.edge_ratio}});
     if (arguments.has_times) {
       row["ticks"] = measure_ticks(wool_sheet(50), {curve}, way);
@@ -212,8 +211,9 @@ void growing_cuts(const Arguments& arguments) {
   for (const auto& [name, make] : families) {
     for (int i = 0; i < sizes; ++i) {
       const std::vector<cut::Curve> curves = make(i / (sizes - 1.0));
+      const std::vector<GivenCut> cuts(curves.begin(), curves.end());
       for (const Way& way : {no_optimisation(), thesis(), kerf_default()}) {
-        json row = measure_mesh(uncut, cut_mesh(uncut.mesh, curves, way.cut), false);
+        json row = measure_mesh(uncut, cut_mesh(uncut.mesh, cuts, way), false);
         row.update({{"experiment", "sizes"}, {"family", name}, {"size", i + 1}, {"way", way.name}});
         print(row);
       }
@@ -222,17 +222,17 @@ void growing_cuts(const Arguments& arguments) {
 }
 
 // Cuts of a scene of the gallery, at its size.
-std::vector<cut::Curve> curves_of(const std::string& scene, const Arguments& arguments) {
+std::vector<GivenCut> cuts_of(const std::string& scene, const Arguments& arguments) {
   const Result<scene::SheetConfig> config = accuracy::read_scene_file(arguments.scenes + "/" + scene + ".json");
   KERF_CHECK(config.ok(), "a scene of the gallery is not read");
-  std::vector<cut::Curve> curves;
+  std::vector<GivenCut> cuts;
   for (const scene::ScheduledCommand& each : config->commands) {
-    if (const auto* cut = std::get_if<scene::Cut>(&each.command)) curves.push_back(cut->curve);
+    if (const auto* cut = std::get_if<scene::Cut>(&each.command)) cuts.emplace_back(cut->curve, cut->options.fit);
     if (const auto* batch = std::get_if<scene::CutBatch>(&each.command)) {
-      for (const scene::Cut& cut : batch->cuts) curves.push_back(cut.curve);
+      for (const scene::Cut& cut : batch->cuts) cuts.emplace_back(cut.curve, cut.options.fit);
     }
   }
-  return curves;
+  return cuts;
 }
 
 // Table 5.3, figures 5.11 and 5.12.
@@ -253,19 +253,19 @@ void detailed_cuts(const Arguments& arguments) {
     int number = 0;
     for (const char* scene : group.scenes) {
       ++number;
-      const std::vector<cut::Curve> curves = curves_of(scene, arguments);
+      const std::vector<GivenCut> cuts = cuts_of(scene, arguments);
       for (const Way& way : {thesis(), kerf_default()}) {
-        json row = measure_mesh(uncut, cut_mesh(uncut.mesh, curves, way.cut), true);
+        json row = measure_mesh(uncut, cut_mesh(uncut.mesh, cuts, way), true);
         row.update({{"experiment", "detailed"},
                     {"group", group.name},
                     {"number", number},
                     {"scene", scene},
                     {"way", way.name}});
         if (arguments.has_times) {
-          row["ticks"] = measure_ticks(wool_sheet(15), curves, way);
+          row["ticks"] = measure_ticks(wool_sheet(15), cuts, way);
           if (!way.is_one_solve && number == 1) {
             row["drawn_side"] = group.drawn_side;
-            row["ticks_as_drawn"] = measure_ticks(wool_sheet(group.drawn_side), curves, way);
+            row["ticks_as_drawn"] = measure_ticks(wool_sheet(group.drawn_side), cuts, way);
           }
         }
         print(row);
@@ -282,7 +282,7 @@ void roots(const Arguments& arguments) {
     const cut::Curve curve =
         random_curve(Kind::kCurve, large.mesh, {154, 166}, 200U + static_cast<std::uint32_t>(repeat));
     for (const Way& way : {thesis(), kerf_default()}) {
-      json row = measure_mesh(large, cut_mesh(large.mesh, {curve}, way.cut), true);
+      json row = measure_mesh(large, cut_mesh(large.mesh, {curve}, way), true);
       row.update({{"experiment", "roots"}, {"side", 80}, {"way", way.name}, {"repeat", repeat}});
       if (arguments.has_times && repeat < 2) {
         row["solve"] = to_json(
@@ -292,7 +292,7 @@ void roots(const Arguments& arguments) {
     }
     const cut::Curve short_curve =
         random_curve(Kind::kCurve, small.mesh, {16, 26}, 300U + static_cast<std::uint32_t>(repeat));
-    const CutMesh cut = cut_mesh(small.mesh, {short_curve}, thesis().cut);
+    const CutMesh cut = cut_mesh(small.mesh, {short_curve}, thesis());
     json row = measure_mesh(small, cut, true);
     row.update({{"experiment", "roots"}, {"side", kRootsSide}, {"way", "thesis"}, {"repeat", repeat}});
     const sheet::Sheet sheet = cut_in_motion(wool_sheet(kRootsSide), {short_curve}, thesis());
@@ -313,7 +313,7 @@ void roots(const Arguments& arguments) {
 
 // Figures 5.17 to 5.20: slits one after another.
 void kirigami(const Arguments& arguments) {
-  const std::vector<cut::Curve> slits = curves_of("kirigami-20", arguments);
+  const std::vector<GivenCut> slits = cuts_of("kirigami-20", arguments);
   for (const Way& way : {thesis(), kerf_default()}) {
     mesh::TriangleMesh mesh = mesh::make_grid({50, 50, 1.0, 1.0}).value();
     sheet::Sheet sheet = make_sheet(wool_sheet(50), way);
@@ -321,8 +321,8 @@ void kirigami(const Arguments& arguments) {
       for (int i = 0; i < kTicksBefore; ++i) sheet.step({});
     }
     int number = 0;
-    for (const cut::Curve& slit : slits) {
-      const CutMesh cut = cut_mesh(mesh, {slit}, way.cut);
+    for (const GivenCut& slit : slits) {
+      const CutMesh cut = cut_mesh(mesh, {slit}, way);
       mesh = cut.mesh;
       json row{{"experiment", "kirigami"},
                {"way", way.name},

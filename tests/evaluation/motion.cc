@@ -94,12 +94,18 @@ TickTimes time_ticks(sheet::Sheet& sheet, int ticks_before, const std::vector<sc
   return times;
 }
 
-std::vector<scene::Command> commands_of(const std::vector<cut::Curve>& curves, const Way& way) {
+cut::CutOptions options_of(const GivenCut& cut, const Way& way) {
+  cut::CutOptions options = way.cut;
+  options.fit = cut.fit;
+  return options;
+}
+
+std::vector<scene::Command> commands_of(const std::vector<GivenCut>& cuts, const Way& way) {
   scene::CutBatch batch;
-  for (const cut::Curve& curve : curves) {
+  for (const GivenCut& each : cuts) {
     scene::Cut& cut = batch.cuts.emplace_back();
-    cut.curve = curve;
-    cut.options = way.cut;
+    cut.curve = each.curve;
+    cut.options = options_of(each, way);
   }
   return {batch};
 }

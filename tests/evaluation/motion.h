@@ -1,7 +1,9 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "server/core/scene/command.h"
@@ -39,7 +41,18 @@ struct TickTimes {
 TickTimes time_ticks(sheet::Sheet& sheet, int ticks_before, const std::vector<scene::Command>& commands,
                      int ticks_after);
 
-std::vector<scene::Command> commands_of(const std::vector<cut::Curve>& curves, const Way& way);
+// A cut to make, by any way.
+struct GivenCut {
+  GivenCut(cut::Curve along, std::optional<cut::Fit> into = std::nullopt)  // NOLINT(google-explicit-constructor)
+      : curve(std::move(along)), fit(std::move(into)) {}
+
+  cut::Curve curve;
+  std::optional<cut::Fit> fit;
+};
+
+// Returns the options with which `way` makes a cut.
+cut::CutOptions options_of(const GivenCut& cut, const Way& way);
+std::vector<scene::Command> commands_of(const std::vector<GivenCut>& cuts, const Way& way);
 
 // One solve of the first implicit step after a cut, to a relative residual of 1e-6.
 struct Solve {

@@ -159,6 +159,7 @@ def write_all(rows):
     for path in sorted(HERE.glob("*.md")):
         text = path.read_text()
         changed = re.sub(r"(<!-- table (\w+) -->\n).*?(<!-- end -->)",
-                         lambda match: match[1] + TABLES[match[2]](rows) + "\n" + match[3], text, flags=re.S)
+                         lambda match: match[1] + TABLES[match[2]](rows) + "\n" + match[3] if match[2] in TABLES else match[0],
+                         text, flags=re.S)
         if changed != text:
             path.write_text(changed)

@@ -67,6 +67,15 @@ TEST(SvgText, Encodings) {
   expect_read(utf16(kBody, true));
 }
 
+// Clients convert a file before they send it, and its declaration still names the encoding that it had.
+TEST(SvgText, ConvertedTextIsNotConvertedAgain) {
+  const std::string declared = "<?xml version=\"1.0\" encoding=\"ISO-8859-1\"?>" + with_id(kBody, "\xf6");
+  const std::string once = text_of(declared);
+  EXPECT_NE(once, declared);
+  EXPECT_EQ(text_of(once), once);
+  expect_read(once);
+}
+
 TEST(SvgText, Gzip) {
   const std::string packed = gzipped(with_id(kBody, "\xc3\xb6"));
   expect_read(packed);

@@ -1,23 +1,9 @@
 #include "server/service/svg/text.h"
 
-#include <algorithm>
-
 #include "server/base/text_encoding.h"
 
 namespace kerf::svg {
 namespace {
-
-constexpr std::size_t kDeclarationBytes = 200;  // An XML declaration names its encoding within these.
-
-// True if the XML declaration names an encoding of one byte a character.
-bool declares_single_bytes(std::string_view data) {
-  std::string head(data.substr(0, std::min(kDeclarationBytes, data.size())));
-  if (head.compare(0, 5, "<?xml") != 0) return false;
-  head.resize(std::min(head.find("?>"), head.size()));
-  for (char& c : head) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return head.find("iso-8859-") != std::string::npos || head.find("latin1") != std::string::npos ||
-         head.find("windows-125") != std::string::npos;
-}
 
 bool begins_at(std::string_view text, std::size_t at, std::string_view with) {
   return text.substr(at, with.size()) == with;
@@ -29,7 +15,7 @@ std::string text_of(std::string_view data) {
   // Without its mark, UTF-16 is known by the bracket with which XML begins.
   if (begins_at(data, 0, std::string_view("<\0", 2))) return utf8_text("\xff\xfe" + std::string(data));
   if (begins_at(data, 0, std::string_view("\0<", 2))) return utf8_text("\xfe\xff" + std::string(data));
-  return declares_single_bytes(data) ? utf8_of_latin1(data) : utf8_text(std::string(data));
+  return utf8_text(std::string(data));
 }
 
 std::string without_embedded_data(std::string_view text) {
