@@ -34,8 +34,8 @@ TEST(Inspect, KnowsAKindByContentAndThenByName) {
   EXPECT_EQ(kind("a.txt", "  0\nSECTION\n"), FileKind::kDxf);
   EXPECT_EQ(kind("a.DXF", "999\ncomment\n"), FileKind::kDxf);
   EXPECT_EQ(kind_of_file(disk, "missing.ply"), FileKind::kPly);
-  EXPECT_EQ(kind_of("drawing.svgz", "\x1f\x8b\x08"), FileKind::kSvg);
-  EXPECT_EQ(kind_of("drawing.dxf.gz", "\x1f\x8b\x08"), FileKind::kDxf);
+  EXPECT_EQ(kind("drawing.svgz", "\x1f\x8b\x08"), FileKind::kSvg);
+  EXPECT_EQ(kind("drawing.dxf.gz", "\x1f\x8b\x08"), FileKind::kDxf);
 }
 
 TEST(Inspect, DescribesTheFileAndItsSheet) {
