@@ -142,9 +142,10 @@ TEST(SheetConfig, PlyPlacesTheSheetItself) {
   EXPECT_EQ(Sheet::create(config)->state_hash(), created->state_hash());
   EXPECT_EQ(field_of([](scene::SheetConfig& c) { c.mesh = scene::PlySource{""}; }), "ply.data");
   EXPECT_EQ(field_of([](scene::SheetConfig& c) { c.mesh = scene::PlySource{"ply\n"}; }), "ply.data");
-  const std::string bow_tie = test::write_ply(
-      test::indexed({{0, 0}, {1, 0}, {1, 1}, {-1, 0}, {-1, -1}}, {{0, 1, 2}, {0, 3, 4}}), test::PlyKind::kAscii);
-  EXPECT_EQ(field_of([&](scene::SheetConfig& c) { c.mesh = scene::PlySource{bow_tie}; }), "ply.data");
+  const std::string three_at_an_edge =
+      test::write_ply(test::indexed({{0, 0}, {1, 0}, {0, 1}, {0, -1}, {1, 1}}, {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}}),
+                      test::PlyKind::kAscii);
+  EXPECT_EQ(field_of([&](scene::SheetConfig& c) { c.mesh = scene::PlySource{three_at_an_edge}; }), "ply.data");
 }
 
 TEST(SheetConfig, PlacementMustBeOrthonormal) {
