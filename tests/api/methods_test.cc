@@ -307,7 +307,7 @@ TEST_F(ApiTest, AfterStopEverythingIsUnavailable) {
     EXPECT_EQ(answers.at(0).error().code, ErrorCode::kUnavailable) << method.path;
     ++asked;
   }
-  EXPECT_EQ(asked, 41);
+  EXPECT_EQ(asked, 42);
 }
 
 // Draws nothing, and returns only when released.

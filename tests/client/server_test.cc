@@ -104,6 +104,7 @@ TEST(CutOptions, SayEveryFieldOfTheMessage) {
                        .dash = {0.1, 0.05},
                        .dash_offset = 0.02,
                        .view = v1::View(),
+                       .join_m = 1e-3,
                        .component = "ribbon"};
   const v1::Cut cut = make_cut(circle({0.5, 0.5}, 0.1), all);
   std::vector<const google::protobuf::FieldDescriptor*> said;

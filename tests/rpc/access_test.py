@@ -91,6 +91,13 @@ class EveryMethod(unittest.TestCase):
             message.start.sheet_id = sheet
         if method.name == "CreateSheet":
             message.sheet_id = sheet
+        if method.name == "StepSheets":
+            message.names.append(f"sheets/{sheet}")
+            message.ticks = 1
+        if method.name == "InspectMesh":
+            message.obj.text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
+        if method.name == "InspectDrawing":
+            message.svg.text = '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 9 9"><circle cx="4" cy="4" r="3"/></svg>'
         return message, json_format.MessageToJson(message, preserving_proto_field_name=True)
 
     def over_grpc(self, method, sheet, token):

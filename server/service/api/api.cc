@@ -138,6 +138,7 @@ Api::~Api() {
 }
 
 void Api::inspect_drawing(const v1::InspectDrawingRequest& request, Reply<v1::DrawingReport> reply) {
+  if (core_->stopping) return reply(server_stopping());
   reply(catch_exceptions([&] { return wire::inspect_drawing(request); }));
 }
 
