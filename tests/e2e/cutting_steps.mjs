@@ -171,7 +171,7 @@ export function cuttingSteps(steps, browser, { url }) {
     await flat.page.keyboard.press('Control+z');
     await flat.until('k.pieces === 1');
     await flat.page.setInputFiles('#svg-file', { name: 'notes.txt', mimeType: 'text/plain', buffer: Buffer.from('x') });
-    await flat.notice(/notes.txt is not an SVG drawing/);
+    await flat.notice(/notes.txt is neither SVG nor DXF/);
     await flat.page.setInputFiles('#svg-file', {
       name: 'large.svg',
       mimeType: 'image/svg+xml',
