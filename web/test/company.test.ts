@@ -100,6 +100,15 @@ describe('Company', () => {
 });
 
 describe('Arrivals', () => {
+  it('does not announce a person whose next page is there before the last one is gone', () => {
+    const arrivals = new Arrivals();
+    const persons = new Set(['lab']);
+    arrivals.saw(new Map([[1, 'lab']]), 0, persons);
+    expect(arrivals.saw(new Map([[1, 'lab'], [2, 'lab']]), 10, persons)).toEqual([]);
+    expect(arrivals.saw(new Map([[2, 'lab']]), 20, persons)).toEqual([]);
+    expect(arrivals.saw(new Map([[2, 'lab'], [3, 'guest of lab'], [4, 'guest of lab']]), 30, persons)).toHaveLength(2);
+  });
+
   const people = (...all: [number, string][]) => new Map(all);
 
   it('names who has joined since the last list, and none of the first one', () => {

@@ -9,9 +9,11 @@ export class Arrivals {
 
   /**
    * Takes all who are there now, as numbers and names.
+   * @param persons  names that stand for one person each: who is there with one page does not join with another. A page
+   *     that begins its stream again is seen twice for a moment.
    * @returns the names of those who have joined; none for the first list
    */
-  saw(people: ReadonlyMap<number, string>, nowMs: number): string[] {
+  saw(people: ReadonlyMap<number, string>, nowMs: number, persons: ReadonlySet<string> = new Set()): string[] {
     const before = this.present;
     this.present = people;
     if (!before) return [];
@@ -19,7 +21,8 @@ export class Arrivals {
     for (const [number, name] of before) {
       if (!people.has(number)) this.left.push({ name, atMs: nowMs });
     }
-    const come = [...people].filter(([number]) => !before.has(number)).map(([, name]) => name);
+    const known = new Set([...before.values()].filter((name) => persons.has(name)));
+    const come = [...people].filter(([number, name]) => !before.has(number) && !known.has(name)).map(([, name]) => name);
     return come.filter((name) => {
       const at = this.left.findIndex((gone) => gone.name === name);
       if (at < 0) return true;

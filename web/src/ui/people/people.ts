@@ -90,8 +90,10 @@ export class People {
 
   // Announces who has joined, for those who do not see the count.
   private greet(): void {
-    const names = this.company.pages(this.parts.imageMode.isOn).map((page) => [page.number, personName(page)] as const);
-    const text = joinedText(this.arrivals.saw(new Map(names), performance.now()));
+    const pages = this.company.pages(this.parts.imageMode.isOn);
+    const names = new Map(pages.map((page) => [page.number, personName(page)]));
+    const persons = new Set(pages.filter(({ tokenId, byLink }) => tokenId !== '' && !byLink).map(personName));
+    const text = joinedText(this.arrivals.saw(names, performance.now(), persons));
     if (text !== '') this.joined.replaceChildren(text);
   }
 }
