@@ -3,6 +3,7 @@
 #include "server/core/mesh/build/ply_import.h"
 
 #include <string>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -69,8 +70,13 @@ TEST(Ply, UnusedPropertiesMayBeOfAnyTypeAndMarksArePassedOver) {
   }
   body.add(std::uint8_t{3}).add(std::int32_t{0}).add(std::int32_t{1}).add(std::int32_t{2});
   EXPECT_EQ(read_variety(binary + body.text()).world.col(2), Eigen::Vector3d(-3, 1, 2));
-  expect_refused(test::ply_start(PlyKind::kLittleEndian) + "element vertex 3\nproperty long id\n", "PLY_HEADER",
-                 "ply:4", "\"long\" is not a type");
+  const Result<ImportedSheet> refused =
+      parse_ply(test::ply_start(PlyKind::kLittleEndian) + "element vertex 3\nproperty long id\n");
+  ASSERT_FALSE(refused.ok());
+  EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(refused.error().reason, "PLY_HEADER");
+  EXPECT_EQ(refused.error().field, "ply:4");
+  EXPECT_NE(refused.error().message.find("\"long\" is not a type"), std::string::npos);
 }
 
 }  // namespace
