@@ -1,6 +1,8 @@
 """Draws the figures of the evaluation as small PNGs beside this script, from rows of results.json."""
 
+import hashlib
 import io
+import json
 import pathlib
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -10,18 +12,30 @@ SETTINGS = {"font.size": 9.5, "axes.grid": True, "grid.color": "#e4e4e4", "grid.
             "axes.spines.right": False, "lines.linewidth": 1.4, "lines.markersize": 4, "legend.frameon": False}
 
 
-def save(figure, name):
-    """Keeps 64 colours, which makes a picture some three times smaller."""
+def digest(rows):
+    return hashlib.sha256(json.dumps(rows, sort_keys=True).encode()).hexdigest()[:16]
+
+
+def save(figure, name, rows):
+    """Keeps 64 colours, which makes a picture some three times smaller, and says which rows it is made of."""
     import PIL.Image
+    import PIL.PngImagePlugin
     drawn = io.BytesIO()
     figure.savefig(drawn, format="png", dpi=90, bbox_inches="tight")
     picture = PIL.Image.open(drawn).convert("RGB").quantize(64, dither=PIL.Image.Dither.NONE)
-    picture.save(HERE / f"{name}.png", optimize=True)
+    said = PIL.PngImagePlugin.PngInfo()
+    said.add_text("Description", f"made of {digest(rows)}")
+    picture.save(HERE / f"{name}.png", optimize=True, pnginfo=said)
+
+
+def stale(name, rows):
+    """The picture's file, if it is not made of these rows."""
+    return [] if f"made of {digest(rows)}".encode() in (HERE / f"{name}.png").read_bytes() else [f"{name}.png"]
 
 
 def levels(plt, rows):
     """Figures 5.2 to 5.5."""
-    rows = sorted((row for row in rows if row["experiment"] == "levels"), key=lambda row: row["run"])
+    rows = sorted(rows, key=lambda row: row["run"])
     runs = [row["run"] for row in rows]
     figure, axes = plt.subplots(2, 2, figsize=(8.4, 5.4), layout="constrained", sharex=True)
     for panel, title, pick in (
@@ -40,12 +54,11 @@ def levels(plt, rows):
     axes[1][1].set_title("mean area of new triangles, % of an uncut one")
     for panel in axes[1]:
         panel.set_xlabel("run; the limit falls from 12 to 1.5")
-    save(figure, "levels")
+    save(figure, "levels", rows)
 
 
 def sizes(plt, rows):
     """Figures 5.7 and 5.8."""
-    rows = [row for row in rows if row["experiment"] == "sizes"]
     figure, axes = plt.subplots(2, 3, figsize=(9.2, 5.4), layout="constrained")
     for column, family in enumerate(("single", "intersecting", "multiple")):
         for way, colour in COLOURS.items():
@@ -60,12 +73,11 @@ def sizes(plt, rows):
         axes[1][column].minorticks_off()
         axes[1][column].set_xlabel("triangles crossed")
     axes[0][0].legend()
-    save(figure, "sizes")
+    save(figure, "sizes", rows)
 
 
 def detailed(plt, rows):
     """Figures 5.11 and 5.12."""
-    rows = [row for row in rows if row["experiment"] == "detailed"]
     figure, axes = plt.subplots(2, 3, figsize=(9.2, 5.2), layout="constrained")
     for column, group in enumerate(("single", "intersecting", "punch")):
         for way in ("thesis", "default"):
@@ -80,12 +92,11 @@ def detailed(plt, rows):
         axes[1][column].axhline(30, color="#999999", linewidth=0.9)
         axes[1][column].set_xlabel("pattern")
     axes[0][0].legend()
-    save(figure, "detailed")
+    save(figure, "detailed", rows)
 
 
 def kirigami(plt, rows):
     """Figures 5.17 to 5.20."""
-    rows = [row for row in rows if row["experiment"] == "kirigami"]
     if not all("ticks" in row for row in rows):
         return
     figure, axes = plt.subplots(1, 3, figsize=(9.6, 3.0), layout="constrained")
@@ -102,7 +113,18 @@ def kirigami(plt, rows):
         panel.set_yscale("log")
         panel.axhline(30, color="#999999", linewidth=0.9)
     axes[0].legend()
-    save(figure, "kirigami")
+    save(figure, "kirigami", rows)
+
+
+PICTURES = (levels, sizes, detailed, kirigami)
+
+
+def rows_of(part, rows):
+    return [row for row in rows if row["experiment"] == part.__name__]
+
+
+def all_stale(rows):
+    return [file for part in PICTURES for file in stale(part.__name__, rows_of(part, rows))]
 
 
 def draw_all(rows):
@@ -110,7 +132,7 @@ def draw_all(rows):
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
     with plt.rc_context(SETTINGS):
-        for part in (levels, sizes, detailed, kirigami):
-            if any(row["experiment"] == part.__name__ for row in rows):
-                part(plt, rows)
+        for part in PICTURES:
+            if some := rows_of(part, rows):
+                part(plt, some)
     plt.close("all")

@@ -155,11 +155,19 @@ def kirigami(rows):
 TABLES = {each.__name__: each for each in (patterns, other_conditions, detailed, roots, kirigami)}
 
 
-def write_all(rows):
+def texts(rows):
+    """Each page, and what it holds with tables of these rows."""
     for path in sorted(HERE.glob("*.md")):
-        text = path.read_text()
-        changed = re.sub(r"(<!-- table (\w+) -->\n).*?(<!-- end -->)",
-                         lambda match: match[1] + TABLES[match[2]](rows) + "\n" + match[3] if match[2] in TABLES else match[0],
-                         text, flags=re.S)
-        if changed != text:
-            path.write_text(changed)
+        yield path, re.sub(r"(<!-- table (\w+) -->\n).*?(<!-- end -->)",
+                           lambda match: match[1] + TABLES[match[2]](rows) + "\n" + match[3] if match[2] in TABLES else match[0],
+                           path.read_text(), flags=re.S)
+
+
+def stale(rows):
+    """Names of the pages that write_all() would change."""
+    return [path.name for path, text in texts(rows) if text != path.read_text()]
+
+
+def write_all(rows):
+    for path, text in texts(rows):
+        path.write_text(text)

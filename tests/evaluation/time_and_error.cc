@@ -1,11 +1,12 @@
 // Measures CPU time of a second of motion against the error of positions, for methods of stepping and cutting. Writes
 // a line of JSON for each; tests/evaluation/tradeoff calls it.
-//   time_and_error SCENE [--side N] [--cuts N] [--only TEXT]
-// SCENE: swing-soft, swing-wool, swing-paper, drape.
+//   time_and_error SCENE [--side N] [--cuts N] [--only TEXT] [--no-times] [--export FILE]
+// SCENE: swing-soft, swing-wool, swing-paper, drape, cut. --export also writes a swing and its reference.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <fstream>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -16,7 +17,6 @@
 #include <nlohmann/json.hpp>
 
 #include "server/base/check.h"
-#include "server/base/random.h"
 #include "server/core/cut/cut.h"
 #include "server/core/fem/element/material.h"
 #include "server/core/mesh/build/grid_mesh.h"
@@ -25,7 +25,7 @@
 #include "tests/bench/race_bullet.h"
 #include "tests/bench/race_one_solve.h"
 #include "tests/bench/race_scene.h"
-#include "tests/support/random_cuts.h"
+#include "tests/evaluation/cut_cost.h"
 
 namespace kerf::evaluation {
 namespace {
@@ -41,11 +41,11 @@ constexpr int kCutsOfPlainSteps = 10;  // most cuts after which plain explicit s
 constexpr int kReferenceSteps = 64;    // of TR-BDF2 a tick, after more cuts
 constexpr int kPointsASide = 21;       // of a grid of points at which positions are compared
 constexpr double kLongestMs = 6e4;     // CPU time after which a run is given up
-constexpr std::uint64_t kSeed = 14159265;  // the first decimals of pi
 
 struct Arguments {
-  std::string scene, only;
+  std::string scene, only, export_file;
   int side = 50, cuts = 0;
+  bool has_times = true;
 };
 
 using MakeIntegrator = std::function<std::unique_ptr<fem::Integrator>()>;
@@ -131,27 +131,16 @@ std::vector<Method> methods(bool has_bullet) {
   return all;
 }
 
-mesh::TriangleMesh cut_sheet(int side, int cuts, cut::Method method) {
-  mesh::TriangleMesh mesh = bench::grid(side);
-  SeededRandom random(kSeed);
-  for (int made = 0; made < cuts;) {
-    cut::CutOptions options;
-    options.method = method;
-    const Result<cut::CutPlan> plan = cut::plan(mesh, {test::random_cubic(random), options, {}});
-    if (!plan.ok()) continue;
-    const Result<cut::CutOutcome> outcome = cut::apply(mesh, *plan);
-    made += outcome.ok() && outcome->status == cut::CutStatus::kApplied ? 1 : 0;
-  }
-  return mesh;
+// Material points away from vertices and edges of every grid; 0 <= i < kPointsASide^2.
+Eigen::Vector2d sample_point(int i) {
+  return {(i % kPointsASide + 0.53) / (kPointsASide + 0.1), (i / kPointsASide + 0.51) / (kPointsASide + 0.1)};
 }
 
 // Places of a grid of material points; points without material are at infinity.
 Eigen::Matrix3Xd sampled(const mesh::TriangleMesh& mesh, const Eigen::Matrix3Xd& x) {
   Eigen::Matrix3Xd places(3, kPointsASide * kPointsASide);
   for (int i = 0; i < places.cols(); ++i) {
-    // Away from vertices and edges of every grid.
-    const Eigen::Vector2d at((i % kPointsASide + 0.53) / (kPointsASide + 0.1),
-                             (i / kPointsASide + 0.51) / (kPointsASide + 0.1));
+    const Eigen::Vector2d at = sample_point(i);
     const mesh::TriangleId t = mesh.locate(mesh.lattice().nearest(at)).triangle;
     places.col(i).setConstant(std::numeric_limits<double>::infinity());
     if (t == mesh::kNone || !mesh.is_solid(t)) continue;
@@ -181,12 +170,16 @@ Distances distances(const Eigen::Matrix3Xd& found, const Eigen::Matrix3Xd& expec
   return result;
 }
 
+bool is_asked(const Arguments& arguments, const Method& method) {
+  return (method.family + " " + method.setting).find(arguments.only) != std::string::npos;
+}
+
 void print(const Arguments& arguments, const Method& method, int vertices, double ms, int ticks, int asked,
            const Distances& error) {
-  nlohmann::json row{{"scene", arguments.scene},  {"side", arguments.side},
-                     {"cuts", arguments.cuts},    {"family", method.family},
-                     {"setting", method.setting}, {"default", method.is_default},
-                     {"vertices", vertices},      {"cpu_s_per_s", 1e-3 * ms / (ticks * kTick)}};
+  nlohmann::json row{{"scene", arguments.scene}, {"side", arguments.side},    {"cuts", arguments.cuts},
+                     {"family", method.family},  {"setting", method.setting}, {"default", method.is_default},
+                     {"vertices", vertices}};
+  if (arguments.has_times) row["cpu_s_per_s"] = 1e-3 * ms / (ticks * kTick);
   if (ticks == asked) {
     row["rms_mm"] = 1e3 * error.rms;
     row["largest_mm"] = 1e3 * error.largest;
@@ -195,14 +188,35 @@ void print(const Arguments& arguments, const Method& method, int vertices, doubl
   std::fflush(stdout);
 }
 
+// Writes an uncut swing, the curves that cut it, and the reference, for programs that are no part of this one.
+void export_swing(const Arguments& arguments, int ticks, const std::vector<cut::Curve>& curves,
+                  const Eigen::Matrix3Xd& expected) {
+  const Scene scene(bench::grid(arguments.side), 0.0, false);
+  nlohmann::json file{{"side", arguments.side},
+                      {"cuts", arguments.cuts},
+                      {"tick_s", kTick},
+                      {"ticks", ticks},
+                      {"gravity", {scene.loads.gravity.x(), scene.loads.gravity.y(), scene.loads.gravity.z()}},
+                      {"mass_kg", scene.model.mass()}};
+  for (const fem::Pin& pin : scene.loads.pins) file["pins"].push_back(pin.vertex);
+  file["curves"] = nlohmann::json::array();
+  for (const cut::Curve& curve : curves) file["curves"].push_back(points_along(curve));
+  for (int i = 0; i < expected.cols(); ++i) {
+    file["points"].push_back({sample_point(i).x(), sample_point(i).y()});
+    file["places"].push_back({expected(0, i), expected(1, i), expected(2, i)});
+  }
+  std::ofstream(arguments.export_file) << file.dump();
+}
+
 void swing(const Arguments& arguments, const fem::Material& material, bool has_bullet) {
   const double duration = arguments.cuts > 0 ? kCutTime : kSwingTime;
   const int ticks = static_cast<int>(std::lround(duration / kTick));
-  const auto scene_of = [&](cut::Method method) {
-    return Scene(cut_sheet(arguments.side, arguments.cuts, method), 0.0, false, fem::MembraneLaw::kCorotational,
-                 material);
+  const CutSheet sheet = cut_sheet(arguments.side, arguments.cuts, cut::Method::kNeighbourhood);
+  const auto scene_of = [&](const mesh::TriangleMesh& mesh) {
+    return Scene(mesh, 0.0, false, fem::MembraneLaw::kCorotational, material);
   };
-  const Scene as_kerf = scene_of(cut::Method::kNeighbourhood), as_thesis = scene_of(cut::Method::kElement);
+  const Scene as_kerf = scene_of(sheet.mesh);
+  const Scene as_thesis = scene_of(cut_sheet(arguments.side, arguments.cuts, cut::Method::kElement).mesh);
   Stepped reference =
       arguments.cuts > kCutsOfPlainSteps
           ? Stepped(as_kerf,
@@ -211,8 +225,9 @@ void swing(const Arguments& arguments, const fem::Material& material, bool has_b
           : Stepped(as_kerf, with(reference_options(arguments.cuts > 0)), 1);
   for (int i = 0; i < ticks; ++i) reference.tick();
   const Eigen::Matrix3Xd expected = sampled(as_kerf.mesh, reference.positions());
+  if (!arguments.export_file.empty()) export_swing(arguments, ticks, sheet.curves, expected);
   for (const Method& method : methods(has_bullet)) {
-    if ((method.family + " " + method.setting).find(arguments.only) == std::string::npos) continue;
+    if (!is_asked(arguments, method)) continue;
     const Scene& scene = method.cut == cut::Method::kElement ? as_thesis : as_kerf;
     const std::unique_ptr<Contender> contender = method.enter(scene);
     double ms = 0.0;
@@ -262,7 +277,7 @@ void drape(const Arguments& arguments) {
   const Eigen::Matrix3Xd expected = run(with(reference_options(false)), unused, reference_ticks);
   for (const Method& method : methods(false)) {
     // The thesis's solve knows of no bodies, and a sheet makes steps of 1/60 s alone.
-    if (method.family == "thesis" || method.setting == "240 Hz") continue;
+    if (!is_asked(arguments, method) || method.family == "thesis" || method.setting == "240 Hz") continue;
     double ms = 0.0;
     int done = 0;
     const Eigen::Matrix3Xd found = run(method.integrator, ms, done);
@@ -270,8 +285,21 @@ void drape(const Arguments& arguments) {
   }
 }
 
+void cuts(const Arguments& arguments) {
+  const std::pair<const char*, cut::Method> methods[] = {{"Kerf", cut::Method::kNeighbourhood},
+                                                         {"thesis", cut::Method::kElement}};
+  for (const auto& [family, method] : methods) {
+    for (nlohmann::json row : measure_cuts(arguments.side, method, arguments.has_times)) {
+      row["family"] = family;
+      std::printf("%s\n", row.dump().c_str());
+    }
+  }
+}
+
 int run(const Arguments& arguments) {
-  if (arguments.scene == "drape") {
+  if (arguments.scene == "cut") {
+    cuts(arguments);
+  } else if (arguments.scene == "drape") {
     drape(arguments);
   } else if (arguments.scene == "swing-soft") {
     swing(arguments, bench::cloth(), arguments.cuts == 0);
@@ -280,7 +308,7 @@ int run(const Arguments& arguments) {
   } else if (arguments.scene == "swing-paper") {
     swing(arguments, *fem::find_preset("paper"), false);
   } else {
-    std::fprintf(stderr, "no scene \"%s\"; there are: swing-soft swing-wool swing-paper drape\n",
+    std::fprintf(stderr, "no scene \"%s\"; there are: swing-soft swing-wool swing-paper drape cut\n",
                  arguments.scene.c_str());
     return 2;
   }
@@ -293,10 +321,17 @@ int run(const Arguments& arguments) {
 int main(int argc, char** argv) {
   kerf::evaluation::Arguments arguments;
   if (argc > 1) arguments.scene = argv[1];
-  for (int i = 2; i + 1 < argc; i += 2) {
-    if (std::strcmp(argv[i], "--side") == 0) arguments.side = std::atoi(argv[i + 1]);
-    if (std::strcmp(argv[i], "--cuts") == 0) arguments.cuts = std::atoi(argv[i + 1]);
-    if (std::strcmp(argv[i], "--only") == 0) arguments.only = argv[i + 1];
+  for (int i = 2; i < argc; ++i) {
+    if (std::strcmp(argv[i], "--no-times") == 0) {
+      arguments.has_times = false;
+      continue;
+    }
+    if (i + 1 == argc) break;
+    const char* const name = argv[i++];
+    if (std::strcmp(name, "--side") == 0) arguments.side = std::atoi(argv[i]);
+    if (std::strcmp(name, "--cuts") == 0) arguments.cuts = std::atoi(argv[i]);
+    if (std::strcmp(name, "--only") == 0) arguments.only = argv[i];
+    if (std::strcmp(name, "--export") == 0) arguments.export_file = argv[i];
   }
   return kerf::evaluation::run(arguments);
 }

@@ -6,12 +6,18 @@ import re
 import draw
 import page
 
-HERE = pathlib.Path(__file__).resolve().parent
+PAGE = pathlib.Path(__file__).resolve().parent / "tradeoff.md"
 LOOKS = {"Kerf as it comes": ("#0072b2", "*"), "Kerf, explicit": ("#0072b2", "o"), "Kerf, TR-BDF2": ("#56b4e9", "s"), "Kerf, implicit Euler": ("#7a5c00", "v"),
-         "thesis": ("#d55e00", "D"), "Bullet soft body": ("#009e73", "^"), "Bullet deformable": ("#cc79a7", "P")}
+         "thesis": ("#d55e00", "D"), "Bullet soft body": ("#009e73", "^"), "Bullet deformable": ("#cc79a7", "P"),
+         "Rapier soft body": ("#000000", "X")}
+FAMILIES = ["Kerf", *LOOKS]
 PANELS = [("swing-soft", 50, 0, "soft cloth, 2,500 vertices"), ("swing-soft", 50, 10, "the same after 10 random cuts"),
           ("swing-wool", 50, 0, "wool, 2,500 vertices")]
 NAMES = {"swing-soft": "swing, soft", "swing-wool": "swing, wool", "swing-paper": "swing, paper", "drape": "drape on a ball"}
+
+
+def is_of(row, panel):
+    return (row["scene"], row.get("side"), row.get("cuts")) == panel[:3]
 
 
 def panel(axes, rows, title):
@@ -33,14 +39,14 @@ def plot(rows):
     import matplotlib.pyplot as plt
     with plt.rc_context({**draw.SETTINGS, "lines.markersize": 6}):
         figure, axes = plt.subplots(1, 3, figsize=(10.2, 3.8), layout="constrained", sharey=True)
-        for each, (scene, side, cuts, title) in zip(axes, PANELS):
-            panel(each, [row for row in rows if (row["scene"], row.get("side"), row.get("cuts")) == (scene, side, cuts)], title)
+        for each, shown in zip(axes, PANELS):
+            panel(each, [row for row in rows if is_of(row, shown)], shown[3])
         axes[0].set_ylabel("error of positions, mm")
         axes[0].annotate("real time", (1.0, 0.02), xycoords=("data", "axes fraction"), rotation=90, fontsize=8, color="#777777",
                          ha="right", va="bottom")
         handles, labels = axes[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="upper center", bbox_to_anchor=(0.5, 0.0), ncol=4)
-        draw.save(figure, "tradeoff")
+        draw.save(figure, "tradeoff", drawn(rows))
     plt.close("all")
 
 
@@ -52,15 +58,26 @@ def motion(rows):
         some = [row for row in rows if (row["scene"], row.get("side"), row.get("cuts")) == (scene, side, cuts)]
         default = next(row for row in some if row["default"])
         line = [NAMES[scene], f"{side} x {side}", str(cuts) if cuts else "-", pair(default)]
-        for families in (("Kerf, explicit",), ("Kerf, TR-BDF2", "Kerf, implicit Euler"), ("thesis",), ("Bullet soft body", "Bullet deformable")):
+        for families in (("Kerf, explicit",), ("Kerf, TR-BDF2", "Kerf, implicit Euler"), ("thesis",),
+                         ("Bullet soft body", "Bullet deformable"), ("Rapier soft body",)):
             found = [row for row in some if row["family"] in families and "rms_mm" in row]
             line.append(pair(min(found, key=lambda row: row["rms_mm"])) if found else "-")
         lines.append(line)
-    return page.table(["scene", "vertices", "cuts", "Kerf as it comes", "explicit, best", "implicit, best", "thesis's method, best", "Bullet, best"], lines)
+    return page.table(["scene", "vertices", "cuts", "Kerf as it comes", "explicit, best", "implicit, best", "thesis's method, best", "Bullet, best",
+                       "Rapier, best"], lines)
 
 
 def pair(row):
     return f"{page.number(row['cpu_s_per_s'], 2)} s, {page.number(row['rms_mm'], 2)} mm"
+
+
+def cut(rows):
+    names = {"Kerf": "Kerf as it comes", "thesis": "thesis's method", "Rapier soft body": "Rapier"}
+    lines = [[names[row["family"]], page.number(row["new_vertices"], 2), page.number(row["cut_ms"], 2),
+              *(f"{page.number(row[key], 2)} mm" for key in ("curve_mean_mm", "curve_largest_mm", "lips_largest_mm"))]
+             for row in rows if row["scene"] == "cut"]
+    return page.table(["program", "new vertices", "CPU, ms", "curve to cut, mean", "curve to cut, farthest", "cut to curve, farthest"],
+                      lines)
 
 
 def static(rows):
@@ -80,9 +97,22 @@ def crumple(rows):
     return page.table(["program", "pairs that pass through each other", "CPU seconds for a second"], lines)
 
 
+def text(rows):
+    tables = {"motion": motion, "cut": cut, "static": static, "crumple": crumple}
+    return re.sub(r"(<!-- table (\w+) -->\n).*?(<!-- end -->)", lambda match: match[1] + tables[match[2]](rows) + "\n" + match[3],
+                  PAGE.read_text(), flags=re.S)
+
+
+def drawn(rows):
+    """Rows that the picture shows."""
+    return [row for row in rows if row.get("rms_mm") and any(is_of(row, panel) for panel in PANELS)]
+
+
+def stale(rows):
+    """Names of the files that write() would change."""
+    return ([PAGE.name] if text(rows) != PAGE.read_text() else []) + draw.stale("tradeoff", drawn(rows))
+
+
 def write(rows):
     plot(rows)
-    path = HERE / "tradeoff.md"
-    tables = {"motion": motion, "static": static, "crumple": crumple}
-    path.write_text(re.sub(r"(<!-- table (\w+) -->\n).*?(<!-- end -->)",
-                           lambda match: match[1] + tables[match[2]](rows) + "\n" + match[3], path.read_text(), flags=re.S))
+    PAGE.write_text(text(rows))
