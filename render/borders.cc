@@ -11,7 +11,7 @@ constexpr float kSharpestMitre = 0.5F;  // Cosine of half the angle between stri
 
 // Returns the unit vector in a triangle's plane that is perpendicular to its border edge and points inwards. `edge`:
 // see border_edges().
-Float3 inward_of(const Mesh& mesh, const std::array<std::int32_t, 3>& edge) {
+Float3 inward_of(const Mesh& mesh, const std::array<std::int32_t, 4>& edge) {
   const Float3 start = position(mesh, edge[0]);
   const Float3 along = difference(position(mesh, edge[1]), start);
   const Float3 normal = cross(along, difference(position(mesh, edge[2]), start));
@@ -29,7 +29,7 @@ Float3 mitred(Float3 own, Float3 sum) {
 
 }  // namespace
 
-std::vector<std::array<std::int32_t, 3>> border_edges(std::span<const std::int32_t> triangles,
+std::vector<std::array<std::int32_t, 4>> border_edges(std::span<const std::int32_t> triangles,
                                                       std::size_t num_vertices) {
   // Represents an edge in the linked list of all edges with the same lower vertex id. Few edges share it, so lists are
   // short.
@@ -57,10 +57,11 @@ std::vector<std::array<std::int32_t, 3>> border_edges(std::span<const std::int32
     ++edges[at].uses;
     edge_of[i] = at;
   }
-  std::vector<std::array<std::int32_t, 3>> borders;
+  std::vector<std::array<std::int32_t, 4>> borders;
   for (std::size_t i = 0; i < triangles.size(); ++i) {
     const std::size_t next = next_corner(i);
-    if (edges[edge_of[i]].uses == 1) borders.push_back({triangles[i], triangles[next], triangles[next_corner(next)]});
+    if (edges[edge_of[i]].uses != 1) continue;
+    borders.push_back({triangles[i], triangles[next], triangles[next_corner(next)], static_cast<std::int32_t>(i / 3)});
   }
   return borders;
 }
@@ -83,7 +84,8 @@ std::vector<BorderSegment> border_segments(const Mesh& mesh, const std::vector<F
     const auto start = static_cast<std::size_t>(edges[i][0]);
     const auto end = static_cast<std::size_t>(edges[i][1]);
     segments.push_back({position(mesh, edges[i][0]), position(mesh, edges[i][1]), mitred(inward[i], sums[start]),
-                        mitred(inward[i], sums[end]), normals[start], normals[end]});
+                        mitred(inward[i], sums[end]), normals[start], normals[end],
+                        look_of(mesh, static_cast<std::size_t>(edges[i][3]))});
   }
   return segments;
 }

@@ -13,8 +13,8 @@
 namespace kerf::render {
 
 // Returns the edges used by only one triangle, ordered by triangle. Each has its two ends in the triangle's order, then
-// the triangle's third vertex.
-std::vector<std::array<std::int32_t, 3>> border_edges(std::span<const std::int32_t> triangles,
+// the triangle's third vertex and number.
+std::vector<std::array<std::int32_t, 4>> border_edges(std::span<const std::int32_t> triangles,
                                                       std::size_t num_vertices);
 
 // Returns a segment for each border edge. `normals`: one for each vertex, see vertex_normals().

@@ -70,7 +70,8 @@ std::vector<SurfaceVertex> sheet_vertices(const Mesh& mesh, const TextureFrame& 
     }
     vertices.push_back({position(mesh, mesh.triangles[i]), normals[vertex], material,
                         mesh.vertex_colours.empty() ? piece_tint(mesh.piece_ids.empty() ? 0 : mesh.piece_ids[i / 3])
-                                                    : own_colour(mesh, vertex)});
+                                                    : own_colour(mesh, vertex),
+                        look_of(mesh, i / 3)});
     vertices.back().tint[3] = static_cast<std::uint8_t>(128.5F + 127.0F * heights[vertex]);
   }
   return vertices;

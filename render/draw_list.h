@@ -19,6 +19,7 @@ struct SurfaceVertex {
   // itself. The fourth is the shape of a sheet seen from the front: 128 where flat, more on ridges, less in valleys. It
   // is the farther from 128, the sharper the ridge or valley is.
   std::array<std::uint8_t, 4> tint;
+  float look = 0.0F;  // On a sheet, number in Style::looks.
 };
 
 // Represents an edge used by only one triangle.
@@ -29,6 +30,7 @@ struct BorderSegment {
   std::array<float, 3> end_inward;    // The same at `end`. Longer than 1 at corners, so that strips meet.
   std::array<float, 3> start_normal;  // Unit, of the front side.
   std::array<float, 3> end_normal;
+  float look = 0.0F;  // Number in Style::looks.
 };
 
 // Holds all data of a picture, ready to be copied to the graphics device. Costly work that needs no graphics context,

@@ -47,6 +47,28 @@ double supports_z_offset(const DrawList& list) {
   return list.views.depth_per_fraction * (1.0 / (1.0 + kSupportsBehind) - 1.0);
 }
 
+// Returns one value of each look.
+template <typename Of>
+auto of_each(const std::vector<Look>& looks, const Of& of) {
+  std::vector<decltype(of(looks[0]))> values;
+  for (const Look& look : looks) values.push_back(of(look));
+  return values;
+}
+
+void set_looks(const Program& program, const std::vector<Look>& looks) {
+  const auto set = [&](const char* name, const auto& of) { program.set(name, of_each(looks, of)); };
+  set("u_front", [](const Look& look) { return linear(look.front); });
+  set("u_back", [](const Look& look) { return linear(look.back); });
+  set("u_banded", [](const Look& look) { return look.finish.bands != Bands::kNone ? 1.0F : 0.0F; });
+  set("u_own_dye", [](const Look& look) { return look.finish.bands == Bands::kOfOwnDye ? 1.0F : 0.0F; });
+  set("u_front_dye", [](const Look& look) { return linear(look.finish.front_dye); });
+  set("u_back_dye", [](const Look& look) { return linear(look.finish.back_dye); });
+  set("u_threads", [](const Look& look) { return static_cast<float>(look.finish.threads); });
+  set("u_gloss", [](const Look& look) { return static_cast<float>(look.finish.gloss); });
+  set("u_translucency", [](const Look& look) { return static_cast<float>(look.finish.translucency); });
+  set("u_mirror", [](const Look& look) { return static_cast<float>(look.finish.mirror); });
+}
+
 class GlCanvas final : public Canvas {
  public:
   Status open(const EglPlatform& platform);
@@ -127,7 +149,8 @@ Status GlCanvas::build_programs() {
     stream->set_layout({{3, GL_FLOAT, offsetof(SurfaceVertex, position)},
                         {3, GL_FLOAT, offsetof(SurfaceVertex, normal)},
                         {2, GL_FLOAT, offsetof(SurfaceVertex, material)},
-                        {4, GL_UNSIGNED_BYTE, offsetof(SurfaceVertex, tint)}},
+                        {4, GL_UNSIGNED_BYTE, offsetof(SurfaceVertex, tint)},
+                        {1, GL_FLOAT, offsetof(SurfaceVertex, look)}},
                        sizeof(SurfaceVertex), 0);
   }
   o.border_segments.set_layout({{3, GL_FLOAT, offsetof(BorderSegment, start)},
@@ -135,7 +158,8 @@ Status GlCanvas::build_programs() {
                                 {3, GL_FLOAT, offsetof(BorderSegment, start_inward)},
                                 {3, GL_FLOAT, offsetof(BorderSegment, end_inward)},
                                 {3, GL_FLOAT, offsetof(BorderSegment, start_normal)},
-                                {3, GL_FLOAT, offsetof(BorderSegment, end_normal)}},
+                                {3, GL_FLOAT, offsetof(BorderSegment, end_normal)},
+                                {1, GL_FLOAT, offsetof(BorderSegment, look)}},
                                sizeof(BorderSegment), 1);
   return {};
 }
@@ -242,17 +266,7 @@ void GlCanvas::draw_sheet(const DrawList& list) const {
   if (list.sheet.empty()) return;
   const Program& program = objects_->sheet;
   set_surface_uniforms(program, list);
-  program.set("u_front", linear(list.style.front));
-  program.set("u_back", linear(list.style.back));
-  const Finish& finish = list.style.finish;
-  program.set("u_banded", finish.bands != Bands::kNone);
-  program.set("u_own_dye", finish.bands == Bands::kOfOwnDye);
-  program.set("u_front_dye", linear(finish.front_dye));
-  program.set("u_back_dye", linear(finish.back_dye));
-  program.set("u_threads", finish.threads);
-  program.set("u_gloss", finish.gloss);
-  program.set("u_translucency", finish.translucency);
-  program.set("u_mirror", finish.mirror);
+  set_looks(program, list.style.looks);
   program.set("u_textured", list.textured);
   program.set("u_coloured", list.coloured);
   program.set("u_wireframe", list.style.wireframe);
@@ -277,7 +291,7 @@ void GlCanvas::draw_lips(const DrawList& list, double z_offset) const {
   const Program& program = objects_->lip;
   set_surface_uniforms(program, list);
   program.set("u_clip_z_offset", z_offset);
-  program.set("u_lip", linear(list.style.lips));
+  program.set("u_lip", of_each(list.style.looks, [](const Look& look) { return linear(look.lips); }));
   program.set("u_width_fraction", kLipWidth * std::max(1.0, height_ / 480.0) * list.views.pixel_fraction);
   program.set("u_max_width_m", kMaxLipWidth * list.sheet_size);
   glDrawArraysInstanced(GL_TRIANGLES, 0, 6, static_cast<GLsizei>(list.borders.size()));

@@ -34,6 +34,17 @@ class Program {
   void use() const { glUseProgram(id_); }
   void set(const char* name, bool value) const { glUniform1i(at(name), value ? 1 : 0); }
   void set(const char* name, double value) const { glUniform1f(at(name), static_cast<float>(value)); }
+  // Sets an array of uniforms of one number each, or of one vector each.
+  void set(const char* name, const std::vector<float>& values) const {
+    glUniform1fv(at(name), static_cast<GLsizei>(values.size()), values.data());
+  }
+  void set(const char* name, const std::vector<Vec3>& vectors) const {
+    std::vector<float> numbers;
+    for (const Vec3& v : vectors) {
+      for (const double number : {v.x, v.y, v.z}) numbers.push_back(static_cast<float>(number));
+    }
+    glUniform3fv(at(name), static_cast<GLsizei>(vectors.size()), numbers.data());
+  }
   void set(const char* name, double x, double y) const {
     glUniform2f(at(name), static_cast<float>(x), static_cast<float>(y));
   }

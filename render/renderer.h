@@ -20,6 +20,7 @@ inline constexpr int kMinImageSize = 16;    // Pixels, of width and of height.
 inline constexpr int kMaxImageSize = 4096;  // Pixels, of width and of height.
 inline constexpr std::size_t kMaxTriangles = 2'000'000;
 inline constexpr std::size_t kMaxColliders = 256;
+inline constexpr std::size_t kMaxLooks = 16;
 inline constexpr double kMaxCoordinate = 1e6;  // m, of every position and length.
 
 struct Vec3 {
@@ -52,8 +53,9 @@ struct Mesh {
   std::span<const float> material_coordinates;  // 2*V, xy interleaved, m, finite; or empty: no texture
   std::span<const std::int32_t> triangles;      // 3*T, vertex ids in [0, V), counter-clockwise from the front
   std::span<const std::int32_t> piece_ids;      // T, >= 0; pieces differ a little in colour; or empty: one piece
-  // 3*V, sRGB, red, green, blue interleaved; or empty. They replace the style's front and back, the tints of pieces and
-  // the texture. colours.h makes colours for strains and pieces.
+  std::span<const std::int32_t> looks;          // T, numbers in Style::looks; or empty: the first one everywhere
+  // 3*V, sRGB, red, green, blue interleaved; or empty. They replace the colours of looks, the tints of pieces and the
+  // texture. colours.h makes colours for strains and pieces.
   std::span<const std::uint8_t> vertex_colours;
   // Box of material coordinates that the texture spans, with 20 checks along its longer side. It must not change while
   // a sheet is being cut, or the texture would move over the sheet. If lower == upper, it is computed from
@@ -104,6 +106,14 @@ struct Finish {
   double mirror = 0.0;         // Share of the surroundings that is mirrored, in [0, 1].
 };
 
+// Describes how a sheet, or a part of it, looks.
+struct Look {
+  Colour front{0.20, 0.43, 0.66};  // Colour of the side whose triangles are counter-clockwise.
+  Colour back{0.90, 0.50, 0.26};   // Colour of the other side.
+  Finish finish;
+  Colour lips{1.00, 0.93, 0.76};  // Colour of the strips along the border and the lips of cuts.
+};
+
 struct Style {
   bool texture = true;     // Crossing bands of dyed yarn and threads, in material coordinates.
   bool wireframe = false;  // Edges of triangles over the surface, fainter on small ones; replaces the threads.
@@ -112,10 +122,7 @@ struct Style {
   bool antialias = true;
   bool shadows = true;  // Shadows of the key light, and darker ground where things hide the sky.
   Colour background = kLightBackground;
-  Colour front{0.20, 0.43, 0.66};  // Colour of the side whose triangles are counter-clockwise.
-  Colour back{0.90, 0.50, 0.26};   // Colour of the other side.
-  Finish finish;
-  Colour lips{1.00, 0.93, 0.76};  // Colour of the strips along the border and the lips of cuts.
+  std::vector<Look> looks{Look{}};  // 1 to kMaxLooks, see Mesh::looks.
 };
 
 struct Scene {

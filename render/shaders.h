@@ -12,6 +12,7 @@ layout(location = 0) in vec3 a_position;
 layout(location = 1) in vec3 a_normal;
 layout(location = 2) in vec2 a_material;
 layout(location = 3) in vec4 a_tint;
+layout(location = 4) in float a_look;
 uniform mat4 u_clip_from_world;
 uniform float u_clip_z_offset;
 out vec3 v_world;
@@ -20,8 +21,10 @@ out vec2 v_material;
 out vec3 v_tint;
 out float v_ridge;
 out vec3 v_barycentric;
+flat out int v_look;
 
 void main() {
+  v_look = int(a_look);
   v_world = a_position;
   v_normal = a_normal;
   v_material = a_material;
@@ -42,6 +45,7 @@ in vec2 v_material;
 in vec3 v_tint;
 in float v_ridge;
 in vec3 v_barycentric;
+flat in int v_look;
 uniform vec3 u_eye;
 uniform vec3 u_up;
 uniform vec3 u_to_light;
@@ -113,16 +117,17 @@ vec3 unit(vec3 v, vec3 otherwise) {
 )";
 
 inline constexpr const char* kSheetFragmentShader = R"(
-uniform vec3 u_front;
-uniform vec3 u_back;
-uniform bool u_banded;
-uniform bool u_own_dye;
-uniform vec3 u_front_dye;
-uniform vec3 u_back_dye;
-uniform float u_threads;
-uniform float u_gloss;
-uniform float u_translucency;
-uniform float u_mirror;
+// One for each look; kMaxLooks of renderer.h.
+uniform vec3 u_front[16];
+uniform vec3 u_back[16];
+uniform bool u_banded[16];
+uniform bool u_own_dye[16];
+uniform vec3 u_front_dye[16];
+uniform vec3 u_back_dye[16];
+uniform float u_threads[16];
+uniform float u_gloss[16];
+uniform float u_translucency[16];
+uniform float u_mirror[16];
 uniform bool u_textured;
 uniform bool u_coloured;
 uniform bool u_wireframe;
@@ -188,22 +193,22 @@ void main() {
     float facing = abs(dot(n, normalize(u_eye - v_world)));
     colour = mix(0.85, 1.0, facing) * pow(v_tint * (128.0 / 255.0), vec3(2.2));
   } else {
-    vec3 albedo = (gl_FrontFacing ? u_front : u_back) * v_tint;
+    vec3 albedo = (gl_FrontFacing ? u_front[v_look] : u_back[v_look]) * v_tint;
     if (u_textured) {
       vec2 woven = cloth(v_material, footprint);
       float dye = u_wireframe ? mix(0.5, woven.x, 0.35) : woven.x;  // fainter, so that wires stand out
-      if (u_own_dye) {
-        albedo = mix(albedo, (gl_FrontFacing ? u_front_dye : u_back_dye) * v_tint, 0.92 * dye);
-      } else if (u_banded) {
+      if (u_own_dye[v_look]) {
+        albedo = mix(albedo, (gl_FrontFacing ? u_front_dye[v_look] : u_back_dye[v_look]) * v_tint, 0.92 * dye);
+      } else if (u_banded[v_look]) {
         albedo = mix(mix(albedo, vec3(0.72), 0.55), 0.62 * albedo, dye);
       }
-      albedo *= mix(1.0, woven.y, u_threads);
+      albedo *= mix(1.0, woven.y, u_threads[v_look]);
     }
-    colour = shade(albedo, n, u_gloss, u_translucency, 1.0 + (ridge > 0.0 ? 0.25 : 0.75) * ridge);
-    if (u_mirror > 0.0) {
+    colour = shade(albedo, n, u_gloss[v_look], u_translucency[v_look], 1.0 + (ridge > 0.0 ? 0.25 : 0.75) * ridge);
+    if (u_mirror[v_look] > 0.0) {
       float towards_sky = dot(reflect(normalize(v_world - u_eye), n), u_up);
       vec3 surroundings = albedo * mix(vec3(0.22, 0.24, 0.27), vec3(1.25), smoothstep(-0.35, 0.75, towards_sky));
-      colour = mix(colour, surroundings, u_mirror);
+      colour = mix(colour, surroundings, u_mirror[v_look]);
     }
   }
   if (u_wireframe) {
@@ -242,6 +247,7 @@ layout(location = 2) in vec3 a_start_inward;
 layout(location = 3) in vec3 a_end_inward;
 layout(location = 4) in vec3 a_start_normal;
 layout(location = 5) in vec3 a_end_normal;
+layout(location = 6) in float a_look;
 uniform mat4 u_clip_from_world;
 uniform float u_clip_z_offset;
 uniform float u_width_fraction;
@@ -252,6 +258,7 @@ out vec2 v_material;
 out vec3 v_tint;
 out float v_ridge;
 out vec3 v_barycentric;
+flat out int v_look;
 
 const vec2 kCorners[6] = vec2[](vec2(0, 0), vec2(1, 0), vec2(1, 1), vec2(0, 0), vec2(1, 1), vec2(0, 1));
 
@@ -267,19 +274,20 @@ void main() {
   v_tint = inward;
   v_ridge = 0.0;
   v_barycentric = vec3(0.0);
+  v_look = int(a_look);
   gl_Position = u_clip_from_world * vec4(v_world, 1.0);
   gl_Position.z += u_clip_z_offset;
 }
 )";
 
 inline constexpr const char* kLipFragmentShader = R"(
-uniform vec3 u_lip;
+uniform vec3 u_lip[16];
 
 void main() {
   vec3 n = unit(v_normal, u_up);
   if (dot(n, u_eye - v_world) < 0.0) n = -n;
   vec3 rounded = normalize(n - 0.9 * (1.0 - v_material.x) * unit(v_tint, vec3(0.0)));
-  f_colour = to_srgb(shade(u_lip, rounded, 0.3, 0.1, 1.0), 1.0);
+  f_colour = to_srgb(shade(u_lip[v_look], rounded, 0.3, 0.1, 1.0), 1.0);
 }
 )";
 

@@ -23,6 +23,10 @@ inline Float3 cross(Float3 u, Float3 v) {
 inline float dot(Float3 u, Float3 v) {
   return u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
 }
+// Returns the number of a triangle's look, see Mesh::looks.
+inline float look_of(const Mesh& mesh, std::size_t triangle) {
+  return mesh.looks.empty() ? 0.0F : static_cast<float>(mesh.looks[triangle]);
+}
 // Returns v / |v|, or `otherwise` if v vanishes.
 Float3 unit(Float3 v, Float3 otherwise);
 

@@ -103,6 +103,9 @@ Status check_array_sizes(const Mesh& mesh) {
   if (!mesh.piece_ids.empty() && mesh.piece_ids.size() != mesh.triangles.size() / 3) {
     return invalid("ARRAY_SIZE_MISMATCH", "scene.mesh.piece_ids", "piece_ids must hold 1 id a triangle, or none");
   }
+  if (!mesh.looks.empty() && mesh.looks.size() != mesh.triangles.size() / 3) {
+    return invalid("ARRAY_SIZE_MISMATCH", "scene.mesh.looks", "looks must hold 1 number a triangle, or none");
+  }
   if (!mesh.vertex_colours.empty() && mesh.vertex_colours.size() != mesh.positions.size()) {
     return invalid("ARRAY_SIZE_MISMATCH", "scene.mesh.vertex_colours",
                    "vertex_colours must hold 3 numbers a vertex, or none");
@@ -127,6 +130,36 @@ Status check_mesh(const Mesh& mesh) {
   }
   if (std::ranges::any_of(mesh.piece_ids, [](std::int32_t piece) { return piece < 0; })) {
     return invalid("INDEX_OUT_OF_RANGE", "scene.mesh.piece_ids", "piece ids must not be negative");
+  }
+  return {};
+}
+
+Status check_look(const Look& look, const std::string& field) {
+  const std::array<std::pair<const Colour*, const char*>, 5> colours{{{&look.front, ".front"},
+                                                                      {&look.back, ".back"},
+                                                                      {&look.lips, ".lips"},
+                                                                      {&look.finish.front_dye, ".finish.front_dye"},
+                                                                      {&look.finish.back_dye, ".finish.back_dye"}}};
+  for (const auto& [colour, name] : colours) {
+    if (Status status = check_colour(*colour, field + name); !status.ok()) return status;
+  }
+  return {};
+}
+
+Status check_looks(const Scene& scene) {
+  const std::vector<Look>& looks = scene.style.looks;
+  if (looks.empty() || looks.size() > kMaxLooks) {
+    return invalid("LIMIT_EXCEEDED", "scene.style.looks",
+                   std::to_string(looks.size()) + " looks; must be 1 to " + std::to_string(kMaxLooks));
+  }
+  for (std::size_t i = 0; i < looks.size(); ++i) {
+    if (Status status = check_look(looks[i], "scene.style.looks[" + std::to_string(i) + "]"); !status.ok()) {
+      return status;
+    }
+  }
+  const auto count = static_cast<std::int32_t>(looks.size());
+  if (std::ranges::any_of(scene.mesh.looks, [count](std::int32_t look) { return look < 0 || look >= count; })) {
+    return invalid("INDEX_OUT_OF_RANGE", "scene.mesh.looks", "there are " + std::to_string(count) + " looks");
   }
   return {};
 }
@@ -186,17 +219,8 @@ Status validate(const Scene& scene) {
   if (scene.ground) {
     if (Status status = check_shape(*scene.ground, "scene.ground"); !status.ok()) return status;
   }
-  const std::array<std::pair<const Colour*, const char*>, 6> colours{
-      {{&scene.style.background, "scene.style.background"},
-       {&scene.style.front, "scene.style.front"},
-       {&scene.style.back, "scene.style.back"},
-       {&scene.style.lips, "scene.style.lips"},
-       {&scene.style.finish.front_dye, "scene.style.finish.front_dye"},
-       {&scene.style.finish.back_dye, "scene.style.finish.back_dye"}}};
-  for (const auto& [colour, field] : colours) {
-    if (Status status = check_colour(*colour, field); !status.ok()) return status;
-  }
-  return {};
+  if (Status status = check_colour(scene.style.background, "scene.style.background"); !status.ok()) return status;
+  return check_looks(scene);
 }
 
 Status validate(const Scene& scene, const Camera& camera, int width, int height) {

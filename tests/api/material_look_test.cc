@@ -13,10 +13,8 @@ namespace {
 
 using Channels = std::tuple<double, double, double>;
 
-render::Style look_of(double modulus, double thickness, double density) {
-  render::Style style;
-  set_material_look({modulus, thickness, density}, style);
-  return style;
+render::Look look_of(double modulus, double thickness, double density) {
+  return look_of(LookNumbers{modulus, thickness, density});
 }
 
 Channels channels(const render::Colour& colour) {
@@ -41,8 +39,8 @@ TEST(MaterialLook, DiffersForEachPreset) {
 }
 
 TEST(MaterialLook, StaysWhileTheNumbersChangeALittle) {
-  const render::Style silk = look_of(8.0e7, 1.2e-4, 420);
-  const render::Style stiffer = look_of(1.6e8, 1.0e-4, 400);
+  const render::Look silk = look_of(8.0e7, 1.2e-4, 420);
+  const render::Look stiffer = look_of(1.6e8, 1.0e-4, 400);
   EXPECT_EQ(channels(stiffer.front), channels(silk.front));
   EXPECT_EQ(stiffer.finish.gloss, silk.finish.gloss);
   EXPECT_NE(channels(look_of(5.5e9, 1.0e-4, 800).front), channels(silk.front));

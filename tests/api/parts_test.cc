@@ -107,6 +107,9 @@ class FakeRenderer : public render::Renderer {
     background = scene.style.background;
     textured = scene.style.texture;
     positions.assign(scene.mesh.positions.begin(), scene.mesh.positions.end());
+    looks.assign(scene.mesh.looks.begin(), scene.mesh.looks.end());
+    fronts.clear();
+    for (const render::Look& look : scene.style.looks) fronts.push_back(look.front.red);
     const render::Status status = render::validate(scene);
     if (!status.ok()) return status;
     pixels = {width, height, std::vector<std::uint8_t>(4 * static_cast<std::size_t>(width * height), 200)};
@@ -125,6 +128,8 @@ class FakeRenderer : public render::Renderer {
   render::Colour background;
   bool textured = false;
   std::vector<float> positions;
+  std::vector<std::int32_t> looks;
+  std::vector<double> fronts;  // Red of the front of each look.
 };
 
 Result<v1::RenderImageResponse> draw(Api& api, const v1::RenderImageRequest& request) {
@@ -164,6 +169,36 @@ TEST_F(ApiTest, PictureIsDrawnOffTheStrand) {
   EXPECT_EQ(picture->image().substr(0, 2), "\xff\xd8");
   request.set_name("sheets/nobody");
   EXPECT_EQ(draw(*api_, request).error().code, ErrorCode::kNotFound);
+}
+
+TEST_F(ApiTest, EachPartOfASheetIsDrawnAsItsMaterialLooksNow) {
+  if (!render::image_codecs_available()) GTEST_SKIP() << "built without image libraries";
+  FakeRenderer renderer;
+  make_api({}, &renderer);
+  // Eight triangles: two, of the lower left square, of rubber.
+  ASSERT_TRUE(call_json("/kerf.v1.SheetService/CreateSheet",
+                        R"({"sheet_id":"a","paused":true,"scene":{"material":{"preset":"silk"},"fidelity":"REAL_TIME",)"
+                        R"("materials":[{"region":{"box":{"max":{"x":1,"y":1}}},"material":{"preset":"rubber"}}],)"
+                        R"("grid":{"columns":3,"rows":3,"width_m":2,"height_m":2}}})")
+                  .ok());
+  v1::RenderImageRequest request;
+  request.set_name("sheets/a");
+  ASSERT_TRUE(draw(*api_, request).ok());
+  ASSERT_EQ(renderer.looks.size(), 8U);
+  ASSERT_EQ(renderer.fronts.size(), 2U);
+  const int rubber = renderer.fronts[0] < renderer.fronts[1] ? 0 : 1;
+  EXPECT_LT(renderer.fronts[static_cast<std::size_t>(rubber)], 0.3) << "black";
+  EXPECT_GT(renderer.fronts[static_cast<std::size_t>(1 - rubber)], 0.4) << "silk is red";
+  EXPECT_EQ(std::count(renderer.looks.begin(), renderer.looks.end(), rubber), 2);
+  // A cut through the part divides its triangles, which stay what they are.
+  ASSERT_TRUE(call(&Api::create_cut, cut_request("sheets/a", 0.5)).ok());
+  ASSERT_TRUE(draw(*api_, request).ok());
+  EXPECT_GT(std::count(renderer.looks.begin(), renderer.looks.end(), rubber), 2);
+  ASSERT_TRUE(call_json("/kerf.v1.InteractionService/SetSheetMaterial",
+                        R"({"name":"sheets/a","set_material":{"part":0,"material":{"preset":"paper"}}})")
+                  .ok());
+  ASSERT_TRUE(draw(*api_, request).ok());
+  EXPECT_GT(renderer.fronts[static_cast<std::size_t>(rubber)], 0.7) << "paper is white";
 }
 
 TEST_F(ApiTest, ThePictureOfTheUndeformedSheetIsFlatAndWholeWherever) {

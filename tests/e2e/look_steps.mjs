@@ -156,6 +156,37 @@ export function lookSteps(steps, browser, { url }) {
     await viewer.page.close();
   });
 
+  steps.step('each part of a sheet looks like its material, as a mesh and in pictures, and after a cut', async () => {
+    const region = { box: { min: { x: 0, y: 0 }, max: { x: 0.5, y: 1 } } };
+    const scene = {
+      grid: kGrid,
+      material: { preset: 'paper' },
+      materials: [{ region, material: { preset: 'rubber' } }],
+      fidelity: 'REAL_TIME',
+      placement: laidFlat(0.1),
+      gravityMps2: {},
+    };
+    const circle = { center: { x: 0.5, y: 0.5 }, radiusM: 0.2 };
+    const viewer = await openStill(browser, url, 'quilt', scene, (parent) =>
+      post(url, 'CutService/CreateCut', { parent, cut: { curve: { circle } } }),
+    );
+    const isOffLips = (x, y) => Math.abs(Math.hypot(x - 0.5, y - 0.5) - 0.2) > 0.03;
+    const areOfTheirMaterial = async (mode) => {
+      for (const [name, isMeant] of [['rubber', (x) => x < 0.46 && x > 0.03], ['paper', (x) => x > 0.54 && x < 0.97]]) {
+        const points = gridPoints(16, (x, y) => isMeant(x) && isOffLips(x, y));
+        const lights = (await sheetColours(viewer, points, `parts-${mode}-${name}`)).map(([red, green, blue]) => (red + green + blue) / 3);
+        const wrong = lights.filter((light) => (name === 'rubber' ? light > 120 : light < 150));
+        check(wrong.length === 0, `${mode}: ${wrong.length} of ${points.length} points are not ${name}: ${wrong.map(Math.round)}`);
+      }
+    };
+    await areOfTheirMaterial('mesh');
+    await viewer.page.keyboard.press('q');
+    await viewer.until('k.picture?.connection === "live" && k.picture.isOfView');
+    await areOfTheirMaterial('picture');
+    check(viewer.errors.length === 0, `console: ${viewer.errors.join('; ')}`);
+    await viewer.page.close();
+  });
+
   steps.step('a page that draws too slowly draws more coarsely, but what is still, and offers pictures', async () => {
     const scene = { grid: kGrid, placement: laidFlat(1), pins: [{ edge: 'TOP_CORNERS' }] };
     await post(url, 'SheetService/CreateSheet', { sheetId: 'swinging', scene });

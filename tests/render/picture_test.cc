@@ -53,11 +53,27 @@ TEST_F(RenderPicture, ShowsTheOtherColourFromBehind) {
   }
 }
 
+TEST_F(RenderPicture, EachPartHasItsLook) {
+  const Sheet sheet = make_sheet(8, 0.1);
+  Scene scene = scene_of(sheet);
+  std::vector<std::int32_t> looks;
+  for (std::size_t t = 0; t < sheet.triangles.size() / 3; ++t) looks.push_back(centroid(sheet, t).x > 0.0 ? 1 : 0);
+  scene.mesh.looks = looks;
+  scene.style.looks.push_back(scene.style.looks[0]);
+  std::swap(scene.style.looks[1].front, scene.style.looks[1].back);
+  const Camera camera = front_camera();
+  const Pixels pixels = draw(scene, camera);
+  for (std::size_t t = 0; t < sheet.triangles.size() / 3; ++t) {
+    const Rgb colour = pixel_at(pixels, camera, centroid(sheet, t));
+    EXPECT_TRUE(looks[t] == 1 ? is_back(colour) : is_front(colour)) << "triangle " << t;
+  }
+}
+
 TEST_F(RenderPicture, BothSidesAreLitAlike) {
   const Sheet sheet = make_sheet(8, 0.0);
   Scene scene = scene_of(sheet);
   scene.style.texture = false;
-  scene.style.back = scene.style.front;
+  scene.style.looks[0].back = scene.style.looks[0].front;
   Camera behind = front_camera();
   behind.eye = {0.0, 2.0, 0.0};
   EXPECT_NEAR(brightness(pixel(draw(scene), 160, 120)), brightness(pixel(draw(scene, behind), 160, 120)), 3);

@@ -155,14 +155,18 @@ TEST(RenderScene, BadCollidersAndColoursAreRefusedByField) {
   scene.ground = Plane{{0.0, 0.0, 0.0}, {0.0, kNan, 0.0}};
   expect_refused(validate(scene), "NOT_FINITE", "scene.ground.normal");
   scene = {};
-  scene.style.back.green = 1.01;
-  expect_refused(validate(scene), "COLOUR_OUT_OF_RANGE", "scene.style.back");
+  scene.style.looks[0].back.green = 1.01;
+  expect_refused(validate(scene), "COLOUR_OUT_OF_RANGE", "scene.style.looks[0].back");
   scene.style = {};
-  scene.style.lips.red = -0.01;
-  expect_refused(validate(scene), "COLOUR_OUT_OF_RANGE", "scene.style.lips");
+  scene.style.looks[0].lips.red = -0.01;
+  expect_refused(validate(scene), "COLOUR_OUT_OF_RANGE", "scene.style.looks[0].lips");
+  scene.style.looks = std::vector<Look>(kMaxLooks + 1);
+  expect_refused(validate(scene), "LIMIT_EXCEEDED", "scene.style.looks");
+  scene.style.looks.clear();
+  expect_refused(validate(scene), "LIMIT_EXCEEDED", "scene.style.looks");
   scene.style = {};
-  scene.style.back.green = kNan;
-  expect_refused(validate(scene), "COLOUR_OUT_OF_RANGE", "scene.style.back");
+  scene.style.looks[0].back.green = kNan;
+  expect_refused(validate(scene), "COLOUR_OUT_OF_RANGE", "scene.style.looks[0].back");
 }
 
 std::size_t num_borders(const Sheet& sheet) {
@@ -175,7 +179,7 @@ TEST(RenderBorders, AreTheEdgesOfOneTriangleOnly) {
   EXPECT_EQ(num_borders(make_sheet(8, 0.0, Slit::kClosed)), 32U + 2U * 4U);
   EXPECT_TRUE(border_edges({}, 0).empty());
   const std::vector<std::int32_t> one{4, 2, 7};
-  EXPECT_EQ(border_edges(one, 8), (std::vector<std::array<std::int32_t, 3>>{{4, 2, 7}, {2, 7, 4}, {7, 4, 2}}));
+  EXPECT_EQ(border_edges(one, 8), (std::vector<std::array<std::int32_t, 4>>{{4, 2, 7, 0}, {2, 7, 4, 0}, {7, 4, 2, 0}}));
   // Three triangles on one edge: that edge is no border.
   const std::vector<std::int32_t> book{0, 1, 2, 1, 0, 3, 0, 1, 4};
   EXPECT_EQ(border_edges(book, 5).size(), 6U);

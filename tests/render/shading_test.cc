@@ -71,7 +71,7 @@ TEST_F(RenderShading, LipsTakeTheColourOfTheStyle) {
   const Sheet cut = make_sheet(16, 0.0, Slit::kOpen);
   Scene scene = scene_of(cut);
   scene.style.texture = false;
-  scene.style.lips = {1.0, 0.1, 0.1};
+  scene.style.looks[0].lips = {1.0, 0.1, 0.1};
   const Pixels pixels = draw(scene, camera, 1280, 720);
   // The open slit is 0.1 m wide in its middle, at most; a lip is three pixels wide, of which the line takes one.
   const Place edge = project(camera, 1280, 720, {-0.05, 0.0, 0.0});

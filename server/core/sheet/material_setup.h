@@ -38,6 +38,7 @@ class MaterialSetup {
   [[nodiscard]] fem::Model make_model(const scene::SheetConfig& config, const mesh::TriangleMesh& mesh) const;
 
   [[nodiscard]] const scene::SheetMaterials& materials() const { return *materials_; }
+  [[nodiscard]] const std::shared_ptr<const scene::SheetMaterials>& shared() const { return materials_; }
   [[nodiscard]] const std::vector<fem::Material>& by_region() const { return materials_->by_region; }
   [[nodiscard]] const std::optional<fem::Softening>& softening() const { return softening_; }
   [[nodiscard]] double half_thickness() const { return 0.5 * scene::greatest_thickness(by_region()); }  // m

@@ -182,6 +182,7 @@ std::shared_ptr<Snapshot> Sheet::snapshot(const RunStats& stats, bool with_strai
     for (const mesh::VertexId v : removed) snapshot->positions.col(v) = at;
   }
   snapshot->topology = impl_->topology.at(mesh(), topology_version());
+  snapshot->materials = impl_->moving.materials().shared();
   snapshot->stats = stats;
   if (with_strains) snapshot->strains = dominant_strains(model(), state().x);
   return snapshot;

@@ -9,6 +9,10 @@
 
 #include "server/core/mesh/ids.h"
 
+namespace kerf::scene {
+struct SheetMaterials;
+}  // namespace kerf::scene
+
 namespace kerf::sheet {
 
 // The triangles of a sheet at one topology version. Immutable and shared: all snapshots between two cuts have the same
@@ -23,6 +27,7 @@ struct Topology {
   std::vector<std::array<mesh::VertexId, 3>> triangles;  // by slot; counter-clockwise in material coordinates; three
                                                          // times kNone for void
   std::vector<std::int32_t> pieces;                      // by slot; 0..num_pieces-1, kNone for void
+  std::vector<std::int32_t> regions;                     // by slot; region of the mesh, kNone for void
   std::vector<std::int32_t> slot_versions;               // by slot; version that last changed its triangle or piece
   Eigen::Matrix2Xd material_positions;                   // 2 x V, m
   std::vector<std::int32_t> vertex_versions;             // by vertex; version that made it, or moved it in material
@@ -62,8 +67,9 @@ struct Measured {
 // A sheet after one tick. Immutable once it is published.
 struct Snapshot {
   std::int64_t tick = 0;
-  Eigen::Matrix3Xd positions;                // 3 x V, m, world
-  std::shared_ptr<const Topology> topology;  // never null; it has as many vertices as `positions`
+  Eigen::Matrix3Xd positions;                              // 3 x V, m, world
+  std::shared_ptr<const Topology> topology;                // never null; it has as many vertices as `positions`
+  std::shared_ptr<const scene::SheetMaterials> materials;  // as set at that time; null: not known
   RunStats stats;
   std::vector<float> strains;      // by vertex, see dominant_strains(); empty if no sink needs them
   std::vector<Measured> measured;  // by SnapshotSink::measure(), of all sinks

@@ -15,11 +15,13 @@ void copy_mesh(const mesh::TriangleMesh& mesh, Topology& topology) {
   topology.num_pieces = mesh.num_pieces();
   topology.triangles.resize(num_slots);
   topology.pieces.resize(num_slots);
+  topology.regions.resize(num_slots);
   for (std::size_t s = 0; s < num_slots; ++s) {
     const auto t = static_cast<mesh::TriangleId>(s);
     const bool solid = mesh.is_solid(t);
     topology.triangles[s] = solid ? mesh.vertices(t) : kVoid;
     topology.pieces[s] = solid ? mesh.piece(t) : mesh::kNone;
+    topology.regions[s] = solid ? mesh.region(t) : mesh::kNone;
   }
   topology.material_positions.resize(2, mesh.num_vertices());
   for (mesh::VertexId v = 0; v < mesh.num_vertices(); ++v) topology.material_positions.col(v) = mesh.rest_position(v);

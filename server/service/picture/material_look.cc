@@ -62,21 +62,23 @@ render::Colour lighter(const render::Colour& colour) {
 
 }  // namespace
 
-void set_material_look(const LookNumbers& numbers, render::Style& style) {
-  const Look& look = *std::min_element(kLooks.begin(), kLooks.end(), [&numbers](const Look& a, const Look& b) {
+render::Look look_of(const LookNumbers& numbers) {
+  const Look& nearest = *std::min_element(kLooks.begin(), kLooks.end(), [&numbers](const Look& a, const Look& b) {
     return distance(numbers, a.numbers) < distance(numbers, b.numbers);
   });
-  style.front = colour_of(look.front);
-  style.back = colour_of(look.back);
-  style.lips = lighter(style.front);
-  const bool is_gingham = look.preset == "demo";
-  style.finish = {.bands = is_gingham ? render::Bands::kOfOwnDye : render::Bands::kNone,
-                  .front_dye = colour_of(kFrontDye),
-                  .back_dye = colour_of(kBackDye),
-                  .threads = look.threads,
-                  .gloss = look.gloss,
-                  .translucency = look.translucency,
-                  .mirror = look.mirror};
+  render::Look look;
+  look.front = colour_of(nearest.front);
+  look.back = colour_of(nearest.back);
+  look.lips = lighter(look.front);
+  const bool is_gingham = nearest.preset == "demo";
+  look.finish = {.bands = is_gingham ? render::Bands::kOfOwnDye : render::Bands::kNone,
+                 .front_dye = colour_of(kFrontDye),
+                 .back_dye = colour_of(kBackDye),
+                 .threads = nearest.threads,
+                 .gloss = nearest.gloss,
+                 .translucency = nearest.translucency,
+                 .mirror = nearest.mirror};
+  return look;
 }
 
 }  // namespace kerf::picture

@@ -11,8 +11,8 @@ struct LookNumbers {
   double density = 0.0;    // kg/m^3, > 0
 };
 
-// Sets the colours and the finish of a sheet of this material: those of the preset whose stiffness, thickness and
-// density are nearest, by their ratios. The viewer has the same looks, in web/src/scene/material_looks.ts.
-void set_material_look(const LookNumbers& numbers, render::Style& style);
+// Returns the look of a sheet of this material: that of the preset whose stiffness, thickness and density are nearest,
+// by their ratios. The viewer has the same looks, in web/src/scene/material_looks.ts.
+render::Look look_of(const LookNumbers& numbers);
 
 }  // namespace kerf::picture

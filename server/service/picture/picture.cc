@@ -50,6 +50,7 @@ struct MeshArrays {
   std::vector<float> material;
   std::vector<std::int32_t> triangles;
   std::vector<std::int32_t> pieces;
+  std::vector<std::int32_t> looks;    // Empty: one look.
   std::vector<std::uint8_t> colours;  // Empty: the colours of the sheet's two sides.
 };
 
@@ -69,22 +70,34 @@ MeshArrays arrays_of(const sheet::Snapshot& snapshot, const Eigen::Matrix3Xd& po
   };
   append(positions, arrays.positions);
   append(topology.material_positions, arrays.material);
+  const bool has_looks = snapshot.materials && snapshot.materials->by_region.size() > 1;
   for (std::size_t slot = 0; slot < topology.triangles.size(); ++slot) {
     if (topology.pieces[slot] == mesh::kNone) continue;
     arrays.triangles.insert(arrays.triangles.end(), topology.triangles[slot].begin(), topology.triangles[slot].end());
     arrays.pieces.push_back(topology.pieces[slot]);
+    if (has_looks) arrays.looks.push_back(topology.regions[slot]);
   }
   return arrays;
 }
 
-render::Style style_of(const PictureView& view, const render::Style& look) {
-  render::Style style = look;
+// Returns the looks of the materials, by region of the mesh.
+std::vector<render::Look> looks_of(const sheet::Snapshot& snapshot) {
+  std::vector<render::Look> looks;
+  for (const fem::Material& each : snapshot.materials->by_region) {
+    looks.push_back(look_of({std::max(each.youngs_modulus_1, each.youngs_modulus_2), each.thickness, each.density}));
+  }
+  return looks;
+}
+
+render::Style style_of(const PictureView& view, const sheet::Snapshot& snapshot) {
+  render::Style style;
+  if (snapshot.materials) style.looks = looks_of(snapshot);
   style.wireframe = view.wireframe;
   if (view.dark) style.background = render::kDarkBackground;
   style.shadows = !view.undeformed;         // A flat sheet casts none on itself.
   if (view.undeformed && view.wireframe) {  // Shows the triangles alone.
     style.texture = false;
-    style.front = {0.66, 0.76, 0.86};
+    for (render::Look& look : style.looks) look.front = {0.66, 0.76, 0.86};
   }
   return style;
 }
@@ -120,12 +133,14 @@ void colour(const sheet::Snapshot& snapshot, const PictureView& view, double str
 }
 
 // Returns a scene that views `arrays`.
-render::Scene scene_of(const MeshArrays& arrays, const Backdrop& backdrop, const PictureView& view) {
+render::Scene scene_of(const MeshArrays& arrays, const PictureSubject& subject, const PictureView& view) {
+  const Backdrop& backdrop = subject.backdrop;
   render::Scene scene;
   scene.mesh.positions = arrays.positions;
   scene.mesh.material_coordinates = arrays.material;
   scene.mesh.triangles = arrays.triangles;
   scene.mesh.piece_ids = arrays.pieces;
+  scene.mesh.looks = arrays.looks;
   scene.mesh.vertex_colours = arrays.colours;
   for (std::size_t axis = 0; axis < 2; ++axis) {
     const auto i = static_cast<Eigen::Index>(axis);
@@ -137,18 +152,14 @@ render::Scene scene_of(const MeshArrays& arrays, const Backdrop& backdrop, const
       scene.colliders.push_back(std::visit(ShapeForRenderer{}, collider.shape));
     }
   }
-  scene.style = style_of(view, backdrop.look);
+  scene.style = style_of(view, *subject.snapshot);
   return scene;
 }
 
 }  // namespace
 
 Backdrop backdrop_of(const sheet::Sheet& sheet) {
-  Backdrop backdrop{sheet.shared_config(), sheet.mesh().bounding_box(), {}};
-  const fem::Material& own = sheet.materials().entries.front();
-  const double modulus = std::max(own.youngs_modulus_1, own.youngs_modulus_2);
-  set_material_look({modulus, own.thickness, own.density}, backdrop.look);
-  return backdrop;
+  return {sheet.shared_config(), sheet.mesh().bounding_box()};
 }
 
 Result<DrawnPicture> draw_picture(render::Renderer& renderer, const PictureSubject& subject, const PictureView& view,
@@ -160,7 +171,7 @@ Result<DrawnPicture> draw_picture(render::Renderer& renderer, const PictureSubje
   if (view.color_by == v1::STRAINS) picture.strain_end = render::strain_scale_end(snapshot.strains, strain_end);
   MeshArrays arrays = arrays_of(snapshot, positions);
   colour(snapshot, view, picture.strain_end, arrays);
-  const render::Scene scene = scene_of(arrays, subject.backdrop, view);
+  const render::Scene scene = scene_of(arrays, subject, view);
   picture.camera = view.camera ? *view.camera : whole_sheet(scene.mesh.positions, view);
   if (!view.camera && !render::validate(picture.camera).ok()) return out_of_reach(positions);
   const render::Status status = renderer.render(scene, picture.camera, view.width, view.height, picture.pixels);

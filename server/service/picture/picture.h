@@ -16,9 +16,7 @@ namespace kerf::picture {
 struct Backdrop {
   std::shared_ptr<const scene::SheetConfig> config;  // For the colliders.
   Eigen::AlignedBox2d material_box;                  // m, bounds of the material coordinates as built.
-  render::Style look;                                // Colours and finish of the sheet's own material at that time.
 };
-// A stream of pictures keeps the look that its sheet had when it began.
 Backdrop backdrop_of(const sheet::Sheet& sheet);
 
 // Holds the parts of a sheet that are drawn.

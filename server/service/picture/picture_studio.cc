@@ -49,8 +49,8 @@ void PictureFeed::run() {
 }
 
 PictureFeed::Look PictureFeed::look_of(const stream::Channel::Newest& newest) const {
-  if (view_.color_by == v1::STRAINS) return {newest.revision, !newest.snapshot->strains.empty()};
-  return {view_.undeformed ? newest.snapshot->topology->version : newest.revision, false};
+  if (view_.color_by == v1::STRAINS) return {newest.revision, !newest.snapshot->strains.empty(), nullptr};
+  return {view_.undeformed ? newest.snapshot->topology->version : newest.revision, false, newest.snapshot->materials};
 }
 
 void PictureFeed::fill(const std::vector<PictureOrder>& orders, const stream::Channel::Newest& newest) {

@@ -77,6 +77,7 @@ class PictureFeed : public std::enable_shared_from_this<PictureFeed> {
     // Channel::Newest::revision; for undeformed views without strains, the topology version.
     std::int64_t revision = -1;
     bool has_strains = false;
+    std::shared_ptr<const scene::SheetMaterials> materials;
     friend bool operator==(const Look&, const Look&) = default;
   };
 

@@ -3,8 +3,8 @@ import type { Collider } from '../gen/kerf/v1/scene_pb';
 import type { Sheet } from '../gen/kerf/v1/sheets_pb';
 import type { Surface } from '../geometry/surface';
 import { ColliderView } from './colliders';
-import { kLooks, lookName } from './material_looks';
 import { PinView } from './pin_view';
+import { SheetLooks } from './sheet_looks';
 import { SheetView } from './sheet_view';
 import type { Stage } from './stage';
 import { WindView } from './wind_view';
@@ -20,6 +20,7 @@ export class SheetScene {
   private readonly pins = new PinView();
   private readonly wind = new WindView();
   private readonly colliders: ColliderView;
+  private readonly looks = new SheetLooks();
   private isDrawn = true;
   private isHiding = false;
 
@@ -39,8 +40,9 @@ export class SheetScene {
   }
 
   /** Shows the server's settings, which frames do not contain. */
-  set({ scene, pinnedVertices }: Sheet): void {
-    this.view.setLook(kLooks[lookName(scene?.material)]);
+  set(sheet: Sheet): void {
+    const { scene, pinnedVertices } = sheet;
+    this.looks.show(sheet, this.view);
     this.wind.set(scene?.wind);
     this.pins.set(pinnedVertices);
     this.colliders.set(scene?.colliders ?? []);

@@ -2,6 +2,7 @@ import { BufferAttribute, BufferGeometry, DynamicDrawUsage, Group, LineBasicMate
 import { vertexNormals } from '../geometry/normals';
 import type { LipFinder } from '../geometry/lips';
 import type { Surface } from '../geometry/surface';
+import type { SheetArrays } from '../stream/sheet_copy';
 import { ClothMaterial } from './cloth_material';
 import { kClothOffset } from './depth_offsets';
 import { FatLines } from './fat_lines';
@@ -11,6 +12,9 @@ import type { MaterialLook } from './material_looks';
 import { carriedColors, pieceColors } from './piece_colors';
 import { PieceHighlight } from './piece_highlight';
 import { strainColors, strainScaleEnd } from './strain_colors';
+
+/** Gives for each slot the number of its look; undefined: the sheet has one look. */
+export type LookFinder = (sheet: SheetArrays) => Uint8Array | undefined;
 
 function upload(attribute: BufferAttribute, count: number): void {
   attribute.clearUpdateRanges();
@@ -22,8 +26,11 @@ function upload(attribute: BufferAttribute, count: number): void {
 export class SheetView {
   readonly object = new Group();
 
-  private readonly cloth = new ClothMaterial();
-  private readonly mesh = new Mesh(new BufferGeometry(), this.cloth);
+  // One for each look; the triangles of each follow one another in the index.
+  private readonly cloths = [new ClothMaterial()];
+  private readonly mesh = new Mesh<BufferGeometry, ClothMaterial[]>(new BufferGeometry(), this.cloths);
+  private looksOf: LookFinder = () => undefined;
+  private hasOwnColors = false;
   private readonly mask = new Mesh(this.mesh.geometry, hidingMaterial(kClothOffset));
   private readonly wires = new LineSegments(
     new BufferGeometry(),
@@ -60,9 +67,18 @@ export class SheetView {
     return this.hasWires;
   }
 
-  /** Shows the cloth as this material looks. */
-  setLook(look: MaterialLook): void {
-    this.cloth.setLook(look);
+  /**
+   * Shows the cloth in these looks, from the next update() on.
+   * @param looksOf  a function that gives for each slot a number in `looks`; undefined: the first one everywhere. Another
+   *   function if what it gives has changed.
+   */
+  setLooks(looks: readonly MaterialLook[], looksOf: LookFinder): void {
+    while (this.cloths.length < looks.length) this.cloths.push(new ClothMaterial());
+    this.setOwnColors(this.hasOwnColors);
+    looks.forEach((look, i) => this.cloths[i].setLook(look));
+    if (looksOf === this.looksOf) return;
+    this.looksOf = looksOf;
+    this.shownVersion = -1;
   }
 
   setWireframe(isOn: boolean): void {
@@ -100,7 +116,7 @@ export class SheetView {
    */
   colorByPiece(ids: ReadonlyMap<number, number> | undefined | null): void {
     if (!this.isDrawn) return;
-    this.cloth.setOwnColors(ids !== null);
+    this.setOwnColors(ids !== null);
     if (ids === null || !this.surface) {
       this.colors = undefined;
       this.coloredIds = undefined;
@@ -125,7 +141,7 @@ export class SheetView {
     if (!strains) return undefined;
     this.strainEnd = strainScaleEnd(strains, this.strainEnd);
     if (!this.isDrawn) return this.strainEnd;
-    this.cloth.setOwnColors(true);
+    this.setOwnColors(true);
     this.coloredIds = undefined;
     this.colors = strainColors(strains, this.strainEnd, this.colors);
     const attribute = this.mesh.geometry.getAttribute('ownColor') as BufferAttribute | undefined;
@@ -181,12 +197,33 @@ export class SheetView {
       this.wiresVersion = -1;
     }
     geometry.setAttribute('uv', new BufferAttribute(mirror.materialPositions.slice(0, 2 * mirror.numVertices), 2));
-    // An empty slot becomes a triangle without area.
-    const index = new Uint32Array(3 * mirror.numSlots);
-    for (let i = 0; i < index.length; ++i) index[i] = Math.max(0, mirror.triangles[i]);
-    geometry.setIndex(new BufferAttribute(index, 1));
+    this.updateIndex();
     const width = Math.max(locator.max.x - locator.min.x, locator.max.y - locator.min.y);
-    if (width > 0) this.cloth.setCheckSize(width / 10);
+    if (width > 0) for (const cloth of this.cloths) cloth.setCheckSize(width / 10);
+  }
+
+  private updateIndex(): void {
+    const { mirror } = this.surface!;
+    const { geometry } = this.mesh;
+    const looks = this.looksOf(mirror);
+    const index = new Uint32Array(3 * mirror.numSlots);
+    geometry.clearGroups();
+    let at = 0;
+    for (let look = 0; look < (looks ? this.cloths.length : 1); ++look) {
+      const first = at;
+      for (let slot = 0; slot < mirror.numSlots; ++slot) {
+        if (looks && looks[slot] !== look) continue;
+        // An empty slot becomes a triangle without area.
+        for (let corner = 3 * slot; corner < 3 * slot + 3; ++corner) index[at++] = Math.max(0, mirror.triangles[corner]);
+      }
+      if (at > first) geometry.addGroup(first, at - first, look);
+    }
+    geometry.setIndex(new BufferAttribute(index, 1));
+  }
+
+  private setOwnColors(isOn: boolean): void {
+    this.hasOwnColors = isOn;
+    for (const cloth of this.cloths) cloth.setOwnColors(isOn);
   }
 
   private updateLips(): void {
