@@ -116,7 +116,35 @@ def kirigami(plt, rows):
     save(figure, "kirigami", rows)
 
 
-PICTURES = (levels, sizes, detailed, kirigami)
+def lips(plt, rows):
+    """Figure 5.6."""
+    from matplotlib.collections import LineCollection, PolyCollection
+    figure, axes = plt.subplots(1, 3, figsize=(9.2, 2.4), layout="constrained")
+    for panel, row in zip(axes, rows):
+        panel.add_collection(PolyCollection([list(zip(each[::2], each[1::2])) for each in row["triangles"]], facecolors="#f2f2f2",
+                                            edgecolors="#8a8a8a", linewidths=0.4))
+        panel.add_collection(LineCollection([[each[:2], each[2:]] for each in row["lips"]], colors=COLOURS[row["way"]], linewidths=1.0))
+        panel.set_title(LABELS[row["way"]])
+        panel.set_aspect("equal")
+        panel.autoscale_view()
+        panel.axis("off")
+    save(figure, "lips", rows)
+
+
+def curves(plt, rows):
+    """Figure 5.9."""
+    figure, axes = plt.subplots(3, 4, figsize=(6.4, 4.9), layout="constrained")
+    for panel, row in zip(axes.flat, rows):
+        for curve in row["curves"]:
+            panel.plot([x for x, _ in curve], [y for _, y in curve], color=COLOURS["default"])
+        panel.set(xlim=(0, 1), ylim=(0, 1), xticks=[], yticks=[], aspect="equal")
+        panel.set_title(f"{row['family']}, size {row['size']}", fontsize=8.5)
+        for side in ("top", "right"):
+            panel.spines[side].set_visible(True)
+    save(figure, "curves", rows)
+
+
+PICTURES = (levels, sizes, detailed, kirigami, lips, curves)
 
 
 def rows_of(part, rows):

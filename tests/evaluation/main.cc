@@ -20,6 +20,7 @@
 #include "tests/evaluation/condition.h"
 #include "tests/evaluation/mesh_measures.h"
 #include "tests/evaluation/motion.h"
+#include "tests/evaluation/pictures.h"
 #include "tests/evaluation/thesis_patterns.h"
 
 namespace kerf::evaluation {
@@ -168,7 +169,7 @@ void four_patterns(const Arguments& arguments) {
       for (const Way& way : {no_optimisation(), thesis(), kerf_default()}) {
         json row = measure_mesh(uncut, cut_mesh(uncut.mesh, {curve}, way), true);
         row.update({{"experiment", "patterns"}, {"pattern", name}, {"way", way.name}, {"repeat", repeat}});
-        if (arguments.has_times && repeat < 2) {
+        if (arguments.has_times) {
           row["ticks"] = measure_ticks(wool_sheet(50), {curve}, way);
           const sheet::Sheet sheet = cut_in_motion(wool_sheet(50), {curve}, way);
           row["solve"] = to_json(time_solve(sheet, linear::LinearSolverKind::kPlainCg, {}, "cg"));
@@ -337,13 +338,30 @@ void kirigami(const Arguments& arguments) {
   }
 }
 
+void print_all(const char* experiment, const json& rows) {
+  for (json row : rows) {
+    row["experiment"] = experiment;
+    print(row);
+  }
+}
+
+void lips(const Arguments& /*arguments*/) {
+  print_all("lips", lips_in_motion());
+}
+
+void curves(const Arguments& /*arguments*/) {
+  print_all("curves", growing_curves());
+}
+
 int run(const Arguments& arguments) {
   const std::map<std::string, std::function<void(const Arguments&)>> experiments{{"patterns", four_patterns},
                                                                                  {"levels", bisection_levels},
                                                                                  {"sizes", growing_cuts},
                                                                                  {"detailed", detailed_cuts},
                                                                                  {"roots", roots},
-                                                                                 {"kirigami", kirigami}};
+                                                                                 {"kirigami", kirigami},
+                                                                                 {"lips", lips},
+                                                                                 {"curves", curves}};
   const auto found = experiments.find(arguments.experiment);
   if (found == experiments.end()) {
     std::fprintf(stderr, "no experiment \"%s\"; there are:", arguments.experiment.c_str());
