@@ -14,8 +14,8 @@ namespace kerf::render {
 
 namespace {
 
-constexpr float kChecksAlongLongerSide = 20.0F;
-constexpr double kGroundRadius = 4.0;  // Radius of the ground's disc over the radius of the things on it.
+constexpr float kChecksAlongLongerSide = 10.0F;  // Pairs of a light and a dark band.
+constexpr double kGroundRadius = 4.0;            // Radius of the ground's disc over the radius of the things on it.
 constexpr double kRidgeLength = 0.03;  // Radius of the ridges drawn lightest, as a share of the sheet's diagonal.
 
 struct TextureFrame {
@@ -130,7 +130,8 @@ DrawList make_draw_list(const Scene& scene, const Camera& camera, int width, int
     if (const auto* plane = std::get_if<Plane>(&collider)) add_ground(*plane, lit, seen, list);
   }
   if (scene.ground) add_ground(*scene.ground, lit, seen, list);
-  list.views = make_views(camera, static_cast<double>(width) / height, height, lit, seen);
+  list.views =
+      make_views(camera, static_cast<double>(width) / height, height, lit, seen, scene.style.light.towards_key);
   return list;
 }
 

@@ -14,7 +14,7 @@ namespace kerf::render {
 struct SurfaceVertex {
   std::array<float, 3> position;  // m, world
   std::array<float, 3> normal;    // Unit; on a sheet, of the front side.
-  std::array<float, 2> material;  // On a sheet in checks of the texture; on the ground, place in a disc of radius 1.
+  std::array<float, 2> material;  // On a sheet in pairs of bands; on the ground, place in a disc of radius 1.
   // The first three are factors on red, green and blue, 128 meaning 1; in a coloured list they are the sRGB colour
   // itself. The fourth is the shape of a sheet seen from the front: 128 where flat, more on ridges, less in valleys. It
   // is the farther from 128, the sharper the ridge or valley is.

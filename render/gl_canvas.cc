@@ -34,6 +34,7 @@ struct Objects {
   Program lip;
   Program line;
   Program shadow;
+  Program backdrop;
   VertexStream sheet_vertices;
   VertexStream solid_vertices;
   VertexStream ground_vertices;
@@ -59,12 +60,14 @@ void set_looks(const Program& program, const std::vector<Look>& looks) {
   const auto set = [&](const char* name, const auto& of) { program.set(name, of_each(looks, of)); };
   set("u_front", [](const Look& look) { return linear(look.front); });
   set("u_back", [](const Look& look) { return linear(look.back); });
-  set("u_banded", [](const Look& look) { return look.finish.bands != Bands::kNone ? 1.0F : 0.0F; });
-  set("u_own_dye", [](const Look& look) { return look.finish.bands == Bands::kOfOwnDye ? 1.0F : 0.0F; });
   set("u_front_dye", [](const Look& look) { return linear(look.finish.front_dye); });
   set("u_back_dye", [](const Look& look) { return linear(look.finish.back_dye); });
-  set("u_threads", [](const Look& look) { return static_cast<float>(look.finish.threads); });
-  set("u_gloss", [](const Look& look) { return static_cast<float>(look.finish.gloss); });
+  set("u_second", [](const Look& look) { return linear(look.finish.second); });
+  set("u_pattern", [](const Look& look) { return static_cast<float>(look.finish.pattern); });
+  set("u_contrast", [](const Look& look) { return static_cast<float>(look.finish.contrast); });
+  set("u_grid", [](const Look& look) { return static_cast<float>(look.finish.grid); });
+  set("u_roughness", [](const Look& look) { return static_cast<float>(look.finish.roughness); });
+  set("u_sheen", [](const Look& look) { return static_cast<float>(look.finish.sheen); });
   set("u_translucency", [](const Look& look) { return static_cast<float>(look.finish.translucency); });
   set("u_mirror", [](const Look& look) { return static_cast<float>(look.finish.mirror); });
 }
@@ -83,6 +86,7 @@ class GlCanvas final : public Canvas {
   void upload(const DrawList& list) const;
   void draw_shadow_map(const DrawList& list) const;
   void set_surface_uniforms(const Program& program, const DrawList& list) const;
+  void draw_backdrop(const Colour& above, const Colour& below) const;
   void draw_ground(const DrawList& list) const;
   void draw_solids(const DrawList& list) const;
   void draw_sheet(const DrawList& list) const;
@@ -145,6 +149,7 @@ Status GlCanvas::build_programs() {
   if (Status s = o.lip.build("lip", {kLipVertexShader}, {kLightingShader, kLipFragmentShader}); !s.ok()) return s;
   if (Status s = o.line.build("line", {kLineVertexShader}, {kLineFragmentShader}); !s.ok()) return s;
   if (Status s = o.shadow.build("shadow", {kShadowVertexShader}, {kShadowFragmentShader}); !s.ok()) return s;
+  if (Status s = o.backdrop.build("backdrop", {kBackdropVertexShader}, {kBackdropFragmentShader}); !s.ok()) return s;
   for (const VertexStream* stream : {&o.sheet_vertices, &o.solid_vertices, &o.ground_vertices}) {
     stream->set_layout({{3, GL_FLOAT, offsetof(SurfaceVertex, position)},
                         {3, GL_FLOAT, offsetof(SurfaceVertex, normal)},
@@ -190,6 +195,7 @@ Status GlCanvas::draw(const DrawList& list, Pixels& pixels, RenderTimes* times) 
   glClearColor(static_cast<float>(background.red), static_cast<float>(background.green),
                static_cast<float>(background.blue), 1.0F);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  if (list.style.background_below) draw_backdrop(background, *list.style.background_below);
   glBindTexture(GL_TEXTURE_2D, objects_->shadow_map.texture());
   // Keeps the picture opaque: alpha is never blended.
   glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);
@@ -237,7 +243,9 @@ void GlCanvas::set_surface_uniforms(const Program& program, const DrawList& list
   program.set("u_eye", list.eye);
   program.set("u_up", list.up);
   program.set("u_to_light", list.views.to_light);
-  program.set("u_background", linear(list.style.background));
+  program.set("u_light_sky", list.style.light.sky);
+  program.set("u_light_below", list.style.light.below);
+  program.set("u_light_key", list.style.light.key);
   program.set("u_shadows", list.style.shadows);
   program.set("u_shadow_from_world", list.views.shadow_from_world);
   program.set("u_shadow_texel_m", list.views.shadow_extent / kShadowMapSize);
@@ -245,11 +253,24 @@ void GlCanvas::set_surface_uniforms(const Program& program, const DrawList& list
   program.set("u_penumbra_texels", kPenumbra);
 }
 
+void GlCanvas::draw_backdrop(const Colour& above, const Colour& below) const {
+  const Program& program = objects_->backdrop;
+  program.use();
+  program.set("u_above", Vec3{above.red, above.green, above.blue});
+  program.set("u_below", Vec3{below.red, below.green, below.blue});
+  glDisable(GL_DEPTH_TEST);
+  objects_->ground_vertices.bind();  // Any array will do: the shader reads none.
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  glEnable(GL_DEPTH_TEST);
+}
+
 void GlCanvas::draw_ground(const DrawList& list) const {
   if (list.ground.empty()) return;
   set_surface_uniforms(objects_->ground, list);
   objects_->ground.set("u_clip_z_offset", supports_z_offset(list));
   objects_->ground.set("u_penumbra_texels", kGroundPenumbra);
+  objects_->ground.set("u_ground", linear(list.style.ground));
+  objects_->ground.set("u_ground_lines", linear(list.style.ground_lines));
   glEnable(GL_BLEND);
   objects_->ground_vertices.draw(list.ground.size());
   glDisable(GL_BLEND);
@@ -259,6 +280,7 @@ void GlCanvas::draw_solids(const DrawList& list) const {
   if (list.solids.empty()) return;
   set_surface_uniforms(objects_->solid, list);
   objects_->solid.set("u_clip_z_offset", supports_z_offset(list));
+  objects_->solid.set("u_solids", linear(list.style.solids));
   objects_->solid_vertices.draw(list.solids.size());
 }
 

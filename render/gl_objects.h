@@ -13,6 +13,7 @@
 
 #include "render/linear.h"
 #include "render/shaders.h"
+#include "render/sheet_shader.h"
 
 // Provides classes that own OpenGL objects. Only gl_canvas.cc includes this file, so that one source file sees the
 // OpenGL headers. All functions, destructors included, need a current context.

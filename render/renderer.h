@@ -57,8 +57,8 @@ struct Mesh {
   // 3*V, sRGB, red, green, blue interleaved; or empty. They replace the colours of looks, the tints of pieces and the
   // texture. colours.h makes colours for strains and pieces.
   std::span<const std::uint8_t> vertex_colours;
-  // Box of material coordinates that the texture spans, with 20 checks along its longer side. It must not change while
-  // a sheet is being cut, or the texture would move over the sheet. If lower == upper, it is computed from
+  // Box of material coordinates that the texture spans, with 10 pairs of bands along its longer side. It must not
+  // change while a sheet is being cut, or the texture would move over the sheet. If lower == upper, it is computed from
   // material_coordinates.
   std::array<float, 2> material_lower{0.0F, 0.0F};  // m
   std::array<float, 2> material_upper{0.0F, 0.0F};  // m, >= material_lower
@@ -87,41 +87,60 @@ struct Capsule {
 using Collider = std::variant<Sphere, Plane, Box, Capsule>;
 
 inline constexpr Colour kLightBackground{0.93, 0.94, 0.96};
-inline constexpr Colour kDarkBackground{0.11, 0.13, 0.16};
 
-enum class Bands {
-  kNone,
-  kOfOneDye,  // Shades of the colour of each side.
-  kOfOwnDye,  // Finish::front_dye and back_dye on the colour of each side.
+// Patterns in material coordinates.
+enum class Pattern {
+  kGingham,  // Crossing bands of dyed yarn.
+  kWeave,    // Threads over and under each other.
+  kTwill,    // Diagonal ribs, between which the second colour is seen.
+  kGrain,    // Small irregular spots, no threads.
+  kKnit,     // Rows of loops.
 };
 
 // Describes the surface of a sheet.
 struct Finish {
-  Bands bands = Bands::kOfOneDye;  // Crossing bands of dyed yarn.
-  Colour front_dye;                // For kOfOwnDye.
-  Colour back_dye;
-  double threads = 1.0;        // Strength of the threads, in [0, 1].
-  double gloss = 0.18;         // Strength of the highlight, in [0, 1].
-  double translucency = 0.22;  // Share of the light on the other side that comes through, in [0, 1].
-  double mirror = 0.0;         // Share of the surroundings that is mirrored, in [0, 1].
+  Pattern pattern = Pattern::kGingham;
+  Colour front_dye{0.12, 0.32, 0.56};  // For kGingham: colour of the bands in front.
+  Colour back_dye{0.70, 0.36, 0.20};
+  Colour second{1.0, 1.0, 1.0};  // For kTwill.
+  double contrast = 0.1;         // Strength of the pattern, in [0, 1].
+  double grid = 0.0;             // Darkness of fine lines that show stretch and shear, in [-1, 1].
+  double roughness = 0.8;        // Width of the highlight, in (0, 1].
+  double sheen = 0.0;            // Light that grazes the fibres, in [0, 1].
+  double translucency = 0.22;    // Share of the light on the other side that comes through, in [0, 1].
+  double mirror = 0.0;           // Share of the surroundings that is mirrored, in [0, 1].
 };
 
 // Describes how a sheet, or a part of it, looks.
 struct Look {
-  Colour front{0.20, 0.43, 0.66};  // Colour of the side whose triangles are counter-clockwise.
-  Colour back{0.90, 0.50, 0.26};   // Colour of the other side.
+  Colour front{0.42, 0.60, 0.80};  // Colour of the side whose triangles are counter-clockwise.
+  Colour back{0.95, 0.66, 0.46};   // Colour of the other side.
   Finish finish;
   Colour lips{1.00, 0.93, 0.76};  // Colour of the strips along the border and the lips of cuts.
 };
 
+// Describes the light, as what a white surface reflects of it, linear.
+struct Light {
+  Vec3 sky{0.42, 0.45, 0.50};     // Sky, on a surface that faces up.
+  Vec3 below{0.17, 0.155, 0.15};  // On one that faces down.
+  Vec3 key{0.98, 0.94, 0.86};     // Key light, on a surface that faces it.
+  // Direction towards the key light, not zero; absent: over the viewer's left shoulder.
+  std::optional<Vec3> towards_key;
+};
+
 struct Style {
-  bool texture = true;     // Crossing bands of dyed yarn and threads, in material coordinates.
-  bool wireframe = false;  // Edges of triangles over the surface, fainter on small ones; replaces the threads.
+  bool texture = true;     // Patterns in material coordinates.
+  bool wireframe = false;  // Edges of triangles over the surface, fainter on small ones.
   bool borders = true;     // Lines and strips along the border and the lips of cuts.
   // Four samples per pixel, in pictures of up to 4 megapixels; about doubles a software device's time.
   bool antialias = true;
   bool shadows = true;  // Shadows of the key light, and darker ground where things hide the sky.
   Colour background = kLightBackground;
+  std::optional<Colour> background_below;  // The background changes to this colour down the picture.
+  Colour ground{0.76, 0.78, 0.80};
+  Colour ground_lines{0.76, 0.78, 0.80};  // Lines on the ground, 0.1 m apart and, stronger, 1 m.
+  Colour solids{0.75, 0.75, 0.74};
+  Light light;
   std::vector<Look> looks{Look{}};  // 1 to kMaxLooks, see Mesh::looks.
 };
 
@@ -132,8 +151,7 @@ struct Scene {
   Style style;
 };
 
-// Describes a camera. The near and far planes follow from the visible content; the key light comes over the viewer's
-// left shoulder.
+// Describes a camera. The near and far planes follow from the visible content.
 struct Camera {
   Vec3 eye{0.0, -3.0, 1.0};    // m
   Vec3 target;                 // m, different from the eye.

@@ -49,7 +49,9 @@ flat in int v_look;
 uniform vec3 u_eye;
 uniform vec3 u_up;
 uniform vec3 u_to_light;
-uniform vec3 u_background;
+uniform vec3 u_light_sky;
+uniform vec3 u_light_below;
+uniform vec3 u_light_key;
 uniform bool u_shadows;
 uniform mat4 u_shadow_from_world;
 uniform float u_shadow_texel_m;
@@ -70,7 +72,8 @@ float light_visibility(vec3 point, vec3 n) {
   if (!u_shadows) return 1.0;
   vec4 clip = u_shadow_from_world * vec4(point + 2.5 * u_shadow_texel_m * n, 1.0);
   vec3 place = 0.5 * clip.xyz + 0.5;
-  if (any(lessThan(place, vec3(0.0))) || any(greaterThan(place, vec3(1.0)))) return 1.0;
+  if (any(lessThan(place, vec3(0.0))) || any(greaterThan(place.xy, vec2(1.0)))) return 1.0;
+  place.z = min(place.z, 1.0);  // The ground may be farther away than all that casts shadows.
   float sum = 0.0;
   for (int i = 0; i < 12; ++i) {
     if (i == 4 && (sum == 0.0 || sum == 4.0)) return 0.25 * sum;  // all four lit or all four in shadow: no edge is near
@@ -79,25 +82,35 @@ float light_visibility(vec3 point, vec3 n) {
   return sum / 12.0;
 }
 
-// Returns the colour of a lit surface. `gloss` in [0, 1]: strength of the highlight; `translucency` in [0, 1]: share of
-// the light on the other side that comes through; `open` in [0, 2]: how much of the sky is seen, 1 on flat parts.
-vec3 shade(vec3 albedo, vec3 n, float gloss, float translucency, float open) {
+// Returns the share of the key light in the highlight, by the reflection of B. Walter et al., "Microfacet models for
+// refraction through rough surfaces" (2007), of a surface that reflects 4 % head-on.
+float highlight(vec3 n, vec3 to_eye, float roughness) {
+  float to_light = dot(n, u_to_light);
+  float facing = dot(n, to_eye);
+  if (to_light <= 0.0 || facing <= 0.0) return 0.0;
+  vec3 halfway = normalize(u_to_light + to_eye);
+  float a2 = pow(max(roughness, 0.0525), 4.0);
+  float near = dot(n, halfway);
+  float d = near * near * (a2 - 1.0) + 1.0;
+  float spread = a2 / (d * d);  // Times 1 / pi, which the key light's unit has.
+  float masked = 0.5 / (to_light * sqrt(a2 + (1.0 - a2) * facing * facing) +
+                        facing * sqrt(a2 + (1.0 - a2) * to_light * to_light));
+  float grazing = 1.0 - dot(to_eye, halfway);
+  float grazing2 = grazing * grazing;
+  return (0.04 + 0.96 * grazing2 * grazing2 * grazing) * masked * spread * to_light;
+}
+
+// Returns the colour of a lit surface. `roughness` in (0, 1]; `translucency` in [0, 1]: share of the light on the other
+// side that comes through; `open` in [0, 2]: how much of the sky is seen, 1 on flat parts.
+vec3 shade(vec3 albedo, vec3 n, float roughness, float translucency, float open) {
   vec3 to_eye = normalize(u_eye - v_world);
-  float facing = clamp(dot(n, to_eye), 0.0, 1.0);
   float towards_light = dot(n, u_to_light);
   float visible = light_visibility(v_world, towards_light >= 0.0 ? n : -n);
-  vec3 ambient = mix(vec3(0.17, 0.155, 0.15), vec3(0.42, 0.45, 0.50), 0.5 + 0.5 * dot(n, u_up));
-  vec3 key = vec3(0.98, 0.94, 0.86) * visible *
-             (max(towards_light, 0.0) + translucency * max(-towards_light, 0.0));
-  vec3 light = open * (ambient + vec3(0.10) * facing) + mix(1.0, open, 0.35) * key;
-  vec3 halfway = normalize(u_to_light + to_eye);
-  float shine = max(dot(n, halfway), 0.0);
-  for (int i = 0; i < 3; ++i) shine *= shine;
-  shine *= shine * shine;  // to the power of 24
-  float highlight = gloss * visible * shine * step(0.0, towards_light);
-  float edge = 1.0 - facing;
-  float rim = 0.14 * edge * edge * edge * (0.5 + 0.5 * dot(n, u_up));
-  return albedo * light + vec3(0.22 * highlight) + vec3(rim) * mix(vec3(0.8), albedo, 0.5);
+  vec3 ambient = mix(u_light_below, u_light_sky, 0.5 + 0.5 * dot(n, u_up));
+  vec3 key = u_light_key * visible;
+  vec3 diffuse = key * (max(towards_light, 0.0) + translucency * max(-towards_light, 0.0));
+  vec3 light = open * ambient + mix(1.0, open, 0.35) * diffuse;
+  return albedo * light + key * highlight(n, to_eye, roughness);
 }
 
 // Approximates the sRGB curve by square roots, within 0.001 for values from 0.003 up (I. Taylor, "sRGB approximations
@@ -116,125 +129,63 @@ vec3 unit(vec3 v, vec3 otherwise) {
 }
 )";
 
-inline constexpr const char* kSheetFragmentShader = R"(
-// One for each look; kMaxLooks of renderer.h.
-uniform vec3 u_front[16];
-uniform vec3 u_back[16];
-uniform bool u_banded[16];
-uniform bool u_own_dye[16];
-uniform vec3 u_front_dye[16];
-uniform vec3 u_back_dye[16];
-uniform float u_threads[16];
-uniform float u_gloss[16];
-uniform float u_translucency[16];
-uniform float u_mirror[16];
-uniform bool u_textured;
-uniform bool u_coloured;
-uniform bool u_wireframe;
-uniform float u_wire_width_px;
-
-const float kThreads = 16.0;  // per check
-
-float hash(float n) { return fract(sin(n * 12.9898) * 43758.5453); }
-
-// Returns 1 for a pattern with a period of 4 pixels or more, 0 for one below 1.6 pixels, which would only flicker.
-float resolved(float period_px) { return smoothstep(1.6, 4.0, period_px); }
-
-// Makes cloth of dyed and plain bands, as wide as a check, in both directions; at each place the thread of one
-// direction lies on top. Returns the share of dye seen, in [0, 1], and the lightness of the thread, about 1. `p`:
-// place; `footprint`: size of a pixel, both in checks. Threads, and at lower resolution bands, are averaged where a
-// pixel holds several.
-vec2 cloth(vec2 p, vec2 footprint) {
-  vec2 wave = 2.0 * (abs(fract((p - 0.5 * footprint) * 0.5) - 0.5) - abs(fract((p + 0.5 * footprint) * 0.5) - 0.5)) /
-              footprint;
-  vec2 dyed = 0.5 - 0.5 * wave;
-  float mean = 0.5 * (dyed.x + dyed.y);
-  float check_px = 1.0 / max(footprint.x, footprint.y);
-  float slubs = 0.09 * resolved(0.25 * check_px);  // yarn is thicker here and thinner there
-  vec2 uneven = vec2(hash(floor(4.0 * p.x + 0.5)), hash(floor(4.0 * p.y + 0.5) + 71.0)) - 0.5;
-  float light = 1.0 + slubs * (uneven.x + uneven.y);
-  float seen = u_wireframe ? 0.0 : resolved(check_px / kThreads);
-  if (seen == 0.0) return vec2(mean, light);
-  vec2 along = kThreads * p;
-  vec2 thread = floor(along);
-  vec2 across = 2.0 * fract(along) - 1.0;
-  bool warp = mod(thread.x + thread.y, 2.0) < 0.5;
-  vec2 place = warp ? across : across.yx;  // across and along the thread on top
-  float height = (1.0 - place.x * place.x) * (1.0 - 0.5 * place.y * place.y);
-  float yarn = hash(warp ? thread.x : thread.y + 71.0) - 0.5;
-  float dye = mix(mean, warp ? dyed.x : dyed.y, 0.75 * seen);
-  return vec2(dye, light + seen * (0.62 * (height - 0.5556) + 0.14 * yarn));
-}
-
-// Returns the share of the wire's colour, less where triangles are only a few pixels high, so that the surface stays
-// visible. `per_px`: change of each barycentric coordinate over a pixel.
-float wire(vec3 per_px) {
-  vec3 distance_px = v_barycentric / per_px;
-  float nearest = min(distance_px.x, min(distance_px.y, distance_px.z));
-  float line = 1.0 - smoothstep(0.5 * u_wire_width_px - 0.5, 0.5 * u_wire_width_px + 0.5, nearest);
-  float height_px = 1.0 / max(per_px.x, max(per_px.y, per_px.z));
-  return line * mix(0.25, 0.76, smoothstep(1.5, 7.0, height_px / u_wire_width_px));
-}
-
-void main() {
-  // Takes derivatives before any branch: inside one they are undefined, and wrong along edges in llvmpipe.
-  vec2 footprint = max(fwidth(v_material), vec2(1e-4));
-  vec3 over_x = dFdx(v_barycentric);
-  vec3 over_y = dFdy(v_barycentric);
-  vec3 n = unit(v_normal, u_up);
-  float ridge = v_ridge;
-  if (!gl_FrontFacing) {
-    n = -n;
-    ridge = -ridge;
-  }
-  vec3 colour;
-  if (u_coloured) {
-    // Colours are read against a legend: there is neither pattern nor shadow, and only a little shading, to show folds.
-    float facing = abs(dot(n, normalize(u_eye - v_world)));
-    colour = mix(0.85, 1.0, facing) * pow(v_tint * (128.0 / 255.0), vec3(2.2));
-  } else {
-    vec3 albedo = (gl_FrontFacing ? u_front[v_look] : u_back[v_look]) * v_tint;
-    if (u_textured) {
-      vec2 woven = cloth(v_material, footprint);
-      float dye = u_wireframe ? mix(0.5, woven.x, 0.35) : woven.x;  // fainter, so that wires stand out
-      if (u_own_dye[v_look]) {
-        albedo = mix(albedo, (gl_FrontFacing ? u_front_dye[v_look] : u_back_dye[v_look]) * v_tint, 0.92 * dye);
-      } else if (u_banded[v_look]) {
-        albedo = mix(mix(albedo, vec3(0.72), 0.55), 0.62 * albedo, dye);
-      }
-      albedo *= mix(1.0, woven.y, u_threads[v_look]);
-    }
-    colour = shade(albedo, n, u_gloss[v_look], u_translucency[v_look], 1.0 + (ridge > 0.0 ? 0.25 : 0.75) * ridge);
-    if (u_mirror[v_look] > 0.0) {
-      float towards_sky = dot(reflect(normalize(v_world - u_eye), n), u_up);
-      vec3 surroundings = albedo * mix(vec3(0.22, 0.24, 0.27), vec3(1.25), smoothstep(-0.35, 0.75, towards_sky));
-      colour = mix(colour, surroundings, u_mirror[v_look]);
-    }
-  }
-  if (u_wireframe) {
-    vec3 per_px = max(sqrt(over_x * over_x + over_y * over_y), vec3(1e-9));
-    colour = mix(colour, vec3(0.012, 0.016, 0.025), wire(per_px));
-  }
-  f_colour = to_srgb(colour, 1.0);
-}
-)";
-
 inline constexpr const char* kSolidFragmentShader = R"(
+uniform vec3 u_solids;
+
 void main() {
   vec3 n = unit(v_normal, u_up);
-  f_colour = to_srgb(shade(vec3(0.52, 0.52, 0.50), n, 0.6, 0.0, 1.0), 1.0);
+  f_colour = to_srgb(shade(u_solids, n, 0.6, 0.0, 1.0), 1.0);
 }
 )";
 
-// Draws a disc of the background's colour that fades out, darkened by shadows and by objects that hide the sky.
+// Draws a disc that fades out, with a grid, darkened by shadows and by objects that hide the sky.
 inline constexpr const char* kGroundFragmentShader = R"(
+uniform vec3 u_ground;
+uniform vec3 u_ground_lines;
+
+// Returns coordinates in the ground's plane: those of the world, turned the shortest way from `n` to z.
+vec2 in_plane(vec3 n) {
+  vec3 along = n + vec3(0.0, 0.0, 1.0);
+  return n.z < -0.999 ? vec2(v_world.x, -v_world.y) : (v_world - dot(along, v_world) / (1.0 + n.z) * along).xy;
+}
+
+float grid_line(vec2 t) {
+  vec2 blur = max(fwidth(t), vec2(1e-4));
+  vec2 distance = abs(fract(t - 0.5) - 0.5) / blur;
+  return (1.0 - min(min(distance.x, distance.y), 1.0)) * (1.0 - smoothstep(0.2, 0.6, max(blur.x, blur.y)));
+}
+
 void main() {
+  vec3 n = unit(v_normal, u_up);
+  vec2 place = in_plane(n);
+  float lines = max(0.5 * grid_line(10.0 * place), grid_line(place));
   float r = length(v_material);
   if (!gl_FrontFacing || r > 1.0) discard;
-  vec3 n = unit(v_normal, u_up);
-  float light = mix(0.46, 0.86, light_visibility(v_world, n)) * v_tint.r;
-  f_colour = to_srgb(u_background * light, 1.0 - smoothstep(0.25, 1.0, r));
+  float towards_light = max(dot(n, u_to_light), 0.0);
+  vec3 light = u_light_sky + u_light_key * towards_light * light_visibility(v_world, n);
+  vec3 colour = mix(u_ground, u_ground_lines, 0.35 * lines) * light * v_tint.r;
+  f_colour = to_srgb(colour, 1.0 - smoothstep(0.35, 1.0, r));
 }
+)";
+
+// Draws the background over the whole picture, from one colour at the top to another.
+inline constexpr const char* kBackdropVertexShader = R"(
+out float v_down;
+
+void main() {
+  vec2 corner = vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0);
+  v_down = 0.5 - 0.5 * corner.y;
+  gl_Position = vec4(corner, 0.0, 1.0);
+}
+)";
+
+inline constexpr const char* kBackdropFragmentShader = R"(
+in float v_down;
+uniform vec3 u_above;
+uniform vec3 u_below;
+out vec4 f_colour;
+
+void main() { f_colour = vec4(mix(u_above, u_below, v_down), 1.0); }
 )";
 
 // Draws the lips: strips of constant width in the image along borders, inside the sheet. There is one instance per
@@ -287,7 +238,7 @@ void main() {
   vec3 n = unit(v_normal, u_up);
   if (dot(n, u_eye - v_world) < 0.0) n = -n;
   vec3 rounded = normalize(n - 0.9 * (1.0 - v_material.x) * unit(v_tint, vec3(0.0)));
-  f_colour = to_srgb(shade(u_lip[v_look], rounded, 0.3, 0.1, 1.0), 1.0);
+  f_colour = to_srgb(shade(u_lip[v_look], rounded, 0.6, 0.1, 1.0), 1.0);
 }
 )";
 

@@ -135,15 +135,33 @@ Status check_mesh(const Mesh& mesh) {
 }
 
 Status check_look(const Look& look, const std::string& field) {
-  const std::array<std::pair<const Colour*, const char*>, 5> colours{{{&look.front, ".front"},
+  const std::array<std::pair<const Colour*, const char*>, 6> colours{{{&look.front, ".front"},
                                                                       {&look.back, ".back"},
                                                                       {&look.lips, ".lips"},
                                                                       {&look.finish.front_dye, ".finish.front_dye"},
-                                                                      {&look.finish.back_dye, ".finish.back_dye"}}};
+                                                                      {&look.finish.back_dye, ".finish.back_dye"},
+                                                                      {&look.finish.second, ".finish.second"}}};
   for (const auto& [colour, name] : colours) {
     if (Status status = check_colour(*colour, field + name); !status.ok()) return status;
   }
   return {};
+}
+
+Status check_surroundings(const Style& style) {
+  const std::array<std::pair<const Colour*, const char*>, 4> colours{{{&style.background, "scene.style.background"},
+                                                                      {&style.ground, "scene.style.ground"},
+                                                                      {&style.ground_lines, "scene.style.ground_lines"},
+                                                                      {&style.solids, "scene.style.solids"}}};
+  for (const auto& [colour, field] : colours) {
+    if (Status status = check_colour(*colour, field); !status.ok()) return status;
+  }
+  if (style.background_below) {
+    if (Status s = check_colour(*style.background_below, "scene.style.background_below"); !s.ok()) return s;
+  }
+  if (!style.light.towards_key) return {};
+  if (Status s = check_point(*style.light.towards_key, "scene.style.light.towards_key"); !s.ok()) return s;
+  if (norm(*style.light.towards_key) > 1e-9) return {};
+  return invalid("SHAPE_DEGENERATE", "scene.style.light.towards_key", "the direction of the key light is zero");
 }
 
 Status check_looks(const Scene& scene) {
@@ -219,7 +237,7 @@ Status validate(const Scene& scene) {
   if (scene.ground) {
     if (Status status = check_shape(*scene.ground, "scene.ground"); !status.ok()) return status;
   }
-  if (Status status = check_colour(scene.style.background, "scene.style.background"); !status.ok()) return status;
+  if (Status status = check_surroundings(scene.style); !status.ok()) return status;
   return check_looks(scene);
 }
 

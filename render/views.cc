@@ -59,7 +59,8 @@ ViewAxes view_axes(const Camera& camera) {
   return {right, cross(back, right), back};
 }
 
-Views make_views(const Camera& camera, double aspect, int height, const Bounds& lit, const Bounds& seen) {
+Views make_views(const Camera& camera, double aspect, int height, const Bounds& lit, const Bounds& seen,
+                 const std::optional<Vec3>& towards_key) {
   const ViewAxes axes = view_axes(camera);
   const auto [near, far] = depth_range(camera, axes, seen);
   const double tangent = half_height(camera);
@@ -75,8 +76,10 @@ Views make_views(const Camera& camera, double aspect, int height, const Bounds& 
   views.depth_per_fraction = clip_from_view.at(2, 3);
   views.pixel_fraction = 2.0 * tangent / height;
 
-  // Puts the light over the left shoulder, high enough to light ground under the scene from above.
-  views.to_light = normalized(0.95 * normalized(camera.up) + 0.45 * axes.back - 0.5 * axes.right);
+  // Puts the light, unless it has a place, over the left shoulder, high enough to light ground under the scene from
+  // above.
+  const Vec3 over_shoulder = 0.95 * normalized(camera.up) + 0.45 * axes.back - 0.5 * axes.right;
+  views.to_light = normalized(towards_key.value_or(over_shoulder));
   const double extent = std::max(radius(lit), kMinRadius) * 1.02;
   Matrix4 clip_from_light;
   for (std::size_t k = 0; k < 2; ++k) clip_from_light.at(k, k) = 1.0 / extent;

@@ -29,7 +29,9 @@ struct Views {
 
 // Makes the views. `aspect`: width / height; `height`: pixels. `lit` bounds all that casts shadows and must fit the
 // shadow map. `seen` bounds all content: the near and far planes enclose it. Neither is empty; `seen` contains `lit`.
-Views make_views(const Camera& camera, double aspect, int height, const Bounds& lit, const Bounds& seen);
+// `towards_key`: see Light.
+Views make_views(const Camera& camera, double aspect, int height, const Bounds& lit, const Bounds& seen,
+                 const std::optional<Vec3>& towards_key = {});
 
 bool is_empty(const Bounds& bounds);
 void extend(Bounds& bounds, Vec3 point);

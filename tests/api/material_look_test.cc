@@ -42,13 +42,14 @@ TEST(MaterialLook, StaysWhileTheNumbersChangeALittle) {
   const render::Look silk = look_of(8.0e7, 1.2e-4, 420);
   const render::Look stiffer = look_of(1.6e8, 1.0e-4, 400);
   EXPECT_EQ(channels(stiffer.front), channels(silk.front));
-  EXPECT_EQ(stiffer.finish.gloss, silk.finish.gloss);
+  EXPECT_EQ(stiffer.finish.roughness, silk.finish.roughness);
   EXPECT_NE(channels(look_of(5.5e9, 1.0e-4, 800).front), channels(silk.front));
 }
 
-TEST(MaterialLook, OnlyTheDemoHasBands) {
-  EXPECT_EQ(look_of(1.5e5, 5.0e-4, 400).finish.bands, render::Bands::kOfOwnDye);
-  EXPECT_EQ(look_of(6.9e10, 1.6e-5, 2710).finish.bands, render::Bands::kNone);
+TEST(MaterialLook, HasTheFinishOfThePreset) {
+  EXPECT_EQ(look_of(1.5e5, 5.0e-4, 400).finish.pattern, render::Pattern::kGingham);
+  EXPECT_EQ(look_of(5.938e6, 1.066e-3, 304).finish.pattern, render::Pattern::kTwill);
+  EXPECT_EQ(look_of(3.1e9, 5.0e-4, 1300).finish.pattern, render::Pattern::kKnit);
   EXPECT_GT(look_of(6.9e10, 1.6e-5, 2710).finish.mirror, 0.5);
 }
 

@@ -9,9 +9,12 @@ import { ViewerPage } from './viewer_page.mjs';
 const kSmall = { viewport: { width: 760, height: 480 }, colorScheme: 'light' };
 const kWide = { viewport: { width: 900, height: 640 }, colorScheme: 'light' };
 const kSeen = { name: 'sheets/seen' };
-// Nothing moves it: what is cut out stays where it was, and each place is where it is expected.
+// Nothing moves it: what is cut out stays where it was, and each place is where it is expected. Silk is red, and the page is
+// nowhere red.
 const kStill = {
   grid: { columns: 31, rows: 31, widthM: 1, heightM: 1 },
+  material: { preset: 'silk' },
+  fidelity: 'REAL_TIME',
   placement: { xAxis: { x: 1 }, yAxis: { y: Math.cos(0.7), z: Math.sin(0.7) } },
   gravityMps2: {},
 };
@@ -165,7 +168,6 @@ async function changesLook(viewer) {
 }
 
 async function savesPicture(viewer) {
-  // In the middle of a dyed check.
   const at = await viewer.at(0.475, 0.175);
   const isCloth = ([colour]) => Math.max(...colour) - Math.min(...colour) > 20;  // strains at rest are grey
   await coloursOnce(viewer, [at], 'image-mode-cloth', isCloth, 'the cloth is');

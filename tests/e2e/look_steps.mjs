@@ -171,10 +171,13 @@ export function lookSteps(steps, browser, { url }) {
       post(url, 'CutService/CreateCut', { parent, cut: { curve: { circle } } }),
     );
     const isOffLips = (x, y) => Math.abs(Math.hypot(x - 0.5, y - 0.5) - 0.2) > 0.03;
+    const drawn = { mesh: [], picture: [] };
     const areOfTheirMaterial = async (mode) => {
       for (const [name, isMeant] of [['rubber', (x) => x < 0.46 && x > 0.03], ['paper', (x) => x > 0.54 && x < 0.97]]) {
         const points = gridPoints(16, (x, y) => isMeant(x) && isOffLips(x, y));
-        const lights = (await sheetColours(viewer, points, `parts-${mode}-${name}`)).map(([red, green, blue]) => (red + green + blue) / 3);
+        const colours = await sheetColours(viewer, points, `parts-${mode}-${name}`);
+        drawn[mode].push(...colours);
+        const lights = colours.map(([red, green, blue]) => (red + green + blue) / 3);
         const wrong = lights.filter((light) => (name === 'rubber' ? light > 120 : light < 150));
         check(wrong.length === 0, `${mode}: ${wrong.length} of ${points.length} points are not ${name}: ${wrong.map(Math.round)}`);
       }
@@ -183,6 +186,9 @@ export function lookSteps(steps, browser, { url }) {
     await viewer.page.keyboard.press('q');
     await viewer.until('k.picture?.connection === "live" && k.picture.isOfView');
     await areOfTheirMaterial('picture');
+    const unlike = drawn.mesh.filter((colour, i) => !isNear(colour, drawn.picture[i], 24)).length;
+    console.log(`         ${unlike} of ${drawn.mesh.length} points differ by more than 24 of 255 between mesh and picture`);
+    check(unlike <= 0.05 * drawn.mesh.length, `mesh and picture differ at ${unlike} of ${drawn.mesh.length} points`);
     check(viewer.errors.length === 0, `console: ${viewer.errors.join('; ')}`);
     await viewer.page.close();
   });

@@ -60,7 +60,9 @@ TEST_F(RenderPicture, EachPartHasItsLook) {
   for (std::size_t t = 0; t < sheet.triangles.size() / 3; ++t) looks.push_back(centroid(sheet, t).x > 0.0 ? 1 : 0);
   scene.mesh.looks = looks;
   scene.style.looks.push_back(scene.style.looks[0]);
-  std::swap(scene.style.looks[1].front, scene.style.looks[1].back);
+  Look& other = scene.style.looks[1];
+  std::swap(other.front, other.back);
+  std::swap(other.finish.front_dye, other.finish.back_dye);
   const Camera camera = front_camera();
   const Pixels pixels = draw(scene, camera);
   for (std::size_t t = 0; t < sheet.triangles.size() / 3; ++t) {
@@ -260,6 +262,69 @@ TEST_F(RenderPicture, AnEmptySceneIsAllBackground) {
   for (int y = 0; y < 240; ++y) {
     for (int x = 0; x < 320; ++x) ASSERT_EQ(pixel(pixels, x, y), (Rgb{51, 102, 153})) << x << " " << y;
   }
+}
+
+TEST_F(RenderPicture, TheBackgroundChangesDownThePicture) {
+  Scene scene;
+  scene.style.background = {1.0, 0.0, 0.2};
+  scene.style.background_below = Colour{0.0, 1.0, 0.2};
+  const Pixels pixels = draw(scene);
+  for (int y = 0; y < 240; ++y) {
+    const Rgb colour = pixel(pixels, y, y);
+    const double down = (y + 0.5) / 240.0;
+    EXPECT_NEAR(colour.red, 255.0 * (1.0 - down), 1.0) << y;
+    EXPECT_NEAR(colour.green, 255.0 * down, 1.0) << y;
+    EXPECT_EQ(colour.blue, 51) << y;
+  }
+}
+
+TEST_F(RenderPicture, PatternsDiffer) {
+  const Sheet sheet = make_sheet(8, 0.0);
+  Scene scene = scene_of(sheet);
+  scene.style.looks[0].finish.contrast = 0.5;
+  Camera camera = front_camera();
+  camera.eye.y = -0.6;
+  std::vector<Pixels> pictures;
+  for (const Pattern pattern : {Pattern::kGingham, Pattern::kWeave, Pattern::kTwill, Pattern::kGrain, Pattern::kKnit}) {
+    scene.style.looks[0].finish.pattern = pattern;
+    pictures.push_back(draw(scene, camera, 480, 480));
+  }
+  for (std::size_t a = 0; a < pictures.size(); ++a) {
+    for (std::size_t b = a + 1; b < pictures.size(); ++b) {
+      int num_different = 0;
+      for (int y = 140; y < 340; ++y) {
+        for (int x = 140; x < 340; ++x) {
+          if (std::abs(brightness(pixel(pictures[a], x, y)) - brightness(pixel(pictures[b], x, y))) > 15) {
+            ++num_different;
+          }
+        }
+      }
+      EXPECT_GT(num_different, 8000) << "of 40000; patterns " << a << " and " << b;
+    }
+  }
+}
+
+TEST_F(RenderPicture, AKeyLightWithAPlaceStaysThere) {
+  const Sheet sheet = make_sheet(16, 0.4);
+  Scene scene = scene_of(sheet);
+  scene.style.texture = false;
+  scene.style.light.towards_key = Vec3{2.0, -1.0, 0.5};
+  const Pixels pixels = draw(scene);
+  EXPECT_GT(brightness(pixel(pixels, 160 + 50, 120)), brightness(pixel(pixels, 160 - 50, 120)) + 30);
+  scene.style.light.towards_key = Vec3{};
+  EXPECT_EQ(validate(scene).field, "scene.style.light.towards_key");
+}
+
+TEST_F(RenderPicture, ShadowsReachGroundFarFromWhatCastsThem) {
+  Scene scene;
+  scene.colliders = {Sphere{{0.0, 0.0, 0.3}, 0.3}};
+  scene.ground = Plane{{0.0, 0.0, -0.6}, {0.0, 0.0, 1.0}};
+  scene.style.light.towards_key = Vec3{-1.0, 0.0, 1.0};
+  Camera camera;
+  camera.eye = {0.0, -2.5, 1.5};
+  const Pixels pixels = draw(scene, camera);
+  const int lit = brightness(pixel_at(pixels, camera, {-0.7, 0.0, -0.6}));
+  EXPECT_LT(brightness(pixel_at(pixels, camera, {0.9, 0.0, -0.6})), lit - 60);
 }
 
 TEST_F(RenderPicture, AViewFromInsideTheSceneIsDrawn) {

@@ -2,7 +2,7 @@ import { create } from '@bufbuild/protobuf';
 import { readFileSync } from 'node:fs';
 import { describe, expect, it } from 'vitest';
 import { MaterialSchema } from '../src/gen/kerf/v1/scene_pb';
-import { kLooks, lookName } from '../src/scene/material_looks';
+import { kLooks, lookName, Pattern } from '../src/scene/material_looks';
 
 const kPresets = new URL('../../server/core/fem/element/material_presets.cc', import.meta.url);
 
@@ -22,16 +22,18 @@ describe('looks of materials', () => {
     expect(own).toEqual(presets());
   });
 
-  it('have the colours of the server’s pictures', () => {
+  it('are those of the server’s pictures', () => {
     const source = readFileSync(new URL('../../server/service/picture/material_look.cc', import.meta.url), 'utf8');
-    const lines = [...source.matchAll(/\{"(\w+)", \{([^}]*)\}, (0x\w{6}), (0x\w{6}), ([^}]*)\}/g)];
-    const drawn = lines.map(([, name, numbers, front, back, finish]) => {
-      const [translucency, mirror] = finish.split(',').slice(-2).map(Number);
-      return [name, ...numbers.split(',').map(Number), Number(front), Number(back), translucency, mirror];
+    const lines = [...source.matchAll(/\{"(\w+)", \{([^}]*)\}, ([^}]*)\}/g)];
+    const drawn = lines.map(([, name, numbers, rest]) => {
+      const [front, back, second, pattern, ...finish] = rest.split(', ');
+      return [name, ...numbers.split(',').map(Number), ...[front, back, second].map(Number), pattern.slice(1).toUpperCase(), ...finish.map(Number)];
     });
     const own = Object.entries(kLooks).map(([name, look]) => {
-      const { modulusPa, thicknessM, densityKgpm3, front, back, translucency, mirror } = look;
-      return [name, modulusPa, thicknessM, densityKgpm3, front, back, translucency, mirror];
+      const { modulusPa, thicknessM, densityKgpm3, front, back, second } = look;
+      const { contrast, grid, roughness, sheen, translucency, mirror } = look;
+      const finish = [contrast, grid, roughness, sheen, translucency, mirror];
+      return [name, modulusPa, thicknessM, densityKgpm3, front, back, second, Pattern[look.pattern], ...finish];
     });
     expect(drawn).toEqual(own);
   });

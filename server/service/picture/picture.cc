@@ -14,6 +14,7 @@
 #include "server/core/scene/sheet_materials.h"
 #include "server/service/picture/material_look.h"
 #include "server/service/picture/picture_colours.h"
+#include "server/service/picture/scene_look.h"
 
 namespace kerf::picture {
 namespace {
@@ -93,8 +94,11 @@ render::Style style_of(const PictureView& view, const sheet::Snapshot& snapshot)
   render::Style style;
   if (snapshot.materials) style.looks = looks_of(snapshot);
   style.wireframe = view.wireframe;
-  if (view.dark) style.background = render::kDarkBackground;
-  style.shadows = !view.undeformed;         // A flat sheet casts none on itself.
+  set_surroundings(view.dark, style);
+  if (view.undeformed) {
+    style.shadows = false;            // A flat sheet casts none on itself.
+    style.light.towards_key.reset();  // Seen from above, with y up.
+  }
   if (view.undeformed && view.wireframe) {  // Shows the triangles alone.
     style.texture = false;
     for (render::Look& look : style.looks) look.front = {0.66, 0.76, 0.86};
@@ -139,7 +143,8 @@ render::Scene scene_of(const MeshArrays& arrays, const PictureSubject& subject, 
   scene.mesh.positions = arrays.positions;
   scene.mesh.material_coordinates = arrays.material;
   scene.mesh.triangles = arrays.triangles;
-  scene.mesh.piece_ids = arrays.pieces;
+  // The viewer's mesh has no tints; on a flat sheet they tell pieces apart whose cuts are closed.
+  if (view.undeformed) scene.mesh.piece_ids = arrays.pieces;
   scene.mesh.looks = arrays.looks;
   scene.mesh.vertex_colours = arrays.colours;
   for (std::size_t axis = 0; axis < 2; ++axis) {

@@ -1,5 +1,6 @@
-import { Color, DoubleSide, MeshStandardMaterial } from 'three';
+import { Color, DoubleSide, MeshStandardMaterial, Vector2 } from 'three';
 import type { IUniform } from 'three';
+import type { Point2 } from '../geometry/locator';
 import { kClothOffset } from './depth_offsets';
 import { kLooks } from './material_looks';
 import type { MaterialLook } from './material_looks';
@@ -8,6 +9,7 @@ import type { MaterialLook } from './material_looks';
 // colour, which shows folds. Colours of vertices (hasOwnColors) replace both.
 const kPattern = /* glsl */ `
   uniform float checkSize;
+  uniform vec2 checkOrigin;
   uniform bool hasOwnColors;
   uniform int pattern;
   uniform vec3 frontColor;
@@ -20,11 +22,12 @@ const kPattern = /* glsl */ `
   uniform float mirrored;
   varying vec3 vOwnColor;
 
-  float band(float t, float halfWidth) {
+  // 0 in the light half of a band and 1 in the dark one.
+  float band(float t) {
     float blur = max(fwidth(t), 1e-4);
-    float distance = abs(fract(t) - 0.5);
-    float edge = smoothstep(halfWidth - blur, halfWidth + blur, distance);
-    return mix(edge, 1.0 - 2.0 * halfWidth, smoothstep(0.4, 1.2, blur));
+    float distance = abs(fract(t + 0.25) - 0.5);
+    float edge = smoothstep(0.25 - blur, 0.25 + blur, distance);
+    return mix(edge, 0.5, smoothstep(0.4, 1.2, blur));
   }
 
   // 1 for a pattern with a period of several pixels, 0 for one that would only flicker.
@@ -51,7 +54,7 @@ const kPattern = /* glsl */ `
   }
 
   vec3 gingham(vec2 t, bool isFront) {
-    float bands = 0.5 * (band(t.x, 0.25) + band(t.y, 0.25));
+    float bands = 0.5 * (band(t.x) + band(t.y));
     vec2 thread = t * 24.0;
     float weave = sin(6.2832 * thread.x) * sin(6.2832 * thread.y) * resolved(thread);
     // Linear light: linen #ebe7da and indigo #1b4c7f in front, apricot #f0b48b and brick #b6472f behind.
@@ -61,7 +64,7 @@ const kPattern = /* glsl */ `
   }
 
   vec3 clothColor(vec2 material, bool isFront) {
-    vec2 t = material / checkSize;
+    vec2 t = (material - checkOrigin) / checkSize;
     if (pattern == 0) return gingham(t, isFront);
     vec3 color = isFront ? frontColor : backColor;
     vec2 thread = t * 24.0;
@@ -103,6 +106,7 @@ const kPattern = /* glsl */ `
 export class ClothMaterial extends MeshStandardMaterial {
   private readonly own = {
     checkSize: { value: 0.1 },
+    checkOrigin: { value: new Vector2() },
     hasOwnColors: { value: false },
     pattern: { value: 0 },
     frontColor: { value: new Color() },
@@ -156,9 +160,14 @@ export class ClothMaterial extends MeshStandardMaterial {
     own.mirrored.value = look.mirror;
   }
 
-  /** @param size  metres, > 0: width of a light and a dark band together */
-  setCheckSize(size: number): void {
+  /**
+   * Places the pattern. The server's pictures have the same patterns (render/shaders.h).
+   * @param size    metres, > 0: width of a light and a dark band together
+   * @param origin  the place on the undeformed sheet where a light band begins, metres
+   */
+  setChecks(size: number, origin: Point2): void {
     this.own.checkSize.value = size;
+    this.own.checkOrigin.value.set(origin.x, origin.y);
   }
 
   /** Colours the sheet by the vertex attribute `ownColor` (linear) instead of the cloth's own colours. */

@@ -199,7 +199,7 @@ export class SheetView {
     geometry.setAttribute('uv', new BufferAttribute(mirror.materialPositions.slice(0, 2 * mirror.numVertices), 2));
     this.updateIndex();
     const width = Math.max(locator.max.x - locator.min.x, locator.max.y - locator.min.y);
-    if (width > 0) for (const cloth of this.cloths) cloth.setCheckSize(width / 10);
+    if (width > 0) for (const cloth of this.cloths) cloth.setChecks(width / 10, locator.min);
   }
 
   private updateIndex(): void {
