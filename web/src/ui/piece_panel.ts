@@ -5,7 +5,8 @@ import { pieceColor } from '../scene/piece_colors';
 import type { OpenSheet } from '../sheet/open_sheet';
 import { areaText, massText } from '../tools/cut_text';
 import { element, make, setText } from './dom';
-import { errorText } from './error_text';
+import { FollowedList, whenPointedAt } from './followed_list';
+import type { ListedSheet } from './followed_list';
 import { KeptRows } from './kept_rows';
 import type { KeptRow } from './kept_rows';
 import type { Panel } from './side_panels';
@@ -13,18 +14,19 @@ import type { Panel } from './side_panels';
 // Number of pieces listed: the largest ones.
 const kMaxShown = 200;
 const kPageSize = 1000;
-const kRetryMs = 1000;
 
 /** The sheet that is shown, for a list of its pieces. */
-export interface ShownPieces {
-  /** Another object when topology versions begin again. */
-  readonly surface: object | undefined;
-  /** Undefined before the first frame. */
-  readonly topologyVersion: number | undefined;
+export interface ShownPieces extends ListedSheet {
   /** Highlights the piece with this label in the frames; undefined: no piece. */
   highlight(label: number | undefined): void;
   /** Moves the view so that the piece is in the middle. */
   centre(label: number): void;
+}
+
+interface Listed {
+  readonly sheet: string;
+  readonly surface: object | undefined;
+  readonly version: number;
 }
 
 interface Row extends KeptRow {
@@ -40,58 +42,37 @@ interface Row extends KeptRow {
  */
 export class PiecePanel implements Panel {
   private readonly rows = new KeptRows(element('piece-list'), (id: bigint) => this.create(id));
-  private readonly error = element('piece-error');
+  private readonly list: FollowedList<Listed>;
   // Id of the highlighted piece.
   private litId: bigint | undefined;
-  private isOpen = false;
-  private isAsking = false;
-  private listed: { sheet: string; surface: object | undefined; version: number } | undefined;
 
   constructor(
-    private readonly live: Pick<OpenSheet, 'sheetName'>,
+    live: Pick<OpenSheet, 'sheetName'>,
     private readonly shown: ShownPieces,
     private readonly send: typeof call = call,
-  ) {}
+  ) {
+    const now = (): Listed | undefined => {
+      const { surface, topologyVersion: version } = shown;
+      return version === undefined ? undefined : { sheet: live.sheetName, surface, version };
+    };
+    this.list = new FollowedList(element('piece-error'), now, async (of) => {
+      const version = await this.fetch(of.sheet);
+      return version === undefined ? undefined : { ...of, version };
+    });
+  }
 
   opened(): void {
-    this.isOpen = true;
-    this.update();
+    this.list.open();
   }
 
   closed(): void {
-    this.isOpen = false;
+    this.list.close();
     this.light(undefined);
   }
 
   /** Updates the list. It is called with each frame, and cheap if nothing has changed. */
   update(): void {
-    const { sheetName: sheet } = this.live;
-    const { surface, topologyVersion: version } = this.shown;
-    if (!this.isOpen || this.isAsking || version === undefined) return;
-    const { listed } = this;
-    if (listed?.sheet === sheet && listed.surface === surface && listed.version === version) return;
-    this.isAsking = true;
-    this.fetch(sheet).then(
-      (listed) => {
-        this.listed = listed === undefined ? undefined : { sheet, surface, version: listed };
-        this.isAsking = false;
-        this.error.hidden = true;
-        // Asks again here, because a still sheet has no frame that would do so.
-        if (listed === undefined) this.update();
-      },
-      (error: Error) => this.failed(error),
-    );
-  }
-
-  private failed(error: Error): void {
-    this.listed = undefined;
-    setText(this.error, `The list is not up to date: ${errorText(error)}`);
-    this.error.hidden = false;
-    // Asks again after a while: not with each frame, but also for a still sheet, which has no frames.
-    setTimeout(() => {
-      this.isAsking = false;
-      this.update();
-    }, kRetryMs);
+    this.list.update();
   }
 
   // Lists the pieces. Returns their topology version; undefined if a cut came between two pages.
@@ -137,8 +118,7 @@ export class PiecePanel implements Panel {
     const name = make('b', {}, `Piece ${id}`);
     const button = make('button', { type: 'button', title: 'Show it in the middle' }, swatch, name, size, origin);
     const row: Row = { item: make('li', {}, button), size, origin, label: -1 };
-    for (const event of ['pointerenter', 'focus']) button.addEventListener(event, () => this.light(id));
-    for (const event of ['pointerleave', 'blur']) button.addEventListener(event, () => this.light(undefined));
+    whenPointedAt(button, (isPointedAt) => this.light(isPointedAt ? id : undefined));
     button.addEventListener('click', () => this.shown.centre(row.label));
     return row;
   }

@@ -7,7 +7,8 @@ import type { OpenSheet } from '../../sheet/open_sheet';
 import { areaText, countText } from '../../tools/cut_text';
 import { confirmed } from '../confirmation';
 import { element, icon, make, setText } from '../dom';
-import { errorText } from '../error_text';
+import { FollowedList, whenPointedAt } from '../followed_list';
+import type { ListedSheet } from '../followed_list';
 import { KeptRows } from '../kept_rows';
 import type { KeptRow } from '../kept_rows';
 import type { Panel } from '../side_panels';
@@ -18,14 +19,9 @@ import { cutNumber, cutWords } from './cut_words';
 // Number of cuts listed: the newest ones.
 const kMaxShown = 200;
 const kPageSize = 1000;
-const kRetryMs = 1000;
 
 /** The sheet that is shown, for a list of its cuts. */
-export interface ShownCuts {
-  /** Another object when topology versions begin again. */
-  readonly surface: object | undefined;
-  /** Undefined before the first frame. */
-  readonly topologyVersion: number | undefined;
+export interface ShownCuts extends ListedSheet {
   readonly lips: Pick<LipRecord, 'at'>;
   highlightLips(find: LipFinder | undefined): void;
   /** Moves the view so that the lips are in the middle. */
@@ -43,10 +39,10 @@ interface Row extends KeptRow {
 }
 
 interface Listed {
-  sheet: string;
-  surface: object | undefined;
-  version: number | undefined;
-  numActs: number;
+  readonly sheet: string;
+  readonly surface: object | undefined;
+  readonly version: number;
+  readonly numActs: number;
 }
 
 /** Returns facts about a cut in a line: "Circle · tick 300 · by alice". */
@@ -72,28 +68,34 @@ export class CutList implements Panel {
   readonly makers = new CutMakers();
 
   private readonly rows = new KeptRows(element('cut-list'), (name: string) => this.create(name));
-  private readonly error = element('cut-error');
+  private readonly list: FollowedList<Listed>;
   private chosen: string | undefined;
   private pointedAt: string | undefined;
-  private isOpen = false;
-  private isAsking = false;
   private numActs = 0;
-  private listed: Listed | undefined;
+  private sheet = '';
 
   constructor(
-    private readonly live: Pick<OpenSheet, 'sheetName'>,
+    live: Pick<OpenSheet, 'sheetName'>,
     private readonly shown: ShownCuts,
     private readonly history: { undoTo(cut: string, mostSteps: number): Promise<void> },
     private readonly send: typeof call = call,
-  ) {}
+  ) {
+    const now = (): Listed | undefined => {
+      const { surface, topologyVersion: version } = shown;
+      return version === undefined ? undefined : { sheet: live.sheetName, surface, version, numActs: this.numActs };
+    };
+    this.list = new FollowedList(element('cut-error'), now, async (of) => {
+      await this.fetch(of.sheet);
+      return of;
+    });
+  }
 
   opened(): void {
-    this.isOpen = true;
-    this.update();
+    this.list.open();
   }
 
   closed(): void {
-    this.isOpen = false;
+    this.list.close();
     this.chosen = this.pointedAt = undefined;
     this.light();
   }
@@ -106,32 +108,13 @@ export class CutList implements Panel {
 
   /** Updates the list. It is called at each animation frame, and cheap if nothing has changed. */
   update(): void {
-    const { sheetName: sheet } = this.live;
-    const { surface, topologyVersion: version } = this.shown;
-    if (!this.isOpen || this.isAsking || version === undefined) return;
-    const { listed, numActs } = this;
-    if (listed && listed.sheet !== sheet) this.makers.clear();
-    const isSame = listed?.sheet === sheet && listed.surface === surface && listed.version === version;
-    if (isSame && listed.numActs === numActs) return;
-    this.isAsking = true;
-    const asked: Listed = { sheet, surface, version, numActs };
-    this.fetch(sheet).then(
-      () => {
-        [this.isAsking, this.listed, this.error.hidden] = [false, asked, true];
-      },
-      (error: Error) => {
-        setText(this.error, `The list is not up to date: ${errorText(error)}`);
-        this.error.hidden = false;
-        setTimeout(() => {
-          this.isAsking = false;
-          this.update();
-        }, kRetryMs);
-      },
-    );
+    this.list.update();
   }
 
   private async fetch(parent: string): Promise<void> {
     const entries: ListCutsResponse_Entry[] = [];
+    if (this.sheet !== '' && this.sheet !== parent) this.makers.clear();
+    this.sheet = parent;
     const people = this.makers.takeWaiting();
     let scheduled: ScheduledCuts[] = [];
     let pageToken = '';
@@ -209,8 +192,7 @@ export class CutList implements Panel {
     const shape = { type: 'button', className: 'open', title: 'Show it on the sheet', 'aria-pressed': 'false' };
     const button = make('button', shape, heading, pieces, facts);
     const undo = make('button', { type: 'button', className: 'icon', 'data-needs': 'cut' }, icon('undo'));
-    for (const event of ['pointerenter', 'focus']) button.addEventListener(event, () => this.point(name));
-    for (const event of ['pointerleave', 'blur']) button.addEventListener(event, () => this.point(undefined));
+    whenPointedAt(button, (isPointedAt) => this.point(isPointedAt ? name : undefined));
     button.addEventListener('click', () => this.choose(name));
     undo.addEventListener('click', () => void this.undo(name));
     return { item: make('li', {}, button, undo), button, undo, pieces, facts, entry: undefined, numNewer: 0 };
