@@ -8,6 +8,7 @@ const kViewports = [
   ['wide', { viewport: { width: 1440, height: 900 } }],
   ['narrow', { viewport: { width: 1024, height: 768 } }],
   ['phone', { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true }],
+  ['phone across', { viewport: { width: 844, height: 390 }, hasTouch: true, isMobile: true }],
 ];
 
 /** Pairs of cards that are seen of which one covers a part of the other. */
@@ -68,7 +69,7 @@ export function layoutSteps(steps, browser, { url }) {
       await viewer.choose('cut');
       await notify(viewer);
       await haveRoom('statistics and cut panel');
-      if (name === 'phone') {
+      if (name.startsWith('phone')) {
         await page.click('#controls-more');
         check((await small(viewer)).length === 0, `too small for a finger: ${await small(viewer)}`);
         await page.click('#controls-more');
@@ -77,8 +78,8 @@ export function layoutSteps(steps, browser, { url }) {
       await notify(viewer);
       // An open panel lies over what stands at the bottom of a phone.
       const isBottom = (id) => ['cut-panel', 'controls', 'tools'].includes(id);
-      await haveRoom('physics', (pair) => name === 'phone' && pair.includes('panel-physics') && pair.some(isBottom));
-      if (name === 'phone') check((await small(viewer)).length === 0, `too small for a finger: ${await small(viewer)}`);
+      await haveRoom('physics', (pair) => name.startsWith('phone') && pair.includes('panel-physics') && pair.some(isBottom));
+      if (name.startsWith('phone')) check((await small(viewer)).length === 0, `too small for a finger: ${await small(viewer)}`);
       const { height } = await page.locator('#statistics').boundingBox();
       check(height > 50, `${name}: the statistics have ${height} px`);
       await page.close();

@@ -45,7 +45,7 @@ export class Stage {
   private readonly sky = new HemisphereLight(0xffffff, 0x8c8f98, 1.5);
   private readonly raycaster = new Raycaster();
   private quality: Quality = { scale: 1, hasShadows: true };
-  private shiftPx = 0;
+  private readonly shiftPx = new Vector2();
   private isStale = true;
 
   constructor(private readonly canvas: HTMLCanvasElement) {
@@ -119,7 +119,9 @@ export class Stage {
     copy.width = this.canvas.width;
     copy.height = this.canvas.height;
     const context = copy.getContext('2d')!;
-    if (this.backdrop) context.drawImage(this.backdrop, 0, -scale * this.shiftPx, copy.width, copy.height);
+    if (this.backdrop) {
+      context.drawImage(this.backdrop, -scale * this.shiftPx.x, -scale * this.shiftPx.y, copy.width, copy.height);
+    }
     context.drawImage(this.canvas, 0, 0);
     this.sun.castShadow = this.quality.hasShadows;
     this.resize();
@@ -162,10 +164,10 @@ export class Stage {
     this.invalidate();
   }
 
-  /** Moves the whole picture up by CSS pixels; the camera stays. */
-  shiftUp(px: number): void {
-    if (px === this.shiftPx) return;
-    this.shiftPx = px;
+  /** Moves the whole picture left and up by CSS pixels; the camera stays. */
+  shift(leftPx: number, upPx: number): void {
+    if (leftPx === this.shiftPx.x && upPx === this.shiftPx.y) return;
+    this.shiftPx.set(leftPx, upPx);
     this.resize();
   }
 
@@ -269,8 +271,9 @@ export class Stage {
     this.renderer.setPixelRatio(this.quality.scale * Math.min(devicePixelRatio, 2));
     this.renderer.setSize(clientWidth, clientHeight, false);
     this.camera.aspect = clientWidth / clientHeight;
-    if (this.shiftPx === 0) this.camera.clearViewOffset();
-    else this.camera.setViewOffset(clientWidth, clientHeight, 0, this.shiftPx, clientWidth, clientHeight);
+    const { x, y } = this.shiftPx;
+    if (x === 0 && y === 0) this.camera.clearViewOffset();
+    else this.camera.setViewOffset(clientWidth, clientHeight, x, y, clientWidth, clientHeight);
     this.camera.updateProjectionMatrix();
     this.invalidate();
   }
