@@ -22,7 +22,7 @@ export function cuttingSteps(steps, browser, { url }) {
     await post(url, 'SheetService/CreateSheet', { sheetId: 'fold', scene: foldedScene() });
     await post(url, 'SheetService/PauseSheet', { name: kFold });
     fold = await ViewerPage.open(browser, `${url}/?sheet=fold`, kTall);
-    await fold.untilDrawn('k.connection === "live" && k.isPaused && k.framesDrawn > 0');
+    await fold.untilDrawn('k.connection === "live" && k.isPaused && k.numVertices > 0');
     await fold.choose('cut');
     // On the half in front, where the other is behind it.
     const tapLine = async () => {
