@@ -1,7 +1,8 @@
 // Measures CPU time of a second of motion against the error of positions, for methods of stepping and cutting. Writes
 // a line of JSON for each; tests/evaluation/tradeoff calls it.
 //   time_and_error SCENE [--side N] [--cuts N] [--only TEXT] [--no-times] [--export FILE]
-// SCENE: swing-soft, swing-wool, swing-paper, drape, cut. --export also writes a swing and its reference.
+// SCENE: swing-soft, swing-PRESET, drape, cut. PRESET: of material_presets.cc. --export also writes a swing and its
+// reference.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -11,6 +12,7 @@
 #include <limits>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -20,6 +22,7 @@
 #include "server/core/cut/cut.h"
 #include "server/core/fem/element/material.h"
 #include "server/core/mesh/build/grid_mesh.h"
+#include "server/core/scene/integrator_settings.h"
 #include "server/core/sheet/sheet.h"
 #include "tests/bench/cpu_time.h"
 #include "tests/bench/race_bullet.h"
@@ -108,7 +111,7 @@ std::vector<Method> methods(bool has_bullet) {
     return [solver] { return bench::make_one_solve(solver); };
   };
   std::vector<Method> all{
-      stepped("Kerf as it comes", "automatic", with(fem::IntegratorOptions())),
+      stepped("Kerf as it comes", "automatic", with(scene::integrator_options(scene::IntegratorSettings(), kTick))),
       stepped("Kerf, explicit", "mixed precision", with(bench::explicit_options(fem::Precision::kMixed))),
       stepped("Kerf, explicit", "double precision", with(bench::explicit_options(fem::Precision::kDouble))),
       stepped("Kerf, TR-BDF2", "60 Hz", implicit(kTrBdf2, 5)),
@@ -296,6 +299,12 @@ void cuts(const Arguments& arguments) {
   }
 }
 
+// Finds PRESET of "swing-PRESET".
+Result<fem::Material> preset_of(std::string_view scene) {
+  constexpr std::string_view kSwing = "swing-";
+  return fem::find_preset(scene.substr(0, kSwing.size()) == kSwing ? scene.substr(kSwing.size()) : "");
+}
+
 int run(const Arguments& arguments) {
   if (arguments.scene == "cut") {
     cuts(arguments);
@@ -303,13 +312,10 @@ int run(const Arguments& arguments) {
     drape(arguments);
   } else if (arguments.scene == "swing-soft") {
     swing(arguments, bench::cloth(), arguments.cuts == 0);
-  } else if (arguments.scene == "swing-wool") {
-    swing(arguments, *fem::find_preset("wool"), false);
-  } else if (arguments.scene == "swing-paper") {
-    swing(arguments, *fem::find_preset("paper"), false);
+  } else if (const Result<fem::Material> preset = preset_of(arguments.scene); preset.ok()) {
+    swing(arguments, *preset, false);
   } else {
-    std::fprintf(stderr, "no scene \"%s\"; there are: swing-soft swing-wool swing-paper drape cut\n",
-                 arguments.scene.c_str());
+    std::fprintf(stderr, "no scene \"%s\"; there are: swing-soft, swing-PRESET, drape, cut\n", arguments.scene.c_str());
     return 2;
   }
   return 0;

@@ -44,6 +44,7 @@ inline std::vector<IntegratorCase> all_integrators() {
       integrator_case("TrBdf2FactorCg", IntegratorKind::kTrBdf2, linear::LinearSolverKind::kFactorCg),
       integrator_case("TrBdf2MultigridCg", IntegratorKind::kTrBdf2, linear::LinearSolverKind::kMultigridCg),
       integrator_case("TrBdf2Direct", IntegratorKind::kTrBdf2, linear::LinearSolverKind::kDirect),
+      integrator_case("Sdirk2Direct", IntegratorKind::kSdirk2, linear::LinearSolverKind::kDirect),
       integrator_case("Bdf2Direct", IntegratorKind::kBdf2, linear::LinearSolverKind::kDirect),
   };
 }

@@ -1,11 +1,9 @@
-// Tests properties of single kinds of integrators, and the choice of the automatic one. Properties of all:
-// integrator_test.cc.
+// Tests properties of single kinds of integrators. Properties of all: integrator_test.cc. The choice of the automatic
+// one: automatic_integrator_test.cc.
 #include <cmath>
 #include <numbers>
 #include <vector>
 
-#include "server/core/cut/cut.h"
-#include "server/core/fem/step/automatic_integrator.h"
 #include "tests/fem/integrator_cases.h"
 #include "tests/support/matrix_near.h"
 #include "tests/support/trials.h"
@@ -194,7 +192,8 @@ TEST(ImplicitIntegrator, IsOfItsOrder) {
     int order;
   };
   for (const Case& tested : {Case{IntegratorKind::kImplicitEuler, 1e-3, 1}, Case{IntegratorKind::kTrBdf2, 2e-3, 2},
-                             Case{IntegratorKind::kTrapezoidal, 1e-3, 2}, Case{IntegratorKind::kBdf2, 4e-3, 2}}) {
+                             Case{IntegratorKind::kTrapezoidal, 1e-3, 2}, Case{IntegratorKind::kBdf2, 4e-3, 2},
+                             Case{IntegratorKind::kSdirk2, 2e-3, 2}}) {
     const double coarse = error_of(tested.kind, tested.dt);
     const double fine = error_of(tested.kind, 0.5 * tested.dt);
     const double ratio = coarse / fine;
@@ -236,7 +235,8 @@ TEST(ImplicitIntegrator, LeavesWhatSecondOrderFailsAtToImplicitEulerAndSaysSo) {
 TEST(ImplicitIntegrator, KeepsTheMomentumOfAStiffSheetThatIsLetGo) {
   const mesh::TriangleMesh mesh = square_grid(6);
   const Model model(mesh, isotropic(1e12, 0.3, 5.0e-4, 1000.0));
-  for (const IntegratorKind kind : {IntegratorKind::kTrBdf2, IntegratorKind::kTrapezoidal, IntegratorKind::kBdf2}) {
+  for (const IntegratorKind kind :
+       {IntegratorKind::kTrBdf2, IntegratorKind::kTrapezoidal, IntegratorKind::kBdf2, IntegratorKind::kSdirk2}) {
     IntegratorOptions options;
     options.kind = kind;
     options.linear_solver = linear::LinearSolverKind::kDirect;
@@ -268,124 +268,6 @@ TEST(TrapezoidalRule, KeepsTheEnergyOfASheetThatVibrates) {
   const double before = internal_energy(model, state);
   for (int i = 0; i < 500; ++i) integrator->step(model, no_loads(), 2e-3, nullptr, state);
   EXPECT_NEAR(internal_energy(model, state), before, 2e-2 * before);
-}
-
-TEST(AutomaticIntegrator, TakesExplicitUnlessSheetsAreStiffAndSaysWhy) {
-  const mesh::TriangleMesh mesh = square_grid(20);
-  IntegratorOptions options;
-  options.newton_iterations = 2;  // as a new sheet has it
-  const std::unique_ptr<Integrator> integrator = make_integrator(options);
-  const Model soft(mesh, soft_cloth());
-  integrator->rebuild(soft);
-  EXPECT_EQ(integrator->kind(), IntegratorKind::kExplicit);
-  EXPECT_NE(integrator->explanation().find("substeps in mixed precision"), std::string_view::npos);
-  const Model stiff(mesh, isotropic(5.0e11, 0.3, 5.0e-4, 1000.0));
-  integrator->rebuild(stiff);
-  EXPECT_EQ(integrator->kind(), IntegratorKind::kTrBdf2);
-  EXPECT_NE(integrator->explanation().find("TR-BDF2, direct"), std::string_view::npos);
-  const Model beyond(mesh, isotropic(1.0e13, 0.3, 5.0e-4, 1000.0));
-  integrator->rebuild(beyond);
-  EXPECT_EQ(integrator->kind(), IntegratorKind::kImplicitEuler);
-  EXPECT_NE(integrator->explanation().find("condition number above 1e9"), std::string_view::npos);
-  State state = rest_state(mesh);
-  EXPECT_EQ(integrator->step(beyond, Loads{}, kTick, nullptr, state).substeps, 1);
-}
-
-TEST(AutomaticIntegrator, PrefersExplicitForContactWithItself) {
-  const mesh::TriangleMesh mesh = square_grid(20);
-  IntegratorOptions options;
-  options.newton_iterations = 2;  // as a new sheet has it
-  const auto kind_of = [&](double youngs_modulus, bool touches_itself) {
-    options.touches_itself = touches_itself;
-    const std::unique_ptr<Integrator> integrator = make_integrator(options);
-    const Model model(mesh, isotropic(youngs_modulus, 0.3, 5.0e-4, 1000.0));
-    integrator->rebuild(model);
-    const bool says = integrator->explanation().find("explicit, preferred for self-contact") != std::string_view::npos;
-    EXPECT_EQ(says, touches_itself && integrator->kind() == IntegratorKind::kExplicit) << integrator->explanation();
-    EXPECT_EQ(estimate_tick(model, options).is_explicit, integrator->kind() == IntegratorKind::kExplicit);
-    return integrator->kind();
-  };
-  for (const bool touches_itself : {false, true}) EXPECT_EQ(kind_of(1.0e5, touches_itself), IntegratorKind::kExplicit);
-  EXPECT_EQ(kind_of(5.0e11, false), IntegratorKind::kTrBdf2);
-  EXPECT_EQ(kind_of(5.0e11, true), IntegratorKind::kExplicit);
-  EXPECT_EQ(kind_of(1.0e14, true), IntegratorKind::kImplicitEuler);
-}
-
-TEST(AutomaticIntegrator, GoesFromExplicitToImplicitByACutAndBack) {
-  mesh::TriangleMesh mesh = square_grid(20);
-  const mesh::TriangleMesh before = mesh;
-  Model model(mesh, soft_cloth());
-  State state = rest_state(mesh);
-  const std::unique_ptr<Integrator> uncut = make_integrator({});
-  uncut->rebuild(model);
-  IntegratorOptions options;
-  options.max_substeps = uncut->step(model, Loads{}, kTick, nullptr, state).substeps * 11 / 10;
-  const std::unique_ptr<Integrator> integrator = make_integrator(options);
-  integrator->rebuild(model);
-  const auto expect_bits_of_a_fresh_start = [&](const mesh::TriangleMesh& now, IntegratorKind kind) {
-    EXPECT_EQ(integrator->kind(), kind) << integrator->explanation();
-    const std::unique_ptr<Integrator> fresh = make_integrator(options);
-    fresh->rebuild(model);
-    State followed = rest_state(now);
-    State made = followed;
-    for (int i = 0; i < 3; ++i) {
-      integrator->prepare();
-      EXPECT_EQ(integrator->step(model, Loads{}, kTick, nullptr, followed).flags & kFrozen, 0U);
-      fresh->step(model, Loads{}, kTick, nullptr, made);
-    }
-    EXPECT_TRUE(equal_bits(followed, made));
-  };
-  expect_bits_of_a_fresh_start(mesh, IntegratorKind::kExplicit);
-
-  const Result<cut::CutPlan> plan = cut::plan(mesh, {cut::Polyline{{{0.2, 0.37}, {0.83, 0.41}}}, {}, {}});
-  ASSERT_TRUE(plan.ok());
-  Result<cut::CutOutcome> outcome = cut::apply(mesh, *plan);
-  ASSERT_TRUE(outcome.ok());
-  std::vector<mesh::TriangleId> rewritten = outcome->edit.rewritten_triangles;
-  model.follow(mesh, rewritten);
-  integrator->follow(model);
-  expect_bits_of_a_fresh_start(mesh, IntegratorKind::kTrBdf2);
-
-  std::erase_if(rewritten, [&](mesh::TriangleId slot) { return slot >= before.num_triangle_slots(); });
-  model.follow(before, rewritten);
-  integrator->follow(model);
-  expect_bits_of_a_fresh_start(before, IntegratorKind::kExplicit);
-}
-
-// The solver is chosen with the size: the bits are those of TR-BDF2 with the one that is asked for.
-TEST(AutomaticIntegrator, SolvesLargeSheetsWithTheFloatFactor) {
-  IntegratorOptions options;
-  options.max_substeps = 1000;
-  const std::unique_ptr<Integrator> integrator = make_integrator(options);
-  mesh::TriangleMesh mesh = mesh::make_grid({.num_x = 44, .num_y = 45}).value();
-  Model model(mesh, isotropic(1.0e10, 0.3, 5.0e-4, 1000.0));
-  integrator->rebuild(model);
-  const auto expect_bits_of = [&](linear::LinearSolverKind solver) {
-    IntegratorOptions asked;
-    asked.kind = IntegratorKind::kTrBdf2;
-    asked.linear_solver = solver;
-    const std::unique_ptr<Integrator> expected = make_integrator(asked);
-    expected->rebuild(model);
-    integrator->prepare();
-    State state = rest_state(mesh);
-    Loads loads;
-    for (const int corner : {0, 43}) loads.pins.push_back({corner, state.x.col(corner), Eigen::Vector3d::Zero()});
-    State other = state;
-    integrator->step(model, loads, kTick, nullptr, state);
-    expected->step(model, loads, kTick, nullptr, other);
-    EXPECT_TRUE(equal_bits(state, other)) << integrator->explanation();
-    EXPECT_NE(integrator->explanation().find(linear::name_of(solver).description), std::string_view::npos);
-  };
-  ASSERT_LT(model.num_vertices(), 2000);
-  expect_bits_of(linear::LinearSolverKind::kDirect);
-  const Result<cut::CutPlan> plan = cut::plan(mesh, {cut::Polyline{{{0.2, 0.37}, {0.83, 0.41}}}, {}, {}});
-  ASSERT_TRUE(plan.ok());
-  Result<cut::CutOutcome> outcome = cut::apply(mesh, *plan);
-  ASSERT_TRUE(outcome.ok());
-  model.follow(mesh, outcome->edit.rewritten_triangles);
-  integrator->follow(model);
-  ASSERT_GE(model.num_vertices(), 2000);
-  expect_bits_of(linear::LinearSolverKind::kFactorCg);
 }
 
 }  // namespace

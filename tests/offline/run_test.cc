@@ -3,12 +3,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <sstream>
 #include <string>
 #include <vector>
 
 #include "server/service/offline/files.h"
 #include "server/service/offline/replay.h"
 #include "server/service/wire/recording_codec.h"
+#include "server/service/wire/scene_codec.h"
 #include "tests/support/memory_disk.h"
 #include "tests/support/self_contact_scenes.h"
 
@@ -89,6 +92,29 @@ TEST_F(OfflineReplay, OfARecordingIsIdentical) {
   EXPECT_EQ(report->state_hash, run_.result.state_hash());
   EXPECT_EQ(report->recorded_by, report->replayed_by);
   EXPECT_EQ(entries, 6U);
+}
+
+// Recorded by a build whose automatic integrator took implicit Euler for this sheet. Every hash must come out again,
+// while a new scene of the same sheet is stepped otherwise.
+TEST_F(OfflineReplay, OfASheetBeforeTheSecondChoiceOfIntegratorsIsIdentical) {
+  std::ifstream in(std::string(KERF_SOURCE_DIR) + "/tests/data/recordings/before_second_choice.kerfrec",
+                   std::ios::binary);
+  std::stringstream content;
+  content << in.rdbuf();
+  write(content.str());
+  const Result<ReplayReport> report = replay(disk_, "cloth.rec");
+  ASSERT_TRUE(report.ok()) << report.error().message;
+  EXPECT_FALSE(report->divergence.has_value());
+  EXPECT_EQ(report->ticks, 20);
+
+  scene::SheetConfig config = wire::decode_recording(content.str())->recording.config;
+  EXPECT_EQ(config.integrator.choice, scene::kFirstChoice);
+  const auto integrator = [&config] { return run_scene(config, {.ticks = 20})->result.integrator(); };
+  EXPECT_THAT(integrator(), testing::HasSubstr("implicit Euler"));
+  const v1::Scene message = to_message(config);
+  config = wire::decode_scene(message).value();
+  EXPECT_EQ(config.integrator.choice, scene::kNewestChoice);
+  EXPECT_THAT(integrator(), testing::HasSubstr("SDIRK2"));
 }
 
 TEST_F(OfflineReplay, OfASheetThatTouchesItselfIsIdentical) {

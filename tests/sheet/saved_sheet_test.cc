@@ -248,7 +248,17 @@ TEST(SavedSheet, IsRefusedForAnotherScene) {
   EXPECT_EQ(with([](auto& config) { std::get<contact::Sphere>(config.colliders[0].shape).radius = 0.2; }), kOther);
   EXPECT_EQ(with([](auto& config) { config.constraints[0].history.factors[1] = 2.0; }), kOther);
   EXPECT_EQ(with([](auto& config) { config.integrator.max_substeps = 100; }), kOther);
+  EXPECT_EQ(with([](auto& config) { config.integrator.choice = scene::kFirstChoice; }), kOther);
   EXPECT_EQ(with([](auto& config) { config.description = "another"; }), "loaded");
+}
+
+TEST(SavedSheet, IsLoadedWithAnotherChoiceWhereNothingIsChosen) {
+  scene::SheetConfig config = scenes::hanging(5);
+  config.integrator.kind = scene::IntegratorKind::kTrBdf2;
+  Sheet sheet = make(config);
+  run(sheet, 3);
+  config.integrator.choice = scene::kFirstChoice;
+  EXPECT_EQ(loading(config, saved(sheet)), "loaded");
 }
 
 TEST(SavedSheet, KeepsASheetFrozen) {

@@ -266,7 +266,7 @@ TEST(RecordingCodec, OtherFilesAreNoRecordings) {
   EXPECT_EQ(decode_recording("").error().reason, "RECORDING_TRUNCATED");
   EXPECT_EQ(decode_recording(std::string("\x02\x7b\x7d", 3)).error().reason, "RECORDING_FORMAT");
   EXPECT_EQ(decode_recording(plain_frame(small_header(3))).error().reason, "RECORDING_FORMAT");
-  for (const std::int32_t other : {0, 2, 4}) {
+  for (const std::int32_t other : {0, 2, 5}) {
     const std::string file = std::string(kRecordingSignature) + recording_frame(small_header(other));
     EXPECT_EQ(decode_recording(file).error().reason, "RECORDING_FORMAT");
     EXPECT_THAT(decode_recording(file).error().message, HasSubstr("version " + std::to_string(other)));
@@ -300,9 +300,22 @@ TEST(RecordingCodec, MeshFilesOfOldRecordingsAreReadAsTheyWere) {
   EXPECT_EQ(encode_scene(fresh).obj().reading().reader_version(), mesh::kNewestReader);
 }
 
+// Sheets that were recorded before the second choice of integrators keep the first, in copies of the recording, too.
+TEST(RecordingCodec, NamesTheChoiceOfIntegrators) {
+  const auto choice = [](const std::string& file) {
+    return decode_recording(file)->recording.config.integrator.choice;
+  };
+  for (const std::int32_t format : {1, 2, 3}) EXPECT_EQ(choice(joined(small_messages(format))), scene::kFirstChoice);
+  EXPECT_EQ(choice(joined(small_messages(4))), scene::kNewestChoice);
+  scene::SheetConfig config = sample_recording().config;
+  EXPECT_EQ(choice(encode_recording_header(config, "")), scene::kNewestChoice);
+  config.integrator.choice = scene::kFirstChoice;
+  EXPECT_EQ(choice(encode_recording_header(config, "")), scene::kFirstChoice);
+}
+
 TEST(RecordingCodec, FilesOfOlderFormatsAreReadAsWell) {
   const std::vector<sheet::RecordedTick> newest = decode_recording(joined(small_messages(3)))->recording.entries;
-  for (const std::int32_t format : {1, 2}) {
+  for (const std::int32_t format : {1, 2, 4}) {
     const Result<RecordingFile> read = decode_recording(joined(small_messages(format)));
     ASSERT_TRUE(read.ok()) << read.error().message;
     ASSERT_EQ(read->recording.entries.size(), newest.size());

@@ -13,6 +13,7 @@ Status validate(const IntegratorSettings& settings) {
   KERF_TRY(check_integer(settings.newton_iterations, 1, 100, "integrator.newton_iterations"));
   KERF_TRY(check_number(settings.solver_tolerance, 1.0e-14, 0.1, "integrator.solver_tolerance"));
   KERF_TRY(check_integer(settings.max_linear_iterations, 1, 100'000, "integrator.max_linear_iterations"));
+  KERF_TRY(check_integer(settings.choice, kFirstChoice, kNewestChoice, "integrator.choice"));
   const linear::CovarianceRootOptions& root = settings.covariance_root;
   KERF_TRY(check_number(root.power, 0.01, 2.0, "integrator.covariance_root.p"));
   KERF_TRY(check_integer(root.newton_schulz_iterations, 1, 50, "integrator.covariance_root.newton_schulz_iterations"));
@@ -61,6 +62,7 @@ fem::IntegratorOptions integrator_options(const IntegratorSettings& settings, do
       break;
   }
   options.tick = tick;
+  options.choice = settings.choice == kFirstChoice ? fem::AutomaticChoice::kFirst : fem::AutomaticChoice::kSecond;
   options.max_substeps = settings.max_substeps;
   options.newton_iterations = settings.newton_iterations;
   options.highest_mode_damping = settings.highest_mode_damping;

@@ -146,6 +146,10 @@ enum class IntegratorKind {
   kBdf2,              // Newton iterations; second order, damps unresolved frequencies
   kTrBdf2,            // Newton iterations; second order, damps unresolved frequencies
 };
+// Versions of how kAutomatic chooses. Recordings and stores name the one that stepped their sheet, so that it is
+// stepped again with every bit. The first takes implicit Euler for very stiff sheets: see fem::AutomaticIntegrator.
+inline constexpr std::int32_t kFirstChoice = 1;
+inline constexpr std::int32_t kNewestChoice = 2;
 using linear::EigenvalueNorm;
 using linear::LinearSolverKind;
 enum class Precision { kDouble, kMixed };  // of explicit steps, see fem::Precision
@@ -162,6 +166,7 @@ struct IntegratorSettings {
   linear::CovarianceRootOptions covariance_root{};             // power 0.01..2, newton_schulz_iterations 1..50
   double highest_mode_damping = 0.05;                          // explicit: -, 0..0.5, see fem::IntegratorOptions
   Precision precision = Precision::kMixed;
+  std::int32_t choice = kNewestChoice;  // of kAutomatic: version of how it chooses, kFirstChoice..kNewestChoice
 };
 
 // Analyses and measurements that a request may have: kerf.v1.Analysis and Probe. They have no effect on a running

@@ -16,7 +16,7 @@ struct kerf::Fields<kerf::linear::CovarianceRootOptions> {
 template <>
 struct kerf::Fields<kerf::scene::IntegratorSettings> {
   static auto of(auto& of) {
-    auto& [kind, substeps, newton, tolerance, solver, linear, root, damping, precision] = of;
+    auto& [kind, substeps, newton, tolerance, solver, linear, root, damping, precision, choice] = of;
     return std::tie(kind, substeps, newton, tolerance, solver, linear, root, damping, precision);
   }
 };
@@ -78,6 +78,10 @@ std::uint64_t scene_hash(const InitialState& initial) {
   add(initial.built.mesh.state_hash(), initial.built.positions, initial.velocities, initial.pinned, initial.materials,
       initial.held_vertices, initial.applied_forces);
   const scene::SheetConfig& config = *initial.config;
+  // Sheets that were saved before there was another choice have a hash without it.
+  const scene::IntegratorSettings& integrator = config.integrator;
+  const bool is_automatic = integrator.kind == scene::IntegratorKind::kAutomatic;
+  if (is_automatic && integrator.choice != scene::kFirstChoice) add(integrator.choice);
   add(config.membrane_law, config.fidelity, config.gravity, config.wind, config.self_contact, config.tick_rate_hz,
       config.integrator, config.max_vertices, config.constraints, config.gravity_history, config.planar,
       config.rest_damping);

@@ -19,7 +19,8 @@ namespace kerf::wire {
 namespace {
 
 constexpr std::string_view kMagic = "kerf-recording";
-constexpr std::int32_t kLastPlainFormat = 2;  // The last format without checksums.
+constexpr std::int32_t kLastPlainFormat = 2;          // The last format without checksums.
+constexpr std::int32_t kLastFormatOfFirstChoice = 3;  // The last format whose automatic integrator is the first.
 
 using google::protobuf::internal::WireFormatLite;
 using google::protobuf::io::CodedInputStream;
@@ -181,7 +182,8 @@ std::string build_name() {
 std::string encode_recording_header(const scene::SheetConfig& config, std::string_view build) {
   v1::RecordingHeader header;
   header.set_magic(std::string(kMagic));
-  header.set_format_version(kRecordingFormat);
+  const bool is_first_choice = config.integrator.choice == scene::kFirstChoice;
+  header.set_format_version(is_first_choice ? kLastFormatOfFirstChoice : kRecordingFormat);
   header.set_build(std::string(build));
   *header.mutable_scene() = encode_scene(config);
   return std::string(kRecordingSignature) + recording_frame(header);
@@ -204,6 +206,9 @@ Result<RecordingFile> decode_recording(std::string_view file, const RecordingLim
   Result<scene::SheetConfig> config = decode_scene(std::move(*header.mutable_scene()));
   if (!config.ok()) return recording_damage("RECORDING_DAMAGED", 0, "the scene is refused: " + config.error().message);
   decoded.recording.config = std::move(*config);
+  if (header.format_version() <= kLastFormatOfFirstChoice) {
+    decoded.recording.config.integrator.choice = scene::kFirstChoice;
+  }
   TickReader ticks(reader, limits);
   while (!reader.done() && decoded.recording.torn_bytes == 0) {
     KERF_TRY_ASSIGN(const bool whole, ticks.read_into(decoded.recording.entries));

@@ -13,8 +13,9 @@
 // around them.
 namespace kerf::wire {
 
-// Version of the format that is written. Versions 1, in which no tick is left out, and 2 can be read, too.
-inline constexpr std::int32_t kRecordingFormat = 3;
+// Version of the format that is written. Versions 1, in which no tick is left out, and 2 can be read, too. Version 3 is
+// written for sheets whose automatic integrator is scene::kFirstChoice, which all files of versions 1 to 3 have.
+inline constexpr std::int32_t kRecordingFormat = 4;
 
 // Returns the compiler of this build, its version, and whether it optimised.
 std::string build_name();

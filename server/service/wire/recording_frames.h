@@ -14,9 +14,9 @@ class MessageLite;
 
 // Defines the bytes around the messages of a recording file.
 //
-// Format 3 begins with kRecordingSignature. Each message follows a head of kFrameHeadBytes, little-endian: its length
-// in bytes (32 bits), its CRC-32C (32 bits), and the lower half of the CRC-32C of these eight bytes (16 bits). Every
-// single flipped bit is found, and none makes a file look like one that ends early.
+// Formats 3 and 4 begin with kRecordingSignature. Each message follows a head of kFrameHeadBytes, little-endian: its
+// length in bytes (32 bits), its CRC-32C (32 bits), and the lower half of the CRC-32C of these eight bytes (16 bits).
+// Every single flipped bit is found, and none makes a file look like one that ends early.
 //
 // Formats 1 and 2 have each message after its length as a varint, and no checksum: a changed length may look like a
 // torn file.
@@ -25,7 +25,7 @@ namespace kerf::wire {
 inline constexpr std::string_view kRecordingSignature{"\0kerfrec", 8};
 inline constexpr std::size_t kFrameHeadBytes = 10;
 
-// Returns the message with its head of format 3.
+// Returns the message with its head, as in formats 3 and 4.
 std::string recording_frame(const google::protobuf::MessageLite& message);
 
 // Returns a kDataLoss error with the offset in bytes in its message and its field ("offset 1234").
@@ -38,7 +38,7 @@ class RecordingReader {
   // Reads the signature. kDataLoss RECORDING_TRUNCATED: the file ends within it; RECORDING_DAMAGED: it has changed.
   static Result<RecordingReader> open(std::string_view file);
 
-  [[nodiscard]] bool is_checked() const { return is_checked_; }  // True for format 3, which has checksums.
+  [[nodiscard]] bool is_checked() const { return is_checked_; }  // True for formats 3 and 4, which have checksums.
   [[nodiscard]] bool done() const { return at_ == file_.size(); }
   // Returns the offset in bytes of the message read last.
   [[nodiscard]] std::size_t offset() const { return start_; }

@@ -21,8 +21,11 @@ constexpr double kPreferenceForExplicit = 4.0;
 constexpr double kPreferenceWithClusters = 1.5;
 // The same for a sheet that touches itself: implicit steps only correct their ends, and contact takes most of the time.
 constexpr double kPreferenceWithSelfContact = 20.0;
-constexpr double kSecondOrderCondition = 1e9;  // -, condition number 1 + dt^2 lambda_max
-constexpr int kLeastForFactorCg = 2000;        // vertices; for fewer a factor in double precision is as fast
+constexpr double kConditionOfTrBdf2 = 1e9;  // -, largest condition number 1 + dt^2 lambda_max for TR-BDF2
+constexpr int kLeastForFactorCg = 2000;     // vertices; for fewer a factor in double precision is as fast
+// Solves of cut sheets need that many: slivers converge last, and a solve that stops early throws them. Others converge
+// sooner, and stop.
+constexpr int kLeastNewtonIterations = 5;
 
 IntegratorOptions with_kind(IntegratorOptions options, IntegratorKind kind) {
   options.kind = kind;
@@ -49,9 +52,34 @@ TickEstimate estimate_planned(const Model& model, const ExplicitIntegrator& plan
   const double preference = options.touches_itself      ? kPreferenceWithSelfContact
                             : planned.inertia().empty() ? kPreferenceForExplicit
                                                         : kPreferenceWithClusters;
+  const bool fits =
+      options.choice != AutomaticChoice::kFirst && estimate.explicit_ns <= 1e9 * kShareOfTick * options.tick;
   estimate.is_explicit =
-      estimate.substeps <= options.max_substeps && estimate.explicit_ns <= preference * estimate.implicit_ns;
+      estimate.substeps <= options.max_substeps && (fits || estimate.explicit_ns <= preference * estimate.implicit_ns);
   return estimate;
+}
+
+// Returns the options of the implicit steps that kAutomatic takes at this condition number.
+IntegratorOptions implicit_options(const Model& model, const IntegratorOptions& options, double condition) {
+  const bool is_first = options.choice == AutomaticChoice::kFirst;
+  IntegratorOptions chosen = with_tr_bdf2(model, options);
+  if (condition > kConditionOfTrBdf2) {
+    chosen.kind = is_first ? IntegratorKind::kImplicitEuler : IntegratorKind::kSdirk2;
+    chosen.linear_solver = linear::LinearSolverKind::kDirect;
+  }
+  if (!is_first) chosen.newton_iterations = std::max(chosen.newton_iterations, kLeastNewtonIterations);
+  return chosen;
+}
+
+std::string_view name_of(IntegratorKind kind) {
+  switch (kind) {
+    case IntegratorKind::kTrBdf2:
+      return "TR-BDF2, ";
+    case IntegratorKind::kSdirk2:
+      return "SDIRK2, ";
+    default:
+      return "implicit Euler, ";
+  }
 }
 
 }  // namespace
@@ -69,6 +97,13 @@ AutomaticIntegrator::AutomaticIntegrator(const IntegratorOptions& options)
 
 IntegratorKind AutomaticIntegrator::kind() const {
   return implicit_ ? implicit_->kind() : explicit_.kind();
+}
+
+TickCost AutomaticIntegrator::expected_cost(const Model& model, double dt, const TickCounts& last) const {
+  if (!implicit_) return explicit_.expected_cost(model, dt, last);
+  IntegratorOptions asked = with_kind(options_, implicit_->kind());
+  asked.linear_solver = solver_;
+  return implicit_cost(model, asked, last);  // few solves need the most iterations that they may make
 }
 
 StepStats AutomaticIntegrator::step(const Model& model, const Loads& loads, double dt, ContactConstraint* contact,
@@ -99,11 +134,8 @@ bool AutomaticIntegrator::choose(const Model& model, bool follows) {
   if (estimate.is_explicit) {
     implicit_.reset();
   } else {
-    const bool is_second_order = condition <= kSecondOrderCondition;
-    IntegratorOptions options =
-        with_kind(options_, is_second_order ? IntegratorKind::kTrBdf2 : IntegratorKind::kImplicitEuler);
-    options.linear_solver = is_second_order ? implicit_solver(model) : linear::LinearSolverKind::kDirect;
-    scheme = is_second_order ? "TR-BDF2, " : "implicit Euler, ";
+    const IntegratorOptions options = implicit_options(model, options_, condition);
+    scheme = name_of(options.kind);
     solver = linear::name_of(options.linear_solver).description;
     is_other = options.kind != before || options.linear_solver != solver_;
     solver_ = options.linear_solver;
@@ -116,7 +148,7 @@ bool AutomaticIntegrator::choose(const Model& model, bool follows) {
                 "; estimated per tick of %.4g s: %.0f explicit substeps in %s precision %.1f ms, TR-BDF2, %s %.1f ms%s",
                 options_.tick, estimate.substeps, precision, estimate.explicit_ns * 1e-6,
                 linear::name_of(implicit_solver(model)).description.data(), estimate.implicit_ns * 1e-6,
-                condition <= kSecondOrderCondition ? "" : " (inaccurate at a condition number above 1e9)");
+                condition <= kConditionOfTrBdf2 ? "" : " (inaccurate at a condition number above 1e9)");
   explanation_ = "automatic: ";
   explanation_.append(scheme).append(solver).append(text.data());
   return is_other;

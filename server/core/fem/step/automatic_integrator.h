@@ -14,6 +14,10 @@
 
 namespace kerf::fem {
 
+// -, computing time that a tick of steps may take, over its duration. The remainder is left to contact, cuts and ticks
+// of a sheet at rest.
+inline constexpr double kShareOfTick = 0.8;
+
 // Estimated cost of a tick of IntegratorOptions::tick seconds, from counts alone. It leaves out contact and loads on
 // vertices, which cost time in implicit steps as well.
 struct TickEstimate {
@@ -27,15 +31,20 @@ TickEstimate estimate_tick(const Model& model, const IntegratorOptions& options)
 
 // Chooses an integrator at each rebuild, from the model and IntegratorOptions::tick alone. Costs are estimated in
 // nanoseconds without a clock, so the choice is the same on every machine.
-//  - Explicit steps, unless TR-BDF2 is estimated at less than a quarter of their cost. At equal cost explicit steps are
-//    by far the more accurate. If the sheet has clusters of local inertia the limit is two thirds.
+//  - Explicit steps if they are estimated to fit kShareOfTick of the tick.
+//  - Explicit steps that do not fit, unless TR-BDF2 is estimated at less than a quarter of their cost. At equal cost
+//    explicit steps are by far the more accurate. If the sheet has clusters of local inertia the limit is two thirds.
 //  - Explicit steps at any cost if the sheet has contact with itself, because implicit steps have none.
 //  - Otherwise TR-BDF2: no other implicit scheme has a smaller error for its time (tests/accuracy/PLOTS.md).
-//  - Implicit Euler in place of TR-BDF2 above a condition number of kSecondOrderCondition. The forces at the start of a
-//    step, which the trapezoidal rule uses, are mostly rounding there.
+//  - SDIRK2 in place of TR-BDF2 above a condition number of 1e9, as slivers of crossing cuts have. The forces at the
+//    start of a step, which the trapezoidal rule uses, are mostly rounding there.
+// Implicit steps make up to five Newton iterations a solve, or more if asked. The estimates count those that are asked.
 // TR-BDF2 uses kFactorCg from kLeastForFactorCg vertices on, where it takes 0.3 to 0.9 of the direct solver's time.
-// Smaller sheets use the direct solver; only slivers make them stiff enough for TR-BDF2. Implicit Euler uses the direct
-// solver as well, because floats are too inaccurate for its matrices.
+// Smaller sheets use the direct solver; only slivers make them stiff enough for TR-BDF2. SDIRK2 uses the direct solver
+// as well, because floats are too inaccurate for its matrices.
+//
+// That is AutomaticChoice::kSecond. In kFirst the first rule is missing, implicit Euler stands in place of SDIRK2, and
+// solves make as many Newton iterations as are asked.
 class AutomaticIntegrator final : public Integrator {
  public:
   explicit AutomaticIntegrator(const IntegratorOptions& options);
@@ -53,9 +62,7 @@ class AutomaticIntegrator final : public Integrator {
   [[nodiscard]] std::optional<LocalInertiaStats> local_inertia(double dt) const override {
     return implicit_ ? implicit_->local_inertia(dt) : explicit_.local_inertia(dt);
   }
-  [[nodiscard]] TickCost expected_cost(const Model& model, double dt, const TickCounts& last) const override {
-    return implicit_ ? implicit_->expected_cost(model, dt, last) : explicit_.expected_cost(model, dt, last);
-  }
+  [[nodiscard]] TickCost expected_cost(const Model& model, double dt, const TickCounts& last) const override;
 
  private:
   // Sets implicit_ to the choice for the model. `follows` is that of ExplicitIntegrator::plan(). Returns true if the

@@ -17,8 +17,9 @@ namespace kerf::fem {
 // Estimates the cost of a tick with these options, whose kind is implicit, after a tick like `last`.
 TickCost implicit_cost(const Model& model, const IntegratorOptions& options, const TickCounts& last);
 
-// Implicit Euler, TR-BDF2 (Bank et al. 1985, gamma = 2 - sqrt 2: both stages share one d = gamma h / 2) and the
-// trapezoidal rule, with one substep a step. BDF2 has kBdf2Substeps. A step fails if it finds no finite solution or
+// Implicit Euler, TR-BDF2, SDIRK2 and the trapezoidal rule, with one substep a step. Both stages of TR-BDF2 share one
+// d = gamma h / 2, with gamma = 2 - sqrt 2 (Bank et al. 1985). Those of SDIRK2 are implicit Euler's at first, with the
+// same d = (1 - 1 / sqrt 2) h (Alexander 1977). BDF2 has kBdf2Substeps. A step fails if it finds no finite solution or
 // ends with too much energy (see EnergyGuard). A failed step is discarded and repeated:
 //   - A step of second order becomes an implicit Euler step, which damps. It is not repaired before: it fails as soon
 //     as the fast iteration of StageSolver does.
@@ -87,8 +88,12 @@ class ImplicitIntegrator final : public Integrator {
   void set_ballistic(const State& start, double t, double t2, const Eigen::Vector3d& gravity);
   void forget_stopped(const linear::VertexField& x);
   void begin_trapezoidal(const Model& model, const Loads& loads, double time_left, const State& start);
+  void begin_euler(const Model& model, const Loads& loads, const State& start);
   bool advance_euler(const Model& model, const Loads& loads, const Substep& substep, State& state, StepStats& stats);
   bool advance_tr_bdf2(const Model& model, const Loads& loads, const Substep& substep, State& state, StepStats& stats);
+  bool advance_sdirk2(const Model& model, const Loads& loads, const Substep& substep, State& state, StepStats& stats);
+  bool advance_last(const Model& model, const Loads& loads, const Substep& substep, double now, double old,
+                    State& state, StepStats& stats);
   bool advance_trapezoidal(const Model& model, const Loads& loads, const Substep& substep, State& state,
                            StepStats& stats);
   bool advance_bdf2(const Model& model, const Loads& loads, const Substep& substep, State& state, StepStats& stats);

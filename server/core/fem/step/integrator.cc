@@ -31,6 +31,7 @@ std::unique_ptr<Integrator> make_integrator(const IntegratorOptions& options) {
     case IntegratorKind::kTrBdf2:
     case IntegratorKind::kTrapezoidal:
     case IntegratorKind::kBdf2:
+    case IntegratorKind::kSdirk2:
       return std::make_unique<ImplicitIntegrator>(options);
     case IntegratorKind::kAutomatic:
       break;

@@ -5,16 +5,21 @@
 namespace kerf::fem {
 
 enum class IntegratorKind {
-  kAutomatic,      // explicit, TR-BDF2 or implicit Euler: see automatic_integrator.h
+  kAutomatic,      // explicit, TR-BDF2 or SDIRK2: see automatic_integrator.h
   kExplicit,       // velocity Verlet (leapfrog) with stable substeps: second order, symplectic, hardly any damping
   kImplicitEuler,  // first order, strongly damped, robust
   kTrBdf2,         // trapezoidal rule + BDF2, second order, L-stable; two solves a step
   kTrapezoidal,    // second order, conserves the energy of a linear sheet, no damping: unresolved modes ring
-  kBdf2,  // second order, L-stable; kBdf2Substeps solves a step. Restarts each step with a trapezoidal substep,
-          // because the state has no history
+  kBdf2,    // second order, L-stable; kBdf2Substeps solves a step. Restarts each step with a trapezoidal substep,
+            // because the state has no history
+  kSdirk2,  // second order, L-stable; two solves a step. Equals TR-BDF2 for linear sheets, without using the forces at
+            // the start of the step. Scenes cannot ask for it, kAutomatic takes it
 };
 
 inline constexpr int kBdf2Substeps = 4;  // per step
+
+// Versions of what kAutomatic chooses, see automatic_integrator.h.
+enum class AutomaticChoice { kFirst, kSecond };
 
 enum class Precision {
   kDouble,
@@ -23,7 +28,8 @@ enum class Precision {
 
 struct IntegratorOptions {
   IntegratorKind kind = IntegratorKind::kAutomatic;
-  double tick = 1.0 / 60.0;     // s, the dt that step() will be called with; only for kAutomatic's estimate
+  double tick = 1.0 / 60.0;  // s, the dt that step() will be called with; only for kAutomatic's estimate
+  AutomaticChoice choice = AutomaticChoice::kSecond;
   bool touches_itself = false;  // true: kAutomatic prefers explicit steps, whose self-contact is the more accurate
 
   // Explicit steps. A substep is at most cfl times the stable step, and without damping at most 0.7 times it.

@@ -14,10 +14,6 @@
 namespace kerf::fem {
 namespace {
 
-// -, Softening::budget over the duration of a tick. The remainder is left to contact, cuts and ticks of a sheet at
-// rest.
-constexpr double kShareOfTick = 0.8;
-
 // Largest distance to the sheet with factor 1 after 0.3 s, over the side of the sheet. Measured with wool, paper and
 // foil, which hardly stretch.
 struct MeasuredError {
