@@ -14,6 +14,7 @@
 #include <gtest/gtest.h>
 
 #include "client/cpp/server.h"
+#include "tests/support/closed_port.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/ws/raw_client.h"
 #include "tests/ws/running_server.h"
@@ -110,9 +111,9 @@ class RestartTest : public testing::Test {
  protected:
   void SetUp() override {
     config_.scenes = {folder_.write("a.json", R"({"grid": {"columns": 8, "rows": 8, "width_m": 1, "height_m": 1}})")};
+    config_.grpc.port = port_.number();
     running_ = ws_test::start_server(config_);
     ASSERT_NE(running_, nullptr);
-    config_.grpc.port = ws_test::port_of(running_->grpc_address());
     client_ = std::make_unique<Client>(running_->grpc_address());
   }
   void restart() {
@@ -121,6 +122,7 @@ class RestartTest : public testing::Test {
   }
 
   const test::TemporaryFolder folder_;
+  const test::ClosedPort port_;
   app::Config config_ = ws_test::test_config();
   std::unique_ptr<app::Server> running_;
   std::unique_ptr<Client> client_;

@@ -121,7 +121,7 @@ class Forks(Case):
 class Restarts(unittest.TestCase):
     def test_a_server_that_is_back_is_found_within_two_seconds(self):
         self.assertEqual(os.environ["GRPC_CLIENT_CHANNEL_BACKUP_POLL_INTERVAL_MS"], "250")
-        process, address = support.start_server()
+        process, address = support.start_server(support.held_port())
         server = kerf.connect(address)
         self.addCleanup(server.close)
         server.info()

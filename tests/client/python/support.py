@@ -12,7 +12,7 @@ import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 sys.path.insert(0, str(ROOT / "tests/support"))
-from closed_port import closed_port  # pylint: disable=unused-import
+from closed_port import closed_port, held_port  # pylint: disable=unused-import
 
 # The server and the token of whoever runs the tests are not theirs to touch.
 for variable in ("KERF_SERVER", "KERF_TOKEN_FILE", "KERF_TLS_CA", "KERF_TLS_CERT", "KERF_TLS_KEY"):

@@ -211,7 +211,7 @@ class Restarts(unittest.TestCase):
         pathlib.Path(support.path("again.json")).write_text(
             json.dumps({"grid": {"columns": 5, "rows": 5, "width_m": 1, "height_m": 1}}))
         self.scene = ("--scene", support.path("again.json"))
-        self.process, self.address = support.start_server("127.0.0.1:0", *self.scene)
+        self.process, self.address = support.start_server(support.held_port(), *self.scene)
         self.addCleanup(lambda: support.stop_server(self.process))
         self.server = kerf.connect(self.address)
         self.addCleanup(self.server.close)
