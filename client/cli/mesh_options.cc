@@ -23,7 +23,7 @@ template <typename Mesh>
 void set(const MeshArguments& arguments, Mesh& mesh) {
   mesh.set_rest_shape(rest_shape(arguments.rest));
   v1::MeshReading& reading = *mesh.mutable_reading();
-  reading.set_unit_m(units().at(arguments.unit) * arguments.scale);
+  reading.set_unit_m(unit_m(arguments));
   if (arguments.up == "y") reading.set_up_axis(v1::MeshReading::Y_UP);
   if (arguments.up == "x") reading.set_up_axis(v1::MeshReading::X_UP);
   if (arguments.has_join) reading.set_join_m(arguments.join_m);
@@ -40,11 +40,14 @@ std::vector<CLI::Option*> add_mesh_options(CLI::App& app, MeshArguments& argumen
                                    "(its positions, curved as they are), or auto: flat where the file allows it")
                         ->check(CLI::IsMember({"auto", "flat", "surface"}))
                         ->capture_default_str());
+  const auto note = [&arguments](const std::string& /*text*/) { arguments.has_unit = true; };
   options.push_back(app.add_option("--unit", arguments.unit, "Unit of the numbers in a mesh file")
                         ->check(CLI::IsMember({"um", "mm", "cm", "m", "in", "ft"}))
+                        ->each(note)
                         ->capture_default_str());
   options.push_back(app.add_option("--scale", arguments.scale, "Multiply the numbers of a mesh file by this, too")
-                        ->check(CLI::Range(1e-9, 1e6)));
+                        ->check(CLI::Range(1e-9, 1e6))
+                        ->each(note));
   options.push_back(app.add_option("--up", arguments.up, "Axis of a mesh file that points up in the world")
                         ->check(CLI::IsMember({"x", "y", "z"}))
                         ->capture_default_str());
@@ -65,6 +68,10 @@ std::vector<CLI::Option*> add_mesh_options(CLI::App& app, MeshArguments& argumen
           ->type_name("NAME")
           ->take_all());
   return options;
+}
+
+double unit_m(const MeshArguments& arguments) {
+  return units().at(arguments.unit) * arguments.scale;
 }
 
 void set_reading(const MeshArguments& arguments, v1::ObjMesh& mesh) {

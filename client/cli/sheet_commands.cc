@@ -60,6 +60,7 @@ int add_outline(const CreateArguments& arguments, v1::OutlineMesh& outline) {
   Parsed<v1::DrawingReading> reading = to_reading(arguments.reading);
   if (const auto* wrong = std::get_if<UsageError>(&reading)) return misuse(wrong->message);
   std::get<v1::DrawingReading>(reading).set_true_size(true);
+  if (arguments.mesh.has_unit) std::get<v1::DrawingReading>(reading).set_unit_m(unit_m(arguments.mesh));
   const Parsed<double> edge = parse_length(arguments.edge.empty() ? "0" : arguments.edge);
   if (const auto* wrong = std::get_if<UsageError>(&edge)) return misuse("--edge: " + wrong->message);
   RealDisk disk;
@@ -270,7 +271,8 @@ void add_create(CLI::App& sheet, Session& session) {
           ->add_option(
               "--outline", arguments->outline,
               "Make a sheet of what the closed lines of this drawing surround, SVG or DXF, at true size: lines\n"
-              "within a line are holes; the lower left corner of the page is (0,0)")
+              "within a line are holes; the lower left corner of the page is (0,0); --unit replaces the drawing's\n"
+              "own unit")
           ->type_name(value::kFile)
           ->excludes(grid)
           ->excludes(size);
@@ -295,6 +297,8 @@ void add_create(CLI::App& sheet, Session& session) {
   add_fidelity_option(*create, "the default, or the scene's", arguments->overrides);
   for (CLI::Option* option : add_mesh_options(*create, arguments->mesh)) {
     option->excludes(grid)->excludes(size)->excludes(scene);
+    const std::string name = option->get_name();
+    if (name != "--unit" && name != "--scale") option->excludes(outline);
   }
   create->add_option("--pin", arguments->pin, "Vertices held: top (the edge y = height), corners, none")
       ->check(CLI::IsMember({"top", "corners", "none"}))

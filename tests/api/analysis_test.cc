@@ -175,7 +175,7 @@ TEST_F(DynamicAnalysisApiTest, AnswersOverJsonToo) {
   auto promise = std::make_shared<std::promise<Result<std::string>>>();
   for (const Method& method : api_->methods()) {
     if (method.path != "/kerf.v1.SheetService/AnalyzeSheet") continue;
-    method.call(R"({"name":"sheets/a","analysis":{"dynamic":{"ticks":"3"}}})", caller_,
+    method.call(R"({"name":"sheets/a","analysis":{"dynamic":{"ticks":"3"}}})", Encoding::kJson, caller_,
                 [promise](Result<std::string> reply) { promise->set_value(std::move(reply)); }, {});
   }
   const std::string json = promise->get_future().get().value();

@@ -210,8 +210,8 @@ TEST_F(ApiTest, ALateDeletionLeavesTheNextSheetsCutsAlone) {
   Answers<std::string> created;  // not call(): it waits until nothing is under way
   for (const Method& method : api_->methods()) {
     if (method.path == "/kerf.v1.SheetService/CreateSheet") {
-      method.call(R"({"sheet_id":"a","scene":{"grid":{"columns":3,"rows":3,"width_m":1,"height_m":1}}})", caller_,
-                  created.callback(), {});
+      method.call(R"({"sheet_id":"a","scene":{"grid":{"columns":3,"rows":3,"width_m":1,"height_m":1}}})",
+                  Encoding::kJson, caller_, created.callback(), {});
     }
   }
   ASSERT_EQ(created.count(), 1U);

@@ -76,7 +76,7 @@ class ApiTest : public host::HostTest {
     for (const Method& method : api_->methods()) {
       if (method.path != path) continue;
       Answers<std::string> answers;
-      method.call(json, caller_, answers.callback(), {});
+      method.call(json, Encoding::kJson, caller_, answers.callback(), {});
       host_->wait_idle();
       for (int tick = 0; tick < 200 && answers.count() == 0; ++tick) run_for(kTick);
       EXPECT_EQ(answers.count(), 1U) << "answered once, and in time";

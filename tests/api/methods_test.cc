@@ -301,7 +301,7 @@ TEST_F(ApiTest, AfterStopEverythingIsUnavailable) {
   int asked = 0;
   for (const Method& method : api_->methods()) {
     Answers<std::string> answers;
-    method.call("{}", caller_, answers.callback(), {});
+    method.call("{}", Encoding::kJson, caller_, answers.callback(), {});
     host_->wait_idle();
     ASSERT_EQ(answers.count(), 1U) << method.path;
     EXPECT_EQ(answers.at(0).error().code, ErrorCode::kUnavailable) << method.path;

@@ -157,7 +157,7 @@ TEST_F(ApiStoreTest, JsonNamesAreThoseOfTheMessages) {
   for (const Method& method : api_->methods()) {
     if (method.path != "/kerf.v1.StoreService/BackupStore") continue;
     Later<std::string> later;
-    method.call(R"({"backup_id":"a-1"})", caller_, later.callback(), {});
+    method.call(R"({"backup_id":"a-1"})", Encoding::kJson, caller_, later.callback(), {});
     EXPECT_THAT(later.wait().value(), HasSubstr(R"("backup_id":"a-1")"));
   }
 }

@@ -9,8 +9,8 @@
 
 namespace kerf::test {
 
-// Provides an address at which no server answers: a port of this machine that is bound, but not listened on. A server of the
-// test's own may be started there, and again after it has ended; no other program is given the port in between.
+// Provides an address at which no server answers: a port of this machine that is bound, but not listened on. A server
+// of the test's own may be started there, and again after it has ended; no other program is given the port in between.
 class ClosedPort {
  public:
   ClosedPort() : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {

@@ -19,7 +19,7 @@ COLOURS = {"base": "#e9e4f5", "core": "#dcebf7", "service": "#e2f2e1", "app": "#
 COLUMNS = {"base": 0.5, "linear": 0.6, "mesh": 0.24, "mesh/refine": 0.17, "mesh/build": 0.15, "cut": 0.43, "contact": 0.31,
            "fem/element": 0.68, "fem/model": 0.68, "fem/leapfrog": 0.78, "fem/statics": 0.58, "fem/step": 0.78, "scene": 0.45,
            "sheet": 0.45, "analysis": 0.38, "kerf": 0.2, "codec": 0.07, "svg": 0.27, "host": 0.72, "wire": 0.45, "offline": 0.2, "stream": 0.45, "picture": 0.52,
-           "api": 0.52, "rpc": 0.38, "ws": 0.66, "app": 0.52}
+           "api": 0.52, "local": 0.22, "rpc": 0.38, "ws": 0.66, "app": 0.52}
 WIDTH, ROW, BOX_HEIGHT, MARGIN = 720, 50, 26, 12
 LETTER = 7.4  # of the labels, px
 

@@ -52,6 +52,7 @@ from kerf.errors import (
 )
 from kerf.frames import Frame
 from kerf.images import Codec, ColorBy, Image, decode_image
+from kerf.local_server import local
 from kerf.probes import AnyProbe, Quantity, Values, probe
 from kerf.regions import Edge, Place, along, box, edge, nearest, of_component, vertices, whole, wind
 from kerf.runs import Run, load_run
@@ -116,6 +117,7 @@ __all__ = [
     "ellipse",
     "load_cuts",
     "load_run",
+    "local",
     "nearest",
     "of_component",
     "polyline",

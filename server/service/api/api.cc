@@ -24,86 +24,96 @@
 namespace kerf::api {
 namespace {
 
+Status decode(std::string_view bytes, Encoding encoding, google::protobuf::Message& message) {
+  if (encoding == Encoding::kJson) return wire::from_json(bytes, message);
+  if (message.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) return Nothing{};
+  return invalid_argument("MALFORMED_MESSAGE", "the request is not a message " + message.GetTypeName());
+}
+
+std::string encode(const google::protobuf::Message& message, Encoding encoding) {
+  return encoding == Encoding::kJson ? wire::to_json(message) : message.SerializeAsString();
+}
+
 // Parses and checks a request, then passes it to `call` with the reply of its response.
 template <typename Request, typename Response, typename Call>
-Method json_method_by(std::string path, Api& api, Call call) {
-  return {std::move(path), [&api, call](std::string_view json, const auth::Caller& caller, Reply<std::string> reply,
-                                        const std::stop_token& stop) {
+Method method_by(std::string path, Api& api, Call call) {
+  return {std::move(path), [&api, call](std::string_view bytes, Encoding encoding, const auth::Caller& caller,
+                                        Reply<std::string> reply, const std::stop_token& stop) {
             Request request;
-            Status status = wire::from_json(json, request);
+            Status status = decode(bytes, encoding, request);
             if (status.ok()) status = wire::check_finite(request);
             if (status.ok()) status = api.allow(caller, request);
             if (!status.ok()) return reply(status.error());
-            Reply<Response> in_json = [reply = std::move(reply)](Result<Response> response) {
+            Reply<Response> encoded = [encoding, reply = std::move(reply)](Result<Response> response) {
               if (!response.ok()) return reply(response.error());
-              reply(catch_exceptions([&] { return Result<std::string>(wire::to_json(*response)); }));
+              reply(catch_exceptions([&] { return Result<std::string>(encode(*response, encoding)); }));
             };
-            call(request, caller, api.recorded(caller, request, std::move(in_json)), stop);
+            call(request, caller, api.recorded(caller, request, std::move(encoded)), stop);
           }};
 }
 
 // `Stop`: nothing, or the stop token of a method that takes one.
 template <typename Request, typename Response, typename... Stop>
-Method json_method(std::string path, Api& api, void (Api::*method)(const Request&, Reply<Response>, Stop...)) {
-  return json_method_by<Request, Response>(
+Method method_of(std::string path, Api& api, void (Api::*method)(const Request&, Reply<Response>, Stop...)) {
+  return method_by<Request, Response>(
       std::move(path), api,
       [&api, method](const Request& request, const auth::Caller& /*caller*/, Reply<Response> reply,
                      const std::stop_token& stop) { (api.*method)(request, std::move(reply), Stop(stop)...); });
 }
 
 template <typename Request, typename Response>
-Method json_method(std::string path, Api& api,
-                   void (Api::*method)(const Request&, const auth::Caller&, Reply<Response>)) {
-  return json_method_by<Request, Response>(
+Method method_of(std::string path, Api& api,
+                 void (Api::*method)(const Request&, const auth::Caller&, Reply<Response>)) {
+  return method_by<Request, Response>(
       std::move(path), api,
       [&api, method](const Request& request, const auth::Caller& caller, Reply<Response> reply,
                      const std::stop_token& /*stop*/) { (api.*method)(request, caller, std::move(reply)); });
 }
 
-std::vector<Method> json_methods(Api& api) {
+std::vector<Method> methods_of(Api& api) {
   std::vector<Method> methods = {
-      json_method("/kerf.v1.SheetService/CreateSheet", api, &Api::create_sheet),
-      json_method("/kerf.v1.SheetService/GetSheet", api, &Api::get_sheet),
-      json_method("/kerf.v1.SheetService/ListSheets", api, &Api::list_sheets),
-      json_method("/kerf.v1.SheetService/DeleteSheet", api, &Api::delete_sheet),
-      json_method("/kerf.v1.SheetService/PauseSheet", api, &Api::pause_sheet),
-      json_method("/kerf.v1.SheetService/ResumeSheet", api, &Api::resume_sheet),
-      json_method("/kerf.v1.SheetService/StepSheet", api, &Api::step_sheet),
-      json_method("/kerf.v1.SheetService/StepSheets", api, &Api::step_sheets),
-      json_method("/kerf.v1.SheetService/ResetSheet", api, &Api::reset_sheet),
-      json_method("/kerf.v1.SheetService/SetSheetSpeed", api, &Api::set_sheet_speed),
-      json_method("/kerf.v1.SheetService/ExportSheet", api, &Api::export_sheet),
-      json_method("/kerf.v1.SheetService/GetSheetState", api, &Api::get_sheet_state),
-      json_method("/kerf.v1.SheetService/AnalyzeSheet", api, &Api::analyze_sheet),
-      json_method("/kerf.v1.SheetService/SaveState", api, &Api::save_state),
-      json_method("/kerf.v1.SheetService/RestoreState", api, &Api::restore_state),
-      json_method("/kerf.v1.SheetService/ListStates", api, &Api::list_states),
-      json_method("/kerf.v1.SheetService/DeleteState", api, &Api::delete_state),
-      json_method("/kerf.v1.FileService/InspectMesh", api, &Api::inspect_mesh),
-      json_method("/kerf.v1.CutService/CreateCut", api, &Api::create_cut),
-      json_method("/kerf.v1.CutService/CreateCuts", api, &Api::create_cuts),
-      json_method("/kerf.v1.CutService/ListCuts", api, &Api::list_cuts),
-      json_method("/kerf.v1.CutService/CancelScheduledCuts", api, &Api::cancel_scheduled_cuts),
-      json_method("/kerf.v1.CutService/UndoCut", api, &Api::undo_cut),
-      json_method("/kerf.v1.CutService/RedoCut", api, &Api::redo_cut),
-      json_method("/kerf.v1.CutService/ListPieces", api, &Api::list_pieces),
-      json_method("/kerf.v1.InteractionService/GrabPoint", api, &Api::grab_point),
-      json_method("/kerf.v1.InteractionService/DragPoint", api, &Api::drag_point),
-      json_method("/kerf.v1.InteractionService/ReleasePoint", api, &Api::release_point),
-      json_method("/kerf.v1.InteractionService/SetSheetPins", api, &Api::set_sheet_pins),
-      json_method("/kerf.v1.InteractionService/SetSheetGravity", api, &Api::set_sheet_gravity),
-      json_method("/kerf.v1.InteractionService/SetSheetWind", api, &Api::set_sheet_wind),
-      json_method("/kerf.v1.InteractionService/SetSheetMaterial", api, &Api::set_sheet_material),
-      json_method("/kerf.v1.InteractionService/SetSheetSelfContact", api, &Api::set_sheet_self_contact),
-      json_method("/kerf.v1.RenderService/RenderImage", api, &Api::render_image),
-      json_method("/kerf.v1.FileService/InspectDrawing", api, &Api::inspect_drawing),
-      json_method("/kerf.v1.ServerService/GetServerInfo", api, &Api::get_server_info),
-      json_method("/kerf.v1.AccessService/GetAccess", api, &Api::get_access),
-      json_method("/kerf.v1.AccessService/CreateLink", api, &Api::create_link),
-      json_method("/kerf.v1.StoreService/GetStoreInfo", api, &Api::get_store_info),
-      json_method("/kerf.v1.StoreService/PruneStore", api, &Api::prune_store),
-      json_method("/kerf.v1.StoreService/DeleteSetAsideSheet", api, &Api::delete_set_aside_sheet),
-      json_method("/kerf.v1.StoreService/BackupStore", api, &Api::backup_store),
+      method_of("/kerf.v1.SheetService/CreateSheet", api, &Api::create_sheet),
+      method_of("/kerf.v1.SheetService/GetSheet", api, &Api::get_sheet),
+      method_of("/kerf.v1.SheetService/ListSheets", api, &Api::list_sheets),
+      method_of("/kerf.v1.SheetService/DeleteSheet", api, &Api::delete_sheet),
+      method_of("/kerf.v1.SheetService/PauseSheet", api, &Api::pause_sheet),
+      method_of("/kerf.v1.SheetService/ResumeSheet", api, &Api::resume_sheet),
+      method_of("/kerf.v1.SheetService/StepSheet", api, &Api::step_sheet),
+      method_of("/kerf.v1.SheetService/StepSheets", api, &Api::step_sheets),
+      method_of("/kerf.v1.SheetService/ResetSheet", api, &Api::reset_sheet),
+      method_of("/kerf.v1.SheetService/SetSheetSpeed", api, &Api::set_sheet_speed),
+      method_of("/kerf.v1.SheetService/ExportSheet", api, &Api::export_sheet),
+      method_of("/kerf.v1.SheetService/GetSheetState", api, &Api::get_sheet_state),
+      method_of("/kerf.v1.SheetService/AnalyzeSheet", api, &Api::analyze_sheet),
+      method_of("/kerf.v1.SheetService/SaveState", api, &Api::save_state),
+      method_of("/kerf.v1.SheetService/RestoreState", api, &Api::restore_state),
+      method_of("/kerf.v1.SheetService/ListStates", api, &Api::list_states),
+      method_of("/kerf.v1.SheetService/DeleteState", api, &Api::delete_state),
+      method_of("/kerf.v1.FileService/InspectMesh", api, &Api::inspect_mesh),
+      method_of("/kerf.v1.CutService/CreateCut", api, &Api::create_cut),
+      method_of("/kerf.v1.CutService/CreateCuts", api, &Api::create_cuts),
+      method_of("/kerf.v1.CutService/ListCuts", api, &Api::list_cuts),
+      method_of("/kerf.v1.CutService/CancelScheduledCuts", api, &Api::cancel_scheduled_cuts),
+      method_of("/kerf.v1.CutService/UndoCut", api, &Api::undo_cut),
+      method_of("/kerf.v1.CutService/RedoCut", api, &Api::redo_cut),
+      method_of("/kerf.v1.CutService/ListPieces", api, &Api::list_pieces),
+      method_of("/kerf.v1.InteractionService/GrabPoint", api, &Api::grab_point),
+      method_of("/kerf.v1.InteractionService/DragPoint", api, &Api::drag_point),
+      method_of("/kerf.v1.InteractionService/ReleasePoint", api, &Api::release_point),
+      method_of("/kerf.v1.InteractionService/SetSheetPins", api, &Api::set_sheet_pins),
+      method_of("/kerf.v1.InteractionService/SetSheetGravity", api, &Api::set_sheet_gravity),
+      method_of("/kerf.v1.InteractionService/SetSheetWind", api, &Api::set_sheet_wind),
+      method_of("/kerf.v1.InteractionService/SetSheetMaterial", api, &Api::set_sheet_material),
+      method_of("/kerf.v1.InteractionService/SetSheetSelfContact", api, &Api::set_sheet_self_contact),
+      method_of("/kerf.v1.RenderService/RenderImage", api, &Api::render_image),
+      method_of("/kerf.v1.FileService/InspectDrawing", api, &Api::inspect_drawing),
+      method_of("/kerf.v1.ServerService/GetServerInfo", api, &Api::get_server_info),
+      method_of("/kerf.v1.AccessService/GetAccess", api, &Api::get_access),
+      method_of("/kerf.v1.AccessService/CreateLink", api, &Api::create_link),
+      method_of("/kerf.v1.StoreService/GetStoreInfo", api, &Api::get_store_info),
+      method_of("/kerf.v1.StoreService/PruneStore", api, &Api::prune_store),
+      method_of("/kerf.v1.StoreService/DeleteSetAsideSheet", api, &Api::delete_set_aside_sheet),
+      method_of("/kerf.v1.StoreService/BackupStore", api, &Api::backup_store),
   };
   std::sort(methods.begin(), methods.end(), [](const Method& a, const Method& b) { return a.path < b.path; });
   return methods;
@@ -112,7 +122,7 @@ std::vector<Method> json_methods(Api& api) {
 }  // namespace
 
 Api::Api(host::Host& host, render::Renderer* renderer, ApiOptions options, host::Clock& clock)
-    : core_(std::make_shared<ApiCore>(host, renderer, std::move(options), clock)), methods_(json_methods(*this)) {
+    : core_(std::make_shared<ApiCore>(host, renderer, std::move(options), clock)), methods_(methods_of(*this)) {
   host.set_command_listener([core = std::weak_ptr(core_)](const std::string& id, const scene::Command& command,
                                                           const Result<host::CommandResult>& result,
                                                           const host::ScheduleId& schedule_id) {

@@ -178,13 +178,17 @@ struct PictureCounts {
   std::int32_t streams = 0;  // Open now.
 };
 
-// Describes a unary method for a transport that uses JSON: request and response are the JSON forms of the RPC's
-// messages (snake_case names, defaults printed).
+// Names the form in which a caller sends and gets messages: JSON (snake_case names, defaults printed), or the bytes of
+// Protocol Buffers.
+enum class Encoding { kJson, kBinary };
+
+// Describes a unary method for a transport that has the RPC's messages in one of the forms.
 struct Method {
   std::string path;  // "/kerf.v1.CutService/CreateCut"
-  // `stop` is triggered when no caller waits for the reply any more. A long method may then end early; it still
-  // replies.
-  std::function<void(std::string_view json, const auth::Caller& caller, Reply<std::string> reply, std::stop_token stop)>
+  // Calls it. The reply has the form of the request. kInvalidArgument MALFORMED_MESSAGE, MALFORMED_JSON. `stop` is
+  // triggered when no caller waits for the reply any more. A long method may then end early; it still replies.
+  std::function<void(std::string_view request, Encoding encoding, const auth::Caller& caller, Reply<std::string> reply,
+                     std::stop_token stop)>
       call;
 };
 

@@ -230,7 +230,7 @@ void Router::call(HttpRequest request, std::string_view path, std::function<void
   if (!caller.ok()) return done(refusal(caller.error()));
   // Treats an empty body as the empty message, so that `curl -X POST` works for List and Get*Info.
   method->second->call(
-      request.body.empty() ? std::string_view("{}") : std::string_view(request.body), *caller,
+      request.body.empty() ? std::string_view("{}") : std::string_view(request.body), api::Encoding::kJson, *caller,
       [done = std::move(done)](Result<std::string> reply) {
         if (!reply.ok()) return done(refusal(reply.error()));
         done({200,

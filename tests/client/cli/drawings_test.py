@@ -76,6 +76,17 @@ class Drawings(Case):
         pathlib.Path(path("binary.dxf")).write_bytes(b"AutoCAD Binary DXF\r\n\x1a\0")
         self.assertIn("save it as a DXF of text", kerf("cut", self.id, path("binary.dxf")).stderr)
 
+    def test_outlines_take_another_unit(self):
+        pathlib.Path(path("square.svg")).write_text(
+            '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 9 9"><rect x="1" y="1" width="4" height="2"/></svg>')
+        for number, (options, area_m2) in enumerate(((("--unit", "cm"), 8e-4), (("--unit", "cm", "--scale", "10"), 0.08))):
+            name = f"{self.id}-unit-{number}"
+            self.json_of("sheet", "create", name, "--outline", path("square.svg"), *options)
+            self.assertAlmostEqual(self.json_of("pieces", name)["pieces"][0]["area_m2"], area_m2, places=12)
+        refused = kerf("sheet", "create", self.id + "-no", "--outline", path("square.svg"), "--up", "y")
+        self.assertEqual(refused.returncode, 2)
+        self.assertIn("--up", refused.stderr)
+
     def test_outlines_of_drawings_are_sheets(self):
         pathlib.Path(path("panels.svg")).write_text(
             '<svg xmlns="http://www.w3.org/2000/svg" width="400mm" height="200mm" viewBox="0 0 400 200">'

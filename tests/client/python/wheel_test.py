@@ -2,6 +2,7 @@
 
 import os
 import pathlib
+import platform
 import re
 import shutil
 import subprocess
@@ -33,15 +34,38 @@ class Wheels(unittest.TestCase):
             names = {name for name in archive.namelist() if ".dist-info/" not in name}
         self.assertEqual(names, made)
 
-    def test_it_installs_alone_and_runs_the_readme(self):
-        environment = path("environment")
+    def install(self, wheel, environment):
+        """Installs a wheel into a new environment that has Debian's packages, and no program or index to help."""
         shutil.rmtree(environment, ignore_errors=True)
         bare = {"PATH": path("no-programs"), "HOME": path("home"), "PIP_NO_CACHE_DIR": "1"}
         for command in ([support.PYTHON, "-m", "venv", "--system-site-packages", "--without-pip", environment],
                         [support.PYTHON, "-m", "pip", "--python", f"{environment}/bin/python", "install", "--no-index",
-                         str(self.wheel)]):
+                         str(wheel)]):
             done = subprocess.run(command, capture_output=True, text=True, env=bare)
             self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+
+    def run_installed(self, environment, lines, **options):
+        """Runs lines of Python in an environment, and returns what they print."""
+        left_out = ("PYTHONPATH", "KERF_LIBRARY")
+        done = subprocess.run([f"{environment}/bin/python", "-c", lines], capture_output=True, text=True,
+                              env={key: value for key, value in os.environ.items() if key not in left_out}, **options)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done.stdout
+
+    def test_with_the_library_inside_it_needs_no_server(self):
+        folder, environment = path("wheel-with-library"), path("environment-with-library")
+        shutil.rmtree(folder, ignore_errors=True)
+        subprocess.run([support.PYTHON, ROOT / "client/python/build_wheel", folder, os.environ["KERF_LIBRARY"]], check=True,
+                       capture_output=True)
+        (wheel,) = pathlib.Path(folder).iterdir()
+        self.assertEqual(wheel.name, f"kerf-{kerf.__version__}-py3-none-linux_{platform.machine()}.whl")
+        self.install(wheel, environment)
+        lines = "import kerf\nwith kerf.local() as own: print(own.create_sheet('a', grid=(4, 4), paused=True).step(2).tick)"
+        self.assertEqual(self.run_installed(environment, lines), "2\n")
+
+    def test_it_installs_alone_and_runs_the_readme(self):
+        environment = path("environment")
+        self.install(self.wheel, environment)
         work = pathlib.Path(path("readme-of-wheel"))
         shutil.rmtree(work, ignore_errors=True)
         work.mkdir()
@@ -54,10 +78,8 @@ class Wheels(unittest.TestCase):
         process, address = support.start_server()
         self.addCleanup(lambda: support.stop_server(process))
         lines = "import kerf; print(kerf.__file__)\n" + block.replace("127.0.0.1:50051", address)
-        done = subprocess.run([f"{environment}/bin/python", "-c", lines], capture_output=True, text=True, cwd=work,
-                              env={key: value for key, value in os.environ.items() if key != "PYTHONPATH"})
-        self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertTrue(done.stdout.startswith(environment), done.stdout)
+        printed = self.run_installed(environment, lines, cwd=work)
+        self.assertTrue(printed.startswith(environment), printed)
 
 
 if __name__ == "__main__":

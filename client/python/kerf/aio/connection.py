@@ -35,7 +35,7 @@ class Connection:
 
     def _open(self) -> None:
         """Opens the channel, in the child of a fork another one than the parent's."""
-        self._channel = open_channel(self.address, self._secrets)
+        self._channel = self._make_channel()
         channel = self._secrets.stub_channel(self._channel)
         # The generated stubs; call() calls those that have no method here.
         self.sheet_service = sheets_pb2_grpc.SheetServiceStub(channel)
@@ -47,6 +47,9 @@ class Connection:
         self.access_service = access_service_pb2_grpc.AccessServiceStub(channel)
         self.file_service = files_pb2_grpc.FileServiceStub(channel)
         self.store_service = store_service_pb2_grpc.StoreServiceStub(channel)
+
+    def _make_channel(self) -> Any:
+        return open_channel(self.address, self._secrets)
 
     async def __aenter__(self) -> Self:
         return self

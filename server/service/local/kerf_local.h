@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+// The C interface of kerf::local::LocalServer, for languages that load a shared library: libkerf_local.so. Messages are
+// bytes of Protocol Buffers. Functions that fail return a google.rpc.Status as bytes; its code is the gRPC status code.
+// NOLINTBEGIN(modernize-use-using, readability-identifier-naming): names and types as C has them.
+extern "C" {
+
+typedef struct kerf_local kerf_local;
+
+// Bytes that the caller frees by kerf_local_free().
+typedef struct kerf_local_bytes {
+  void* data;
+  size_t size;
+} kerf_local_bytes;
+
+// Starts a server. `workers`: 1..256, 0: one for each processor. `render`: other than 0: it draws pictures. Returns
+// null if it fails, and then a google.rpc.Status in `failure`.
+kerf_local* kerf_local_start(int32_t workers, int32_t render, kerf_local_bytes* failure);
+// Ends it. No call may be in progress.
+void kerf_local_stop(kerf_local* server);
+
+// Calls a unary RPC by its path, "/kerf.v1.SheetService/StepSheets". `time_limit_s`: seconds; below 0: none. Returns 0
+// and the response in `answer`, or a gRPC status code and a google.rpc.Status. Callable from any thread.
+int32_t kerf_local_call(kerf_local* server, const char* path, const void* request, size_t request_size,
+                        double time_limit_s, kerf_local_bytes* answer);
+// Makes a sheet of a mesh file. `start`: a kerf.v1.SheetUpload. Otherwise as kerf_local_call().
+int32_t kerf_local_upload_sheet(kerf_local* server, const void* start, size_t start_size, const void* file,
+                                size_t file_size, kerf_local_bytes* answer);
+void kerf_local_free(kerf_local_bytes bytes);
+
+}  // extern "C"
+// NOLINTEND(modernize-use-using, readability-identifier-naming)
