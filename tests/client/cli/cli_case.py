@@ -13,7 +13,7 @@ import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 sys.path.insert(0, str(ROOT / "tests/support"))
-from closed_port import closed_port  # pylint: disable=unused-import
+from closed_port import closed_port, held_port  # pylint: disable=unused-import
 
 # The server and the token of whoever runs the tests are not theirs to touch.
 for variable in ("KERF_SERVER", "KERF_TOKEN_FILE", "KERF_TLS_CA", "KERF_TLS_CERT", "KERF_TLS_KEY", "KERF_VIEWER"):
@@ -44,16 +44,26 @@ def setUpModule(*options):
     global SERVER, PROCESS
     shutil.rmtree(OPTIONS.work, ignore_errors=True)
     os.makedirs(OPTIONS.work)
+    PROCESS, SERVER = start_server("127.0.0.1:0", *options)
+
+
+def start_server(listen, *options):
+    """Starts another kerfd; returns the process and its ready line."""
     kept = () if "--data" in options else ("--data", "none")
-    PROCESS = subprocess.Popen(
-        [OPTIONS.kerfd, "--listen", "127.0.0.1:0", "--http", "127.0.0.1:0", "--max-load", "0", *kept, *options], stdout=subprocess.PIPE, text=True)
-    SERVER = json.loads(PROCESS.stdout.readline())
+    process = subprocess.Popen(
+        [OPTIONS.kerfd, "--listen", listen, "--http", "127.0.0.1:0", "--max-load", "0", *kept, *options], stdout=subprocess.PIPE, text=True)
+    return process, json.loads(process.stdout.readline())
+
+
+def stop_server(process):
+    process.send_signal(signal.SIGTERM)
+    process.stdout.close()
+    if process.wait(timeout=20) != 0:
+        raise AssertionError(f"kerfd left with {process.returncode} after SIGTERM")
 
 
 def tearDownModule():
-    PROCESS.send_signal(signal.SIGTERM)
-    if PROCESS.wait(timeout=20) != 0:
-        raise AssertionError(f"kerfd left with {PROCESS.returncode} after SIGTERM")
+    stop_server(PROCESS)
 
 
 def address():

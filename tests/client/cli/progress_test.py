@@ -119,6 +119,23 @@ class Watch(Case):
         ticks = [json.loads(line)["tick"] for line in done.stdout.splitlines()]
         self.assertGreaterEqual(min(b - a for a, b in zip(ticks[1:], ticks[2:])), 5)  # of 60 ticks a second
 
+    def test_a_server_that_is_back_is_watched_again(self):
+        listen = cli_case.held_port()
+        scene = ("--scene", scene_file("again.json", sheet_id="again", commands=None, ticks=None))
+        server, _ = cli_case.start_server(listen, *scene)
+        command = [cli_case.OPTIONS.kerf, "--server", listen, "--json", "watch", "again", "--reconnect", "60"]
+        with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as watching:
+            while (before := json.loads(watching.stdout.readline())["tick"]) < 20:
+                pass
+            cli_case.stop_server(server)
+            server, _ = cli_case.start_server(listen, *scene)
+            self.addCleanup(cli_case.stop_server, server)
+            while json.loads(watching.stdout.readline())["tick"] >= before:
+                pass
+            watching.send_signal(signal.SIGINT)
+            watching.communicate(timeout=60)
+        self.assertEqual(watching.returncode, 0)
+
 
 if __name__ == "__main__":
     main(__doc__)

@@ -18,7 +18,8 @@ import cli_case
 from cli_case import ROOT, Case, address, main, path, tearDownModule
 from reflection import Reflection
 
-PAGES = ("README.md", "client/tutorial.md", "deploy/troubleshooting.md", "client/howto.md", "client/cli/README.md")
+PAGES = ("README.md", "client/tutorial.md", "deploy/troubleshooting.md", "client/howto.md", "client/cli/README.md", "client/files.md",
+         "client/drawings.md")
 # Their lines build and test, which no test can do.
 PAGES_FOR_DEVELOPERS = ("CONTRIBUTING.md", "server/README.md", "tests/bench/README.md", "tests/bench/performance.md",
                         "tests/stability/README.md")
