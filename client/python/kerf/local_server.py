@@ -79,7 +79,7 @@ def _taken(answer: _Bytes) -> bytes:
         _library().kerf_local_free(answer)
 
 
-class _Refusal(grpc.RpcError):
+class _Refusal(grpc.RpcError):  # type: ignore[misc]
     """A refusal in the form that grpc raises, which kerf.errors.error_of() reads."""
 
     def __init__(self, code: int, status: bytes) -> None:
@@ -175,7 +175,9 @@ class _Channel:
                 )
             return response_deserializer(self._answer(code, answer))
 
-        return call if path == _UPLOAD else functools.partial(_refuse_stream, path)
+        if path == _UPLOAD:
+            return call
+        return functools.partial(_refuse_stream, path)
 
     def unary_stream(self, path: str, *_: Any, **__: Any) -> Callable[..., Any]:
         return functools.partial(_refuse_stream, path)
@@ -196,14 +198,14 @@ class LocalServer(Server):
     """A server in this process; made by local()."""
 
     def __init__(self, workers: int, render: bool, timeout_s: Optional[float]) -> None:
-        self._options = (workers, render)
+        self._own = _Channel(workers, render)  # in the child of a fork, too, where it refuses calls
         super().__init__("this process", timeout_s=timeout_s)
 
     def __repr__(self) -> str:
         return "<kerf.Server in this process>"
 
     def _make_channel(self) -> Any:
-        return _Channel(*self._options)
+        return self._own
 
 
 def local(*, workers: int = 0, render: bool = False, timeout_s: Optional[float] = None) -> LocalServer:

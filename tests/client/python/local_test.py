@@ -1,5 +1,6 @@
 """A server in the same process: the same results as over gRPC, and clear words for what it lacks."""
 
+import pathlib
 import threading
 import unittest
 
@@ -55,8 +56,9 @@ class Local(Case):
         self.own.pause()
 
     def test_large_meshes_are_uploaded(self):
-        mesh = "#" * (2 << 20) + "\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n"
-        self.assertEqual(self.local.create_sheet("mesh", obj=mesh).get().num_vertices, 4)
+        file = pathlib.Path(support.path("large.obj"))
+        file.write_text("#" * (2 << 20) + "\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n")
+        self.assertEqual(self.local.create_sheet("mesh", mesh_file=file).get().num_vertices, 4)
 
     def test_a_time_limit_ends_a_step(self):
         with kerf.local(timeout_s=0.2) as hurried:

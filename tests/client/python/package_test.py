@@ -114,7 +114,8 @@ class Documentation(Case):
         self.server.sheet("flag").delete()
 
     def test_the_page_of_scripts_works_as_it_stands(self):
-        steps, environments = re.findall(r"```python\n(.*?)```", (ROOT / "client/python/scripts.md").read_text(), re.DOTALL)
+        page = (ROOT / "client/python/scripts.md").read_text()
+        steps, environments, local = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
         with self.server.temporary_sheet(grid=(6, 6), paused=True) as other:
             names = {"kerf": kerf, "server": self.server, "sheet": self.sheet, "other": other}
             exec(steps, names)
@@ -123,6 +124,7 @@ class Documentation(Case):
         self.assertEqual(names["info"]["tick"], 4)
         names["env"].close()
         names["envs"].close()
+        exec(local, {"kerf": kerf})
 
     def assert_documented(self, name, function, without_example):
         """without_example: names that need none; None: no function here needs one."""
