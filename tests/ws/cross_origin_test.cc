@@ -105,7 +105,7 @@ TEST_F(CrossOriginTest, APreflightSaysWhatMayBeSent) {
                            "Access-Control-Request-Method: POST\r\n"
                            "Access-Control-Request-Headers: authorization,content-type\r\n";
   for (const char* const target :
-       {"/kerf.v1.SheetService/ListSheets", "/sheets?format=obj", "/sheets/a.png", "/login"}) {
+       {"/kerf.v1.SheetService/ListSheets", "/sheets?format=obj", "/meshes?format=obj", "/sheets/a.png", "/login"}) {
     const Response response = request(port_, "OPTIONS", target, asks);
     EXPECT_EQ(response.status, 204);
     EXPECT_TRUE(response.body.empty());

@@ -69,8 +69,8 @@ TEST_F(LoginTest, WithoutATokenOnlyThePagesAreOpen) {
     expect_refused(get(closed), 401, "TOKEN_MISSING");
     expect_refused(get(closed, "Authorization: Bearer kerf_admin_x\r\n"), 401, "TOKEN_UNKNOWN");
   }
-  for (const char* const closed :
-       {"/sheets?format=obj", "/recordings", "/kerf.v1.SheetService/GetSheet", "/kerf.v1.AccessService/GetAccess"}) {
+  for (const char* const closed : {"/sheets?format=obj", "/meshes?format=obj", "/recordings",
+                                   "/kerf.v1.SheetService/GetSheet", "/kerf.v1.AccessService/GetAccess"}) {
     const Response response = post(closed, "{}");
     expect_refused(response, 401, "TOKEN_MISSING");
     EXPECT_EQ(response.headers.at("www-authenticate"), "Bearer");
@@ -91,6 +91,7 @@ TEST_F(LoginTest, ATokenDoesWhatItsLineSays) {
   EXPECT_EQ(get("/sheets/a.rec", bearer(viewer_of_a_)).status, 200);
   expect_refused(get("/sheets/b.rec", bearer(viewer_of_a_)), 404, "SHEET_NOT_FOUND");
   expect_refused(post("/sheets?format=obj", "v 0 0 0\n", bearer(viewer_of_a_)), 403, "SCOPE_TOO_LOW");
+  expect_refused(post("/meshes?format=obj", "v 0 0 0\n", bearer(viewer_of_a_)), 403, "SCOPE_TOO_LOW");
 }
 
 TEST_F(LoginTest, ABrowserLogsInAndOut) {

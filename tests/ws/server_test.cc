@@ -8,6 +8,7 @@
 #include <string>
 
 #include "kerf/v1/cuts.pb.h"
+#include "kerf/v1/files.pb.h"
 #include "kerf/v1/server.pb.h"
 #include "kerf/v1/sheets.pb.h"
 #include "server/service/wire/json.h"
@@ -208,6 +209,27 @@ TEST_F(HttpServerTest, MeshFilesAreUploadedBeyondTheLimitOfAMessage) {
   EXPECT_EQ(request(port_, "POST", target, "Origin: http://elsewhere.example\r\n", "v").status, 403);
   RawClient oversized(port_);
   oversized.send("POST /sheets?format=obj HTTP/1.1\r\nHost: localhost\r\nContent-Length: 67108865\r\n\r\n");
+  EXPECT_EQ(oversized.read_response().status, 413);
+}
+
+TEST_F(HttpServerTest, MeshFilesAreInspectedBeyondTheLimitOfAMessage) {
+  start();
+  const std::string file = std::string(std::size_t{2} << 20, '\n') + "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  const std::string target =
+      "/meshes?format=obj&request=%7B%22obj%22%3A%7B%22reading%22%3A%7B%22unit_m%22%3A2%7D%7D%7D";
+  const Response reply = request(port_, "POST", target, {}, file);
+  ASSERT_EQ(reply.status, 200) << reply.body;
+  v1::MeshReport report;
+  ASSERT_TRUE(wire::from_json(reply.body, report).ok());
+  EXPECT_EQ(report.num_triangles(), 1);
+  EXPECT_EQ(report.area_m2(), 2.0) << "in units of 2 m";
+  EXPECT_EQ(request(port_, "POST", "/meshes?format=ply", {}, file).status, 400);
+  EXPECT_EQ(request(port_, "POST", "/meshes?format=stl", {}, file).status, 400);
+  EXPECT_EQ(request(port_, "POST", "/meshes?format=obj&request=%7B", {}, file).status, 400);
+  EXPECT_EQ(request(port_, "POST", target, "Origin: http://elsewhere.example\r\n", file).status, 403);
+  EXPECT_THAT(call("SheetService/ListSheets", "{}").body, testing::Not(HasSubstr("sheets/"))) << "nothing was made";
+  RawClient oversized(port_);
+  oversized.send("POST /meshes?format=obj HTTP/1.1\r\nHost: localhost\r\nContent-Length: 67108865\r\n\r\n");
   EXPECT_EQ(oversized.read_response().status, 413);
 }
 

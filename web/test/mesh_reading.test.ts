@@ -1,31 +1,25 @@
 import { create } from '@bufbuild/protobuf';
 import { describe, expect, it } from 'vitest';
-import { InspectMeshRequestSchema, MeshReportSchema } from '../src/gen/kerf/v1/files_pb';
-import { MeshReading_UpAxis } from '../src/gen/kerf/v1/scene_pb';
-import { inspectRequest, reportLines } from '../src/ui/sheets/mesh_reading';
+import { MeshReportSchema } from '../src/gen/kerf/v1/files_pb';
+import { inspectPath, reportLines } from '../src/ui/sheets/mesh_reading';
 import type { MeshChoices } from '../src/ui/sheets/mesh_reading';
 
 const kChoices: MeshChoices = { unitM: 0.001, up: 'y', object: 'left', ignoresTexture: true };
 
-describe('inspectRequest', () => {
-  it('has the file and how it is read', async () => {
-    const file = { name: 'a.obj', kind: 'obj' as const, content: new Blob(['v 0 0 0\n']) };
-    const { mesh } = create(InspectMeshRequestSchema, await inspectRequest(file, kChoices));
-    expect(mesh).toMatchObject({ case: 'obj', value: { text: 'v 0 0 0\n' } });
-    expect((mesh.value as { reading?: unknown }).reading).toMatchObject({
-      unitM: 0.001,
-      upAxis: MeshReading_UpAxis.Y_UP,
-      objects: ['left'],
-      ignoreTextureCoordinates: true,
+describe('inspectPath', () => {
+  const requestIn = (path: string) => JSON.parse(new URL(path, 'http://localhost').searchParams.get('request')!);
+
+  it('says how the file is read', () => {
+    const path = inspectPath({ name: 'a.obj', kind: 'obj', content: new Blob(['v 0 0 0\n']) }, kChoices);
+    expect(path).toMatch(/^\/meshes\?format=obj&/);
+    expect(requestIn(path)).toEqual({
+      obj: { reading: { unitM: 0.001, upAxis: 'Y_UP', objects: ['left'], ignoreTextureCoordinates: true } },
     });
   });
 
-  it('has the bytes of a PLY file, and no object for all of them', async () => {
-    const file = { name: 'a.ply', kind: 'ply' as const, content: new Blob([new Uint8Array([112, 255])]) };
-    const { mesh } = create(InspectMeshRequestSchema, await inspectRequest(file, { ...kChoices, object: '' }));
-    expect(mesh.case).toBe('ply');
-    expect([...(mesh.value as { data: Uint8Array }).data]).toEqual([112, 255]);
-    expect((mesh.value as { reading?: { objects: string[] } }).reading!.objects).toEqual([]);
+  it('names no object for all of them', () => {
+    const path = inspectPath({ name: 'a.ply', kind: 'ply', content: new Blob([]) }, { ...kChoices, object: '' });
+    expect(requestIn(path).ply.reading.objects).toBeUndefined();
   });
 });
 

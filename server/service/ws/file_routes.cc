@@ -6,9 +6,11 @@
 #include <system_error>
 #include <utility>
 
+#include "kerf/v1/files.pb.h"
 #include "kerf/v1/sheets.pb.h"
 #include "server/service/api/access.h"
 #include "server/service/api/upload.h"
+#include "server/service/wire/finite_check.h"
 #include "server/service/wire/json.h"
 #include "server/service/ws/router.h"
 
@@ -16,6 +18,7 @@ namespace kerf::ws {
 namespace {
 
 constexpr std::string_view kSheets = "/sheets";
+constexpr std::string_view kMeshes = "/meshes";
 constexpr std::string_view kRecordings = "/recordings";
 constexpr std::string_view kRecordingEnding = ".rec";
 
@@ -44,22 +47,46 @@ Result<std::string> percent_decoded(std::string_view text, std::string_view name
   return decoded;
 }
 
-Result<v1::SheetUpload> read_sheet_upload(const HttpRequest& request) {
+enum class MeshFormat { kObj, kPly };
+
+Result<MeshFormat> read_format(const HttpRequest& request) {
   KERF_TRY_ASSIGN(const std::string format, query_parameter(request.target, "format"));
+  if (format == "obj") return MeshFormat::kObj;
+  if (format == "ply") return MeshFormat::kPly;
+  return invalid_argument("UNKNOWN_FORMAT", "format must be obj or ply", "format");
+}
+
+// Reads a message from the parameter "request"; leaves it empty without that.
+Status read_request(const HttpRequest& request, google::protobuf::Message& message) {
   KERF_TRY_ASSIGN(const std::string json, query_parameter(request.target, "request"));
+  return json.empty() ? Status(Nothing{}) : wire::from_json(json, message);
+}
+
+Result<v1::SheetUpload> read_sheet_upload(const HttpRequest& request) {
+  KERF_TRY_ASSIGN(const MeshFormat format, read_format(request));
   v1::SheetUpload start;
-  if (!json.empty()) {
-    KERF_TRY(wire::from_json(json, *start.mutable_sheet()));
-  }
+  KERF_TRY(read_request(request, *start.mutable_sheet()));
   v1::Scene& scene = *start.mutable_sheet()->mutable_scene();
-  if (format == "obj") {
+  if (format == MeshFormat::kObj) {
     scene.mutable_obj();
-  } else if (format == "ply") {
-    scene.mutable_ply();
   } else {
-    return invalid_argument("UNKNOWN_FORMAT", "format must be obj or ply", "format");
+    scene.mutable_ply();
   }
   return start;
+}
+
+// Takes the file out of the request.
+Result<v1::InspectMeshRequest> take_inspection(HttpRequest& request) {
+  KERF_TRY_ASSIGN(const MeshFormat format, read_format(request));
+  v1::InspectMeshRequest inspection;
+  KERF_TRY(read_request(request, inspection));
+  KERF_TRY(wire::check_finite(inspection));
+  if (format == MeshFormat::kObj) {
+    inspection.mutable_obj()->set_text(std::move(request.body));
+  } else {
+    inspection.mutable_ply()->set_data(std::move(request.body));
+  }
+  return inspection;
 }
 
 Result<v1::RecordingUpload> read_recording_upload(const HttpRequest& request) {
@@ -105,7 +132,7 @@ bool FileRoutes::is_download(std::string_view path) {
 }
 
 std::int64_t FileRoutes::upload_limit(std::string_view path) const {
-  if (path == kSheets) return api_.limits().max_mesh_upload_bytes;
+  if (path == kSheets || path == kMeshes) return api_.limits().max_mesh_upload_bytes;
   return path == kRecordings ? api_.limits().max_recording_upload_bytes : 0;
 }
 
@@ -129,6 +156,7 @@ void FileRoutes::download(const Result<auth::Caller>& caller, std::string_view p
 void FileRoutes::upload(const Result<auth::Caller>& caller, HttpRequest request, std::function<void(HttpResponse)> done,
                         const std::stop_token& stop) const {
   const std::string_view path = std::string_view(request.target).substr(0, request.target.find('?'));
+  if (path == kMeshes) return inspect(caller, std::move(request), std::move(done), stop);
   const std::size_t size = request.body.size();
   Result<std::unique_ptr<api::Upload>> upload =
       path == kSheets ? begin_upload(api_, caller, read_sheet_upload(request), size, &api::Api::upload_sheet)
@@ -143,6 +171,25 @@ void FileRoutes::upload(const Result<auth::Caller>& caller, HttpRequest request,
           {{"Cache-Control", "no-store"}}});
   };
   (*upload)->finish(answer, stop);
+}
+
+void FileRoutes::inspect(const Result<auth::Caller>& caller, HttpRequest request,
+                         std::function<void(HttpResponse)> done, const std::stop_token& stop) const {
+  if (!caller.ok()) return done(refusal(caller.error()));
+  Result<std::shared_ptr<const api::UploadRoom>> room =
+      api_.reserve_upload(static_cast<std::int64_t>(request.body.size()));
+  if (!room.ok()) return done(refusal(room.error()));
+  const Result<v1::InspectMeshRequest> inspection = take_inspection(request);
+  if (!inspection.ok()) return done(refusal(inspection.error()));
+  if (const Status allowed = api_.allow(*caller, *inspection); !allowed.ok()) return done(refusal(allowed.error()));
+  const auto answer = [done = std::move(done), room = *room](Result<v1::MeshReport> report) {
+    if (!report.ok()) return done(refusal(report.error()));
+    done({200,
+          "application/json",
+          std::make_shared<const std::string>(wire::to_json(*report)),
+          {{"Cache-Control", "no-store"}}});
+  };
+  api_.inspect_mesh(*inspection, answer, stop);
 }
 
 }  // namespace kerf::ws

@@ -18,8 +18,9 @@ namespace kerf::ws {
 struct HttpRequest;
 struct HttpResponse;
 
-// Transfers files larger than a message, without JSON: GET /sheets/ID.rec; POST /sheets?format=obj|ply&request=JSON and
-// POST /recordings?sheet=ID&paused=true, with the file as the body. No path here names a file of this machine.
+// Transfers files larger than a message, without JSON: GET /sheets/ID.rec; POST /sheets?format=obj|ply&request=JSON,
+// POST /meshes?format=obj|ply&request=JSON (FileService.InspectMesh) and POST /recordings?sheet=ID&paused=true, with
+// the file as the body. No path here names a file of this machine.
 class FileRoutes {
  public:
   // `api` must outlive this.
@@ -36,6 +37,9 @@ class FileRoutes {
               const std::stop_token& stop) const;
 
  private:
+  void inspect(const Result<auth::Caller>& caller, HttpRequest request, std::function<void(HttpResponse)> done,
+               const std::stop_token& stop) const;
+
   api::Api& api_;
 };
 

@@ -1,10 +1,9 @@
-import { call } from '../../api';
-import { FileService } from '../../gen/kerf/v1/files_pb';
+import { sendFile } from '../../api';
+import { MeshReportSchema } from '../../gen/kerf/v1/files_pb';
 import type { MeshReport } from '../../gen/kerf/v1/files_pb';
-import { sizeText } from '../../tools/cut_text';
 import { element, make } from '../dom';
 import { errorText } from '../error_text';
-import { inspectRequest, reportLines } from './mesh_reading';
+import { inspectPath, reportLines } from './mesh_reading';
 import type { MeshChoices, MeshFile, ReportLine } from './mesh_reading';
 
 /** Fields of the form that say how a mesh file is read, and what the server finds in it. */
@@ -17,8 +16,7 @@ export class MeshPreview {
   private asking: AbortController | undefined;
   private file: MeshFile | undefined;
 
-  /** @param mostBytes  returns the largest request that the server takes */
-  constructor(private readonly mostBytes: () => number) {
+  constructor() {
     for (const field of [this.unit, this.up, this.object, this.texture]) {
       field.addEventListener('change', () => void this.ask());
     }
@@ -46,15 +44,12 @@ export class MeshPreview {
     this.show([]);
     const { file } = this;
     if (!file) return;
-    // JSON has four characters for three bytes of a PLY file, and a little more than one for one of an OBJ file.
-    if (1.4 * file.content.size > this.mostBytes()) {
-      return this.show([{ kind: 'note', text: `${sizeText(file.content.size)} are not looked at before the sheet is made` }]);
-    }
     const asking = new AbortController();
     this.asking = asking;
     try {
-      const request = await inspectRequest(file, this.choices);
-      const report = await call(FileService.method.inspectMesh, request, { signal: asking.signal });
+      const path = inspectPath(file, this.choices);
+      const sending = { signal: asking.signal, onProgress: () => {} };
+      const report = await sendFile(MeshReportSchema, path, file.content, sending);
       if (asking.signal.aborted) return;
       this.listObjects(report);
       this.show(reportLines(report));

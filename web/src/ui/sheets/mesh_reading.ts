@@ -1,5 +1,7 @@
 import type { MessageInitShape } from '@bufbuild/protobuf';
-import type { InspectMeshRequestSchema, MeshReport } from '../../gen/kerf/v1/files_pb';
+import { requestBody } from '../../api';
+import { InspectMeshRequestSchema } from '../../gen/kerf/v1/files_pb';
+import type { MeshReport } from '../../gen/kerf/v1/files_pb';
 import { MeshReading_UpAxis } from '../../gen/kerf/v1/scene_pb';
 import type { MeshReadingSchema } from '../../gen/kerf/v1/scene_pb';
 import { countText } from '../../tools/cut_text';
@@ -31,15 +33,11 @@ export function readingOf(choices: MeshChoices): MessageInitShape<typeof MeshRea
   };
 }
 
-/** Returns the request that describes a mesh file. */
-export async function inspectRequest(
-  file: MeshFile,
-  choices: MeshChoices,
-): Promise<MessageInitShape<typeof InspectMeshRequestSchema>> {
-  const reading = readingOf(choices);
-  if (file.kind === 'obj') return { mesh: { case: 'obj', value: { text: await file.content.text(), reading } } };
-  const data = new Uint8Array(await file.content.arrayBuffer());
-  return { mesh: { case: 'ply', value: { data, reading } } };
+/** Returns the path to which a mesh file is sent to be described. The file may be larger than a request. */
+export function inspectPath(file: MeshFile, choices: MeshChoices): string {
+  const mesh = { case: file.kind, value: { reading: readingOf(choices) } };
+  const body = requestBody(InspectMeshRequestSchema, { mesh } as MessageInitShape<typeof InspectMeshRequestSchema>);
+  return `/meshes?format=${file.kind}&request=${encodeURIComponent(body)}`;
 }
 
 /** A line about a mesh file. */

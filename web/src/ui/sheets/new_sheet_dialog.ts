@@ -29,7 +29,7 @@ export class NewSheetDialog {
   private readonly progress = element<HTMLProgressElement>('new-progress');
   private info: ServerInfo | undefined;
   private mesh: MeshFile | undefined;
-  private readonly preview = new MeshPreview(() => this.info?.limits?.maxRequestBytes ?? 1 << 20);
+  private readonly preview = new MeshPreview();
   private drawing: { name: string; parts: OutlineParts } | undefined;
   private sending: AbortController | undefined;
 
