@@ -33,7 +33,7 @@ class LocalServerTest : public testing::Test {
     v1::CreateSheetRequest request;
     request.set_sheet_id(id);
     request.set_paused(true);
-    v1::Grid& grid = *request.mutable_scene()->mutable_grid();
+    v1::GridMesh& grid = *request.mutable_scene()->mutable_grid();
     grid.set_columns(columns);
     grid.set_rows(columns);
     grid.set_width_m(1.0);
