@@ -5,7 +5,7 @@ import inspect
 
 # Modules whose public names share a page, by the page's file, and the page's title.
 PAGES = {
-    "server": ("Servers and sheets", ("kerf.blocking.client", "kerf.blocking.sheet", "kerf.blocking.interaction", "kerf.scenes")),
+    "server": ("Servers and sheets", ("kerf.blocking.client", "kerf.local_server", "kerf.blocking.sheet", "kerf.blocking.interaction", "kerf.scenes")),
     "cuts": ("Curves and cuts", ("kerf.curves", "kerf.cuts")),
     "regions": ("Regions of a sheet", ("kerf.regions",)),
     "frames": ("Frames and pictures", ("kerf.blocking.streams", "kerf.frames", "kerf.images")),

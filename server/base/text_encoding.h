@@ -12,6 +12,10 @@ std::string_view without_byte_order_mark(std::string_view text);
 // Returns true if all bytes are well-formed UTF-8: no overlong forms, no surrogates, nothing above U+10FFFF.
 bool is_utf8(std::string_view text);
 
+// Returns a UTF-8 text of at most `max_bytes`; of a longer one its beginning, up to a whole character, with "..." after
+// it.
+std::string shortened(std::string_view text, std::size_t max_bytes);
+
 // Returns the UTF-8 of text in ISO-8859-1, where each byte is one character.
 std::string utf8_of_latin1(std::string_view text);
 

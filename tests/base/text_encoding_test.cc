@@ -31,6 +31,14 @@ TEST(TextEncoding, Utf16IsConvertedInBothByteOrders) {
   EXPECT_EQ(utf8_text("\xFF\xFE"), "");
 }
 
+TEST(TextEncoding, LongTextIsShortenedByWholeCharacters) {
+  EXPECT_EQ(shortened("abc", 3), "abc");
+  EXPECT_EQ(shortened("abcd", 3), "abc...");
+  EXPECT_EQ(shortened("ab\xC3\xA4", 3), "ab...") << "not half of a character";
+  EXPECT_EQ(shortened("\xC3\xA4", 1), "...");
+  EXPECT_EQ(shortened("", 0), "");
+}
+
 TEST(TextEncoding, OtherBytesAreLatin1) {
   EXPECT_EQ(utf8_text("Gr\xF6\xDF"
                       "e"),

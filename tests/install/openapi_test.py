@@ -102,7 +102,7 @@ class OpenApi(unittest.TestCase):
         return {path: item["post"] for path, item in self.document.content["paths"].items() if "post" in item}
 
     def test_it_has_every_call_of_the_server_and_no_other(self):
-        table = set(re.findall(r'json_method\("(/kerf\.v1\.\w+/\w+)"', (ROOT / "server/service/api/api.cc").read_text()))
+        table = set(re.findall(r'method_of\("(/kerf\.v1\.\w+/\w+)"', (ROOT / "server/service/api/api.cc").read_text()))
         self.assertGreater(len(table), 35)
         self.assertLessEqual(table, set(self.calls()))
         for path in sorted(set(self.calls()) - table):

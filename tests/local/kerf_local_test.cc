@@ -5,9 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "google/rpc/status.pb.h"
-#include "kerf/v1/server.pb.h"
-
+// Links the shared library alone, as other languages load it: messages are looked at as bytes.
 namespace kerf::local {
 namespace {
 
@@ -19,33 +17,24 @@ std::string taken(kerf_local_bytes bytes) {
   return text;
 }
 
-google::rpc::Status status_in(kerf_local_bytes bytes) {
-  google::rpc::Status status;
-  EXPECT_TRUE(status.ParseFromString(taken(bytes)));
-  return status;
-}
-
 TEST(KerfLocalTest, CallsAnswerWithBytes) {
   kerf_local_bytes answer{};
   kerf_local* const server = kerf_local_start(1, 0, &answer);
   ASSERT_NE(server, nullptr);
   ASSERT_EQ(kerf_local_call(server, "/kerf.v1.ServerService/GetServerInfo", "", 0, -1.0, &answer), 0);
-  v1::ServerInfo info;
-  ASSERT_TRUE(info.ParseFromString(taken(answer)));
-  EXPECT_EQ(info.workers(), 1);
-  EXPECT_THAT(info.renderer(), HasSubstr("none"));
+  EXPECT_THAT(taken(answer), HasSubstr("none was started")) << "of the renderer";
   kerf_local_stop(server);
 }
 
 TEST(KerfLocalTest, RefusalsAreStatuses) {
   kerf_local_bytes answer{};
   EXPECT_EQ(kerf_local_start(1000, 0, &answer), nullptr);
-  EXPECT_THAT(status_in(answer).message(), HasSubstr("1 to 256 workers"));
+  EXPECT_THAT(taken(answer), HasSubstr("1 to 256 workers"));
   kerf_local* const server = kerf_local_start(1, 0, &answer);
   EXPECT_EQ(kerf_local_call(server, "/none", "", 0, -1.0, &answer), 5);
-  EXPECT_THAT(status_in(answer).message(), HasSubstr("has no call /none"));
-  EXPECT_EQ(kerf_local_upload_sheet(server, "\xff", 1, "", 0, &answer), 3);
-  EXPECT_EQ(status_in(answer).code(), 3);
+  EXPECT_THAT(taken(answer), HasSubstr("has no call /none"));
+  EXPECT_EQ(kerf_local_upload_sheet(server, "\xff", 1, "", 0, -1.0, &answer), 3);
+  EXPECT_THAT(taken(answer), HasSubstr("MALFORMED_MESSAGE"));
   kerf_local_stop(server);
 }
 

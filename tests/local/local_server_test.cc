@@ -1,20 +1,20 @@
 #include "server/service/local/local_server.h"
 
 #include <chrono>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "kerf/v1/cuts.pb.h"
+#include "kerf/v1/render.pb.h"
+#include "kerf/v1/server.pb.h"
 #include "kerf/v1/sheets.pb.h"
 
 namespace kerf::local {
 namespace {
-
-using testing::HasSubstr;
 
 constexpr const char* kStep = "/kerf.v1.SheetService/StepSheet";
 constexpr const char* kCreate = "/kerf.v1.SheetService/CreateSheet";
@@ -77,7 +77,7 @@ TEST_F(LocalServerTest, RefusalsSayWhatIsWrong) {
   EXPECT_EQ(server_->call("/kerf.v1.StreamService/Watch", "", std::nullopt)->error().reason, "NO_SUCH_CALL");
   EXPECT_EQ(server_->call(kStep, "\xff", std::nullopt)->error().reason, "MALFORMED_MESSAGE");
   EXPECT_EQ(call<v1::Sheet>(kStep, steps("gone", 1)).error().reason, "SHEET_NOT_FOUND");
-  EXPECT_EQ(server_->upload_sheet("\xff", "").error().reason, "MALFORMED_MESSAGE");
+  EXPECT_EQ(server_->upload_sheet("\xff", "", std::nullopt)->error().reason, "MALFORMED_MESSAGE");
   EXPECT_EQ(LocalServer::start({.workers = 257}).error().reason, "BAD_WORKERS");
   EXPECT_EQ(LocalServer::start({.workers = -1}).error().reason, "BAD_WORKERS");
   EXPECT_TRUE(LocalServer::start({.workers = 256}).ok());
@@ -88,7 +88,7 @@ TEST_F(LocalServerTest, AStepWhoseTimeIsOverEndsAfterItsTick) {
   EXPECT_FALSE(server_->call(kStep, steps("a", 100'000).SerializeAsString(), std::chrono::nanoseconds(1)).has_value());
   Result<v1::Sheet> next = call<v1::Sheet>(kStep, steps("a", 1));
   while (!next.ok()) {
-    ASSERT_EQ(next.error().reason, "STEP_IN_PROGRESS") << next.error().message;
+    ASSERT_EQ(next.error().reason, "STEPPING") << next.error().message;
     next = call<v1::Sheet>(kStep, steps("a", 1));
   }
   EXPECT_LT(next->tick(), 100'000);
@@ -101,11 +101,25 @@ TEST_F(LocalServerTest, AMeshOfAnySizeIsUploaded) {
   const std::string mesh = std::string(2U << 20U, '\n') + "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
   start.set_num_bytes(static_cast<std::int64_t>(mesh.size()));
   v1::Sheet sheet;
-  const Result<std::string> made = server_->upload_sheet(start.SerializeAsString(), mesh);
-  ASSERT_TRUE(made.ok()) << made.error().message;
-  ASSERT_TRUE(sheet.ParseFromString(*made));
+  const auto made = server_->upload_sheet(start.SerializeAsString(), mesh, std::nullopt);
+  ASSERT_TRUE(made->ok()) << made->error().message;
+  ASSERT_TRUE(sheet.ParseFromString(made->value()));
   EXPECT_EQ(sheet.num_vertices(), 4);
-  EXPECT_EQ(server_->upload_sheet(start.SerializeAsString(), mesh + " ").error().reason, "UPLOAD_LENGTH");
+  const auto longer = server_->upload_sheet(start.SerializeAsString(), mesh + " ", std::nullopt);
+  EXPECT_EQ(longer->error().reason, "UPLOAD_LENGTH");
+}
+
+TEST_F(LocalServerTest, DrawsPicturesIfAsked) {
+  v1::RenderImageRequest picture;
+  picture.set_name("sheets/a");
+  ASSERT_TRUE(create("a").ok());
+  EXPECT_EQ(call<v1::RenderImageResponse>("/kerf.v1.RenderService/RenderImage", picture).error().reason,
+            "RENDERER_UNAVAILABLE");
+  server_ = LocalServer::start({.workers = 1, .render = true}).value();
+  const auto info = call<v1::ServerInfo>("/kerf.v1.ServerService/GetServerInfo", v1::GetServerInfoRequest());
+  if (info->renderer().starts_with("none")) GTEST_SKIP() << info->renderer();
+  ASSERT_TRUE(create("a").ok());
+  EXPECT_FALSE(call<v1::RenderImageResponse>("/kerf.v1.RenderService/RenderImage", picture)->image().empty());
 }
 
 TEST_F(LocalServerTest, ThreadsCallItSideBySide) {

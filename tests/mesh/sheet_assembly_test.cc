@@ -13,6 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "server/base/elementary.h"
+#include "server/base/interruption.h"
 #include "server/core/mesh/build/obj_import.h"
 #include "server/core/mesh/build/ply_import.h"
 #include "tests/mesh/measures.h"
@@ -361,6 +362,15 @@ TEST(Assembly, ObjectsAreChosenByName) {
   expect_says(refusal(text, {.objects = {"top"}}), "OBJ_OBJECT", {"\"top\"", "it has left part, right, a, b"});
   EXPECT_EQ(read_obj(text).value().object_sizes(),
             (std::vector<std::pair<std::string, std::int32_t>>{{"left part", 1}, {"right", 1}, {"a", 1}, {"b", 1}}));
+}
+
+TEST(Assembly, ManyNamesAreCountedUnlessThatIsInterrupted) {
+  std::string text = "v 0 0 0\nv 1 0 0\nv 0 1 0\ng";
+  for (int i = 0; i < 100'000; ++i) text += " n" + std::to_string(i);
+  const MeshFile file = read_obj(text + "\nf 1 2 3\n").value();
+  EXPECT_EQ(file.object_sizes().size(), 100'000U);
+  const InterruptionScope leaving([] { return true; });
+  EXPECT_THROW(static_cast<void>(file.object_sizes()), Interrupted);
 }
 
 }  // namespace

@@ -78,6 +78,9 @@ TEST(Inspect, ListsFaultsOneByOne) {
 }
 
 TEST(Inspect, RefusesWhatIsNoMeshFile) {
+  const v1::MeshReport named =
+      inspect_mesh(request_of(square + "o " + std::string(5000, 'n') + "\nf 1 2 3 4\n")).value();
+  EXPECT_EQ(named.objects(0).name().size(), 1003U) << "the beginning, and dots";
   EXPECT_EQ(inspect_mesh({}).error().reason, "CHOICE_MISSING");
   EXPECT_EQ(inspect_mesh(request_of("hello\n")).error().reason, "OBJ_EMPTY");
   v1::InspectMeshRequest request;

@@ -172,6 +172,7 @@ std::vector<Include> includes_of(std::string_view source) {
 std::optional<std::string> group_of(std::string_view path) {
   if (ends_with(path, ".grpc.pb.h")) return "services";
   if (ends_with(path, ".pb.h")) return "messages";
+  if (path == "stddef.h" || path == "stdint.h") return "std";  // for headers that C reads, too
   for (const Group& group : groups()) {
     for (const std::string& prefix : group.prefixes) {
       if (starts_with(path, prefix)) return group.name;

@@ -225,6 +225,11 @@ TEST_F(HttpServerTest, MeshFilesAreInspectedBeyondTheLimitOfAMessage) {
   EXPECT_EQ(report.area_m2(), 2.0) << "in units of 2 m";
   EXPECT_EQ(request(port_, "POST", "/meshes?format=ply", {}, file).status, 400);
   EXPECT_EQ(request(port_, "POST", "/meshes?format=stl", {}, file).status, 400);
+  for (const char* const what : {"%7B%22ply%22%3A%7B%7D%7D", "%7B%22obj%22%3A%7B%22text%22%3A%22v%22%7D%7D"}) {
+    const Response refused = request(port_, "POST", std::string("/meshes?format=obj&request=") + what, {}, file);
+    EXPECT_EQ(refused.status, 400);
+    EXPECT_NE(refused.body.find("UPLOAD_OF_WHAT"), std::string::npos) << refused.body;
+  }
   EXPECT_EQ(request(port_, "POST", "/meshes?format=obj&request=%7B", {}, file).status, 400);
   EXPECT_EQ(request(port_, "POST", target, "Origin: http://elsewhere.example\r\n", file).status, 403);
   EXPECT_EQ(call("SheetService/ListSheets", "{}").body.find("sheets/"), std::string::npos) << "nothing was made";

@@ -23,7 +23,6 @@ from typing import Any, NoReturn, Optional, Tuple
 import grpc
 from google.rpc import status_pb2
 
-from kerf import forks
 from kerf.blocking.client import Server
 from kerf.errors import Unavailable
 
@@ -64,7 +63,7 @@ def _library() -> Any:
         ctypes.c_void_p, ctypes.c_char_p, ctypes.c_char_p, ctypes.c_size_t, ctypes.c_double, answer,
     )  # fmt: skip
     library.kerf_local_upload_sheet.argtypes = (
-        ctypes.c_void_p, ctypes.c_char_p, ctypes.c_size_t, ctypes.c_char_p, ctypes.c_size_t, answer,
+        ctypes.c_void_p, ctypes.c_char_p, ctypes.c_size_t, ctypes.c_char_p, ctypes.c_size_t, ctypes.c_double, answer,
     )  # fmt: skip
     library.kerf_local_free.argtypes = (_Bytes,)
     library.kerf_local_free.restype = None
@@ -155,43 +154,53 @@ class _Channel:
 
         def call(request: Any, timeout: Optional[float] = None) -> Any:
             content, answer = request_serializer(request), _Bytes()
-            limit_s = -1.0 if timeout is None else timeout
             with self._calling():
-                code = call_library(self._server, name, content, len(content), limit_s, ctypes.byref(answer))
+                code = call_library(self._server, name, content, len(content), _limit_of(timeout), ctypes.byref(answer))
             return response_deserializer(self._answer(code, answer))
 
-        return call
+        return _local(call)
 
     def stream_unary(
         self, path: str, request_serializer: Callable[[Any], bytes], response_deserializer: Callable[[bytes], Any], **_: Any
     ) -> Callable[..., Any]:
         def call(requests: Iterable[Any], timeout: Optional[float] = None) -> Any:
-            del timeout  # making a sheet cannot be broken off
             first, *parts = requests
             start, file, answer = first.start.SerializeToString(), b"".join(part.chunk for part in parts), _Bytes()
             with self._calling():
                 code = _library().kerf_local_upload_sheet(
-                    self._server, start, len(start), file, len(file), ctypes.byref(answer)
+                    self._server, start, len(start), file, len(file), _limit_of(timeout), ctypes.byref(answer)
                 )
             return response_deserializer(self._answer(code, answer))
 
-        if path == _UPLOAD:
-            return call
-        return functools.partial(_refuse_stream, path)
+        return _local(call) if path == _UPLOAD else _refusing(path)
 
     def unary_stream(self, path: str, *_: Any, **__: Any) -> Callable[..., Any]:
-        return functools.partial(_refuse_stream, path)
+        return _refusing(path)
 
     def stream_stream(self, path: str, *_: Any, **__: Any) -> Callable[..., Any]:
-        return functools.partial(_refuse_stream, path)
+        return _refusing(path)
 
 
-def _refuse_stream(path: str, *_: Any, **__: Any) -> NoReturn:
-    raise Unavailable(
-        "UNAVAILABLE",
-        "NO_STREAMS",
-        f"a server in the same process has no streams ({path}): use step(state=True), state() or probes, or kerf.connect()",
-    )
+def _limit_of(timeout: Optional[float]) -> float:
+    return -1.0 if timeout is None else timeout
+
+
+def _local(call: Callable[..., Any]) -> Callable[..., Any]:
+    """Marks a call that needs no thread of gRPC, so that it can be made in the child of a fork."""
+    call.is_local = True  # type: ignore[attr-defined]
+    return call
+
+
+def _refusing(path: str) -> Callable[..., Any]:
+    """Returns the call of a stream, which is refused."""
+
+    def refuse(*_: Any, **__: Any) -> NoReturn:
+        instead = "use step(state=True), state() or probes, or kerf.connect()"
+        if path.endswith("Recording"):
+            instead = "use kerf.connect()"
+        raise Unavailable("UNAVAILABLE", "NO_STREAMS", f"a server in the same process has no {path}: {instead}")
+
+    return _local(refuse)
 
 
 class LocalServer(Server):
@@ -207,14 +216,18 @@ class LocalServer(Server):
     def _make_channel(self) -> Any:
         return self._own
 
+    def _watch_forks(self) -> None:
+        """Does nothing: the calls themselves refuse to be made in a child."""
+
 
 def local(*, workers: int = 0, render: bool = False, timeout_s: Optional[float] = None) -> LocalServer:
     """Starts a server in this process and returns it; use it in a `with`, or close it. It has all that kerf.connect() has
-    but streams, keeps nothing, and takes calls from any thread.
+    except streams and recordings, keeps nothing, and takes calls from any thread.
 
     workers: threads that step sheets, 1..256; 0: one for each processor. render: draws pictures, if the machine can.
-    timeout_s: as in connect(). Raises ImportError without libkerf_local.so; KERF_LIBRARY names that file. The child of a
-    fork has none of the sheets and must start another.
+    timeout_s: as in connect(). Raises ImportError without libkerf_local.so; KERF_LIBRARY names that file. Raises
+    ValueError if there cannot be so many workers. The child of a fork has none of the sheets and must start another.
+    Ctrl-C is noticed once the call in progress is answered.
 
     >>> with kerf.local() as own:
     ...     own.create_sheet("flag", grid=(4, 4), paused=True).step(2).tick

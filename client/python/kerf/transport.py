@@ -36,9 +36,14 @@ def close_channel(channel: grpc.Channel) -> None:
     channel.close()
 
 
+def _check_forks(method: Any) -> None:
+    if not getattr(method, "is_local", False):  # as kerf.local_server marks what needs no gRPC
+        forks.check()
+
+
 def call_unary(method: Any, request: Any, timeout_s: Optional[float], address: str) -> Any:
     """Makes a unary call. Raises kerf.Error if it fails."""
-    forks.check()
+    _check_forks(method)
     try:
         return method(request, timeout=timeout_s)
     except grpc.RpcError as failure:
@@ -62,7 +67,7 @@ class Stream:
         self._closed = True  # until there is a call
         self._pid = os.getpid()
         self._requests: queue.SimpleQueue[Any] = queue.SimpleQueue()
-        forks.check()
+        _check_forks(method)
         try:
             self._call = method(iter(self._requests.get, None) if request is None else request, timeout=duration_s)
         except ValueError:  # from grpc: the channel was closed

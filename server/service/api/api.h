@@ -185,8 +185,9 @@ enum class Encoding { kJson, kBinary };
 // Describes a unary method for a transport that has the RPC's messages in one of the forms.
 struct Method {
   std::string path;  // "/kerf.v1.CutService/CreateCut"
-  // Calls it. The reply has the form of the request. kInvalidArgument MALFORMED_MESSAGE, MALFORMED_JSON. `stop` is
-  // triggered when no caller waits for the reply any more. A long method may then end early; it still replies.
+  // Calls it. The reply has the form of the request. Errors: those of the RPC, of Api::allow(), of wire::from_json()
+  // and wire::check_finite(); kInvalidArgument MALFORMED_MESSAGE. `stop` is triggered when no caller waits for the
+  // reply any more. A long method may then end early; it still replies.
   std::function<void(std::string_view request, Encoding encoding, const auth::Caller& caller, Reply<std::string> reply,
                      std::stop_token stop)>
       call;
@@ -272,6 +273,8 @@ class Api {
 
   // Ends early once `stop` is triggered.
   void inspect_mesh(const v1::InspectMeshRequest& request, Reply<v1::MeshReport> reply, std::stop_token stop);
+  // The same without a copy of the file.
+  void inspect_mesh(v1::InspectMeshRequest&& request, Reply<v1::MeshReport> reply, std::stop_token stop);
 
   void create_cut(const v1::CreateCutRequest& request, Reply<v1::CutResult> reply);
   void create_cuts(const v1::CreateCutsRequest& request, Reply<v1::CreateCutsResponse> reply);

@@ -9,8 +9,12 @@
 namespace kerf::api {
 
 void Api::inspect_mesh(const v1::InspectMeshRequest& request, Reply<v1::MeshReport> reply, std::stop_token stop) {
+  inspect_mesh(v1::InspectMeshRequest(request), std::move(reply), std::move(stop));
+}
+
+void Api::inspect_mesh(v1::InspectMeshRequest&& request, Reply<v1::MeshReport> reply, std::stop_token stop) {
   if (core_->stopping) return reply(server_stopping());
-  const auto copy = std::make_shared<v1::InspectMeshRequest>(request);
+  const auto copy = std::make_shared<v1::InspectMeshRequest>(std::move(request));
   const auto work = [core = core_, copy, stop = std::move(stop)]() -> Result<v1::MeshReport> {
     const InterruptionScope scope([&] { return stop.stop_requested() || core->stopping; });
     try {

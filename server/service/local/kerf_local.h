@@ -1,12 +1,15 @@
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
+#include <stddef.h>  // NOLINT(modernize-deprecated-headers): as C has them
+#include <stdint.h>  // NOLINT(modernize-deprecated-headers)
 
 // The C interface of kerf::local::LocalServer, for languages that load a shared library: libkerf_local.so. Messages are
 // bytes of Protocol Buffers. Functions that fail return a google.rpc.Status as bytes; its code is the gRPC status code.
+// Without the memory for it they return code 8, RESOURCE_EXHAUSTED, and no bytes: `data` is null.
 // NOLINTBEGIN(modernize-use-using, readability-identifier-naming): names and types as C has them.
+#ifdef __cplusplus
 extern "C" {
+#endif
 
 typedef struct kerf_local kerf_local;
 
@@ -28,8 +31,10 @@ int32_t kerf_local_call(kerf_local* server, const char* path, const void* reques
                         double time_limit_s, kerf_local_bytes* answer);
 // Makes a sheet of a mesh file. `start`: a kerf.v1.SheetUpload. Otherwise as kerf_local_call().
 int32_t kerf_local_upload_sheet(kerf_local* server, const void* start, size_t start_size, const void* file,
-                                size_t file_size, kerf_local_bytes* answer);
+                                size_t file_size, double time_limit_s, kerf_local_bytes* answer);
 void kerf_local_free(kerf_local_bytes bytes);
 
+#ifdef __cplusplus
 }  // extern "C"
+#endif
 // NOLINTEND(modernize-use-using, readability-identifier-naming)

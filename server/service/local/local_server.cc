@@ -16,7 +16,6 @@
 #include "server/service/host/clock.h"
 #include "server/service/host/entropy.h"
 #include "server/service/host/host.h"
-#include "server/service/wire/recording_codec.h"
 #include "server/service/wire/reply_codec.h"
 
 namespace kerf::local {
@@ -31,7 +30,6 @@ host::HostOptions host_options(std::int32_t workers) {
   options.workers = workers > 0 ? workers : std::clamp(processors, 1, kMaxWorkers);
   options.max_sheets = kMaxSheets;
   options.max_load = 0.0;
-  options.encode_tick = wire::encode_recorded_tick;
   return options;
 }
 
@@ -40,6 +38,16 @@ api::ApiOptions api_options(host::Entropy& entropy) {
   options.version = KERF_VERSION;
   options.instance_id = wire::encode_hash(entropy.next());
   return options;
+}
+
+// Waits for an answer, or stops the work once `time_limit` is over, and then returns nothing.
+std::optional<Result<std::string>> wait(std::future<Result<std::string>> answered,
+                                        std::optional<std::chrono::nanoseconds> time_limit, std::stop_source& stop) {
+  if (time_limit && answered.wait_for(*time_limit) != std::future_status::ready) {
+    stop.request_stop();
+    return std::nullopt;
+  }
+  return answered.get();
 }
 
 }  // namespace
@@ -88,30 +96,31 @@ std::optional<Result<std::string>> LocalServer::call(std::string_view path, std:
     return not_found("NO_SUCH_CALL", "a server in the same process has no call " + std::string(path));
   }
   // Shared, because a call whose time is over is still answered.
-  auto answer = std::make_shared<std::promise<Result<std::string>>>();
-  std::future<Result<std::string>> answered = answer->get_future();
+  const auto answer = std::make_shared<std::promise<Result<std::string>>>();
   std::stop_source stop;
   method->second->call(
       request, api::Encoding::kBinary, auth::everybody(),
       [answer](Result<std::string> result) { answer->set_value(std::move(result)); }, stop.get_token());
-  if (time_limit && answered.wait_for(*time_limit) != std::future_status::ready) {
-    stop.request_stop();
-    return std::nullopt;
-  }
-  return answered.get();
+  return wait(answer->get_future(), time_limit, stop);
 }
 
-Result<std::string> LocalServer::upload_sheet(std::string_view start, std::string file) {
+std::optional<Result<std::string>> LocalServer::upload_sheet(std::string_view start, std::string file,
+                                                             std::optional<std::chrono::nanoseconds> time_limit) {
   v1::SheetUpload begin;
   if (!begin.ParseFromArray(start.data(), static_cast<int>(start.size()))) {
     return invalid_argument("MALFORMED_MESSAGE", "this is not a serialised kerf.v1.SheetUpload");
   }
-  KERF_TRY_ASSIGN(const std::unique_ptr<api::Upload> upload, impl_->api.upload_sheet(begin));
-  KERF_TRY(upload->append(std::move(file)));
-  std::promise<Result<v1::Sheet>> answer;
-  upload->finish([&answer](Result<v1::Sheet> result) { answer.set_value(std::move(result)); });
-  KERF_TRY_ASSIGN(const v1::Sheet sheet, answer.get_future().get());
-  return sheet.SerializeAsString();
+  Result<std::unique_ptr<api::Upload>> upload = impl_->api.upload_sheet(begin);
+  if (!upload.ok()) return upload.error();
+  if (const Status taken = (*upload)->append(std::move(file)); !taken.ok()) return taken.error();
+  const auto answer = std::make_shared<std::promise<Result<std::string>>>();
+  std::stop_source stop;
+  (*upload)->finish(
+      [answer](Result<v1::Sheet> sheet) {
+        answer->set_value(sheet.ok() ? Result<std::string>(sheet->SerializeAsString()) : sheet.error());
+      },
+      stop.get_token());
+  return wait(answer->get_future(), time_limit, stop);
 }
 
 }  // namespace kerf::local

@@ -34,8 +34,9 @@ class LocalServer {
   std::optional<Result<std::string>> call(std::string_view path, std::string_view request,
                                           std::optional<std::chrono::nanoseconds> time_limit);
   // Makes a sheet as SheetService.UploadSheet does. `start`: bytes of its kerf.v1.SheetUpload. Returns the bytes of a
-  // kerf.v1.Sheet.
-  Result<std::string> upload_sheet(std::string_view start, std::string file);
+  // kerf.v1.Sheet, or nothing as call() does: no sheet is made then.
+  std::optional<Result<std::string>> upload_sheet(std::string_view start, std::string file,
+                                                  std::optional<std::chrono::nanoseconds> time_limit);
 
  private:
   struct Impl;

@@ -4,6 +4,7 @@
 #include <utility>
 #include <variant>
 
+#include "server/base/text_encoding.h"
 #include "server/core/scene/mesh_inspection.h"
 #include "server/service/wire/geometry_codec.h"
 #include "server/service/wire/mesh_source_codec.h"
@@ -12,6 +13,7 @@ namespace kerf::wire {
 namespace {
 
 constexpr std::size_t kMaxObjects = 256;
+constexpr std::size_t kMaxTextBytes = 1000;  // of a name, a note or a fault
 
 v1::MeshReport encode_report(const scene::MeshInspection& found) {
   v1::MeshReport report;
@@ -33,11 +35,11 @@ v1::MeshReport encode_report(const scene::MeshInspection& found) {
   report.set_texture_coordinates(found.has_texture);
   for (std::size_t i = 0; i < std::min(found.objects.size(), kMaxObjects); ++i) {
     v1::MeshObject& object = *report.add_objects();
-    object.set_name(found.objects[i].first);
+    object.set_name(shortened(found.objects[i].first, kMaxTextBytes));
     object.set_faces(found.objects[i].second);
   }
-  for (const std::string& note : found.notes) report.add_notes(note);
-  for (const std::string& fault : found.faults) report.add_faults(fault);
+  for (const std::string& note : found.notes) report.add_notes(shortened(note, kMaxTextBytes));
+  for (const std::string& fault : found.faults) report.add_faults(shortened(fault, kMaxTextBytes));
   return report;
 }
 

@@ -8,6 +8,7 @@
 
 #include "kerf/v1/files.pb.h"
 #include "kerf/v1/sheets.pb.h"
+#include "server/base/catch_exceptions.h"
 #include "server/service/api/access.h"
 #include "server/service/api/upload.h"
 #include "server/service/wire/finite_check.h"
@@ -81,6 +82,11 @@ Result<v1::InspectMeshRequest> take_inspection(HttpRequest& request) {
   v1::InspectMeshRequest inspection;
   KERF_TRY(read_request(request, inspection));
   KERF_TRY(wire::check_finite(inspection));
+  const bool is_other = format == MeshFormat::kObj ? inspection.has_ply() : inspection.has_obj();
+  if (is_other || !inspection.obj().text().empty() || !inspection.ply().data().empty()) {
+    return invalid_argument("UPLOAD_OF_WHAT",
+                            "the request may only say how a file of this format is read: the body is it", "request");
+  }
   if (format == MeshFormat::kObj) {
     inspection.mutable_obj()->set_text(std::move(request.body));
   } else {
@@ -179,17 +185,16 @@ void FileRoutes::inspect(const Result<auth::Caller>& caller, HttpRequest request
   Result<std::shared_ptr<const api::UploadRoom>> room =
       api_.reserve_upload(static_cast<std::int64_t>(request.body.size()));
   if (!room.ok()) return done(refusal(room.error()));
-  const Result<v1::InspectMeshRequest> inspection = take_inspection(request);
+  Result<v1::InspectMeshRequest> inspection = take_inspection(request);
   if (!inspection.ok()) return done(refusal(inspection.error()));
   if (const Status allowed = api_.allow(*caller, *inspection); !allowed.ok()) return done(refusal(allowed.error()));
   const auto answer = [done = std::move(done), room = *room](Result<v1::MeshReport> report) {
     if (!report.ok()) return done(refusal(report.error()));
-    done({200,
-          "application/json",
-          std::make_shared<const std::string>(wire::to_json(*report)),
-          {{"Cache-Control", "no-store"}}});
+    const Result<std::string> json = catch_exceptions([&] { return Result<std::string>(wire::to_json(*report)); });
+    if (!json.ok()) return done(refusal(json.error()));
+    done({200, "application/json", std::make_shared<const std::string>(*json), {{"Cache-Control", "no-store"}}});
   };
-  api_.inspect_mesh(*inspection, answer, stop);
+  api_.inspect_mesh(std::move(*inspection), answer, stop);
 }
 
 }  // namespace kerf::ws

@@ -123,6 +123,7 @@ class Watch(Case):
         listen = cli_case.held_port()
         scene = ("--scene", scene_file("again.json", sheet_id="again", commands=None, ticks=None))
         server, _ = cli_case.start_server(listen, *scene)
+        self.addCleanup(server.kill)
         command = [cli_case.OPTIONS.kerf, "--server", listen, "--json", "watch", "again", "--reconnect", "60"]
         with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as watching:
             while (before := json.loads(watching.stdout.readline())["tick"]) < 20:

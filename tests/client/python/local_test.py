@@ -47,7 +47,18 @@ class Local(Case):
         with self.assertRaises(kerf.Unavailable) as caught:
             next(self.own.watch())
         self.assertEqual(caught.exception.reason, "NO_STREAMS")
+        recording = pathlib.Path(support.path("empty.kerf"))
+        recording.write_bytes(b"")
+        for call in (lambda: self.own.record(support.path("own.kerf")), lambda: self.local.replay(recording, "again")):
+            with self.assertRaisesRegex(kerf.Unavailable, "NO_STREAMS"):
+                call()
         self.assertIn("step(state=True)", str(caught.exception))
+
+    def test_it_draws_if_asked(self):
+        self.needs_renderer()
+        with kerf.local(render=True) as drawing:
+            picture = drawing.create_sheet("drawn", grid=(5, 5), paused=True).render(size_px=(64, 48))
+        self.assertTrue(picture)
 
     def test_clocks_run(self):
         self.own.resume()
@@ -61,12 +72,12 @@ class Local(Case):
         self.assertEqual(self.local.create_sheet("mesh", mesh_file=file).get().num_vertices, 4)
 
     def test_a_time_limit_ends_a_step(self):
-        with kerf.local(timeout_s=0.2) as hurried:
-            sheet = hurried.create_sheet("slow", grid=(60, 60), paused=True)
-            with self.assertRaises(kerf.DeadlineExceeded):
-                sheet.step(100_000)
+        sheet = self.local.create_sheet("slow", grid=(60, 60), paused=True)
+        self.local.timeout_s = 0.2
+        with self.assertRaises(kerf.DeadlineExceeded):
+            sheet.step(100_000)
 
-    def test_threads_share_it_and_close_waits_for_them(self):
+    def test_threads_share_it(self):
         ticks = []
 
         def work(number):
@@ -79,14 +90,23 @@ class Local(Case):
         for thread in threads:
             thread.join()
         self.assertEqual(ticks, [20] * 4)
+
+    def test_close_waits_for_calls(self):
+        answered = []
+        stepping = threading.Thread(target=lambda: answered.append(self.own.step(2000).tick))
+        stepping.start()
+        while self.own.get().tick == 0:
+            pass
         self.local.close()
+        stepping.join()
+        self.assertEqual(answered, [2000])
         self.local.close()
         with self.assertRaisesRegex(ValueError, "was closed"):
             self.own.get()
 
     def test_the_child_of_a_fork_starts_another(self):
         lines = support.run_python("-c", (
-            "import os, kerf\nserver = kerf.local()\nsheet = server.create_sheet('a', grid=(4, 4), paused=True)\n"
+            "import grpc, os, kerf\nother = kerf.connect()\nserver = kerf.local()\nsheet = server.create_sheet('a', grid=(4, 4), paused=True)\n"
             "if os.fork() == 0:\n"
             "    try:\n        sheet.step(1)\n    except kerf.Unavailable as refusal:\n        print(refusal.reason, flush=True)\n"
             "    with kerf.local() as other:\n"

@@ -20,7 +20,6 @@ function nowhere(): boolean {
 }
 
 function isWanted(side: MaterialLine_Side, left: number): boolean {
-  if (side !== MaterialLine_Side.LEFT_OF_LINE && side !== MaterialLine_Side.RIGHT_OF_LINE) return true;
   return (side === MaterialLine_Side.LEFT_OF_LINE) === left > 0;
 }
 
@@ -41,12 +40,13 @@ function offsetFrom(chords: Float64Array, { x, y }: Point2): number {
   return left;
 }
 
-// Without a reach of its own, a line or a curve is too thin for the centroid of a triangle.
+// Without a reach of its own, a line or a curve is too thin here; the server's reach is a twentieth of an edge then.
 function along(lines: readonly Point2[][], { withinM, side }: Pick<MaterialLine, 'withinM' | 'side'>): Holds {
   if (withinM <= 0) return nowhere;
   const chords = chordsOf(lines);
   const grid = new SegmentGrid(chords, withinM);
-  return (at) => grid.has(at.x, at.y) && isWanted(side, offsetFrom(chords, at));
+  const isBoth = side !== MaterialLine_Side.LEFT_OF_LINE && side !== MaterialLine_Side.RIGHT_OF_LINE;
+  return (at) => grid.has(at.x, at.y) && (isBoth || isWanted(side, offsetFrom(chords, at)));
 }
 
 // The triangles that have all corners in the list, in a copy that later cuts do not change.
@@ -62,7 +62,8 @@ function listed(vertices: ReadonlySet<number>, { triangles, numSlots, numVertice
 
 /**
  * Finds the material of each triangle from Scene.materials, as frames do not say it. A triangle belongs to a part if its
- * centroid does. Drawings that are still a file, and borders that do not follow the mesh, are not known exactly.
+ * centroid does. Drawings that are still a file, and borders that do not follow the mesh, are not known exactly. Nor are
+ * lists of vertices on a sheet that was cut before.
  */
 export class MaterialParts {
   private holds: readonly Holds[] | undefined;

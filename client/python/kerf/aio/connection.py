@@ -31,7 +31,7 @@ class Connection:
         self.timeout_s = timeout_s  # time limit of later calls, seconds; None: no limit
         self._secrets = secrets
         self._open()
-        forks.watch(self, is_async=IS_ASYNC)
+        self._watch_forks()
 
     def _open(self) -> None:
         """Opens the channel, in the child of a fork another one than the parent's."""
@@ -47,6 +47,9 @@ class Connection:
         self.access_service = access_service_pb2_grpc.AccessServiceStub(channel)
         self.file_service = files_pb2_grpc.FileServiceStub(channel)
         self.store_service = store_service_pb2_grpc.StoreServiceStub(channel)
+
+    def _watch_forks(self) -> None:
+        forks.watch(self, is_async=IS_ASYNC)
 
     def _make_channel(self) -> Any:
         return open_channel(self.address, self._secrets)

@@ -34,7 +34,7 @@ TickEstimate estimate_tick(const Model& model, const IntegratorOptions& options)
 //  - Explicit steps if they are estimated to fit kShareOfTick of the tick.
 //  - Explicit steps that do not fit, unless TR-BDF2 is estimated at less than a quarter of their cost. At equal cost
 //    explicit steps are by far the more accurate. If the sheet has clusters of local inertia the limit is two thirds.
-//  - Explicit steps at any cost if the sheet has contact with itself, because implicit steps have none.
+//  - Up to twenty times the cost of TR-BDF2 if the sheet has contact with itself: implicit steps only correct its ends.
 //  - Otherwise TR-BDF2: no other implicit scheme has a smaller error for its time (tests/accuracy/PLOTS.md).
 //  - SDIRK2 in place of TR-BDF2 above a condition number of 1e9, as slivers of crossing cuts have. The forces at the
 //    start of a step, which the trapezoidal rule uses, are mostly rounding there.

@@ -4,6 +4,10 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <string_view>
+#include <unordered_map>
+
+#include "server/base/interruption.h"
 
 namespace kerf::mesh {
 namespace {
@@ -55,14 +59,13 @@ std::vector<std::pair<std::string, std::int32_t>> MeshFile::object_sizes() const
   std::vector<std::int32_t> faces_of(parts.size(), 0);
   for (const MeshFile::Face& face : faces) ++faces_of[static_cast<std::size_t>(face.part)];
   std::vector<std::pair<std::string, std::int32_t>> sizes;
+  std::unordered_map<std::string_view, std::size_t> index_of;  // in sizes, by a name of parts
   const auto count = [&](const std::string& name, std::int32_t num_faces) {
+    interruption_point();
     if (name.empty() || num_faces == 0) return;
-    const auto found = std::find_if(sizes.begin(), sizes.end(), [&](const auto& each) { return each.first == name; });
-    if (found == sizes.end()) {
-      sizes.emplace_back(name, num_faces);
-    } else {
-      found->second += num_faces;
-    }
+    const auto [found, is_new] = index_of.try_emplace(name, sizes.size());
+    if (is_new) sizes.emplace_back(name, 0);
+    sizes[found->second].second += num_faces;
   };
   for (std::size_t p = 0; p < parts.size(); ++p) {
     count(parts[p].object, faces_of[p]);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "server/base/interruption.h"
+#include "server/base/text_encoding.h"
 #include "server/core/mesh/build/face_polygon.h"
 #include "server/core/mesh/build/face_repair.h"
 #include "server/core/mesh/build/file_places.h"
@@ -26,6 +27,7 @@ constexpr double kMostStretch = 0.03;       // -; mean difference of lengths in 
 constexpr double kLargeSheet = 50.0;        // m; sheets beyond these sizes are mentioned
 constexpr double kSmallSheet = 1e-4;        // m
 constexpr std::size_t kMostNames = 8;
+constexpr std::size_t kMaxNameBytes = 100;  // of each name in a message
 
 // Makes the sheet of a file. A chart that cannot be used is a fault of its own: see chart_fault().
 class SheetAssembly {
@@ -69,18 +71,20 @@ class SheetAssembly {
   Status choose_faces() {
     std::vector<bool> is_chosen;
     for (const MeshFile::Part& part : file_.parts) {
+      interruption_point();
       is_chosen.push_back(reading_.objects.empty() ||
                           std::any_of(reading_.objects.begin(), reading_.objects.end(), [&](const std::string& name) {
                             return part.object == name ||
                                    std::find(part.groups.begin(), part.groups.end(), name) != part.groups.end();
                           }));
     }
+    const std::vector<std::pair<std::string, std::int32_t>> known =
+        reading_.objects.empty() ? std::vector<std::pair<std::string, std::int32_t>>() : file_.object_sizes();
     for (const std::string& name : reading_.objects) {
-      const std::vector<std::pair<std::string, std::int32_t>> known = file_.object_sizes();
       if (std::any_of(known.begin(), known.end(), [&](const auto& each) { return each.first == name; })) continue;
       std::string list;
       for (std::size_t i = 0; i < std::min(known.size(), kMostNames); ++i)
-        list += (i == 0 ? "" : ", ") + known[i].first;
+        list += (i == 0 ? "" : ", ") + shortened(known[i].first, kMaxNameBytes);
       return file_.refuse("OBJECT", "the file has no object or group \"" + name + "\" with faces" +
                                         (known.empty() ? ", and names none" : "; it has " + list) +
                                         (known.size() > kMostNames ? " and others" : ""));

@@ -48,7 +48,10 @@ export class MeshPreview {
     this.asking = asking;
     try {
       const path = inspectPath(file, this.choices);
-      const sending = { signal: asking.signal, onProgress: () => {} };
+      const onProgress = (share: number) => {
+        if (!asking.signal.aborted) this.show([{ kind: 'note', text: `looking into the file: ${Math.floor(100 * share)} % sent` }]);
+      };
+      const sending = { signal: asking.signal, onProgress };
       const report = await sendFile(MeshReportSchema, path, file.content, sending);
       if (asking.signal.aborted) return;
       this.listObjects(report);
