@@ -140,7 +140,7 @@ TEST_F(LoadRunTest, SheetsRunInStages) {
 TEST_F(LoadRunTest, NothingIsCutWhileNoSheetRuns) {
   Plan wanted = plan();
   wanted.cuts_per_second = 20.0;
-  set_stages(*parse_stages("500ms:0,0s:1,0s:0"), Staged::kSheets, wanted);
+  set_stages(*parse_stages("320ms:0,0s:1,0s:0,180ms:0"), Staged::kSheets, wanted);
   const Result<Report> report = run(wanted);
   ASSERT_TRUE(report.ok()) << report.error().message;
   EXPECT_EQ(report->cuts.sent, 0);
