@@ -10,7 +10,7 @@ namespace {
 class JournalTest : public HostTest {
  protected:
   JournalTest() { host_ = std::make_unique<Host>(with_journal(journal_), clock_, entropy_); }
-  ~JournalTest() override { host_->stop(); }
+  ~JournalTest() override { host_.reset(); }  // before the journal
 
   [[nodiscard]] std::vector<JournalEntry> entries() const { return journal_.sheets().begin()->second.entries; }
   static scene::Cut cut() { return scenes::line_cut({-0.1, 0.5}, {0.6, 0.5}); }

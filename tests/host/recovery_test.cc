@@ -12,7 +12,7 @@ namespace {
 class RecoveryTest : public HostTest {
  protected:
   RecoveryTest() { begin(with_journal(journal_)); }
-  ~RecoveryTest() override { host_->stop(); }
+  ~RecoveryTest() override { host_.reset(); }  // before the journal
 
   void begin(HostOptions options) { host_ = std::make_unique<Host>(std::move(options), clock_, entropy_); }
   // Lets the journal get the sheet's state after each tick.

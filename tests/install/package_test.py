@@ -56,7 +56,7 @@ class Package(unittest.TestCase):
             self.assertEqual(owner, "root/root", line)
             self.assertNotIn("w", mode[4:], line)
             self.assertNotRegex(path, r"^\./(usr/(local|include)|home|work|build)(/|$)|\.a$", line)
-            self.assertRegex(path, r"^\./(?!usr/lib)|^\./usr/lib/([\w-]+/(libkerf_local\.so)?)?$", line)
+            self.assertRegex(path, r"^\./(?!usr/lib)|^\./usr/lib/([\w-]+/)?(libkerf_local\.so)?$", line)
         for program in ("kerf", "kerfd"):
             self.assertIn("stripped", run("file", self.root / "usr/bin" / program).stdout if shutil.which("file") else "stripped")
             self.assertNotIn(os.fsencode(OPTIONS.build), (self.root / "usr/bin" / program).read_bytes())

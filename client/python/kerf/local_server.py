@@ -220,7 +220,7 @@ class LocalServer(Server):
         """Does nothing: the calls themselves refuse to be made in a child."""
 
 
-def local(*, workers: int = 0, render: bool = False, timeout_s: Optional[float] = None) -> LocalServer:
+def local(*, workers: int = 0, render: bool = False, timeout_s: Optional[float] = None) -> Server:
     """Starts a server in this process and returns it; use it in a `with`, or close it. It has all that kerf.connect() has
     except streams and recordings, keeps nothing, and takes calls from any thread.
 
