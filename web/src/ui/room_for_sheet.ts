@@ -7,7 +7,7 @@ interface Span {
 }
 
 /** Says if the window is that of a phone, upright and across; as in style/phone.css and low_window.css. */
-const kAcross = '(max-height: 480px) and (min-width: 641px)';
+const kAcross = '(max-height: 479px) and (min-width: 641px)';
 const kUpright = '(max-width: 640px), (max-width: 760px) and (min-height: 480px)';
 // Elements that cover the lower part of an upright phone's window while they are shown, or the right part across.
 const kCovers = '#cut-panel, #measure-panel, .side-panel, #replay';

@@ -16,7 +16,8 @@ export class MeshPreview {
   private asking: AbortController | undefined;
   private file: MeshFile | undefined;
 
-  constructor() {
+  /** @param mostBytes  returns the size of the largest mesh file that the server takes */
+  constructor(private readonly mostBytes: () => number) {
     for (const field of [this.unit, this.up, this.object, this.texture]) {
       field.addEventListener('change', () => void this.ask());
     }
@@ -43,7 +44,7 @@ export class MeshPreview {
     this.asking?.abort();
     this.show([]);
     const { file } = this;
-    if (!file) return;
+    if (!file || file.content.size > this.mostBytes()) return; // The form says that it is too large.
     const asking = new AbortController();
     this.asking = asking;
     try {

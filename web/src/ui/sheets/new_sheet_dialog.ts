@@ -29,7 +29,7 @@ export class NewSheetDialog {
   private readonly progress = element<HTMLProgressElement>('new-progress');
   private info: ServerInfo | undefined;
   private mesh: MeshFile | undefined;
-  private readonly preview = new MeshPreview();
+  private readonly preview = new MeshPreview(() => Number(this.info?.limits?.maxMeshUploadBytes ?? Infinity));
   private drawing: { name: string; parts: OutlineParts } | undefined;
   private sending: AbortController | undefined;
 
