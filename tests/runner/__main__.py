@@ -10,13 +10,15 @@ import sys
 import time
 
 import failures
-from processes import end_as_interrupted, interrupt_on_termination, run_command
+from processes import Command, end_as_interrupted, interrupt_on_termination
 from progress import Memory, StepProgress, in_words
+from schedule import failed_needs, may_begin, time_left
 from steps import LONG, ROOT, SETS, STEPS, with_needs
 
 LOGS = ROOT / "build/test-logs"
 EVERY = 30.0  # seconds between two lines of progress where the output is no terminal
 LONGEST_SILENCE = 900.0  # seconds without a line of output after which a step hangs and is ended
+MOST_LINES = 1000  # of one step before another that runs beside it is looked at
 
 USAGE = f"""deploy/test builds Kerf and proves it. What it installs is listed in deploy/setup.
 
@@ -62,12 +64,9 @@ class Screen:
         self.last = now
 
 
-class Hangs(Exception):
-    """Says that a command has printed nothing for too long."""
-
-
-def run_step(step, show):
-    """Runs the commands of a step into its log; whether all ended well. `show` gets each line, and None each second without."""
+def run_step(step):
+    """Runs the commands of a step into its log: a generator of their lines, with None where there is none for a while, that
+    returns whether all ended well."""
     log = LOGS / f"{step.name}.log"
     for old in (log, LOGS / f"{step.name}.xml"):
         old.unlink(missing_ok=True)
@@ -76,25 +75,49 @@ def run_step(step, show):
         for command in step.commands:
             file.write(f"$ {command}\n")
             file.flush()
-
             heard = time.monotonic()
-
-            def take(line):
-                nonlocal heard
-                if line is not None:
-                    heard = time.monotonic()
-                elif time.monotonic() - heard > LONGEST_SILENCE:
-                    raise Hangs()
-                file.write(line or "")
-                show(line)
-
-            try:
-                if run_command(command, take, environment, ROOT) != 0:
+            with Command(command, environment, ROOT) as running:
+                for line in running:
+                    if line is not None:
+                        heard = time.monotonic()
+                        file.write(line)
+                    elif time.monotonic() - heard > LONGEST_SILENCE:
+                        file.write(f"ended: it printed nothing for {in_words(LONGEST_SILENCE)} minutes\n")
+                        return False
+                    yield line
+                if running.status != 0:
                     return False
-            except Hangs:
-                file.write(f"ended: it printed nothing for {in_words(LONGEST_SILENCE)} minutes\n")
-                return False
     return True
+
+
+class RunningStep:
+    """A step whose commands run, and how far it is."""
+
+    def __init__(self, step, head, expected):
+        self.step = step
+        self.head = head
+        self.progress = StepProgress(expected)
+        self.lines = run_step(step)
+        self.passed = None  # until it has ended
+        self.error = None  # such as a full disk
+
+    def advance(self):
+        """Takes the lines that are there, and waits a little where there is none; whether the step still runs."""
+        try:
+            for _ in range(MOST_LINES):
+                line = next(self.lines)
+                if line is None:
+                    break
+                self.progress.line(line)
+        except StopIteration as end:
+            self.passed = end.value
+        except OSError as error:
+            self.passed, self.error = False, error
+        return self.passed is None
+
+    def __str__(self):
+        counted = self.progress.counted
+        return self.head + (f" {counted[0]}/{counted[1]}" if counted else "")
 
 
 def summary_of(step):
@@ -120,40 +143,54 @@ def run(names):
     memory = Memory(LOGS / "seconds.json")
     screen = Screen()
     steps = with_needs(names)
+    heads = {step.name: f"[{number}/{len(steps)}] {step.name}" for number, step in enumerate(steps, start=1)}
     started = time.monotonic()
-    passed, failed, took = [], {}, {}
-    for number, step in enumerate(steps, start=1):
-        head = f"[{number}/{len(steps)}] {step.name}"
-        missing = [name for name in step.needs if name not in passed]
-        if missing:
-            failed[step.name] = []
-            screen.say(f"{head} NOT RUN: {' and '.join(missing)} failed")
-            continue
-        screen.say(f"{head}: {step.proves}")
-        later = sum(memory.expected(other) for other in steps[number:])
-        progress = StepProgress(memory.expected(step))
+    waiting, running, passed, failed, took = list(steps), [], [], {}, {}
 
-        def show(line):
-            if line is not None:
-                progress.line(line)
-            count = f" {progress.counted[0]}/{progress.counted[1]}" if progress.counted else ""
-            screen.progress(f"{head}{count}, {in_words(time.monotonic() - started)} so far, "
-                            f"about {in_words(progress.left() + later)} left")
+    def begin():
+        """Begins each step that may run now, in their order, and passes over those that need one that failed."""
+        while waiting:
+            step, ended = waiting[0], [*passed, *failed]
+            missing = failed_needs(step, passed, ended)
+            if missing:
+                failed[step.name] = []
+                screen.say(f"{heads[step.name]} NOT RUN: {' and '.join(missing)} failed")
+            elif may_begin(step, [other.step for other in running], ended):
+                screen.say(f"{heads[step.name]}: {step.proves}")
+                running.append(RunningStep(step, heads[step.name], memory.expected(step)))
+            else:
+                return
+            waiting.pop(0)
 
-        try:
-            ended_well = run_step(step, show)
-        except OSError as error:  # such as a full disk
-            screen.say(f"{head}: {error}")
-            ended_well = False
-        took[step.name] = progress.elapsed()
-        if ended_well:
+    def end(ended):
+        """Notes how a step ended."""
+        step, seconds = ended.step, ended.progress.elapsed()
+        took[step.name] = seconds
+        if ended.error:
+            screen.say(f"{ended.head}: {ended.error}")
+        if ended.passed:
             passed.append(step.name)
-            memory.note(step, took[step.name])
-            screen.say(f"{head} passed in {in_words(took[step.name])}{summary_of(step)}")
+            memory.note(step, seconds)
+            screen.say(f"{ended.head} passed in {in_words(seconds)}{summary_of(step)}")
         else:
             failed[step.name] = failures.of_step(step, LOGS / f"{step.name}.log", LOGS / f"{step.name}.xml")
-            screen.say(f"{head} FAILED after {in_words(took[step.name])}")
+            screen.say(f"{ended.head} FAILED after {in_words(seconds)}")
             report(step, failed[step.name], screen.say)
+
+    try:
+        while waiting or running:
+            begin()
+            for each in list(running):
+                if not each.advance():
+                    running.remove(each)
+                    end(each)
+            left = time_left([(each.step, each.progress.left()) for each in running], waiting, [*passed, *failed], memory.expected)
+            if running:
+                screen.progress(f"{', '.join(map(str, running))}, {in_words(time.monotonic() - started)} so far, "
+                                f"about {in_words(left)} left")
+    finally:
+        for each in running:
+            each.lines.close()
     screen.say("")
     for step in steps:
         outcome = "passed" if step.name in passed else "FAILED" if step.name in took else "not run"
@@ -172,13 +209,12 @@ def prove(name):
     started = time.monotonic()
     print(f"{proof.proves}; takes {proof.takes}", flush=True)
     lines = []
-
-    def take(line):
-        if line is not None:
-            print(line, end="", flush=True)
-            lines.append(line.rstrip("\n").rpartition("\r")[2] + "\n")  # what a line of progress ended as
-
-    status = run_command(proof.command, take, cwd=ROOT)
+    with Command(proof.command, cwd=ROOT) as command:
+        for line in command:
+            if line is not None:
+                print(line, end="", flush=True)
+                lines.append(line.rstrip("\n").rpartition("\r")[2] + "\n")  # what a line of progress ended as
+    status = command.status
     commit = subprocess.run(["git", "describe", "--always", "--dirty"], cwd=ROOT, capture_output=True, text=True).stdout.strip()
     outcome = "passed" if status == 0 else f"FAILED (status {status})"
     page = ROOT / f"tests/long/{name}.md"

@@ -23,47 +23,56 @@ def end_group(group):
             return
 
 
-def run_command(command, take, environment=None, cwd=None):
-    """Runs a command of bash; its exit status. `take` gets each line of its output, and None each second without one."""
-    process = subprocess.Popen(["bash", "-euo", "pipefail", "-c", command], cwd=cwd, env=environment, text=True, errors="replace",
-                               stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True)
-    lines = queue.SimpleQueue()
+class Command:
+    """A command of bash as it runs. Leaving its context ends every process of it."""
 
-    def read():
-        for line in process.stdout:
-            lines.put(line)
-        lines.put("")
+    def __init__(self, command, environment=None, cwd=None):
+        self.status = None  # until it has ended
+        self.lines = queue.SimpleQueue()
+        self.process = subprocess.Popen(
+            ["bash", "-euo", "pipefail", "-c", command], cwd=cwd, env=environment, text=True, errors="replace",
+            stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True)
+        self.reader = threading.Thread(target=self._read, daemon=True)
+        self.reader.start()
 
-    reader = threading.Thread(target=read, daemon=True)
-    reader.start()
-    try:
-        while True:
+    def _read(self):
+        for line in self.process.stdout:
+            self.lines.put(line)
+        self.lines.put("")
+
+    def __iter__(self):
+        """Yields each line of its output, and None after each tenth of a second without one."""
+        while self.status is None:
             try:
-                line = lines.get(timeout=1.0)
+                line = self.lines.get(timeout=0.1)
             except queue.Empty:
-                take(None)
+                yield None
                 # Processes that it left running hold the pipe open and are not waited for.
-                if process.poll() is not None:
-                    return process.returncode
+                self.status = self.process.poll()
                 continue
-            if not line:
-                return process.wait()
-            take(line)
-    finally:
+            if line:
+                yield line
+            else:
+                self.status = self.process.wait()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
         try:
             # A process that has ended stays in its group until it is waited for.
-            if process.poll() is None:
-                os.killpg(process.pid, signal.SIGTERM)
+            if self.process.poll() is None:
+                os.killpg(self.process.pid, signal.SIGTERM)
                 try:
-                    process.wait(PATIENCE)
+                    self.process.wait(PATIENCE)
                 except subprocess.TimeoutExpired:
                     pass
-            end_group(process.pid)
+            end_group(self.process.pid)
         except ProcessLookupError:
             pass
-        process.wait()
-        reader.join()
-        process.stdout.close()
+        self.process.wait()
+        self.reader.join()
+        self.process.stdout.close()
 
 
 def interrupt_on_termination():

@@ -16,6 +16,7 @@ sys.path.insert(0, str(HERE))
 import failures  # noqa: E402: from this folder
 import processes  # noqa: E402
 import progress  # noqa: E402
+import schedule  # noqa: E402
 import steps  # noqa: E402
 from steps import ROOT, Step  # noqa: E402
 
@@ -140,9 +141,9 @@ class Failures(unittest.TestCase):
 @mock.patch.object(processes, "PATIENCE", 0.3)
 class Processes(unittest.TestCase):
     def lines_of(self, command):
-        lines = []
-        status = processes.run_command(command, lambda line: line and lines.append(line))
-        return status, lines
+        with processes.Command(command) as running:
+            lines = [line for line in running if line]
+        return running.status, lines
 
     @staticmethod
     def runs(pid):
@@ -164,14 +165,10 @@ class Processes(unittest.TestCase):
         self.assertFalse(self.runs(child))
 
     def test_what_interrupts_ends_all(self):
-        def interrupt(line):
-            children.append(line)
+        with self.assertRaises(KeyboardInterrupt), processes.Command("echo $$; sleep 1000") as running:
+            child = next(line for line in running if line)
             raise KeyboardInterrupt
-
-        children = []
-        with self.assertRaises(KeyboardInterrupt):
-            processes.run_command("echo $$; sleep 1000", interrupt)
-        self.assertFalse(self.runs(children[0]))
+        self.assertFalse(self.runs(child))
 
 
 class Progress(unittest.TestCase):
@@ -219,6 +216,34 @@ class Steps(unittest.TestCase):
         self.assertEqual(sorted(page.stem for page in (ROOT / "tests/long").glob("*.md")), sorted(steps.LONG))
 
 
+class Schedule(unittest.TestCase):
+    def test_a_step_waits_for_its_needs_and_for_those_that_it_does_not_run_beside(self):
+        build, tests = Step("build", "", (), 100), Step("tests", "", (), 60, ("build",))
+        browser = Step("browser", "", (), 80, ("build",), beside=("tests",))
+        self.assertTrue(schedule.may_begin(build, [], []))
+        self.assertFalse(schedule.may_begin(tests, [], []))
+        self.assertTrue(schedule.may_begin(tests, [], ["build"]))
+        self.assertTrue(schedule.may_begin(browser, [tests], ["build"]))
+        self.assertTrue(schedule.may_begin(tests, [browser], ["build"]))
+        self.assertFalse(schedule.may_begin(build, [tests], []))
+        self.assertEqual(schedule.failed_needs(tests, [], []), [])
+        self.assertEqual(schedule.failed_needs(tests, [], ["build"]), ["build"])
+        self.assertEqual(schedule.failed_needs(tests, ["build"], ["build"]), [])
+
+    def test_time_left_is_that_of_steps_side_by_side(self):
+        build, tests = Step("build", "", (), 100), Step("tests", "", (), 60, ("build",))
+        browser = Step("browser", "", (), 80, ("build",), beside=("tests",))
+        trials = Step("trials", "", (), 30, ("build",))
+
+        def left(running, waiting, ended=()):
+            return schedule.time_left(running, waiting, ended, lambda step: step.seconds)
+
+        self.assertEqual(left([(build, 40.0)], [tests, browser, trials]), 40 + 80 + 30)
+        self.assertEqual(left([(tests, 20.0), (browser, 10.0)], [trials], ["build"]), 20 + 30)
+        self.assertEqual(left([], [tests]), 0.0)
+        self.assertEqual(left([], []), 0.0)
+
+
 class Run(unittest.TestCase):
     def run_steps(self, *some):
         names = [step.name for step in some]
@@ -242,12 +267,47 @@ class Run(unittest.TestCase):
         self.assertIn("FAILED in b: step b, run alone by: deploy/test b", out)
         self.assertEqual(out.splitlines()[-1], "2 passed, 2 failed")
 
+    def test_steps_run_side_by_side_where_they_may(self):
+        with tempfile.TemporaryDirectory() as folder:
+            # Each waits for a word that the other writes, so neither ends without the other.
+            def meets(mine, others):
+                return f"echo here > {folder}/{mine}; until [[ -s {folder}/{others} ]]; do sleep 0.01; done; echo met"
+
+            first = Step("a", "meets b", (meets("a", "b"),), 1)
+            second = Step("b", "meets a", (meets("b", "a"),), 1, beside=("a",))
+            third = Step("c", "comes after both", (f"test -s {folder}/a; test -s {folder}/b; false",), 1)
+            failed, out = self.run_steps(first, second, third, Step("d", "needs c", ("true",), 1, ("c",)))
+        self.assertEqual(failed, 2)
+        self.assertLess(out.index("[2/4] b: meets a"), out.index("[1/4] a passed"))
+        self.assertLess(out.index("[2/4] b passed"), out.index("[3/4] c: comes after both"))
+        self.assertIn("[4/4] d NOT RUN: c failed", out)
+
+    def test_what_interrupts_ends_every_step(self):
+        with tempfile.TemporaryDirectory() as folder:
+            both = (Step("a", "sleeps", (f"echo $$ > {folder}/a; sleep 1000",), 1),
+                    Step("b", "sleeps, too", (f"echo $$ > {folder}/b; sleep 1000",), 1, beside=("a",)))
+
+            def interrupt(_):
+                pids[:] = [path.read_text() for path in map(pathlib.Path, (f"{folder}/a", f"{folder}/b")) if path.exists()]
+                if len(pids) == 2 and all(pids):
+                    raise KeyboardInterrupt
+
+            pids = []
+            with mock.patch.object(runner.Screen, "progress", side_effect=interrupt), self.assertRaises(KeyboardInterrupt):
+                self.run_steps(*both)
+        self.assertEqual([Processes.runs(pid) for pid in pids], [False, False])
+
     def test_neither_a_lost_log_nor_a_full_disk_ends_the_run(self):
         failed, out = self.run_steps(Step("a", "loses its log", ('rm "$LOG.log"; false',), 1), Step("b", "works", ("true",), 1))
         self.assertEqual(failed, 1)
         self.assertIn("its output could not be read", out)
         self.assertIn("[2/2] b passed", out)
-        with mock.patch.object(runner, "run_step", side_effect=OSError(28, "No space left on device")):
+
+        def fill_the_disk(_):
+            yield "a line"
+            raise OSError(28, "No space left on device")
+
+        with mock.patch.object(runner, "run_step", fill_the_disk):
             failed, out = self.run_steps(Step("a", "fills the disk", ("true",), 1), Step("b", "too", ("true",), 1))
         self.assertEqual(failed, 2)
         self.assertIn("[1/2] a: [Errno 28] No space left on device", out)

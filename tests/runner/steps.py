@@ -17,6 +17,7 @@ class Step:
     needs: tuple = ()  # steps that run before it; where one fails, this one is not run
     preset: str = ""  # of ctest, where the step runs it: which tests failed is read from its report
     environment: str = ""  # that its tests have, to be said before a command that runs one of them alone
+    beside: tuple = ()  # steps that run at the same time, where a processor would be idle in either
 
 
 def build(preset, options="", targets=""):
@@ -38,7 +39,7 @@ STEPS = {step.name: step for step in (
     Step("build", "everything compiles without a warning, as it ships (the build of deploy/run, with its tests)",
          build("release", "-DKERF_TESTS=ON -DKERF_BENCH=OFF -DKERF_FAULTS=OFF"), 500),
     Step("tests", "units, accuracy against references, properties of random cuts, API, clients, the lines of the pages",
-         (ctest("release"),), 210, ("build",), "release"),
+         ("nice -n 5 " + ctest("release"),), 210, ("build",), "release"),
     Step("units", "all of that but what takes long: random trials, accuracy, programs run from outside",
          (ctest("quick"),), 70, ("build",), "quick"),
     Step("benchmarks", "benchmarks compile, and compute what they did, by the hashes of their results",
@@ -46,9 +47,10 @@ STEPS = {step.name: step for step in (
           "build/release/bin/kerf_bench --benchmark_min_time=0.01 "
           "--benchmark_filter='/(225|2500)(/|$)|random_cuts/(0|10|50)/demo'"), 135, ("build",)),
     Step("viewer", "the browser viewer's types and units, and that it builds",
-         ("deploy/build-viewer", "cd web && npx vitest run"), 40),
+         ("deploy/build-viewer", "cd web && npx vitest run"), 40, beside=("build",)),
     Step("browser", "the viewer in a real browser against a real kerfd",
-         ("tests/e2e/run build/release/bin/kerfd",), 200, ("build", "viewer")),
+         ("tests/e2e/run build/release/bin/kerfd",), 200, ("build", "viewer"),
+         beside=("tests",)),
     Step("core", "the simulation library builds without any network package",
          (*build("core"), ctest("core", "-R 'golden|include_table'")), 60, ("build",), "core"),
     Step("faults", "the audit of random cuts catches each of 60 faults that are built into a copy of the cutter",
@@ -72,8 +74,8 @@ STEPS = {step.name: step for step in (
 )}
 
 SETS = {
-    "": ("format", "build", "tests", "viewer", "browser"),
-    "quick": ("format", "build", "units", "viewer"),
+    "": ("format", "build", "viewer", "tests", "browser"),
+    "quick": ("format", "build", "viewer", "units"),
     "deep": ("build", "benchmarks", "core", "faults", "each-file", "asan", "tsan", "fuzz", "trials", "matrix"),
 }
 
