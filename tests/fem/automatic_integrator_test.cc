@@ -74,7 +74,7 @@ TEST(AutomaticIntegrator, KeepsTheSwingOfStiffSheetsAfterManyCuts) {
 }
 
 TEST(AutomaticIntegrator, TakesExplicitStepsThatFitTheTickWhateverElseIsFaster) {
-  const mesh::TriangleMesh mesh = cut_at_random(12, 10);
+  const mesh::TriangleMesh mesh = cut_at_random(12, 15);
   const Model model(mesh, find_preset("wool").value());
   const TickEstimate estimate = estimate_tick(model, as_it_comes());
   EXPECT_LT(estimate.explicit_ns, 1e9 * kShareOfTick * kTick);
@@ -86,8 +86,19 @@ TEST(AutomaticIntegrator, TakesExplicitStepsThatFitTheTickWhateverElseIsFaster) 
   shorter.tick = 0.25 * kTick;
   EXPECT_TRUE(estimate_tick(model, shorter).is_explicit);
   // A finer sheet does not fit.
-  const mesh::TriangleMesh fine = cut_at_random(30, 10);
+  const mesh::TriangleMesh fine = cut_at_random(40, 10);
   EXPECT_FALSE(estimate_tick(Model(fine, find_preset("wool").value()), as_it_comes()).is_explicit);
+}
+
+TEST(AutomaticIntegrator, CountsAllIterationsThatCutSheetsMayNeed) {
+  const auto wool = find_preset("wool").value();
+  const mesh::TriangleMesh uncut = square_grid(12);
+  const mesh::TriangleMesh cut = cut_at_random(12, 15);
+  const auto implicit_ns = [&](const mesh::TriangleMesh& mesh, AutomaticChoice choice) {
+    return estimate_tick(Model(mesh, wool), as_it_comes(choice)).implicit_ns;
+  };
+  EXPECT_GT(implicit_ns(cut, AutomaticChoice::kSecond), 1.5 * implicit_ns(cut, AutomaticChoice::kFirst));
+  EXPECT_EQ(implicit_ns(uncut, AutomaticChoice::kSecond), implicit_ns(uncut, AutomaticChoice::kFirst));
 }
 
 TEST(AutomaticIntegrator, TakesImplicitEulerNowhere) {
