@@ -100,9 +100,9 @@ TEST(TickCost, AutomaticCountsTheIntegratorThatRuns) {
   };
   Material stiff = *find_preset("foil");
   EXPECT_EQ(kind_of(stiff), IntegratorKind::kExplicit);
-  stiff.youngs_modulus_1 *= 8.0;
-  stiff.youngs_modulus_2 *= 8.0;
-  stiff.shear_modulus *= 8.0;
+  stiff.youngs_modulus_1 *= 4.0;
+  stiff.youngs_modulus_2 *= 4.0;
+  stiff.shear_modulus *= 4.0;
   EXPECT_EQ(kind_of(stiff), IntegratorKind::kTrBdf2);
 }
 
