@@ -18,7 +18,7 @@ from steps import LONG, ROOT, SETS, STEPS, with_needs
 LOGS = ROOT / "build/test-logs"
 EVERY = 30.0  # seconds between two lines of progress where the output is no terminal
 LONGEST_SILENCE = 900.0  # seconds without a line of output after which a step hangs and is ended
-MOST_LINES = 1000  # of one step before another that runs beside it is looked at
+TURN = 0.2  # seconds of lines of one step before another that runs beside it is looked at
 
 USAGE = f"""deploy/test builds Kerf and proves it. What it installs is listed in deploy/setup.
 
@@ -65,8 +65,8 @@ class Screen:
 
 
 def run_step(step):
-    """Runs the commands of a step into its log: a generator of their lines, with None where there is none for a while, that
-    returns whether all ended well."""
+    """Runs the commands of a step into its log; returns whether all ended well. Yields their lines, and None where there is
+    none for a while."""
     log = LOGS / f"{step.name}.log"
     for old in (log, LOGS / f"{step.name}.xml"):
         old.unlink(missing_ok=True)
@@ -104,7 +104,8 @@ class RunningStep:
     def advance(self):
         """Takes the lines that are there, and waits a little where there is none; whether the step still runs."""
         try:
-            for _ in range(MOST_LINES):
+            until = time.monotonic() + TURN
+            while time.monotonic() < until:
                 line = next(self.lines)
                 if line is None:
                     break

@@ -42,13 +42,15 @@ class Command:
 
     def __iter__(self):
         """Yields each line of its output, and None after each tenth of a second without one."""
+        ended = None
         while self.status is None:
             try:
                 line = self.lines.get(timeout=0.1)
             except queue.Empty:
+                # Processes that it left running hold the pipe open and are not waited for; lines from before its end are.
+                self.status = ended
+                ended = self.process.poll()
                 yield None
-                # Processes that it left running hold the pipe open and are not waited for.
-                self.status = self.process.poll()
                 continue
             if line:
                 yield line

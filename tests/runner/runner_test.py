@@ -156,6 +156,15 @@ class Processes(unittest.TestCase):
     def test_a_command_runs_to_its_end(self):
         self.assertEqual(self.lines_of("echo a; printf b; exit 3"), (3, ["a\n", "b"]))
 
+    def test_last_lines_are_read_by_one_who_looks_seldom(self):
+        lines = []
+        with processes.Command("sleep 0.3; echo last") as running:
+            for line in running:
+                lines.append(line)
+                if line is None:
+                    running.process.wait()
+        self.assertIn("last\n", lines)
+
     def test_nothing_that_it_left_behind_lives_on(self):
         status, (child,) = self.lines_of("(trap '' TERM; echo $BASHPID; exec >/dev/null; sleep 1000) & sleep 0.2; exit 4")
         self.assertEqual(status, 4)
@@ -293,9 +302,12 @@ class Run(unittest.TestCase):
                     raise KeyboardInterrupt
 
             pids = []
-            with mock.patch.object(runner.Screen, "progress", side_effect=interrupt), self.assertRaises(KeyboardInterrupt):
-                self.run_steps(*both)
-        self.assertEqual([Processes.runs(pid) for pid in pids], [False, False])
+            with mock.patch.object(runner.Screen, "progress", side_effect=interrupt):
+                try:
+                    self.run_steps(*both)
+                    self.fail("it was not interrupted")
+                except KeyboardInterrupt:  # Its frames still hold the steps here, so only the run itself can have ended them.
+                    self.assertEqual([Processes.runs(pid) for pid in pids], [False, False])
 
     def test_neither_a_lost_log_nor_a_full_disk_ends_the_run(self):
         failed, out = self.run_steps(Step("a", "loses its log", ('rm "$LOG.log"; false',), 1), Step("b", "works", ("true",), 1))

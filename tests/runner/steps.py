@@ -39,7 +39,8 @@ STEPS = {step.name: step for step in (
     Step("build", "everything compiles without a warning, as it ships (the build of deploy/run, with its tests)",
          build("release", "-DKERF_TESTS=ON -DKERF_BENCH=OFF -DKERF_FAULTS=OFF"), 500),
     Step("tests", "units, accuracy against references, properties of random cuts, API, clients, the lines of the pages",
-         ("nice -n 5 " + ctest("release"),), 210, ("build",), "release"),
+         ("nice -n 5 " + ctest("release"),),  # gives way to the browser, whose steps wait for one another
+         210, ("build",), "release"),
     Step("units", "all of that but what takes long: random trials, accuracy, programs run from outside",
          (ctest("quick"),), 70, ("build",), "quick"),
     Step("benchmarks", "benchmarks compile, and compute what they did, by the hashes of their results",

@@ -23,7 +23,7 @@ inline constexpr double kShareOfTick = 0.8;
 struct TickEstimate {
   double substeps = 0.0;     // substeps of an explicit tick
   double explicit_ns = 0.0;  // ns on one core of 2024, with explicit steps
-  double implicit_ns = 0.0;  // ns, with TR-BDF2
+  double implicit_ns = 0.0;  // ns, with TR-BDF2, or with SDIRK2 where that would be taken
   bool is_explicit = true;   // true if the tick is explicit: by options.kind, or by the choice of kAutomatic
 };
 // Estimates a tick of the model. Makes no step.
@@ -32,19 +32,20 @@ TickEstimate estimate_tick(const Model& model, const IntegratorOptions& options)
 // Chooses an integrator at each rebuild, from the model and IntegratorOptions::tick alone. Costs are estimated in
 // nanoseconds without a clock, so the choice is the same on every machine.
 //  - Explicit steps if they are estimated to fit kShareOfTick of the tick.
-//  - Explicit steps that do not fit, unless TR-BDF2 is estimated at less than a quarter of their cost. At equal cost
-//    explicit steps are by far the more accurate. If the sheet has clusters of local inertia the limit is two thirds.
+//  - Explicit steps that do not fit, unless TR-BDF2 is estimated at less than a sixth of their cost. At equal cost
+//    explicit steps are by far the more accurate. With clusters of local inertia it need only be cheaper.
 //  - Up to twenty times the cost of TR-BDF2 if the sheet has contact with itself: implicit steps only correct its ends.
 //  - Otherwise TR-BDF2: no other implicit scheme has a smaller error for its time (tests/accuracy/PLOTS.md).
 //  - SDIRK2 in place of TR-BDF2 above a condition number of 1e9, as slivers of crossing cuts have. The forces at the
 //    start of a step, which the trapezoidal rule uses, are mostly rounding there.
-// Implicit steps make up to five Newton iterations a solve, or more if asked. The estimates count those that are asked.
+// Implicit steps make up to five Newton iterations a solve, or more if asked. The estimates count those
+// that are asked, and all with clusters where the sheet does not touch itself.
 // TR-BDF2 uses kFactorCg from kLeastForFactorCg vertices on, where it takes 0.3 to 0.9 of the direct solver's time.
 // Smaller sheets use the direct solver; only slivers make them stiff enough for TR-BDF2. SDIRK2 uses the direct solver
 // as well, because floats are too inaccurate for its matrices.
 //
 // That is AutomaticChoice::kSecond. In kFirst the first rule is missing, implicit Euler stands in place of SDIRK2, and
-// solves make as many Newton iterations as are asked.
+// solves make as many Newton iterations as are asked. Its limits are a quarter, and two thirds with clusters.
 class AutomaticIntegrator final : public Integrator {
  public:
   explicit AutomaticIntegrator(const IntegratorOptions& options);
