@@ -159,6 +159,24 @@ export class ViewerPage {
     await this.page.focus('#canvas');
   }
 
+  /**
+   * Gives the page's requests of an address to `handler`, as page.route() does. The page's next request is among them, which
+   * page.route() alone does not ensure: Chromium answers before the page's own process knows.
+   */
+  async route(url, handler, options) {
+    if (!this.isIntercepted) {
+      const isProbe = ({ search }) => search === '?is-routed';
+      await this.page.route(isProbe, (route) => route.fulfill({ body: 'yes' }));
+      await this.page.evaluate(async () => {
+        let text;
+        do text = await (await fetch('/?is-routed')).text();
+        while (text !== 'yes');
+      });
+      this.isIntercepted = true; // for as long as the probe has its route
+    }
+    await this.page.route(url, handler, options);
+  }
+
   /** Answers to a method's calls wait: `asked` is over when there is one, release() lets all of them come. */
   async hold(method) {
     const url = `**/kerf.v1.${method}`;
@@ -170,7 +188,7 @@ export class ViewerPage {
     });
     asked.catch(() => {}); // reported where it is awaited
     const released = new Promise((resolve) => (setReleased = resolve));
-    await this.page.route(url, async (route) => {
+    await this.route(url, async (route) => {
       setAsked();
       await released;
       await route.continue();
@@ -198,7 +216,7 @@ export class ViewerPage {
       await released;
       await route.fulfill({ response });
     };
-    await this.page.route(url, (route) => (fulfilled = hold(route)), { times: 1 });
+    await this.route(url, (route) => (fulfilled = hold(route)), { times: 1 });
     const release = () => {
       setReleased();
       return fulfilled;

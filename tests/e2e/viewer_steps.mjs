@@ -212,7 +212,7 @@ export function viewerSteps(steps, browser, server) {
   steps.step('a failed call for the settings is made again, though the sheet stands still', async () => {
     let refusals = 2;
     const getSheet = '**/kerf.v1.SheetService/GetSheet';
-    await viewer.page.route(getSheet, (route) =>
+    await viewer.route(getSheet, (route) =>
       refusals-- > 0 ? route.fulfill({ status: 503, body: '{}' }) : route.continue(),
     );
     await post(url, 'SheetService/PauseSheet', kDemo);
