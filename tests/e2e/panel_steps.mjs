@@ -79,7 +79,7 @@ export function panelSteps(steps, browser, { url }) {
       const text = await page.textContent(`#measure-${id}`);
       check(isHalf(text), `${id}: ${text}`);
     }
-    await viewer.shows('#measure-rest', '1 m²');
+    await viewer.shows('#measure-rest', '10,000 cm²');
     await viewer.picture('measured');
     await page.focus('#canvas');
     await page.keyboard.press('Escape');

@@ -44,10 +44,39 @@ export function pieceMeasures({ mirror, locator }: Surface, at: Point2): PieceMe
   return areas;
 }
 
-/** Formats a length with four digits, in metres or a suitable smaller unit. */
-export function measureText(metres: number): string {
-  const [factor, unit] = metres >= 1 || metres === 0 ? [1, 'm'] : metres >= 0.01 ? [100, 'cm'] : [1000, 'mm'];
-  return `${Number((factor * metres).toPrecision(4))} ${unit}`;
+/** A unit of lengths, of which there are so many in a metre. */
+export interface MeasureUnit {
+  name: 'm' | 'cm' | 'mm';
+  inOneM: number;
+}
+
+/** Returns the unit for a length: metres or a suitable smaller one. */
+function unitFor(metres: number): MeasureUnit {
+  if (metres >= 1 || metres === 0) return { name: 'm', inOneM: 1 };
+  return metres >= 0.01 ? { name: 'cm', inOneM: 100 } : { name: 'mm', inOneM: 1000 };
+}
+
+/**
+ * Returns the unit of all lengths and areas of a measurement: that of the line on the undeformed sheet, which stays the
+ * same as the sheet moves. Without a line it suits the size of the piece.
+ */
+export function measureUnit(line: LineMeasures | undefined, piece: PieceMeasures | undefined): MeasureUnit {
+  return unitFor(line?.sheetM || Math.sqrt(piece?.restM2 ?? 0));
+}
+
+// Formats a number with four digits, and commas between groups of three.
+function fourDigits(value: number): string {
+  return value.toLocaleString('en', { maximumSignificantDigits: 4 });
+}
+
+/** Formats a length with four digits. */
+export function measureText(metres: number, { name, inOneM }: MeasureUnit): string {
+  return `${fourDigits(inOneM * metres)} ${name}`;
+}
+
+/** Formats an area with four digits, in the square of the unit. */
+export function measureAreaText(squareMetres: number, { name, inOneM }: MeasureUnit): string {
+  return `${fourDigits(inOneM ** 2 * squareMetres)} ${name}²`;
 }
 
 /** Formats by how much the line is longer in space than on the sheet: "+1.2 %". */

@@ -1,6 +1,5 @@
-import { areaText } from '../tools/cut_text';
 import type { Measured } from '../tools/measure_tool';
-import { measureText, stretchText } from '../tools/measures';
+import { measureAreaText, measureText, measureUnit, stretchText } from '../tools/measures';
 import { pressVerb } from '../tools/press_verb';
 import { element, setText } from './dom';
 
@@ -21,15 +20,16 @@ export class MeasurePanel {
 
   show(measured: Measured): void {
     const { line, piece } = measured;
+    const unit = measureUnit(line, piece);
     setText(element('measure-prompt'), measurePrompt(measured));
     const set = (id: string, text: string) => {
       setText(element(`measure-${id}`), text);
       element(`measure-${id}`).parentElement!.hidden = text === '';
     };
-    set('space', line ? measureText(line.spaceM) : '');
-    set('sheet', line ? measureText(line.sheetM) : '');
+    set('space', line ? measureText(line.spaceM, unit) : '');
+    set('sheet', line ? measureText(line.sheetM, unit) : '');
     set('stretch', line ? stretchText(line) : '');
-    set('rest', piece ? areaText(piece.restM2) : '');
-    set('now', piece ? areaText(piece.nowM2) : '');
+    set('rest', piece ? measureAreaText(piece.restM2, unit) : '');
+    set('now', piece ? measureAreaText(piece.nowM2, unit) : '');
   }
 }
