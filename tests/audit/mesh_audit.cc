@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <tuple>
 #include <vector>
 
 #include "tests/audit/exact_geometry.h"
@@ -27,9 +26,11 @@ struct Side {
   std::int32_t slot = 0;
   int k = 0;
   bool ascends = false;  // true if it runs from low to high, counter-clockwise around the slot
-  friend bool operator<(const Side& a, const Side& b) {
-    return std::tie(a.low, a.high, a.ascends) < std::tie(b.low, b.high, b.ascends);
+  // Orders sides by their points, then by direction, as one number: sorting takes most of the time of an audit.
+  [[nodiscard]] std::uint64_t key() const {
+    return (static_cast<std::uint64_t>(low) << 33) | (static_cast<std::uint64_t>(high) << 1) | (ascends ? 1 : 0);
   }
+  friend bool operator<(const Side& a, const Side& b) { return a.key() < b.key(); }
 };
 
 class Audit {

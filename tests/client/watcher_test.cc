@@ -16,6 +16,7 @@
 #include "client/cpp/server.h"
 #include "tests/support/closed_port.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/wait_until.h"
 #include "tests/ws/raw_client.h"
 #include "tests/ws/running_server.h"
 
@@ -36,8 +37,9 @@ class WatcherTest : public testing::Test {
   // Until the server has given every stream up.
   void dawdle() {
     const int port = ws_test::port_of(running_->http_url());
-    while (ws_test::request(port, "GET", "/metrics").body.find("\nkerf_watch_streams 0\n") == std::string::npos) {
-    }
+    test::wait_until([&] {
+      return ws_test::request(port, "GET", "/metrics").body.find("\nkerf_watch_streams 0\n") != std::string::npos;
+    });
   }
 
   std::unique_ptr<app::Server> running_;

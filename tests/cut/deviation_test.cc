@@ -104,16 +104,23 @@ std::vector<Chord> edges_with(const mesh::TriangleMesh& mesh, mesh::LockBits loc
   return edges;
 }
 
-double distance_to_segment_m(const Eigen::Vector2d& point, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-  const Eigen::Vector2d along = b - a;
-  const double t = std::clamp((point - a).dot(along) / along.squaredNorm(), 0.0, 1.0);
-  return (point - a - t * along).norm();
-}
-
+// Uses numbers, not vectors: without optimisation each operation on a vector is a call, and there are a billion of
+// them.
 double distance_to(const Vector2d& point, const std::vector<Chord>& segments) {
-  double nearest = std::numeric_limits<double>::infinity();
-  for (const auto& [a, b] : segments) nearest = std::min(nearest, distance_to_segment_m(point, a, b));
-  return nearest;
+  const double x = point.x(), y = point.y();
+  double nearest = std::numeric_limits<double>::infinity();  // squared
+  const Chord* const end = segments.data() + segments.size();
+  for (const Chord* chord = segments.data(); chord != end; ++chord) {
+    const double *a = chord->first.data(), *b = chord->second.data();
+    const double along_x = b[0] - a[0], along_y = b[1] - a[1];
+    const double from_x = x - a[0], from_y = y - a[1];
+    const double t = (from_x * along_x + from_y * along_y) / (along_x * along_x + along_y * along_y);
+    const double part = t < 0.0 ? 0.0 : t > 1.0 ? 1.0 : t;
+    const double off_x = from_x - part * along_x, off_y = from_y - part * along_y;
+    const double squared = off_x * off_x + off_y * off_y;
+    if (squared < nearest) nearest = squared;
+  }
+  return std::sqrt(nearest);
 }
 
 double tolerance_at(const mesh::TriangleMesh& mesh, const CutOptions& options, const Vector2d& at) {

@@ -13,6 +13,7 @@
 
 #include "client/cpp/failure.h"
 #include "tests/rpc/images_fixture.h"
+#include "tests/support/wait_until.h"
 #include "tests/ws/raw_client.h"
 
 namespace kerf::rpc_test {
@@ -48,8 +49,7 @@ class SlowImagesTest : public ImagesTest {
     }
   }
   void wait_for_one_stream() {
-    while (metric("kerf_image_streams") != 1.0) {
-    }
+    test::wait_until([&] { return metric("kerf_image_streams") == 1.0; });
   }
   // For others than the lively reader.
   double rendered() const { return metric("kerf_pictures_rendered_total") - (1.0 + kTicks); }
@@ -93,8 +93,7 @@ TEST_F(SlowImagesTest, AReaderThatDoesNotEvenReadIsCutOff) {
   start.mutable_start()->mutable_view()->set_height_px(1200);
   stalled->Write(start);
   follow();
-  while (rendered() < 1.0) {
-  }
+  test::wait_until([&] { return rendered() >= 1.0; });
   wait_for_one_stream();
   EXPECT_LE(rendered(), 2.0) << "as many as its window has";
   v1::WatchImagesResponse response;

@@ -23,6 +23,7 @@
 #include "server/service/rpc/messages.h"
 #include "server/service/rpc/rpc_server.h"
 #include "tests/rpc/fixture.h"
+#include "tests/support/wait_until.h"
 
 namespace kerf::rpc_test {
 namespace {
@@ -256,8 +257,7 @@ TEST_F(RpcServerTest, ACancelledStepEnds) {
     v1::Sheet sheet;
     EXPECT_EQ(client_->sheets().StepSheet(&context, request, &sheet).error_code(), StatusCode::CANCELLED);
   });
-  while (get("sheets/a").tick() == 0) {
-  }
+  test::wait_until([&] { return get("sheets/a").tick() != 0; });
   context.TryCancel();
   caller.join();
   // Refused while the first call runs.

@@ -13,6 +13,7 @@
 #include <thread>
 
 #include "client/cpp/server.h"
+#include "tests/support/wait_until.h"
 #include "tests/ws/raw_client.h"
 #include "tests/ws/running_server.h"
 
@@ -37,8 +38,7 @@ class SlowWatchTest : public testing::Test {
   void wait_for_streams(int wanted) {
     const int port = ws_test::port_of(server_->http_url());
     const std::string line = "\nkerf_watch_streams " + std::to_string(wanted) + "\n";
-    while (ws_test::request(port, "GET", "/metrics").body.find(line) == std::string::npos) {
-    }
+    test::wait_until([&] { return ws_test::request(port, "GET", "/metrics").body.find(line) != std::string::npos; });
   }
   // Checks the stream after the server has released it.
   template <typename Stream>

@@ -4,10 +4,12 @@
 
 #include <memory>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "kerf/v1/sheets.pb.h"
 #include "server/service/wire/json.h"
+#include "tests/support/wait_until.h"
 #include "tests/ws/http_fixture.h"
 
 namespace kerf::ws_test {
@@ -96,8 +98,7 @@ TEST_F(HttpServerTest, AResponseMayTakeLongWhileItIsTaken) {
     ASSERT_TRUE(slow.read_exactly(wanted)) << left << " bytes short";
     left -= wanted;
     // Slower than all of it is allowed to take at a time, and never silent for so long.
-    for (const auto next = Clock::now() + milliseconds(250); left > 0 && Clock::now() < next;) {
-    }
+    if (left > 0) std::this_thread::sleep_for(milliseconds(250));
   }
   EXPECT_GT(Clock::now() - slowly_from, milliseconds(1500));
 
@@ -105,9 +106,7 @@ TEST_F(HttpServerTest, AResponseMayTakeLongWhileItIsTaken) {
   stalled.shrink_receive_buffer(64 << 10);
   stalled.send(request);
   ASSERT_TRUE(stalled.read_until("\r\n\r\n"));
-  const Clock::time_point began = Clock::now();
-  while (Clock::now() < began + milliseconds(1500)) {
-  }
+  std::this_thread::sleep_for(milliseconds(1500));
   EXPECT_FALSE(stalled.read_exactly(std::size_t{8} << 20)) << "of which nothing was taken for too long";
 }
 
@@ -168,8 +167,9 @@ TEST_F(HttpServerTest, OneAddressHasSoManyConnectionsAndAnotherItsOwn) {
   EXPECT_NE(page.find("\nkerf_http_refused_connections_total{limit=\"all\"} 0\n"), std::string::npos) << page;
   EXPECT_NE(page.find("\nkerf_http_open_connections 9\n"), std::string::npos) << page;
   slow.pop_back();
-  while (ws_test::get(elsewhere, "/metrics").body.find("\nkerf_http_open_connections 8\n") == std::string::npos) {
-  }
+  test::wait_until([&] {
+    return ws_test::get(elsewhere, "/metrics").body.find("\nkerf_http_open_connections 8\n") != std::string::npos;
+  });
   RawClient next(port_);
   EXPECT_EQ(ws_test::get(next, "/healthz").status, 200);
 }
@@ -227,8 +227,7 @@ TEST_F(HttpServerTest, AStepWhoseClientHangsUpEnds) {
   {
     RawClient client(port_);
     ASSERT_TRUE(client.send(step_request(kManyTicks)));
-    while (metric("kerf_ticks_total") == 0.0) {
-    }
+    test::wait_until([&] { return metric("kerf_ticks_total") != 0.0; });
   }
   Response response;
   do {  // Refused while the first one runs.
@@ -245,8 +244,7 @@ TEST_F(HttpServerTest, AStepWhoseClientEndsItsHalfIsAnsweredWithWhatWasDone) {
   ASSERT_EQ(call("SheetService/CreateSheet", kSheet).status, 200);
   RawClient client(port_);
   ASSERT_TRUE(client.send(step_request(kManyTicks)));
-  while (metric("kerf_ticks_total") == 0.0) {
-  }
+  test::wait_until([&] { return metric("kerf_ticks_total") != 0.0; });
   client.end_sending();
   const Response response = client.read_response();
   ASSERT_EQ(response.status, 200) << response.body;

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "kerf/v1/render.pb.h"
+#include "tests/support/wait_until.h"
 #include "tests/ws/images_fixture.h"
 
 namespace kerf::ws_test {
@@ -50,8 +51,7 @@ class SlowImagesTest : public ImagesTest {
     }
   }
   void wait_for_one_stream() {
-    while (metric("kerf_image_streams") != 1.0) {
-    }
+    test::wait_until([&] { return metric("kerf_image_streams") == 1.0; });
   }
   // For others than the lively reader.
   double rendered() { return metric("kerf_pictures_rendered_total") - (1.0 + kTicks); }
@@ -89,8 +89,7 @@ TEST_F(ImagesTest, WhoSaysAWordAndHangsUpGivesItsStreamBack) {
     } else {
       gone.end_sending();
     }
-    while (metric("kerf_image_streams") != 0.0) {
-    }
+    test::wait_until([&] { return metric("kerf_image_streams") == 0.0; });
   }
 }
 
@@ -144,12 +143,10 @@ TEST_F(SlowImagesTest, AReaderThatDoesNotEvenReadIsCutOff) {
   stalled.connection().shrink_receive_buffer(kReceiveBytes);
   send(stalled, start_of(v1::IMAGE_PNG, 1600, 1200));
   follow();
-  while (rendered() < 1.0) {
-  }
+  test::wait_until([&] { return rendered() >= 1.0; });
   wait_for_one_stream();
   EXPECT_LE(rendered(), 2.0) << "as many as its window has";
-  while (metric("kerf_websocket_open_streams") > 0.0) {  // the connection goes, too
-  }
+  test::wait_until([&] { return metric("kerf_websocket_open_streams") == 0.0; });
 }
 
 // Whatever it says meanwhile.

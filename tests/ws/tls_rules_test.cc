@@ -8,6 +8,7 @@
 #include <string>
 
 #include "server/service/ws/tls.h"
+#include "tests/support/wait_until.h"
 #include "tests/ws/tls_fixture.h"
 
 namespace kerf::ws_test {
@@ -106,8 +107,8 @@ TEST_F(TlsRulesTest, ClientsThatDoNotSayGoodbyeHoldNothingUp) {
   EXPECT_TRUE(client.closed_by_peer());
   EXPECT_TRUE(client.was_told_goodbye());
   const std::unique_ptr<TlsClient> asking = connect();
-  while (get(*asking, "/metrics").body.find("\nkerf_http_open_connections 1\n") == std::string::npos) {
-  }
+  test::wait_until(
+      [&] { return get(*asking, "/metrics").body.find("\nkerf_http_open_connections 1\n") != std::string::npos; });
 }
 
 TEST_F(TlsRulesTest, AServerStopsWithClientsInEveryState) {

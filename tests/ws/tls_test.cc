@@ -12,6 +12,7 @@
 #include "kerf/v1/sheets.pb.h"
 #include "kerf/v1/stream.pb.h"
 #include "server/service/wire/json.h"
+#include "tests/support/wait_until.h"
 #include "tests/ws/images_fixture.h"
 #include "tests/ws/tls_fixture.h"
 
@@ -100,8 +101,7 @@ TEST_F(TlsTest, AWatchStreamsUntilItsClientClosesIt) {
   EXPECT_EQ(next->payload, "\x03\xe8");
   EXPECT_TRUE(socket.connection().closed_by_peer());
   EXPECT_TRUE(dynamic_cast<TlsClient&>(socket.connection()).was_told_goodbye());
-  while (metric("kerf_websocket_open_streams") != 0.0) {
-  }
+  test::wait_until([&] { return metric("kerf_websocket_open_streams") == 0.0; });
 }
 
 TEST_F(TlsTest, TheBytesOfTlsDoNotCountAsFrames) {
@@ -154,8 +154,7 @@ TEST_F(TlsPicturesTest, MjpegHasAPartForEachPictureAndAnEnd) {
   ASSERT_EQ(call("SheetService/DeleteSheet", R"({"name":"sheets/a"})").status, 200);
   EXPECT_TRUE(client->closed_by_peer());
   EXPECT_TRUE(client->was_told_goodbye());
-  while (metric("kerf_http_open_connections") != 1.0) {  // Though this client says nothing more.
-  }
+  test::wait_until([&] { return metric("kerf_http_open_connections") == 1.0; });
 }
 
 TEST_F(TlsPicturesTest, AReaderOfMjpegThatLeavesIsLetGo) {
@@ -164,8 +163,7 @@ TEST_F(TlsPicturesTest, AReaderOfMjpegThatLeavesIsLetGo) {
     read_part(*client);
     EXPECT_EQ(metric("kerf_image_streams"), 1.0);
     says_goodbye ? client->say_goodbye() : client->hang_up();
-    while (metric("kerf_image_streams") != 0.0) {
-    }
+    test::wait_until([&] { return metric("kerf_image_streams") == 0.0; });
   }
 }
 
@@ -186,8 +184,7 @@ class TlsStepTest : public TlsTest {
     const std::string body = R"({"name":"sheets/a","ticks":100000})";
     client.send("POST /kerf.v1.SheetService/StepSheet HTTP/1.1\r\nHost: localhost\r\nContent-Length: " +
                 std::to_string(body.size()) + "\r\n\r\n" + body);
-    while (metric("kerf_ticks_total") == 0.0) {
-    }
+    test::wait_until([&] { return metric("kerf_ticks_total") != 0.0; });
   }
   // Waits until the sheet can be stepped again; the tick at which that was.
   [[nodiscard]] std::int64_t tick_of_end() const {
@@ -229,8 +226,7 @@ TEST_F(TlsStepTest, RecordsWithoutAnEndAreNone) {
   begin(*client);
   client->change_keys();  // Input that is no part of a request, and asks for output.
   const double ticks = metric("kerf_ticks_total");
-  while (metric("kerf_ticks_total") < ticks + 100.0) {
-  }
+  test::wait_until([&] { return metric("kerf_ticks_total") >= ticks + 100.0; });
   EXPECT_EQ(call("SheetService/StepSheet", R"({"name":"sheets/a","ticks":1})").status, 400) << "still under way";
   client->send_raw("\x17\x03\x03");  // The beginning of a record.
   client->hang_up();
@@ -244,8 +240,7 @@ TEST_F(TlsStepTest, GoesOnWhenItsClientSendsTheNextRequest) {
   const std::string body = R"({"name":"sheets/a","ticks":2000})";
   client->send("POST /kerf.v1.SheetService/StepSheet HTTP/1.1\r\nHost: localhost\r\nContent-Length: " +
                std::to_string(body.size()) + "\r\n\r\n" + body);
-  while (metric("kerf_ticks_total") == 0.0) {
-  }
+  test::wait_until([&] { return metric("kerf_ticks_total") != 0.0; });
   client->send("GET /readyz HTTP/1.1\r\nHost: localhost\r\n\r\nGET /he");
   client->send("althz HTTP/1.1\r\nHost: localhost\r\n\r\n");
   v1::Sheet sheet;
