@@ -16,5 +16,10 @@ export default defineConfig({
       '/images': { target: kerfd, ws: true },
     },
   },
-  test: { include: ['test/**/*.test.ts'], environment: 'node' },
+  test: {
+    include: ['test/**/*.test.ts'],
+    environment: 'node',
+    isolate: false,
+    setupFiles: 'test/leave_no_trace.ts',
+  },
 });

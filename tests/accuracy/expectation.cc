@@ -1,4 +1,5 @@
 #include "tests/accuracy/expectation.h"
+#include "tests/support/paths.h"
 
 #include <algorithm>
 #include <cmath>
@@ -166,8 +167,7 @@ Expectation::Expectation(const std::filesystem::path& file)
       json_(read(file)),
       reference_id_(json_.at("reference").get<std::string>()),
       mesh_(json_.at("mesh").get<std::string>()) {
-  const std::filesystem::path source_dir = KERF_SOURCE_DIR;
-  reference_ = read(source_dir / "tests/data/reference" / (reference_id_ + ".json"));
+  reference_ = read(test::source_path("tests/data/reference") / (reference_id_ + ".json"));
 }
 
 std::filesystem::path Expectation::scene() const {

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "server/core/fem/element/material.h"
+#include "tests/support/paths.h"
 
 namespace kerf::accuracy {
 
@@ -16,7 +17,7 @@ namespace kerf::accuracy {
 class Reference {
  public:
   explicit Reference(const std::string& id) {
-    std::ifstream file(std::string(KERF_SOURCE_DIR) + "/tests/data/reference/" + id + ".json");
+    std::ifstream file(test::source_path("tests/data/reference") / (id + ".json"));
     if (!file) ADD_FAILURE() << "no reference " << id;
     json_ = nlohmann::json::parse(file);
   }

@@ -11,6 +11,7 @@
 #include "server/core/mesh/triangle_mesh.h"
 #include "tests/accuracy/expectation.h"
 #include "tests/accuracy/scene_file.h"
+#include "tests/support/paths.h"
 
 namespace kerf::accuracy {
 namespace {
@@ -18,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 fs::path data(const std::string& folder) {
-  return fs::path(KERF_SOURCE_DIR) / "tests/data" / folder;
+  return test::source_path("tests/data") / folder;
 }
 
 std::vector<fs::path> expectations() {

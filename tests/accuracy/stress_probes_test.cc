@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/accuracy/scene_file.h"
+#include "tests/support/paths.h"
 
 namespace kerf::accuracy {
 namespace {
@@ -59,8 +60,7 @@ TEST(StressProbes, PatchesAreNearerToKirschThanTrianglesAllAroundTheHole) {
   constexpr int kPoints = 180;
   constexpr std::array<double, 5> kCircles{1.0, 1.02, 1.1, 1.5, 3.0};
   constexpr std::array<scene::Recovery, 2> kRecoveries{scene::Recovery::kMean, scene::Recovery::kPatch};
-  scene::SheetConfig config =
-      read_scene_file(std::filesystem::path(KERF_SOURCE_DIR) / "tests/data/scenes/reference/04a_kirsch.json").value();
+  scene::SheetConfig config = read_scene_file(test::source_path("tests/data/scenes/reference/04a_kirsch.json")).value();
   config.probes.clear();
   const auto angle = [](int point) { return 2.0 * std::numbers::pi * point / kPoints; };
   for (const double r : kCircles) {

@@ -6,10 +6,12 @@
 
 #include <nlohmann/json.hpp>
 
+#include "tests/support/paths.h"
+
 namespace kerf::bench {
 namespace {
 
-constexpr const char* kFile = KERF_SOURCE_DIR "/tests/bench/expected_hashes.json";
+const std::filesystem::path kFile = test::source_path("tests/bench/expected_hashes.json");
 
 struct Hashes {
   std::map<std::string, std::string> by_name;

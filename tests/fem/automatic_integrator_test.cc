@@ -94,11 +94,37 @@ TEST(AutomaticIntegrator, CountsAllIterationsThatCutSheetsMayNeed) {
   const auto wool = find_preset("wool").value();
   const mesh::TriangleMesh uncut = square_grid(12);
   const mesh::TriangleMesh cut = cut_at_random(12, 15);
-  const auto implicit_ns = [&](const mesh::TriangleMesh& mesh, AutomaticChoice choice) {
-    return estimate_tick(Model(mesh, wool), as_it_comes(choice)).implicit_ns;
+  const auto implicit_ns = [&](const mesh::TriangleMesh& mesh, AutomaticChoice choice, bool touches_itself = false) {
+    IntegratorOptions options = as_it_comes(choice);
+    options.touches_itself = touches_itself;
+    return estimate_tick(Model(mesh, wool), options).implicit_ns;
   };
   EXPECT_GT(implicit_ns(cut, AutomaticChoice::kSecond), 1.5 * implicit_ns(cut, AutomaticChoice::kFirst));
   EXPECT_EQ(implicit_ns(uncut, AutomaticChoice::kSecond), implicit_ns(uncut, AutomaticChoice::kFirst));
+  EXPECT_EQ(implicit_ns(cut, AutomaticChoice::kSecond, true), implicit_ns(cut, AutomaticChoice::kFirst))
+      << "the limit with self-contact was found without them";
+}
+
+// The stiffness changes the number of substeps alone. It is bisected to where the choice changes.
+TEST(AutomaticIntegrator, ChoosesByTheRatioOfCosts) {
+  const auto expect_limit = [](const mesh::TriangleMesh& mesh, double limit) {
+    const auto estimate_at = [&](double stiffness) {
+      return estimate_tick(Model(mesh, isotropic(stiffness, 0.3, 5.0e-4, 200.0)), as_it_comes());
+    };
+    const auto ratio_of = [](const TickEstimate& estimate) { return estimate.explicit_ns / estimate.implicit_ns; };
+    double soft = 1e4, stiff = 1e12;  // Pa
+    while (stiff > 1.01 * soft) {
+      const double middle = std::sqrt(soft * stiff);
+      (estimate_at(middle).is_explicit ? soft : stiff) = middle;
+    }
+    EXPECT_GT(estimate_at(soft).explicit_ns, 1e9 * kShareOfTick * kTick) << "it is no choice of those that fit";
+    EXPECT_LE(ratio_of(estimate_at(soft)), limit);
+    EXPECT_GT(ratio_of(estimate_at(soft)), 0.98 * limit);
+    EXPECT_GT(ratio_of(estimate_at(stiff)), limit);
+    EXPECT_LT(ratio_of(estimate_at(stiff)), 1.02 * limit);
+  };
+  expect_limit(square_grid(50), 6.0);
+  expect_limit(cut_at_random(50, 5), 1.0);
 }
 
 TEST(AutomaticIntegrator, TakesImplicitEulerNowhere) {

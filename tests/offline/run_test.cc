@@ -13,6 +13,7 @@
 #include "server/service/wire/recording_codec.h"
 #include "server/service/wire/scene_codec.h"
 #include "tests/support/memory_disk.h"
+#include "tests/support/paths.h"
 #include "tests/support/self_contact_scenes.h"
 
 namespace kerf::offline {
@@ -97,8 +98,7 @@ TEST_F(OfflineReplay, OfARecordingIsIdentical) {
 // Recorded by a build whose automatic integrator took implicit Euler for this sheet. Every hash must come out again,
 // while a new scene of the same sheet is stepped otherwise.
 TEST_F(OfflineReplay, OfASheetBeforeTheSecondChoiceOfIntegratorsIsIdentical) {
-  std::ifstream in(std::string(KERF_SOURCE_DIR) + "/tests/data/recordings/before_second_choice.kerfrec",
-                   std::ios::binary);
+  std::ifstream in(test::source_path("tests/data/recordings/before_second_choice.kerfrec"), std::ios::binary);
   std::stringstream content;
   content << in.rdbuf();
   write(content.str());

@@ -10,6 +10,7 @@
 
 #include "render/colours.h"
 #include "tests/render/colour_distance.h"
+#include "tests/support/paths.h"
 
 namespace kerf::render {
 namespace {
@@ -20,7 +21,7 @@ using testing::distance_of;
 using testing::lab;
 
 std::string text_of(const std::string& path) {
-  std::ifstream in(std::string(KERF_SOURCE_DIR) + "/" + path);
+  std::ifstream in(test::source_path(path));
   return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
 }
 

@@ -18,6 +18,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/paths.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/ws/raw_client.h"
 
@@ -42,7 +43,7 @@ class Kerfd {
     if (std::find(arguments.begin(), arguments.end(), "--data") == arguments.end()) {
       arguments.insert(arguments.begin(), {"--data", "none"});
     }
-    std::string program = KERFD_PATH;
+    std::string program = test::program_path("kerfd");
     arguments.insert(arguments.begin(), program);
     if (!limit.empty()) {
       program = "/bin/sh";

@@ -12,6 +12,7 @@
 
 #include "server/base/random.h"
 #include "tests/store/fixture.h"
+#include "tests/support/paths.h"
 #include "tests/support/temporary_folder.h"
 
 namespace kerf::test {
@@ -25,12 +26,13 @@ struct Life {
 // Runs the program that appends, kills it after it has printed a number of answers, and reads what it printed.
 Life run_and_kill(const std::string& folder, std::size_t num_answers) {
   Life life;
+  const std::string program = test::program_path("store_appender");
   int ends[2] = {};
   if (::pipe2(ends, O_CLOEXEC) != 0) return life;
   const pid_t child = ::fork();
   if (child == 0) {
     ::dup2(ends[1], STDOUT_FILENO);
-    ::execl(KERF_STORE_APPENDER, KERF_STORE_APPENDER, folder.c_str(), nullptr);
+    ::execl(program.c_str(), program.c_str(), folder.c_str(), nullptr);
     ::_exit(127);
   }
   ::close(ends[1]);

@@ -19,6 +19,7 @@
 #include "server/service/svg/svg.h"
 #include "tests/audit/audited_cut.h"
 #include "tests/support/meshes.h"
+#include "tests/support/paths.h"
 #include "tests/support/trials.h"
 #include "tests/svg/drawn.h"
 
@@ -30,10 +31,12 @@ using ::testing::IsSubsetOf;
 
 namespace fs = std::filesystem;
 
+const fs::path kClipart = test::built_path("tests/svg/clipart");
+
 std::vector<fs::path> drawings() {
   const char* only = std::getenv("KERF_SVG_FILE");
   std::vector<fs::path> files;
-  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(KERF_CLIPART)) {
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(kClipart)) {
     const std::string name = entry.path().string();
     if (entry.is_regular_file() && (only == nullptr || name.find(only) != std::string::npos)) {
       files.push_back(entry.path());
@@ -63,7 +66,7 @@ std::string kind_of(const std::string& warning) {
 // Processes a drawing like the server: read, fitted into the sheet, cut. Every eighth is checked more closely.
 audit::Finding cut_drawing(const mesh::TriangleMesh& sheet, const fs::path& file, bool closely, Tally& tally) {
   ++tally.drawings;
-  const std::string path = file.lexically_relative(KERF_CLIPART).string();
+  const std::string path = file.lexically_relative(kClipart).string();
   Result<Drawing> drawing = read_all(content_of(file));
   if (!drawing.ok()) {
     tally.refused[path] = drawing.error().reason;
@@ -108,7 +111,7 @@ class SvgFiles : public ::testing::TestWithParam<std::size_t> {};  // every four
 TEST_P(SvgFiles, EachIsCutOrRefusedAndNoInvariantIsBroken) {
   const std::vector<fs::path> files = drawings();
   const bool all = std::getenv("KERF_SVG_FILE") == nullptr;
-  ASSERT_EQ(files.size(), all ? 300U : files.size()) << "in " << KERF_CLIPART;
+  ASSERT_EQ(files.size(), all ? 300U : files.size()) << "in " << kClipart;
   const mesh::TriangleMesh sheet = test::must(mesh::make_grid({50, 50, 1.0, 1.0}));
   Tally tally;
   std::map<std::string, std::string> to_be_refused;
@@ -117,8 +120,8 @@ TEST_P(SvgFiles, EachIsCutOrRefusedAndNoInvariantIsBroken) {
       kNumShares * static_cast<std::size_t>(all ? test::num_trials({.few = 15, .usual = 1, .many = 1}) : 1);
   for (std::size_t i = GetParam(); i < files.size(); i += stride) {
     const auto flaw = cut_drawing(sheet, files[i], !all || i % (8 * stride) == GetParam(), tally);
-    EXPECT_EQ(flaw.value_or(""), "") << "KERF_SVG_FILE=" << files[i].lexically_relative(KERF_CLIPART).string();
-    const auto refused = kRefused.find(files[i].lexically_relative(KERF_CLIPART).string());
+    EXPECT_EQ(flaw.value_or(""), "") << "KERF_SVG_FILE=" << files[i].lexically_relative(kClipart).string();
+    const auto refused = kRefused.find(files[i].lexically_relative(kClipart).string());
     if (refused != kRefused.end()) to_be_refused.insert(*refused);
   }
   std::printf("%lld drawings: %lld cut into %lld pieces with %lld new triangles, refinement stopped in %lld\n",

@@ -14,6 +14,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/support/paths.h"
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -96,7 +98,7 @@ std::vector<std::string> parts_of(std::string_view text, char separator) {
 std::string path_of(const std::string& name) {
   std::vector<std::string> found;
   for (const std::string root : {"server/", "server/core/", "server/service/", ""}) {
-    if (fs::exists(fs::path(KERF_SOURCE_DIR) / (root + name))) found.push_back(root + name);
+    if (fs::exists(kerf::test::source_path(root + name))) found.push_back(root + name);
   }
   return found.size() == 1 ? found.front() : name;
 }
@@ -127,7 +129,7 @@ std::vector<Row> rows_of(const std::string& page) {
 }
 
 const std::vector<Row>& table() {
-  static const std::vector<Row> rows = rows_of(read(fs::path(KERF_SOURCE_DIR) / "server/README.md"));
+  static const std::vector<Row> rows = rows_of(read(kerf::test::source_path("server/README.md")));
   return rows;
 }
 
@@ -233,7 +235,7 @@ bool is_source(const fs::path& path) {
 }
 
 TEST(IncludeTable, HoldsForEverySourceFile) {
-  const fs::path root = KERF_SOURCE_DIR;
+  const fs::path root = kerf::test::source_path("");
   std::vector<std::string> found;
   int num_files = 0;
   for (const char* top : {"server", "render", "client"}) {
@@ -249,7 +251,7 @@ TEST(IncludeTable, HoldsForEverySourceFile) {
 }
 
 TEST(IncludeTable, ListsOnlyWhatExists) {
-  const fs::path root = KERF_SOURCE_DIR;
+  const fs::path root = kerf::test::source_path("");
   for (const Row& row : table()) {
     EXPECT_TRUE(fs::is_directory(root / row.folder)) << row.folder;
     EXPECT_EQ(row_of(row.folder), &row) << row.folder << " has two rows";

@@ -11,12 +11,13 @@
 #include "server/core/sheet/sheet.h"
 #include "server/service/wire/json.h"
 #include "server/service/wire/scene_codec.h"
+#include "tests/support/paths.h"
 
 namespace kerf::wire {
 namespace {
 
 TEST(DemoScene, TellsItsStoryRaisesNoFlagAndFallsAsleepWithinTwentySecondsOfItsLastCut) {
-  std::ifstream file(KERF_SOURCE_DIR "/deploy/scenes/demo.json");
+  std::ifstream file(test::source_path("deploy/scenes/demo.json"));
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   v1::Scene scene;
   ASSERT_TRUE(from_json(text, scene).ok());

@@ -15,6 +15,7 @@
 #include <gtest/gtest.h>
 
 #include "server/service/wire/frame_encoder.h"
+#include "tests/support/paths.h"
 #include "tests/wire/changing_sheet.h"
 #include "tests/wire/frame_mirror.h"
 
@@ -24,7 +25,7 @@ namespace {
 using testing::ChangingSheet;
 using testing::FrameMirror;
 
-const std::string kFolder = KERF_GOLDEN_FOLDER;
+const std::filesystem::path kFolder = test::source_path("tests/data/frames");
 
 // FNV-1a, 32 bits, over little-endian words.
 class Fnv {
@@ -110,7 +111,7 @@ std::string hashes_of(const std::vector<std::string>& messages) {
 }
 
 void expect_file(const std::string& name, const std::string& content) {
-  const std::string path = kFolder + '/' + name;
+  const std::string path = kFolder / name;
   if (std::getenv("KERF_WRITE_GOLDEN") != nullptr) {
     std::ofstream(path, std::ios::binary) << content;
   }

@@ -15,6 +15,7 @@
 #include "server/service/wire/protobuf_log.h"
 #include "server/service/wire/recording_codec.h"
 #include "server/service/wire/recording_frames.h"
+#include "tests/support/paths.h"
 #include "tests/wire/codec_checks.h"
 #include "tests/wire/scene_samples.h"
 
@@ -275,8 +276,7 @@ TEST(RecordingCodec, OtherFilesAreNoRecordings) {
 
 // The file was recorded before mesh files were mended: two lips at the same place, and a face of five corners.
 TEST(RecordingCodec, MeshFilesOfOldRecordingsAreReadAsTheyWere) {
-  std::ifstream in(std::string(KERF_SOURCE_DIR) + "/tests/data/recordings/before_mesh_reading.kerfrec",
-                   std::ios::binary);
+  std::ifstream in(test::source_path("tests/data/recordings/before_mesh_reading.kerfrec"), std::ios::binary);
   std::stringstream content;
   content << in.rdbuf();
   const Result<RecordingFile> read = decode_recording(content.str());

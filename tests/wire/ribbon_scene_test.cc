@@ -14,6 +14,7 @@
 #include "server/core/sheet/sheet.h"
 #include "server/service/wire/json.h"
 #include "server/service/wire/scene_codec.h"
+#include "tests/support/paths.h"
 #include "tests/support/solid_triangles.h"
 
 namespace kerf::wire {
@@ -22,7 +23,7 @@ namespace {
 constexpr std::int64_t kEnd = 420;  // ticks, three seconds after the cuts
 
 scene::SheetConfig ribbon_scene() {
-  std::ifstream file(KERF_SOURCE_DIR "/deploy/scenes/ribbon.json");
+  std::ifstream file(test::source_path("deploy/scenes/ribbon.json"));
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   v1::Scene scene;
   EXPECT_TRUE(from_json(text, scene).ok());

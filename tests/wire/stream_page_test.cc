@@ -25,6 +25,7 @@
 #include "server/service/codec/position_code.h"
 #include "server/service/codec/topology_code.h"
 #include "server/service/wire/frame_encoder.h"
+#include "tests/support/paths.h"
 
 namespace kerf::wire {
 namespace {
@@ -33,7 +34,7 @@ using google::protobuf::Descriptor;
 using google::protobuf::FieldDescriptor;
 
 std::string read_page() {
-  std::ifstream in(KERF_SOURCE_DIR "/proto/README.md");
+  std::ifstream in(test::source_path("proto/README.md"));
   return {std::istreambuf_iterator<char>(in), {}};
 }
 

@@ -124,9 +124,9 @@ IntegratorKind AutomaticIntegrator::kind() const {
 
 TickCost AutomaticIntegrator::expected_cost(const Model& model, double dt, const TickCounts& last) const {
   if (!implicit_) return explicit_.expected_cost(model, dt, last);
-  IntegratorOptions asked = with_kind(options_, implicit_->kind());
-  asked.linear_solver = solver_;
-  return implicit_cost(model, asked, last);  // few solves need the most iterations that they may make
+  IntegratorOptions counted = with_kind(priced_options(model, explicit_, options_), implicit_->kind());
+  counted.linear_solver = solver_;
+  return implicit_cost(model, counted, last);
 }
 
 StepStats AutomaticIntegrator::step(const Model& model, const Loads& loads, double dt, ContactConstraint* contact,
