@@ -10,7 +10,7 @@ import sys
 import time
 
 import failures
-from processes import Command, end_as_interrupted, interrupt_on_termination
+from processes import Command, end_as_interrupted, interrupt_once
 from progress import Memory, StepProgress, in_words
 from schedule import failed_needs, may_begin, time_left
 from steps import LONG, ROOT, SETS, STEPS, with_needs
@@ -258,7 +258,7 @@ def main(arguments):
 
 
 if __name__ == "__main__":
-    interrupt_on_termination()
+    interrupt_once()
     try:
         sys.exit(main(sys.argv[1:]))
     except KeyboardInterrupt:

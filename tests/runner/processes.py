@@ -71,19 +71,24 @@ class Command:
                     pass
             end_group(self.process.pid)
         except ProcessLookupError:
-            pass
+            signal.signal(each, signal.SIG_IGN)
         self.process.wait()
         self.reader.join()
         self.process.stdout.close()
 
 
-def interrupt_on_termination():
-    """Makes SIGTERM and SIGHUP what Ctrl-C is, so that nothing is left behind after them either."""
+def interrupt_once():
+    """Makes SIGTERM and SIGHUP what Ctrl-C is, so that nothing is left behind after them either. Any more of them are
+    ignored, because the first one's ending of processes must not stop halfway."""
+    signals = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+
     def interrupt(*_):
+        for each in signals:
+            signal.signal(each, signal.SIG_IGN)
         raise KeyboardInterrupt
 
-    signal.signal(signal.SIGTERM, interrupt)
-    signal.signal(signal.SIGHUP, interrupt)
+    for each in signals:
+        signal.signal(each, interrupt)
 
 
 def end_as_interrupted():

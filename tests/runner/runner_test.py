@@ -5,8 +5,11 @@ import importlib.machinery
 import importlib.util
 import io
 import pathlib
+import signal
+import subprocess
 import sys
 import tempfile
+import time
 import unittest
 from unittest import mock
 
@@ -178,6 +181,23 @@ class Processes(unittest.TestCase):
             child = next(line for line in running if line)
             raise KeyboardInterrupt
         self.assertFalse(self.runs(child))
+
+    def test_a_second_interrupt_does_not_stop_the_ending(self):
+        with tempfile.TemporaryDirectory() as folder:
+            asked = pathlib.Path(folder, "asked")
+            stubborn = f"trap 'echo > {asked}' TERM; echo $$; while :; do sleep 0.01 || :; done"
+            program = (f"import processes\nprocesses.PATIENCE = 0.5\nprocesses.interrupt_once()\n"
+                       f"with processes.Command({stubborn!r}) as running:\n    for line in running:\n"
+                       f"        if line: print(line, end='', flush=True)\n")
+            with subprocess.Popen([sys.executable, "-c", program], cwd=HERE, text=True, stdout=subprocess.PIPE,
+                                  stderr=subprocess.DEVNULL) as interrupted:
+                child = interrupted.stdout.readline()
+                interrupted.send_signal(signal.SIGINT)
+                while not asked.exists() and interrupted.poll() is None:
+                    time.sleep(0.01)
+                for another in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+                    interrupted.send_signal(another)
+            self.assertFalse(self.runs(child))
 
 
 class Progress(unittest.TestCase):
