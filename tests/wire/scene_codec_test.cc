@@ -69,7 +69,8 @@ TEST(SceneCodec, ReadingsOfMeshFilesAreChecked) {
   EXPECT_EQ(refused([](v1::MeshReading& reading) { reading.set_unit_m(1e-3); }), "");
   EXPECT_EQ(refused([](v1::MeshReading& reading) { reading.set_unit_m(-1.0); }), "obj.reading.unit_m");
   EXPECT_EQ(refused([](v1::MeshReading& reading) { reading.set_join_m(2e4); }), "obj.reading.join_m");
-  EXPECT_EQ(refused([](v1::MeshReading& reading) { reading.set_reader_version(3); }), "obj.reading.reader_version");
+  EXPECT_EQ(refused([](v1::MeshReading& reading) { reading.set_reader_version(mesh::kNewestReader + 1); }),
+            "obj.reading.reader_version");
   EXPECT_EQ(refused([](v1::MeshReading& reading) { reading.set_up_axis(static_cast<v1::MeshReading::UpAxis>(9)); }),
             "obj.reading.up_axis");
   EXPECT_EQ(refused([](v1::MeshReading& reading) {

@@ -36,9 +36,11 @@ enum class RestShape {
 };
 
 // Versions of the reader of mesh files. Recordings and stores name the one that made their sheet, so that it is made
-// again with every bit. The first joins no vertices, mends nothing and splits polygons as fans.
+// again with every bit. The first joins no vertices, mends nothing and splits polygons as fans. The second joins
+// vertices to each other, not to sides in which they lie.
 inline constexpr std::int32_t kFirstReader = 1;
-inline constexpr std::int32_t kNewestReader = 2;
+inline constexpr std::int32_t kSecondReader = 2;
+inline constexpr std::int32_t kNewestReader = 3;
 
 // Names the axis of the file that points up in the world.
 enum class UpAxis {

@@ -285,6 +285,11 @@ class Sheets(Case):
         pathlib.Path(path("flipped.obj")).write_bytes(b"\xef\xbb\xbf" + flipped.encode())
         self.assertEqual(self.json_of("inspect", path("flipped.obj"))["notes"],
                          ["turned round face 2 (line 6), to face as its neighbours do"])
+        # A vertex within the side of a face.
+        pathlib.Path(path("within.obj")).write_text(square + "v .5 0 0\nv .5 -1 0\nf 1 2 3 4\nf 1 6 5\nf 5 6 2\n")
+        joined = "joined vertex 5 (line 5) to face 1 (line 7), in whose side it lies; join_m 0 (--join 0) keeps them apart"
+        self.assertEqual(self.json_of("inspect", path("within.obj"))["notes"], [joined])
+        self.assertIn(f"  note: {joined}\n", kerf("sheet", "create", "within", "--obj", path("within.obj")).stdout)
 
 
 if __name__ == "__main__":

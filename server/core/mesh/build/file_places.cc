@@ -17,6 +17,8 @@ constexpr double kRoundedApart = 1.75;    // steps of rounding between equal pla
 constexpr double kSameInDoubles = 1e-12;  // -; distance of equal places over the size, whatever the digits
 constexpr double kMostOfEdges = 0.1;      // -; largest distance that is joined unasked, over the median edge
 constexpr double kMostAsked = 0.5;        // -; the same for join_m
+constexpr double kLargeSheet = 50.0;      // m; sheets beyond these sizes are mentioned
+constexpr double kSmallSheet = 1e-4;      // m
 
 Eigen::Vector3d turned(const Eigen::Vector3d& at, UpAxis up) {
   switch (up) {
@@ -131,6 +133,7 @@ class Placing {
                                                    length_text(middle)));
       }
     }
+    places_.is_joined = true;
     join_positions();
     if (is_charted_) join_textures();
   }
@@ -146,8 +149,8 @@ class Placing {
       }
     }
     const double size = box.sizes().maxCoeff();
-    places_.first_position =
-        first_at_place(used, reading_.join_m.value_or(tolerance(file_.position_precision, false, size)));
+    places_.position_tolerance = reading_.join_m.value_or(tolerance(file_.position_precision, false, size));
+    places_.first_position = first_at_place(used, places_.position_tolerance);
   }
 
   void join_textures() {
@@ -161,8 +164,8 @@ class Placing {
       }
     }
     const double size = box.sizes().maxCoeff();
-    places_.first_texture =
-        first_at_place(used, reading_.join_m.value_or(tolerance(file_.texture_precision, true, size)));
+    places_.texture_tolerance = reading_.join_m.value_or(tolerance(file_.texture_precision, true, size));
+    places_.first_texture = first_at_place(used, places_.texture_tolerance);
   }
 
   const MeshFile& file_;
@@ -196,6 +199,16 @@ std::vector<std::int32_t> order_on_line(std::span<const Eigen::Vector3d> corners
   std::stable_sort(order.begin(), order.end(),
                    [&](std::int32_t i, std::int32_t j) { return along.dot(corners[i]) < along.dot(corners[j]); });
   return order;
+}
+
+void note_size(const Eigen::Matrix3Xd& world, std::vector<std::string>& notes) {
+  const Eigen::Vector3d extent = world.rowwise().maxCoeff() - world.rowwise().minCoeff();
+  const double size = extent.maxCoeff();
+  if (size > kLargeSheet) {
+    notes.push_back("the sheet is " + length_text(size) + " large; if the file is in millimetres, pass --unit mm");
+  } else if (size < kSmallSheet) {
+    notes.push_back("the sheet is only " + length_text(size) + " large; check the unit of the file (--unit)");
+  }
 }
 
 double median(std::vector<double>& lengths) {

@@ -14,6 +14,7 @@
 #include "server/core/mesh/build/file_places.h"
 #include "server/core/mesh/build/first_reader.h"
 #include "server/core/mesh/build/rest_plane.h"
+#include "server/core/mesh/build/side_joining.h"
 
 namespace kerf::mesh {
 namespace {
@@ -24,8 +25,6 @@ using Polygon = FacePolygons::Polygon;
 constexpr double kMostRounding = 0.02;
 constexpr double kMostRoundingAsked = 0.2;  // -; the same for RestShape::kFlat
 constexpr double kMostStretch = 0.03;       // -; mean difference of lengths in the chart that is not mentioned
-constexpr double kLargeSheet = 50.0;        // m; sheets beyond these sizes are mentioned
-constexpr double kSmallSheet = 1e-4;        // m
 constexpr std::size_t kMostNames = 8;
 constexpr std::size_t kMaxNameBytes = 100;  // of each name in a message
 
@@ -49,13 +48,14 @@ class SheetAssembly {
     repair_.leave_out_lines([this](const Polygon& polygon) { return line_of(polygon); });
     if (!chart_fault_.empty()) return file_.refuse("CHART", chart_fault_);
     repair_.leave_out_copies();
+    if (reading_.version > kSecondReader) join_to_sides(file_, places_, faces_, notes_);
     repair_.orient(reading_.join_m == 0.0 ? "" : join_hint());
     if (!faults_.empty()) return faults_.as_error(all_faults_);
     if (faces_.polygons.empty()) return file_.refuse("EMPTY", "no face has an area");
     number_vertices();
     KERF_TRY(make_triangles());
     KERF_TRY(make_rest());
-    note_size();
+    note_size(imported_.world, notes_);
     imported_.is_charted = is_charted_;
     imported_.notes = std::move(notes_);
     return std::move(imported_);
@@ -322,16 +322,6 @@ class SheetAssembly {
                      "vertices instead");
   }
 
-  void note_size() {
-    const Eigen::Vector3d extent = imported_.world.rowwise().maxCoeff() - imported_.world.rowwise().minCoeff();
-    const double size = extent.maxCoeff();
-    if (size > kLargeSheet) {
-      notes_.push_back("the sheet is " + length_text(size) + " large; if the file is in millimetres, pass --unit mm");
-    } else if (size < kSmallSheet) {
-      notes_.push_back("the sheet is only " + length_text(size) + " large; check the unit of the file (--unit)");
-    }
-  }
-
   const MeshFile& file_;
   const MeshReading& reading_;
   bool ignores_texture_;
@@ -366,7 +356,9 @@ Result<ImportedSheet> assemble(const MeshFile& file, const MeshReading& reading,
   return assemble_without_chart(file, reading, made.error().message, faults);
 }
 
-Result<FileSheet> make_sheet(const MeshFile& file, const MeshReading& reading, FaultList* faults) {
+namespace {
+
+Result<FileSheet> make_as_asked(const MeshFile& file, const MeshReading& reading, FaultList* faults) {
   const auto import = [&](Result<ImportedSheet> imported) -> Result<FileSheet> {
     if (!imported.ok()) return imported.error();
     ElementNames names;
@@ -388,6 +380,21 @@ Result<FileSheet> make_sheet(const MeshFile& file, const MeshReading& reading, F
   if (made.ok() || !may_ignore_chart) return made;
   Result<FileSheet> without = import(assemble_without_chart(file, reading, made.error().message, nullptr));
   return without.ok() ? std::move(without) : std::move(made);
+}
+
+}  // namespace
+
+// Where joining vertices to sides spoils a sheet, it is made without.
+Result<FileSheet> make_sheet(const MeshFile& file, const MeshReading& reading, FaultList* faults) {
+  Result<FileSheet> made = make_as_asked(file, reading, faults);
+  if (made.ok() || reading.version <= kSecondReader) return made;
+  MeshReading without = reading;
+  without.version = kSecondReader;
+  Result<FileSheet> plain = make_as_asked(file, without, nullptr);
+  if (!plain.ok()) return made;
+  plain->imported.notes.push_back("vertices within sides of other faces are not joined to them: " +
+                                  made.error().message);
+  return plain;
 }
 
 }  // namespace kerf::mesh
