@@ -49,6 +49,10 @@ std::string layers(const std::string& entries) {
   return "0 SECTION 2 TABLES 0 TABLE 2 LAYER " + entries + " 0 ENDTAB 0 ENDSEC";
 }
 
+std::string line_to_one() {
+  return "0 LINE 8 0 10 0 20 0 11 1 21 0";
+}
+
 struct Cut {
   cut::Path path;
   std::vector<std::string> notes;
@@ -220,6 +224,9 @@ TEST(DxfRead, ReportsWhatIsNotCut) {
               ElementsAre("DXF: 1 x HATCH: not cut", "DXF: 1 x POINT: not cut", "DXF: 2 x TEXT: not cut"));
   EXPECT_THAT(cut_of(file("0 LINE 8 0 67 1 10 0 20 0 11 5 21 0" + line)).notes,
               ElementsAre("DXF: 1 x entity of a paper layout: not cut"));
+  EXPECT_THAT(cut_of(file("0 CIRCLE 8 0 10 0 20 0 40 0 0 SPLINE 8 0 71 3 40 0 40 1 10 0 20 0 10 1 20 1" + line)).notes,
+              ElementsAre("DXF: 1 x CIRCLE that has no length or is faulty: not cut",
+                          "DXF: 1 x SPLINE that has no length or is faulty: not cut"));
   EXPECT_THAT(cut_of(file("0 VIEWPORT 8 0 0 ATTDEF 8 0" + line)).notes, IsEmpty());
 }
 
@@ -233,6 +240,12 @@ TEST(DxfRead, LineEndsAndComments) {
   expect_extent(cut_of(cr), {0, 0, 1, 0});
   expect_extent(cut_of("999\nmade by hand\n" + text), {0, 0, 1, 0});
   expect_extent(cut_of("\xef\xbb\xbf" + text), {0, 0, 1, 0});
+  expect_extent(cut_of("\n \r\n" + text), {0, 0, 1, 0});
+  std::string wide = "\xff\xfe";
+  for (const char c : text) wide += std::string(1, c) + '\0';
+  EXPECT_TRUE(is_dxf(wide));
+  expect_extent(cut_of(wide), {0, 0, 1, 0});
+  expect_extent(cut_of(file("0 LINE 8 0 10 0 20 0 11 0.1D+01 21 0")), {0, 0, 1, 0});
   EXPECT_TRUE(is_dxf(crlf));
   EXPECT_TRUE(is_dxf("999\nmade by hand\n" + text));
   EXPECT_TRUE(is_dxf("  0\nSECTION"));
@@ -278,6 +291,20 @@ TEST(DxfRead, RefusesWithReason) {
     EXPECT_EQ(done.error().field, "cut.curve.dxf");
   }
   EXPECT_THAT(read_all(file("0 LINE 8 0 10 zero 20 0")).error().message, HasSubstr("line 24 of the drawing: 'zero'"));
+  EXPECT_THAT(read_all(file("0 LINE 8 0 10 nan 20 0")).error().message, HasSubstr("line 24 of the drawing: 'nan'"));
+  EXPECT_THAT(read_all(file("0 CIRCLE 8 0 40 inf")).error().message, HasSubstr("line 24 of the drawing: 'inf'"));
+}
+
+TEST(DxfRead, FilesThatEndTooEarlyAreRefused) {
+  const std::string blocks = groups("0 SECTION 2 BLOCKS 0 BLOCK 2 B 10 0 20 0 " + line_to_one() + " 0 ENDBLK");
+  const std::string entities = groups("0 SECTION 2 ENTITIES " + line_to_one() + " " + line_to_one());
+  for (const std::string& text : {blocks, entities, entities + groups("0 EOF"), blocks + entities}) {
+    const Result<Cut> done = read_all(text);
+    ASSERT_FALSE(done.ok()) << text;
+    EXPECT_EQ(done.error().reason, "DXF_MALFORMED");
+    EXPECT_THAT(done.error().message, HasSubstr("not saved or copied whole"));
+  }
+  expect_extent(cut_of(entities + groups("0 ENDSEC")), {0, 0, 1e-3, 0});
 }
 
 TEST(DxfRead, SurvivesMutilatedFiles) {

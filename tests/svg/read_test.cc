@@ -130,6 +130,8 @@ TEST(SvgRead, UnitsAndPercentages) {
   expect_extent(R"svg(<rect x="10%" width="50%" height="25%"/>)svg", {10, 0, 60, 25});
   expect_extent(R"svg(<circle r="50%"/>)svg", {-50, -50, 50, 50});  // of sqrt((100^2 + 100^2) / 2)
   expect_extent(R"svg(<rect width="2em" height="1e1"/>)svg", {0, 0, 32, 10});
+  expect_extent(R"svg(<rect width="1IN" height="25.4MM"/>)svg", {0, 0, 96, 96});
+  expect_extent(R"svg(<rect width="2rem" height="101.6Q"/>)svg", {0, 0, 32, 96});
 }
 
 TEST(SvgRead, NestedViewportsUseAndSymbols) {
@@ -282,7 +284,65 @@ TEST(SvgRead, AcceptsTheLimitsThemselves) {
   EXPECT_TRUE(read_all(padded).ok());
 }
 
-TEST(SvgRead, ExpandsNoEntitiesAndFollowsNoCycle) {
+TEST(SvgRead, EntitiesOfTheDocumentTypeAreReplaced) {
+  const std::string type = R"svg(<?xml version="1.0"?><!DOCTYPE svg PUBLIC "-//W3C//DTD SVG 1.1//EN" "svg11.dtd" [
+      <!ENTITY st0 "fill:none;stroke:#F00;"><!ENTITY hidden 'display:none'><!ENTITY p "M0 0L5 0&q;"><!ENTITY q "L5 9">]>)svg";
+  const Drawing drawing = drawn(type + R"svg(<svg xmlns="http://www.w3.org/2000/svg" width="9" height="9">
+      <path style="&st0;" d="&p;"/><rect style="&hidden;" width="20" height="20"/></svg>)svg");
+  expect_extent(drawing, {0, 0, 5, 9});
+  EXPECT_THAT(drawing.not_cut, ElementsAre("SVG: 1 x shape that is hidden or paints nothing: not cut"));
+  std::string bomb = "<!DOCTYPE svg [<!ENTITY a0 \"aaaaaaaaaa\">";
+  for (int i = 1; i < 9; ++i) {
+    bomb += "<!ENTITY a" + std::to_string(i) + " \"";
+    for (int k = 0; k < 10; ++k) bomb += "&a" + std::to_string(i - 1) + ";";
+    bomb += "\">";
+  }
+  EXPECT_EQ(read_all(bomb + "]><svg><path d=\"&a7;\"/></svg>").error().reason, "SVG_TOO_LARGE");
+  EXPECT_EQ(read_all("<!DOCTYPE svg [<!ENTITY a \"&a;\">]><svg><path d=\"&a;\"/></svg>").error().reason, "SVG_EMPTY");
+}
+
+TEST(SvgRead, LengthsThatCannotBeReadAreTold) {
+  const Drawing drawing = drawn(document(R"svg(<rect width="10vw" height="5"/><circle cx="1e400" r="2"/>
+      <rect rx="auto" x="" width="9" height="9"/>)svg"));
+  EXPECT_THAT(drawing.not_cut,
+              ::testing::Contains("SVG: 2 x length that cannot be read (the first: width=\"10vw\"): not applied"));
+  EXPECT_THAT(drawn(document("<path d=\"M0 0L5 5\"/>", R"svg(width="400,5mm" height="3")svg")).not_cut,
+              ElementsAre("SVG: 1 x length that cannot be read (the first: width=\"400,5mm\"): not applied"));
+}
+
+TEST(SvgRead, FaultsNameTheLine) {
+  EXPECT_THAT(read_all("<svg>\n<g>\n</svg>").error().message, HasSubstr("line 3: not XML"));
+  // Lines of embedded pictures count.
+  const std::string picture = "<svg><image href=\"data:image/png;base64,AA\nAA\nAA\"/>\n<path d=\"M0 0";
+  EXPECT_THAT(read_all(picture).error().message, HasSubstr("line 4: not XML"));
+}
+
+TEST(SvgRead, EncodingsThatAreNotKnownAreTold) {
+  const std::string text =
+      "<?xml version=\"1.0\" encoding=\"windows-1251\"?><svg><path id=\"\xd1\" d=\"M0 0L5 5\"/></svg>";
+  EXPECT_THAT(drawn(text).not_cut,
+              ElementsAre("SVG: 1 x encoding windows-1251 (names are taken as ISO-8859-1): not applied"));
+}
+
+TEST(SvgRead, NamesOfSvgMayHaveAPrefixOrNone) {
+  expect_extent(drawn(R"svg(<x:svg xmlns:x="http://www.w3.org/2000/svg" xmlns="http://www.w3.org/2000/svg"
+      xmlns:l="http://www.w3.org/1999/xlink" width="9" height="9"><defs><path id="p" d="M0 0L5 6"/></defs><x:g><use
+      l:href="#p"/></x:g></x:svg>)svg"),
+                {0, 0, 5, 6});
+}
+
+TEST(SvgRead, ViewportsWithinTellOfOutlinesBeyondThem) {
+  const std::string inner = R"svg(<svg x="10" y="10" width="20" height="20")svg";
+  const auto notes = [&](const std::string& attributes, const std::string& side) {
+    return drawn(document(inner + attributes + "><rect width=\"" + side + "\" height=\"5\"/></svg>")).not_cut;
+  };
+  EXPECT_THAT(notes("", "20"), IsEmpty());
+  EXPECT_THAT(notes("", "21"), ElementsAre(HasSubstr("beyond its viewport")));
+  EXPECT_THAT(notes(" overflow=\"visible\"", "21"), IsEmpty());
+  EXPECT_THAT(notes(" viewBox=\"0 0 40 40\"", "40"), IsEmpty());
+}
+
+TEST(SvgRead, ReadsNoOtherFilesAndFollowsNoCycle) {
   const std::string bomb = R"svg(<?xml version="1.0"?><!DOCTYPE svg [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;">
       <!ENTITY x SYSTEM "file:///etc/passwd">]><svg width="9" height="9"><title>&b;&x;</title><path id="&x;" d="M0 0L5 5&b;"/></svg>)svg";
   const Drawing drawing = drawn(bomb);

@@ -239,6 +239,20 @@ TEST(SvgStyle, DashesFollowCurvesAndCorners) {
   }
 }
 
+TEST(SvgStyle, SizesAndPlacesMayBeStyles) {
+  const auto expect_box = [](const std::string& content, double width, double height) {
+    const cut::Box box = cut::extent(drawn(document(content)).path);
+    EXPECT_NEAR((box.high.x() - box.low.x()) / kPixel, width, 1e-9) << content;
+    EXPECT_NEAR((box.high.y() - box.low.y()) / kPixel, height, 1e-9) << content;
+  };
+  expect_box("<style>circle{r:20px}</style><circle r=\"1\" cx=\"50\"/>", 40, 40);
+  expect_box("<style>rect{width:30px;height:20px;rx:2px}</style><rect x=\"10\"/>", 30, 20);
+  expect_box("<rect width=\"10\" height=\"20\" style=\"rotate:90deg; translate: 30px 5px; scale:2\"/>", 40, 20);
+  expect_box("<rect width=\"10\" height=\"20\" style=\"transform:translate(1cm) scale(2)\"/>", 20, 40);
+  EXPECT_THAT(drawn(document("<rect style=\"fill:var(--c)\" width=\"5\" height=\"5\"/>")).not_cut,
+              ::testing::ElementsAre("SVG: 1 x reference to a variable of a style sheet: not applied"));
+}
+
 TEST(SvgStyle, BoundsOnWork) {
   // Selectors that have to be compared with every element, many times over.
   std::string css;

@@ -14,6 +14,7 @@ namespace kerf::dxf {
 namespace {
 
 constexpr const char* kDxfField = "cut.curve.dxf";
+constexpr std::size_t kStartBytes = 1024;  // More than enough to know a DXF by.
 constexpr std::string_view kBinary = "AutoCAD Binary DXF";
 
 // Returns the metres of $INSUNITS; millimetres if it names none.
@@ -50,6 +51,9 @@ bool is_dwg(std::string_view data) {
 
 bool is_dxf(std::string_view data) {
   if (data.substr(0, kBinary.size()) == kBinary || is_dwg(data)) return true;
+  if (data.starts_with("\xff\xfe") || data.starts_with("\xfe\xff")) {
+    return is_dxf(utf8_text(std::string(data.substr(0, 2 * kStartBytes))));
+  }
   const std::string_view text = without_byte_order_mark(data);
   const std::size_t from = text.find_first_not_of(" \t\r\n");
   if (from == std::string_view::npos) return false;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <utility>
 
 #include "server/service/dxf/colours.h"
@@ -84,6 +85,10 @@ void read_blocks(const std::vector<Entity>& entities, File& file) {
   }
 }
 
+Error cut_off(int line, const std::string& section) {
+  return malformed(line, "the file ends here, within the section " + section + ": it was not saved or copied whole");
+}
+
 }  // namespace
 
 Error malformed(int line, const std::string& why) {
@@ -92,9 +97,17 @@ Error malformed(int line, const std::string& why) {
 
 std::optional<double> to_number(std::string_view text) {
   if (!text.empty() && text.front() == '+') text.remove_prefix(1);
+  // Programs in Fortran write 1.5D+01 for 15.
+  const std::size_t exponent = text.find_first_of("dD");
+  std::string with_e;
+  if (exponent != std::string_view::npos) {
+    with_e = text;
+    with_e[exponent] = 'e';
+    text = with_e;
+  }
   double value = 0.0;
   const auto [stop, fault] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (fault != std::errc() || stop != text.data() + text.size()) return std::nullopt;
+  if (fault != std::errc() || stop != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
   return value;
 }
 
@@ -124,6 +137,10 @@ Eigen::Vector2d Entity::point(int code) const {
 Result<std::vector<Group>> groups_of(std::string_view text) {
   std::vector<Group> groups;
   int line = 0;
+  while (text.find_first_of("\r\n") == text.find_first_not_of(" \t") && !text.empty()) {  // blank lines at the start
+    take_line(text);
+    ++line;
+  }
   while (!text.empty()) {
     const std::string_view code = without_blanks(take_line(text));
     ++line;
@@ -158,14 +175,17 @@ Result<File> divided(const std::vector<Group>& groups) {
     const Group* const first = at + 2;
     std::vector<Entity> entities;
     at = entities_until("ENDSEC", first, end, entities);
+    const bool is_whole = at != first && at[-1].code == 0 && at[-1].value == "ENDSEC";
     if (name == "HEADER") read_header(first, at, file);
     if (name == "TABLES") {
       for (const Entity& entry : entities) {
         if (entry.type == "LAYER") file.layers[key_of(entry.text(2))] = layer_of(entry);
       }
     }
+    if (name == "BLOCKS" && !is_whole) return cut_off(groups.back().line, "BLOCKS");
     if (name == "BLOCKS") read_blocks(entities, file);
     if (name == "ENTITIES") {
+      if (!is_whole) return cut_off(groups.back().line, "ENTITIES");
       has_entities = true;
       file.entities = std::move(entities);
     }

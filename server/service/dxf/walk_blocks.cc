@@ -122,6 +122,8 @@ Status BlockWalk::visit(const Entity& entity, const std::vector<Entity>& vertice
   }
   if (entity.type == "INSERT") return insert(entity, placed);
   const std::optional<std::vector<cut::Subpath>> outline = outline_of(entity, vertices);
+  if (outline && outline->empty() && !placed.is_hidden)
+    report(name_of(entity.type) + " that has no length or is faulty");
   if (outline) return add_shape(entity, *outline, placed);
   if (!placed.is_hidden) report(name_of(entity.type));
   return Nothing{};

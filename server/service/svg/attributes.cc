@@ -1,6 +1,7 @@
 #include "server/service/svg/attributes.h"
 
 #include <array>
+#include <string>
 #include <utility>
 
 #include "server/service/svg/scanner.h"
@@ -9,17 +10,19 @@ namespace kerf::svg {
 namespace {
 
 // Lengths of the units in user units of 1/96 inch (CSS Values 3, section 5.2).
-constexpr std::array<std::pair<std::string_view, double>, 10> kUnits{{
+constexpr std::array<std::pair<std::string_view, double>, 12> kUnits{{
     {"", 1.0},
     {"px", 1.0},
     {"in", 96.0},
     {"cm", 96.0 / 2.54},
     {"mm", 96.0 / 25.4},
-    {"Q", 96.0 / 101.6},
+    {"q", 96.0 / 101.6},
     {"pt", 96.0 / 72.0},
     {"pc", 16.0},
     {"em", 16.0},
     {"ex", 8.0},
+    {"rem", 16.0},
+    {"ch", 8.0},
 }};
 
 }  // namespace
@@ -33,7 +36,8 @@ std::optional<double> parse_length(std::string_view text, double whole) {
     scanner.skip_blanks();
     return scanner.at_end() ? std::optional<double>(0.01 * *number * whole) : std::nullopt;
   }
-  const std::string_view unit = scanner.word();
+  std::string unit(scanner.word());  // in any case, as in style sheets
+  for (char& c : unit) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
   scanner.skip_blanks();
   if (!scanner.at_end()) return std::nullopt;
   for (const auto& [name, size] : kUnits) {

@@ -17,8 +17,8 @@ struct Viewport {
   [[nodiscard]] double diagonal() const { return size.norm() / 1.4142135623730951; }  // SVG 1.1, section 7.10
 };
 
-// Parses a length and returns it in user units. Units: px or none, mm, cm, in, pt, pc, Q, em and ex of a 16 px font,
-// and % of `whole`. Returns nothing if the text cannot be parsed.
+// Parses a length and returns it in user units. Units, in any case: px or none, mm, cm, in, pt, pc, Q; em, rem, ex
+// and ch of a 16 px font; and % of `whole`. Returns nothing if the text cannot be parsed.
 std::optional<double> parse_length(std::string_view text, double whole);
 
 // Parses an attribute as parse_length() does. Returns `otherwise` if it is missing, "auto" or malformed.

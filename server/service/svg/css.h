@@ -34,8 +34,20 @@ enum class Property : std::uint8_t {
   kMarkerStart,
   kMarkerMid,
   kMarkerEnd,
+  kX,
+  kY,
+  kWidth,
+  kHeight,
+  kCx,
+  kCy,
+  kR,
+  kRx,
+  kRy,
+  kTranslate,  // This and the later ones are properties of style sheets alone, and no attributes.
+  kRotate,
+  kScale,
 };
-inline constexpr std::size_t kNumProperties = 22;
+inline constexpr std::size_t kNumProperties = 34;
 inline constexpr std::array<std::string_view, kNumProperties> kPropertyNames{"display",
                                                                              "visibility",
                                                                              "color",
@@ -57,7 +69,19 @@ inline constexpr std::array<std::string_view, kNumProperties> kPropertyNames{"di
                                                                              "marker",
                                                                              "marker-start",
                                                                              "marker-mid",
-                                                                             "marker-end"};
+                                                                             "marker-end",
+                                                                             "x",
+                                                                             "y",
+                                                                             "width",
+                                                                             "height",
+                                                                             "cx",
+                                                                             "cy",
+                                                                             "r",
+                                                                             "rx",
+                                                                             "ry",
+                                                                             "translate",
+                                                                             "rotate",
+                                                                             "scale"};
 
 std::optional<Property> property_named(std::string_view name);
 

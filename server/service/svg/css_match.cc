@@ -139,7 +139,7 @@ Result<Declared> Cascade::declared(const pugi::xml_node& node) {
   Declared result;
   for (const pugi::xml_attribute& attribute : node.attributes()) {
     const std::optional<Property> property = property_named(attribute.name());
-    if (!property) continue;
+    if (!property || *property >= Property::kTranslate) continue;
     if (*property != Property::kTransform && std::string_view(attribute.value()).size() > kMaxCssValue) continue;
     std::string_view value = attribute.value();
     const std::size_t from = value.find_first_not_of(" \t\n\r\f");

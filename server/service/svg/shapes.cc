@@ -17,6 +17,10 @@ using Eigen::Vector2d;
 
 constexpr double kAbsent = -1.0;  // Marks a missing length; lengths are never negative.
 
+double styled_length(const std::string& value, double whole, double otherwise) {
+  return parse_length(value, whole).value_or(otherwise);
+}
+
 PathData one(cut::Subpath subpath) {
   PathData data;
   data.subpaths.push_back(std::move(subpath));
@@ -31,31 +35,35 @@ PathData ellipse(const Vector2d& centre, const Vector2d& semi_axes) {
   return one(std::move(subpath));
 }
 
-PathData circle_of(const pugi::xml_node& node, const Viewport& viewport) {
-  const Vector2d centre(length_of(node, "cx", viewport.width(), 0.0), length_of(node, "cy", viewport.height(), 0.0));
-  return ellipse(centre, Vector2d::Constant(length_of(node, "r", viewport.diagonal(), 0.0)));
+PathData circle_of(const Declared& declared, const Viewport& viewport) {
+  const Vector2d centre(styled_length(declared[Property::kCx], viewport.width(), 0.0),
+                        styled_length(declared[Property::kCy], viewport.height(), 0.0));
+  return ellipse(centre, Vector2d::Constant(styled_length(declared[Property::kR], viewport.diagonal(), 0.0)));
 }
 
 // Returns both radii of an ellipse or of a rectangle's corners. A missing radius equals the other one.
-Vector2d radii_of(const pugi::xml_node& node, const Viewport& viewport) {
-  Vector2d radii(length_of(node, "rx", viewport.width(), kAbsent), length_of(node, "ry", viewport.height(), kAbsent));
+Vector2d radii_of(const Declared& declared, const Viewport& viewport) {
+  Vector2d radii(styled_length(declared[Property::kRx], viewport.width(), kAbsent),
+                 styled_length(declared[Property::kRy], viewport.height(), kAbsent));
   if (radii.x() < 0.0) radii.x() = radii.y();
   if (radii.y() < 0.0) radii.y() = radii.x();
   return radii.cwiseMax(0.0);
 }
 
-PathData ellipse_of(const pugi::xml_node& node, const Viewport& viewport) {
-  const Vector2d centre(length_of(node, "cx", viewport.width(), 0.0), length_of(node, "cy", viewport.height(), 0.0));
-  return ellipse(centre, radii_of(node, viewport));
+PathData ellipse_of(const Declared& declared, const Viewport& viewport) {
+  const Vector2d centre(styled_length(declared[Property::kCx], viewport.width(), 0.0),
+                        styled_length(declared[Property::kCy], viewport.height(), 0.0));
+  return ellipse(centre, radii_of(declared, viewport));
 }
 
-PathData rectangle_of(const pugi::xml_node& node, const Viewport& viewport) {
-  const Vector2d low(length_of(node, "x", viewport.width(), 0.0), length_of(node, "y", viewport.height(), 0.0));
-  const Vector2d size(length_of(node, "width", viewport.width(), 0.0),
-                      length_of(node, "height", viewport.height(), 0.0));
+PathData rectangle_of(const Declared& declared, const Viewport& viewport) {
+  const Vector2d low(styled_length(declared[Property::kX], viewport.width(), 0.0),
+                     styled_length(declared[Property::kY], viewport.height(), 0.0));
+  const Vector2d size(styled_length(declared[Property::kWidth], viewport.width(), 0.0),
+                      styled_length(declared[Property::kHeight], viewport.height(), 0.0));
   if (!(size.minCoeff() > 0.0)) return {};
   const Vector2d high = low + size;
-  const Vector2d r = radii_of(node, viewport).cwiseMin(0.5 * size);
+  const Vector2d r = radii_of(declared, viewport).cwiseMin(0.5 * size);
   if (r.minCoeff() == 0.0) {
     return one({low, {cut::LineTo{{high.x(), low.y()}}, cut::LineTo{high}, cut::LineTo{{low.x(), high.y()}}}, true});
   }
@@ -105,11 +113,11 @@ bool is_shape(std::string_view element) {
   return std::find(kShapes.begin(), kShapes.end(), element) != kShapes.end();
 }
 
-PathData outline_of(const pugi::xml_node& node, std::string_view element, const Viewport& viewport,
-                    std::size_t max_segments) {
-  if (element == "rect") return rectangle_of(node, viewport);
-  if (element == "circle") return circle_of(node, viewport);
-  if (element == "ellipse") return ellipse_of(node, viewport);
+PathData outline_of(const pugi::xml_node& node, std::string_view element, const Declared& declared,
+                    const Viewport& viewport, std::size_t max_segments) {
+  if (element == "rect") return rectangle_of(declared, viewport);
+  if (element == "circle") return circle_of(declared, viewport);
+  if (element == "ellipse") return ellipse_of(declared, viewport);
   if (element == "line") return line_of(node, viewport);
   if (element == "polyline") return points_of(node, false, max_segments);
   if (element == "polygon") return points_of(node, true, max_segments);

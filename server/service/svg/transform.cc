@@ -61,7 +61,7 @@ std::optional<double> unit_value(std::string_view unit) {
   if (unit == "grad") return 0.9;
   if (unit == "rad") return 57.29577951308232;
   if (unit == "turn") return 360.0;
-  return std::nullopt;
+  return parse_length("1" + std::string(unit), 0.0);
 }
 
 // Parses arguments such as "(1, 2 3)"; returns nothing if they are malformed.

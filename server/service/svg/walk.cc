@@ -34,6 +34,7 @@ constexpr std::array<Property, 7> kReferences{
     Property::kClipPath,    Property::kMask,      Property::kFilter,    Property::kMarker,
     Property::kMarkerStart, Property::kMarkerMid, Property::kMarkerEnd,
 };
+constexpr std::string_view kSvgNamespace = "http://www.w3.org/2000/svg";
 constexpr double kPixelM = 0.0254 / 96.0;
 constexpr int kMaxGroupDepth = 256;  // Layers, classes and ids around a shape that can choose it.
 
@@ -55,12 +56,34 @@ std::string reference_in(const std::string& value) {
   return std::string(inside);
 }
 
+// Returns the transform with the properties translate, rotate and scale before it, as one list of functions.
+std::string transform_of(const Declared& declared) {
+  std::string all;
+  for (const Property property : {Property::kTranslate, Property::kRotate, Property::kScale}) {
+    const std::string& value = declared[property];
+    if (value.empty() || value == "none") continue;
+    all += std::string(kPropertyNames[static_cast<std::size_t>(property)]) + "(" + value + ") ";
+  }
+  const std::string& transform = declared[Property::kTransform];
+  return transform == "none" ? all : all + transform;
+}
+
+// Returns the attribute href, with whatever prefix it has.
+pugi::xml_attribute href_of(const pugi::xml_node& node) {
+  if (const pugi::xml_attribute plain = node.attribute("href")) return plain;
+  for (const pugi::xml_attribute& attribute : node.attributes()) {
+    if (std::string_view(attribute.name()).ends_with(":href")) return attribute;
+  }
+  return {};
+}
+
 }  // namespace
 
 Walk::Walk(const pugi::xml_node& root, const ReadOptions& options) : root_(root), with_dashes_(options.dashes) {
   const std::string_view name = root.name();
   const std::size_t colon = name.find(':');
   if (colon != std::string_view::npos) prefix_ = std::string(name.substr(0, colon + 1));
+  has_plain_names_ = prefix_.empty() || std::string_view(root.attribute("xmlns").value()) == kSvgNamespace;
   drawing_.format = "SVG";
   lay_out(options);
 }
@@ -110,7 +133,7 @@ drawing::Drawing Walk::take_drawing() {
 std::string_view Walk::name_of(const pugi::xml_node& node) const {
   const std::string_view name = node.name();
   const std::size_t colon = name.find(':');
-  if (colon == std::string_view::npos) return prefix_.empty() ? name : std::string_view();
+  if (colon == std::string_view::npos) return has_plain_names_ ? name : std::string_view();
   const std::string_view prefix = name.substr(0, colon + 1);
   return prefix == prefix_ || prefix == "svg:" ? name.substr(colon + 1) : std::string_view();
 }
@@ -200,8 +223,8 @@ Status Walk::enter_groups(const pugi::xml_node& node, Context& context) {
 }
 
 bool Walk::enter(const Declared& declared, Context& context) {
-  const std::string& transform = declared[Property::kTransform];
-  if (transform.empty() || transform == "none") return true;
+  const std::string transform = transform_of(declared);
+  if (transform.empty()) return true;
   const std::optional<Affine> map = parse_transform(transform);
   if (!map) {
     if (context.style.is_shown) report("element with a transform that cannot be read");
@@ -224,6 +247,7 @@ bool Walk::enter(const Declared& declared, Context& context) {
 
 Status Walk::visit_content(const pugi::xml_node& node, std::string_view name, const Declared& declared,
                            const Context& context) {
+  if (context.style.is_shown && (name == "svg" || name == "use" || is_shape(name))) report_lengths(node);
   if (name == "g" || name == "a") return visit_children(node, context);
   if (name == "svg") return visit_viewport(node, node, context);
   if (name == "use") return visit_use(node, context);
@@ -279,12 +303,31 @@ Status Walk::visit_viewport(const pugi::xml_node& node, const pugi::xml_node& si
     inner.to_sheet = inner.to_sheet * translation(viewport.corner);
     inner.viewport.size = viewport.size;
   }
-  return visit_children(node, inner);
+  const Eigen::AlignedBox2d around = canvas_;
+  if (node != root_) narrow_canvas(node, viewport, context);
+  const Status status = visit_children(node, inner);
+  canvas_ = around;
+  return status;
+}
+
+void Walk::narrow_canvas(const pugi::xml_node& node, const Rectangle& viewport, const Context& context) {
+  const std::string_view style = node.attribute("style").value();
+  const bool is_open = std::string_view(node.attribute("overflow").value()) == "visible" ||
+                       style.find("overflow:visible") != std::string_view::npos ||
+                       style.find("overflow: visible") != std::string_view::npos;
+  if (is_open) return;
+  Eigen::AlignedBox2d box;
+  const double slack = 1.0e-6 * viewport.size.maxCoeff();
+  for (const Vector2d& corner :
+       {Vector2d(-slack, -slack), Vector2d(viewport.size.x() + slack, -slack),
+        Vector2d(-slack, viewport.size.y() + slack), Vector2d(viewport.size.array() + slack)}) {
+    box.extend(context.to_sheet(Vector2d(viewport.corner + corner)));
+  }
+  canvas_ = canvas_.isEmpty() ? box : canvas_.intersection(box);
 }
 
 Status Walk::visit_use(const pugi::xml_node& node, const Context& context) {
-  const pugi::xml_attribute plain = node.attribute("href");
-  const std::string reference(trimmed((plain ? plain : node.attribute("xlink:href")).value()));
+  const std::string reference(trimmed(href_of(node).value()));
   const pugi::xml_node target = target_of(reference);
   if (!target) {
     const bool outside = !reference.empty() && reference.front() != '#';
@@ -312,6 +355,9 @@ Status Walk::visit_use(const pugi::xml_node& node, const Context& context) {
 }
 
 void Walk::report_references(const Declared& declared) {
+  for (const std::string& value : declared.values) {
+    if (value.find("var(") != std::string::npos) report("reference to a variable of a style sheet");
+  }
   for (const Property property : kReferences) {
     const std::string& value = declared[property];
     if (value.empty() || value == "none" || value == "inherit") continue;

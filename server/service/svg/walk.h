@@ -62,6 +62,8 @@ class Walk {
   Status visit_switch(const pugi::xml_node& node, const Context& context);
   // Visits an svg or a symbol. `sized_by`: the element whose width and height apply, itself or the `use`.
   Status visit_viewport(const pugi::xml_node& node, const pugi::xml_node& sized_by, const Context& context);
+  // Narrows canvas_ to a viewport in the outermost one, unless what lies beyond it is to be seen.
+  void narrow_canvas(const pugi::xml_node& node, const Rectangle& viewport, const Context& context);
   Status visit_use(const pugi::xml_node& node, const Context& context);
   Status add_shape(const pugi::xml_node& node, std::string_view name, const Declared& declared, const Context& context);
   // Adds an outline in user units to the shape: with its dashes, transformed.
@@ -72,6 +74,8 @@ class Walk {
   Status enter_groups(const pugi::xml_node& node, Context& context);
   // Applies the element's own transform to the context. Returns false if it is malformed.
   bool enter(const Declared& declared, Context& context);
+  // Reports lengths among the attributes that have no meaning, such as "12,5mm" or "10vw".
+  void report_lengths(const pugi::xml_node& node);
   void report_references(const Declared& declared);
   [[nodiscard]] std::vector<std::string> not_cut() const;
 
@@ -80,6 +84,7 @@ class Walk {
   double pixel_ = 1.0;                   // m of a CSS pixel.
   Eigen::Vector2d root_size_{0.0, 0.0};  // CSS pixels.
   std::string prefix_;                   // "svg:" if the document uses such a prefix.
+  bool has_plain_names_ = true;          // Names without a prefix are SVG's.
   std::unordered_map<std::string, pugi::xml_node> ids_;
   StyleRules rules_;
   std::optional<Cascade> cascade_;
@@ -94,6 +99,7 @@ class Walk {
   Eigen::AlignedBox2d canvas_;        // The outermost viewport in the drawing's frame; empty if its size is not given.
   std::map<std::string, int> kinds_;  // Number of parts that are not cut, by kind.
   std::string first_path_error_;
+  std::string first_length_error_;
 };
 
 }  // namespace kerf::svg

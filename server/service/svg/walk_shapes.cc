@@ -1,13 +1,41 @@
+#include <algorithm>
+#include <array>
 #include <optional>
 #include <utility>
 
+#include "server/base/text_encoding.h"
 #include "server/service/drawing/arc_length.h"
 #include "server/service/drawing/dash.h"
+#include "server/service/svg/scanner.h"
 #include "server/service/svg/shapes.h"
 #include "server/service/svg/walk.h"
 
 // Adds the outlines of shapes, with their dashes, and reports what is left out.
 namespace kerf::svg {
+
+namespace {
+
+constexpr const char* kUnreadLength = "length that cannot be read";
+
+// Attributes of shapes, viewports and uses that are lengths.
+constexpr std::array<std::string_view, 13> kLengths{"x",  "y",  "width", "height", "cx", "cy", "r",
+                                                    "rx", "ry", "x1",    "y1",     "x2", "y2"};
+
+}  // namespace
+
+void Walk::report_lengths(const pugi::xml_node& node) {
+  for (const pugi::xml_attribute& attribute : node.attributes()) {
+    const std::string_view name = attribute.name();
+    const std::string_view value = trimmed(attribute.value());
+    if (std::find(kLengths.begin(), kLengths.end(), name) == kLengths.end() || value == "auto" || value.empty())
+      continue;
+    if (parse_length(value, 1.0) || value == "inherit") continue;
+    report(kUnreadLength);
+    if (first_length_error_.empty()) {
+      first_length_error_ = std::string(name) + "=\"" + shortened(value, 40) + "\"";
+    }
+  }
+}
 
 void Walk::note_extent(const cut::Subpath& line) {
   if (canvas_.isEmpty()) return;
@@ -17,7 +45,7 @@ void Walk::note_extent(const cut::Subpath& line) {
 
 Status Walk::add_shape(const pugi::xml_node& node, std::string_view name, const Declared& declared,
                        const Context& context) {
-  const PathData outline = outline_of(node, name, context.viewport, drawing::kMaxSegments);
+  const PathData outline = outline_of(node, name, declared, context.viewport, drawing::kMaxSegments);
   const Seen what = seen(context.style, context.viewport);
   if (!outline.error.empty() && what.is_painted) {
     report(std::string(name) + " with an error in its data, cut up to it");
@@ -82,9 +110,11 @@ std::vector<std::string> Walk::not_cut() const {
     std::string line = "SVG: " + std::to_string(count) + " x " + kind;
     if (kind.find("in its data") != std::string::npos) {
       line += " (the first at " + first_path_error_ + ")";
+    } else if (kind == kUnreadLength) {
+      line += " (the first: " + first_length_error_ + "): not applied";
     } else {
-      const bool is_applied =
-          kind.find("reference") == 0 || kind.find("style sheet") != std::string::npos || kind.find("viewBox") == 0;
+      const bool is_applied = kind.find("reference") == 0 || kind.find("encoding") == 0 ||
+                              kind.find("style sheet") != std::string::npos || kind.find("viewBox") == 0;
       line += is_applied ? ": not applied" : ": not cut";
     }
     lines.push_back(std::move(line));
