@@ -58,8 +58,8 @@ std::vector<CLI::Option*> add_mesh_options(CLI::App& app, MeshArguments& argumen
                arguments.join_m = distance;
                arguments.has_join = true;
              },
-             "Join vertices of a mesh file at most this far apart, in metres; 0 joins none. Without this option\n"
-             "those are joined that agree as exactly as the file is written")
+             "Join vertices of a mesh file at most this far apart, and to sides of other faces, in metres;\n"
+             "0 joins none. Without this option those are joined that agree as exactly as the file is written")
           ->check(CLI::Range(0.0, 1e4)));
   options.push_back(app.add_flag("--ignore-texture", arguments.ignores_texture,
                                  "Read a mesh file as if it had no texture coordinates"));

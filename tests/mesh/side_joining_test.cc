@@ -1,10 +1,7 @@
 // Mesh files with vertices within sides of other faces: which are joined, what is said, and that the sheet is whole.
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
-#include <functional>
 #include <set>
 #include <string>
 #include <utility>
@@ -13,86 +10,13 @@
 #include <gtest/gtest.h>
 
 #include "server/base/random.h"
-#include "server/core/mesh/build/obj_import.h"
 #include "server/core/mesh/build/sheet_assembly.h"
 #include "tests/mesh/measures.h"
+#include "tests/mesh/side_joining_files.h"
 #include "tests/support/trials.h"
 
 namespace kerf::mesh {
 namespace {
-
-using Placing = std::function<Eigen::Vector3d(const Eigen::Vector2d&)>;
-
-struct FlatDrawing {
-  std::vector<Eigen::Vector2d> points;
-  std::vector<std::vector<int>> faces;  // indices into points, counter-clockwise
-};
-
-std::string vertex_line(const Eigen::Vector3d& at, const char* format) {
-  std::string text = "v";
-  for (const double value : at) {
-    std::array<char, 64> number{};
-    std::snprintf(number.data(), number.size(), format, value);
-    text += std::string(" ") + number.data();
-  }
-  return text + "\n";
-}
-
-std::string obj_of(const FlatDrawing& drawing, const Placing& placing, const char* format = "%.17g") {
-  std::string text;
-  for (const Eigen::Vector2d& point : drawing.points) text += vertex_line(placing(point), format);
-  for (const std::vector<int>& face : drawing.faces) {
-    text += "f";
-    for (const int corner : face) text += " " + std::to_string(corner + 1);
-    text += "\n";
-  }
-  return text;
-}
-
-// Writes the corners of each face again.
-std::string soup_of(const FlatDrawing& drawing, const Placing& placing, const char* format) {
-  std::string text;
-  for (const std::vector<int>& face : drawing.faces) {
-    for (const int corner : face) text += vertex_line(placing(drawing.points[corner]), format);
-    text += "f";
-    for (std::size_t i = face.size(); i > 0; --i) text += " -" + std::to_string(i);
-    text += "\n";
-  }
-  return text;
-}
-
-Eigen::Vector3d level(const Eigen::Vector2d& at) {
-  return {at.x(), at.y(), 0.0};
-}
-// Two unit vectors across each other, along no axis.
-Eigen::Vector3d oblique(const Eigen::Vector2d& at) {
-  return Eigen::Vector3d(0.1, -0.7, 0.3) + at.x() * Eigen::Vector3d(2, 3, 6) / 7.0 +
-         at.y() * Eigen::Vector3d(-6, -2, 3) / 7.0;
-}
-// Folded along the line y = 0.
-Eigen::Vector3d folded(const Eigen::Vector2d& at) {
-  return at.y() > 0.0 ? oblique(at)
-                      : Eigen::Vector3d(oblique({at.x(), 0.0}) + at.y() * Eigen::Vector3d(3, -6, 2) / 7.0);
-}
-
-Result<FileSheet> try_sheet(const std::string& text, const MeshReading& reading = {}) {
-  const Result<MeshFile> file = read_obj(text, reading.version);
-  EXPECT_TRUE(file.ok()) << file.error().message;
-  return make_sheet(*file, reading);
-}
-
-FileSheet whole_sheet(const std::string& text, const MeshReading& reading = {}) {
-  Result<FileSheet> made = try_sheet(text, reading);
-  EXPECT_TRUE(made.ok()) << made.error().message;
-  EXPECT_EQ(made->mesh.find_violation(), std::nullopt);
-  return std::move(made).value();
-}
-
-std::string all_notes(const FileSheet& sheet) {
-  std::string all;
-  for (const std::string& note : sheet.imported.notes) all += note + "\n";
-  return all;
-}
 
 // Returns the least height of a triangle over its longest edge, -.
 double least_flatness(const TriangleMesh& mesh) {
@@ -291,6 +215,33 @@ TEST(SideJoining, TheChartHasItsSay) {
   EXPECT_TRUE(apart.imported.is_charted);
   EXPECT_EQ(apart.mesh.num_pieces(), 2);
   EXPECT_EQ(apart.imported.notes, std::vector<std::string>());
+}
+
+// The first face is so flat in the chart that it would cross itself with the vertex as a corner.
+TEST(SideJoining, AChartIsWorthMoreThanAJoint) {
+  const std::string text =
+      "v 0 0 0\nv 1 0 0\nv .5 1 0\nv .3 -.01 0\nv .1 -1 0\nv .6 -1 0\n"
+      "vt 0 0\nvt 1 0\nvt .5 .04\nvt .3 .03\nvt .1 .5\nvt .6 .5\nf 1/1 2/2 3/3\nf 4/4 6/6 5/5\n";
+  const FileSheet sheet = whole_sheet(text, {.join_m = 0.05});
+  EXPECT_TRUE(sheet.imported.is_charted);
+  EXPECT_EQ(sheet.mesh, whole_sheet(text, {.join_m = 0.05, .version = kSecondReader}).mesh);
+  EXPECT_NE(all_notes(sheet).find("the texture coordinates could not be used then"), std::string::npos)
+      << all_notes(sheet);
+}
+
+// A wall with more vertices at its foot than a face may have corners stands at a side.
+TEST(SideJoining, AFaceHasNoMoreCornersThanAFileMayGiveIt) {
+  constexpr int kTooMany = static_cast<int>(kMaxFaceCorners) - 2;
+  std::string text = "v 0 0 0\nv 1 0 0\nv 0.5 1 0\nf 1 2 3\n";
+  for (int i = 1; i <= kTooMany; ++i) {
+    const double x = static_cast<double>(i) / (kTooMany + 1);
+    text += vertex_line({x, 0.0, 0.0}, "%.9f") + vertex_line({x, 0.0, 1.0}, "%.9f");
+    if (i > 1) text += "f -4 -2 -1 -3\n";
+  }
+  const FileSheet sheet = whole_sheet(text);
+  EXPECT_EQ(sheet.mesh.num_pieces(), 2);
+  EXPECT_NE(all_notes(sheet).find("face 1 (line 4) would have more than 20000 corners"), std::string::npos)
+      << all_notes(sheet).substr(0, 1000);
 }
 
 // Divides a rectangle again and again by lines across it, at multiples of 1/64. Returns the place of the first line.

@@ -71,10 +71,11 @@ class Command:
                     pass
             end_group(self.process.pid)
         except ProcessLookupError:
-            signal.signal(each, signal.SIG_IGN)
+            pass
         self.process.wait()
-        self.reader.join()
-        self.process.stdout.close()
+        self.reader.join(PATIENCE)
+        if not self.reader.is_alive():  # A process of another session may hold the pipe open.
+            self.process.stdout.close()
 
 
 def interrupt_once():

@@ -4,6 +4,7 @@ import contextlib
 import importlib.machinery
 import importlib.util
 import io
+import os
 import pathlib
 import signal
 import subprocess
@@ -156,6 +157,11 @@ class Processes(unittest.TestCase):
         except OSError:
             return False
 
+    @classmethod
+    def kill(cls, pid):
+        if cls.runs(pid):
+            os.kill(int(pid), signal.SIGKILL)
+
     def test_a_command_runs_to_its_end(self):
         self.assertEqual(self.lines_of("echo a; printf b; exit 3"), (3, ["a\n", "b"]))
 
@@ -192,12 +198,22 @@ class Processes(unittest.TestCase):
             with subprocess.Popen([sys.executable, "-c", program], cwd=HERE, text=True, stdout=subprocess.PIPE,
                                   stderr=subprocess.DEVNULL) as interrupted:
                 child = interrupted.stdout.readline()
+                self.assertTrue(self.runs(child))
+                self.addCleanup(self.kill, child)
                 interrupted.send_signal(signal.SIGINT)
                 while not asked.exists() and interrupted.poll() is None:
                     time.sleep(0.01)
+                self.assertTrue(asked.exists())
                 for another in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
                     interrupted.send_signal(another)
             self.assertFalse(self.runs(child))
+
+    def test_a_process_of_another_session_does_not_hold_up_the_end(self):
+        with mock.patch.object(processes, "PATIENCE", 0.3), processes.Command("setsid sleep 1000 & echo $!; exit 5") as running:
+            child = next(line for line in running if line)
+            self.addCleanup(self.kill, child)
+            self.assertEqual(list(filter(None, running)), [])
+        self.assertEqual(running.status, 5)
 
 
 class Progress(unittest.TestCase):

@@ -79,6 +79,7 @@ TEST(Sheet, AllowsAtMost64Grabs) {
 TEST(Sheet, AViolentGrabNeverMakesItNotFinite) {
   const Vector3d target(1e5, -1e5, 1e5);
   const int side = test::num_trials({.few = 8, .usual = 10, .many = 10});
+  // The vertex is at its target after six ticks.
   const int num_ticks = test::num_trials({.few = 6, .usual = 15, .many = 30});
   for (const scene::IntegratorKind kind :
        {scene::IntegratorKind::kExplicitLeapfrog, scene::IntegratorKind::kImplicitEuler}) {

@@ -146,6 +146,7 @@ TEST_F(SlowImagesTest, AReaderThatDoesNotEvenReadIsCutOff) {
   test::wait_until([&] { return rendered() >= 1.0; });
   wait_for_one_stream();
   EXPECT_LE(rendered(), 2.0) << "as many as its window has";
+  // The connection is closed, too.
   test::wait_until([&] { return metric("kerf_websocket_open_streams") == 0.0; });
 }
 

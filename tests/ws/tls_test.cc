@@ -154,6 +154,7 @@ TEST_F(TlsPicturesTest, MjpegHasAPartForEachPictureAndAnEnd) {
   ASSERT_EQ(call("SheetService/DeleteSheet", R"({"name":"sheets/a"})").status, 200);
   EXPECT_TRUE(client->closed_by_peer());
   EXPECT_TRUE(client->was_told_goodbye());
+  // The server closes it, though this client says nothing more.
   test::wait_until([&] { return metric("kerf_http_open_connections") == 1.0; });
 }
 

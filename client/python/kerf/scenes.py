@@ -44,8 +44,8 @@ class SheetOptions(TypedDict, total=False):
     unit_m: float  # metres of a unit of the mesh file, such as 1e-3 for millimetres; default 1
     up: Literal["x", "y", "z"]  # the axis of the mesh file that points up in the world; default "z"
     objects: Iterable[str]  # objects and groups of an OBJ file that are read; default: all
-    # Joins vertices of the mesh file at most this far apart, metres; 0 joins none. Default: those that agree as exactly
-    # as the file is written.
+    # Joins vertices of the mesh file at most this far apart, and to sides of other faces, metres; 0 joins none. Default:
+    # those that agree as exactly as the file is written.
     join_m: float
     ignore_texture: bool  # reads the mesh file as if it had no texture coordinates
     pins: Iterable[Place]  # default ["top"]

@@ -55,7 +55,7 @@ struct MeshReading {
   double unit_m = 1.0;  // m, 1e-9..1e6; metres of a unit of the file, also of its texture coordinates
   UpAxis up_axis = UpAxis::kZ;
   // Joins vertices at most this far apart in space and in the chart, m, 0..1e4; absent: as exactly as the file's
-  // numbers are written. 0 keeps equal places apart, as lips of a cut.
+  // numbers are written. Joins vertices to sides of other faces, too. 0 keeps equal places apart, as lips of a cut.
   std::optional<double> join_m = std::nullopt;
   bool ignore_texture = false;            // as if the file had no texture coordinates
   std::vector<std::string> objects = {};  // OBJ: names of the objects and groups that are read, at most 64; none: all

@@ -384,16 +384,18 @@ Result<FileSheet> make_as_asked(const MeshFile& file, const MeshReading& reading
 
 }  // namespace
 
-// Where joining vertices to sides spoils a sheet, it is made without.
+// Where joining vertices to sides spoils a sheet or its chart, it is made without.
 Result<FileSheet> make_sheet(const MeshFile& file, const MeshReading& reading, FaultList* faults) {
   Result<FileSheet> made = make_as_asked(file, reading, faults);
-  if (made.ok() || reading.version <= kSecondReader) return made;
+  if (reading.version <= kSecondReader) return made;
+  const bool lacks_chart = made.ok() && !made->imported.is_charted && !file.textures.empty() && !reading.ignore_texture;
+  if (made.ok() && !lacks_chart) return made;
   MeshReading without = reading;
   without.version = kSecondReader;
   Result<FileSheet> plain = make_as_asked(file, without, nullptr);
-  if (!plain.ok()) return made;
-  plain->imported.notes.push_back("vertices within sides of other faces are not joined to them: " +
-                                  made.error().message);
+  if (!plain.ok() || (lacks_chart && !plain->imported.is_charted)) return made;
+  const std::string& why = lacks_chart ? "the texture coordinates could not be used then" : made.error().message;
+  plain->imported.notes.push_back("vertices within sides of other faces are not joined to them: " + why);
   return plain;
 }
 

@@ -183,7 +183,12 @@ class SideJoining {
           append(next->corner);
         }
       }
-      if (whole.count > static_cast<std::int32_t>(kMaxFaceCorners) && whole.count > polygon.count) return;
+      if (whole.count > static_cast<std::int32_t>(kMaxFaceCorners) && whole.count > polygon.count) {
+        notes.push_back("vertices within sides of other faces are not joined to them: " +
+                        file_.face_name(static_cast<std::size_t>(polygon.face)) + " would have more than " +
+                        std::to_string(kMaxFaceCorners) + " corners");
+        return;
+      }
       if (first_added != kNone) {
         const auto turn = [&](std::vector<std::int32_t>& values) {
           std::rotate(values.begin() + whole.first, values.begin() + whole.first + first_added, values.end());
