@@ -23,8 +23,9 @@ struct ImportedSheet {
   bool is_charted = false;                   // material coordinates are the texture coordinates
 };
 
-// Makes a sheet of a file, as the reader of `reading.version` does. Vertices that lie at the same place are joined, also
-// to a side of another face (join_to_sides()), and polygons split. Faces without area and copies of faces are left out; faces are turned as their neighbours are.
+// Makes a sheet of a file, as the reader of `reading.version` does. Vertices that lie at the same place are joined,
+// also to a side of another face (join_to_sides()), and polygons split. Faces without area and copies of faces are left
+// out; faces are turned as their neighbours are.
 //
 // Material coordinates are the texture coordinates, if all faces have them and they can be used; a position used with
 // two of them becomes two vertices (a seam). Without, they are coordinates in the plane of the positions, namely x and
@@ -47,8 +48,8 @@ struct FileSheet {
 
 // Makes the mesh, too. Texture coordinates that overlap or have no area are not used unless the rest shape is kFlat,
 // and a note says so. Vertices are not joined to sides, and a note says so, where the sheet could not be made or its
-// texture coordinates not used otherwise. Errors: those of assemble(), and of import_mesh() with the file's names of faces and vertices.
-// `faults`: as of assemble().
+// texture coordinates not used otherwise. Errors: those of assemble(), and of import_mesh() with the file's names of
+// faces and vertices. `faults`: as of assemble().
 Result<FileSheet> make_sheet(const MeshFile& file, const MeshReading& reading, FaultList* faults = nullptr);
 
 }  // namespace kerf::mesh
