@@ -3,6 +3,7 @@
 #include "server/core/mesh/build/obj_import.h"
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -68,6 +69,38 @@ TEST(Obj, AFileWithoutFacesSaysWhatItHas) {
   EXPECT_EQ(parse_obj("v 0 0 0\nv 1 0 0\nl 1 2\n").error().message,
             "no face: the file has 2 positions, lines or points, and a sheet needs faces (lines that begin with f)");
   EXPECT_NE(parse_obj("v 0 0 0\nsurf 0 1 0 1 1\n").error().message.find("free-form surfaces"), std::string::npos);
+}
+
+TEST(Obj, OtherFormatsAreNamed) {
+  const std::vector<std::pair<std::string, std::string>> cases{{"solid x\nfacet normal 0 0 1\n", "an STL file"},
+                                                               {"OFF\n3 1 0\n", "an OFF file"},
+                                                               {"{\"asset\":{\"version\":\"2.0\"}}", "a glTF file"},
+                                                               {"ply\nformat ascii 1.0\n", "a PLY file"},
+                                                               {"\n<svg/>", "an XML file"},
+                                                               {std::string("v\0 \0", 4), "not text"}};
+  for (const auto& [text, format] : cases) {
+    EXPECT_NE(parse_obj(text).error().message.find("the file is " + format), std::string::npos) << text;
+  }
+}
+
+TEST(Obj, MarksAndBlanksBeyondAsciiSwallowNoVertex) {
+  const std::string square = "v 0 0 0\nv 1.D+0 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
+  // A file that was appended to another brings its mark along.
+  const Result<ImportedSheet> both = parse_obj("v 9 9 9\n\xEF\xBB\xBF" + square + "f 2 3 4 5\n");
+  ASSERT_TRUE(both.ok()) << both.error().message;
+  EXPECT_EQ(both->world.col(1), Eigen::Vector3d(0, 0, 0));
+  expect_obj_refused(
+      "v 0 0 0\nv\xC2\xA0"
+      "1 0 0\n" +
+          square,
+      "OBJ_NUMBER", "obj:2");
+}
+
+TEST(Obj, AFaceThatLeadsThereAndBackIsNamedAlone) {
+  const Result<ImportedSheet> obj = parse_obj("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4 3\n");
+  ASSERT_FALSE(obj.ok());
+  EXPECT_NE(obj.error().message.find("face 2 (line 6) passes more than once along"), std::string::npos)
+      << obj.error().message;
 }
 
 TEST(Obj, TheFirstReaderSplitsPolygonsAsFans) {

@@ -54,6 +54,27 @@ TEST(Ply, StripsOfTrianglesAreRead) {
   }
 }
 
+TEST(Ply, HeadersWithBlanksIndicesOfAnyTypeAndEndsOfTextAreTaken) {
+  const std::string body = "0 0 0\n1.0D+00 0 0\n1 10d-1 0\n0 1 0\n4 0 1 2 3\n";
+  const auto file = [&](const std::string& type) {
+    return "ply \t\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement "
+           "face "
+           "1\nproperty list uchar " +
+           type + " vertex_indices\nend_header\n" + body;
+  };
+  for (const std::string type : {"int", "float", "double"}) {
+    const ImportedSheet sheet = read_variety(file(type) + std::string("\x1a\0\n", 3));
+    ASSERT_EQ(sheet.world.cols(), 4) << type;
+    EXPECT_EQ(sheet.world.col(2), Eigen::Vector3d(1, 1, 0));
+    EXPECT_EQ(sheet.sheet.triangles.cols(), 2);
+  }
+  std::string half = file("float");
+  half.replace(half.find("4 0 1 2 3"), 9, "4 0 1 2.5 3");
+  EXPECT_EQ(parse_ply(half).error().reason, "PLY_INDEX");
+  EXPECT_EQ(parse_ply(file("int") + "x").error().reason, "PLY_TRAILING");
+  EXPECT_EQ(parse_ply(file("int").replace(0, 5, "ply 1")).error().reason, "PLY_HEADER");
+}
+
 TEST(Ply, UnusedPropertiesMayBeOfAnyTypeAndMarksArePassedOver) {
   const std::string text =
       "\xEF\xBB\xBFply\nformat ascii 1.0\nelement face 1\nproperty string name\n"

@@ -25,7 +25,9 @@ FileKind kind_of_file(Disk& disk, const std::string& path) {
   if (!content.ok()) return ends_with(path, ".ply") ? FileKind::kPly : FileKind::kObj;
   if (content->starts_with("\x1f\x8b")) return ends_with(path, ".dxf.gz") ? FileKind::kDxf : FileKind::kSvg;
   const std::string start = utf8_text(content->substr(0, kFirstBytes));
-  if (start.starts_with("ply\n") || start.starts_with("ply\r")) return FileKind::kPly;
+  if (start.starts_with("ply\n") || start.starts_with("ply\r") || start.starts_with("ply ")) {
+    return FileKind::kPly;
+  }
   const std::size_t first = std::min(start.find_first_not_of(" \t\r\n"), start.size());
   const std::string_view text = std::string_view(start).substr(first);
   if (text.starts_with('<')) return FileKind::kSvg;

@@ -164,6 +164,13 @@ bool FaceRepair::refuse_crowded_edges(const std::vector<Side>& sides, const std:
     if (j - i < 3 || ++num_crowded > kMostEdgeFaults) continue;
     std::vector<std::int32_t> names;
     for (std::size_t k = i; k < j; ++k) names.push_back(faces_.polygons[sides[k].polygon].face);
+    const auto twice = std::adjacent_find(names.begin(), names.end());
+    if (twice != names.end()) {
+      faults_.add(mesh_fault(file_, "MESH_NON_MANIFOLD_EDGE",
+                             file_.face_name(static_cast<std::size_t>(*twice)) + " passes more than once along " +
+                                 edge_name(sides[i]) + ": leave out the corners that lead there and back"));
+      continue;
+    }
     faults_.add(mesh_fault(file_, "MESH_NON_MANIFOLD_EDGE",
                            std::to_string(j - i) + " faces meet at " + edge_name(sides[i]) + ": " +
                                file_.face_names(names) + "; a sheet has two at most: remove the others" + hint));

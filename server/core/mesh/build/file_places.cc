@@ -56,7 +56,8 @@ class Placing {
   }
 
   static constexpr const char* kUnitHint =
-      ", and the limit is 10000 m; if the file is not in metres, choose its unit (--unit mm)";
+      ", and the limit is 10000 m; if the file is not in metres, choose its unit (--unit mm), else move it to the "
+      "origin";
 
   // Returns the reason why a place cannot be used, or nothing.
   template <typename Vector>

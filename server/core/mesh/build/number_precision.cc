@@ -33,7 +33,8 @@ void NumberPrecision::add(std::string_view word, double value) {
   int decimals = 0, digits = 0, zeros_at_end = 0;
   bool after_point = false;
   std::size_t at = 0;
-  for (; at < word.size() && word[at] != 'e' && word[at] != 'E'; ++at) {
+  const std::size_t end = std::min(word.find_first_of("eEdD"), word.size());
+  for (; at < end; ++at) {
     if (word[at] == '.') after_point = true;
     if (word[at] < '0' || word[at] > '9') continue;
     decimals += after_point ? 1 : 0;

@@ -15,7 +15,7 @@ namespace {
 class ObjReader {
  public:
   ObjReader(std::string_view text, std::int32_t version)
-      : text_(without_byte_order_mark(text)), is_first_reader_(version == kFirstReader) {
+      : text_(without_byte_order_mark(text)), start_(text_.substr(0, 512)), is_first_reader_(version == kFirstReader) {
     file_.kind = "OBJ";
     file_.format = "OBJ";
     file_.first_number = 1;
@@ -87,7 +87,12 @@ class ObjReader {
   }
 
   void read_statement(std::string_view line) {
-    const std::string_view keyword = next_token(line);
+    std::string_view keyword = next_token(line);
+    if (!is_first_reader_) {
+      keyword = without_byte_order_mark(keyword);  // of a file that was appended to another
+      if (is_glued(keyword))
+        return refuse("NUMBER", quoted(keyword) + " must have plain blanks after its first letter");
+    }
     if (keyword == "v") return read_position(line);
     if (keyword == "vt") return read_texture(line);
     if (keyword == "f" || (keyword == "fo" && !is_first_reader_)) return read_face(line);
@@ -95,6 +100,13 @@ class ObjReader {
     if (keyword == "g") return begin_part({file_.parts.back().object, words_of(line)});
     if (keyword == "l" || keyword == "p") ++num_lines_and_points_;
     if (keyword == "surf") ++num_surfaces_;
+  }
+
+  // Returns true for a vertex or face whose letter is followed by a character beyond ASCII, such as a no-break space.
+  static bool is_glued(std::string_view keyword) {
+    const std::size_t letters = keyword.starts_with("vt") ? 2 : 1;
+    return keyword.size() > letters && (keyword[0] == 'v' || keyword[0] == 'f') &&
+           static_cast<unsigned char>(keyword[letters]) >= 0x80;
   }
 
   static std::string trimmed(std::string_view line) {
@@ -223,14 +235,33 @@ class ObjReader {
     }
   }
 
+  // Returns the format of a file that is none of OBJ; empty if it is not known.
+  [[nodiscard]] std::string other_format() const {
+    std::string_view rest = start_;
+    while (!rest.empty() && (is_blank(rest.front()) || rest.front() == '\n')) rest.remove_prefix(1);
+    const auto begins = [rest](std::string_view with) { return rest.starts_with(with); };
+    if (begins("solid") && rest.find("facet") != std::string_view::npos) return "an STL file";
+    if (begins("OFF") || begins("COFF")) return "an OFF file";
+    if (begins("glTF")) return "a binary glTF file";
+    if (begins("ply")) return "a PLY file";
+    if (begins("{")) return rest.find("asset") != std::string_view::npos ? "a glTF file" : "a JSON file";
+    if (begins("<")) return "an XML file";
+    if (begins("\x1f\x8b")) return "a compressed file";
+    return rest.find('\0') != std::string_view::npos ? "not text" : "";
+  }
+
   [[nodiscard]] std::string no_face() const {
+    if (const std::string other = file_.positions.empty() ? other_format() : ""; !other.empty()) {
+      return "no face: the file is " + other + ", and this reads OBJ; save it as OBJ or PLY, unpacked, in UTF-8";
+    }
     const std::string what = "no face: the file has " + counted(file_.positions.size(), "position");
     if (num_surfaces_ > 0) return what + " and free-form surfaces, which are not read; export it as polygons";
     if (num_lines_and_points_ > 0) return what + ", lines or points, and a sheet needs faces (lines that begin with f)";
     return what + ", and a sheet needs faces (lines that begin with f)";
   }
 
-  std::string_view text_;  // the part that is not read yet
+  std::string_view text_;   // the part that is not read yet
+  std::string_view start_;  // of the file
   bool is_first_reader_ = false;
   std::int64_t line_ = 0;            // of the file, from 1
   std::int64_t statement_line_ = 0;  // the first line of the statement

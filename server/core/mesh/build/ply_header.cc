@@ -41,10 +41,6 @@ std::optional<PlyType> type_named(std::string_view name) {
   return found == kTypeNames.end() ? std::nullopt : std::optional(found->type);
 }
 
-bool is_integer(PlyType type) {
-  return type != PlyType::kFloat32 && type != PlyType::kFloat64 && type != PlyType::kFloat16 && type != PlyType::kOther;
-}
-
 template <typename Named>
 Named* find_named(std::vector<Named>& all, std::string_view name) {
   const auto found = std::find_if(all.begin(), all.end(), [&](const Named& each) { return each.name == name; });
@@ -56,10 +52,12 @@ class HeaderReader {
   explicit HeaderReader(std::string_view& file) : file_(file) {}
 
   Result<PlyHeader> run() {
-    if (!file_.starts_with("ply\n") && !file_.starts_with("ply\r")) {
+    const std::size_t end = file_.find_first_of("\r\n");
+    std::string_view magic = file_.substr(0, end);
+    if (end == std::string_view::npos || next_token(magic) != "ply" || !next_token(magic).empty()) {
       return refuse("HEADER", "this is not a PLY file: it does not begin with a line \"ply\"");
     }
-    header_.line_end = file_[3] == '\r' && !file_.starts_with("ply\r\n") ? '\r' : '\n';
+    header_.line_end = file_[end] == '\r' && file_.substr(end, 2) != "\r\n" ? '\r' : '\n';
     next_line(file_, header_.line_end);
     line_ = 1;
     for (bool at_end = false; !at_end;) {
@@ -231,8 +229,8 @@ class HeaderReader {
     PlyProperty* const singular = find_named(face.properties, "vertex_index");
     PlyProperty* const corners = plural != nullptr ? plural : singular;
     if (corners == nullptr || (plural != nullptr && singular != nullptr) || !corners->count_type ||
-        !is_integer(corners->type)) {
-      return refuse("HEADER", "element " + name + " must have one list of integers vertex_indices or vertex_index");
+        corners->type == PlyType::kOther) {
+      return refuse("HEADER", "element " + name + " must have one list of numbers vertex_indices or vertex_index");
     }
     corners->role = PlyRole::kCorners;
     return Nothing{};

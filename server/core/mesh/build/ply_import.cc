@@ -82,6 +82,11 @@ bool is_end_of_line(char c) {
   return is_blank(c) || c == '\n';
 }
 
+// Marks of the end of a text file, which some programs append.
+bool is_end_of_text(char c) {
+  return is_end_of_line(c) || c == '\0' || c == '\x1a';
+}
+
 std::string format_name(PlyFormat format) {
   switch (format) {
     case PlyFormat::kAscii:
@@ -119,9 +124,9 @@ class PlyReader {
       }
     }
     element_ = nullptr;
-    if (!std::all_of(file_.begin(), file_.end(), is_end_of_line)) {
-      faults_.add(refuse("TRAILING", std::to_string(file_.size()) +
-                                         " bytes follow the last element; the header's counts do not match"));
+    if (!std::all_of(file_.begin(), file_.end(), is_text() ? is_end_of_text : is_end_of_line)) {
+      const std::string bytes = file_.size() == 1 ? "1 byte follows" : std::to_string(file_.size()) + " bytes follow";
+      faults_.add(refuse("TRAILING", bytes + " the last element; the header's counts do not match"));
     }
     if (!faults_.empty()) return faults_.as_error(all_faults);
     if (mesh_.faces.empty()) return refuse("EMPTY", "no face: a sheet needs some");

@@ -65,7 +65,9 @@ class SheetAssembly {
   [[nodiscard]] bool rests_in_chart() const { return is_charted_ && reading_.rest_shape != RestShape::kSurface; }
   [[nodiscard]] const MeshFile::Corner& corner(std::int32_t c) const { return file_.corners[faces_.file_corners[c]]; }
   [[nodiscard]] static std::string join_hint() {
-    return "; where vertices lie at the same place and must stay apart, set join_m to 0 (--join 0)";
+    return "; where vertices lie at the same place and must stay apart, set join_m to 0 (--join 0); where they nearly "
+           "meet, "
+           "to more than their distance";
   }
 
   Status choose_faces() {

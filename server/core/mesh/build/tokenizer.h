@@ -40,13 +40,19 @@ bool parse_number(std::string_view word, Number& value) {
   return code == std::errc{} && end == word.data() + word.size() && !word.empty();
 }
 
-// Parses a coordinate. Words such as nan, inf, 1e999 and 1.#QNAN are numbers too, and give what is not finite.
+// Parses a coordinate. Words such as nan, inf, 1e999 and 1.#QNAN are numbers too, and give what is not finite; 1.5D-2
+// is 0.015, as Fortran writes it.
 inline bool parse_coordinate(std::string_view word, double& value) {
   if (!word.empty() && word.front() == '+') word.remove_prefix(1);
   const auto [end, code] = std::from_chars(word.data(), word.data() + word.size(), value);
   const std::string_view rest(end, static_cast<std::size_t>(word.data() + word.size() - end));
   if (word.empty() || end == word.data()) return false;
   if (code == std::errc{} && rest.empty()) return true;
+  if (rest.size() > 1 && (rest.front() == 'd' || rest.front() == 'D')) {
+    std::string with_e(word);
+    with_e[word.size() - rest.size()] = 'e';
+    return parse_number(with_e, value);
+  }
   const bool is_tiny = word.find("e-") != std::string_view::npos || word.find("E-") != std::string_view::npos;
   value = is_tiny ? 0.0 : std::numeric_limits<double>::quiet_NaN();
   return (code == std::errc::result_out_of_range && rest.empty()) || rest.starts_with("#");
