@@ -91,7 +91,7 @@ def detailed(plt, rows):
         axes[1][column].set_yscale("log")
         axes[1][column].axhline(30, color="#999999", linewidth=0.9)
         axes[1][column].set_xlabel("pattern")
-    axes[0][0].legend()
+    axes[0][2].legend(loc="upper left")
     save(figure, "detailed", rows)
 
 

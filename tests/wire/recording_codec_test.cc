@@ -300,6 +300,17 @@ TEST(RecordingCodec, MeshFilesOfOldRecordingsAreReadAsTheyWere) {
   EXPECT_EQ(encode_scene(fresh).obj().reading().reader_version(), mesh::kNewestReader);
 }
 
+// A vertex lies within the side of another face; the second reader leaves it there.
+TEST(RecordingCodec, ScenesNameTheReaderThatJoinsNoSides) {
+  v1::Scene scene;
+  scene.mutable_obj()->set_text("v 0 0 0\nv 1 0 0\nv .5 1 0\nv .5 0 0\nv .5 0 -1\nf 1 2 3\nf 1 5 4\nf 4 5 2\n");
+  EXPECT_EQ(scene::build_mesh(decoded(scene)).value().mesh.num_pieces(), 1);
+  scene.mutable_obj()->mutable_reading()->set_reader_version(mesh::kSecondReader);
+  const scene::SheetConfig config = decoded(scene);
+  EXPECT_EQ(scene::build_mesh(config).value().mesh.num_pieces(), 2);
+  EXPECT_EQ(encode_scene(config).obj().reading().reader_version(), mesh::kSecondReader);
+}
+
 // Sheets that were recorded before the second choice of integrators keep the first, in copies of the recording, too.
 TEST(RecordingCodec, NamesTheChoiceOfIntegrators) {
   const auto choice = [](const std::string& file) {
