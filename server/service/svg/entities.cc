@@ -32,12 +32,14 @@ Entities entities_of(std::string_view subset) {
   return entities;
 }
 
-// Appends the text with its references replaced; returns false as soon as there is too much of it.
-bool append(std::string_view text, const Entities& entities, int depth, std::size_t max_bytes, std::string& result) {
+// Appends the text with its references replaced. Returns false as soon as bytes and references are too many together:
+// references to nothing would add no bytes, however many there are.
+bool append(std::string_view text, const Entities& entities, int depth, std::size_t max_bytes, std::size_t& references,
+            std::string& result) {
   while (!text.empty()) {
     const std::size_t mark = text.find('&');
     result += text.substr(0, mark);
-    if (result.size() > max_bytes) return false;
+    if (result.size() + references > max_bytes) return false;
     if (mark == std::string_view::npos) return true;
     text.remove_prefix(mark);
     const std::size_t end = text.find_first_of("; \t\r\n<\"'", 1);
@@ -49,7 +51,8 @@ bool append(std::string_view text, const Entities& entities, int depth, std::siz
       continue;
     }
     text.remove_prefix(end + 1);
-    if (!append(found->second, entities, depth + 1, max_bytes, result)) return false;
+    ++references;
+    if (!append(found->second, entities, depth + 1, max_bytes, references, result)) return false;
   }
   return true;
 }
@@ -66,9 +69,11 @@ Result<std::string> with_entities(std::string text, std::size_t max_bytes) {
   const Entities entities = entities_of(std::string_view(text).substr(open, close - open));
   if (entities.empty()) return text;
   std::string result = text.substr(0, close);
-  if (append(std::string_view(text).substr(close), entities, 0, max_bytes, result)) return result;
+  std::size_t references = 0;
+  if (append(std::string_view(text).substr(close), entities, 0, max_bytes, references, result)) return result;
   return invalid_argument(
-      "SVG_TOO_LARGE", "the drawing has more than " + std::to_string(max_bytes) + " bytes with its entities replaced",
+      "SVG_TOO_LARGE",
+      "the drawing has more than " + std::to_string(max_bytes) + " bytes and references with its entities replaced",
       "cut.curve.svg");
 }
 
