@@ -17,6 +17,7 @@
 #include "server/core/mesh/build/obj_import.h"
 #include "server/core/mesh/build/ply_import.h"
 #include "tests/mesh/measures.h"
+#include "tests/mesh/side_joining_files.h"
 #include "tests/support/mesh_files.h"
 
 namespace kerf::mesh {
@@ -24,21 +25,11 @@ namespace {
 
 using Map = std::function<Eigen::Vector3d(double, double)>;
 
-std::string written(const char* format, const Eigen::Vector3d& at) {
-  std::string text = "v";
-  for (const double value : at) {
-    std::array<char, 64> number{};
-    std::snprintf(number.data(), number.size(), format, value);
-    text += std::string(" ") + number.data();
-  }
-  return text + "\n";
-}
-
 // A grid of quads, 8 x 6 cells of 0.05 m, mapped into space.
 std::string grid(const Map& map, const char* format = "%.17g") {
   std::string text;
   for (int j = 0; j <= 6; ++j) {
-    for (int i = 0; i <= 8; ++i) text += written(format, map(0.05 * i, 0.05 * j));
+    for (int i = 0; i <= 8; ++i) text += vertex_line(map(0.05 * i, 0.05 * j), format);
   }
   for (int j = 0; j < 6; ++j) {
     for (int i = 0; i < 8; ++i) {
@@ -55,7 +46,7 @@ std::string soup(const Map& map, const char* format = "%.17g") {
   std::string text;
   for (int j = 0; j < 6; ++j) {
     for (int i = 0; i < 8; ++i) {
-      const auto corner = [&](int di, int dj) { text += written(format, map(0.05 * (i + di), 0.05 * (j + dj))); };
+      const auto corner = [&](int di, int dj) { text += vertex_line(map(0.05 * (i + di), 0.05 * (j + dj)), format); };
       corner(0, 0), corner(1, 0), corner(1, 1);
       text += "f -3 -2 -1\n";
       corner(0, 0), corner(1, 1), corner(0, 1);
@@ -257,7 +248,7 @@ TEST(Assembly, ASurfaceOfOneSideIsRefused) {
     const double around = 6.283185307179586 * i / 12, turn = 0.5 * around;
     for (const double side : {-0.3, 0.3}) {
       const double radius = 1.0 + side * cosine(turn);
-      strip += written("%.9f", {radius * cosine(around), radius * sine(around), side * sine(turn)});
+      strip += vertex_line({radius * cosine(around), radius * sine(around), side * sine(turn)}, "%.9f");
     }
   }
   for (int i = 0; i < 12; ++i) {

@@ -66,8 +66,7 @@ class SheetAssembly {
   [[nodiscard]] const MeshFile::Corner& corner(std::int32_t c) const { return file_.corners[faces_.file_corners[c]]; }
   [[nodiscard]] static std::string join_hint() {
     return "; where vertices lie at the same place and must stay apart, set join_m to 0 (--join 0); where they nearly "
-           "meet, "
-           "to more than their distance";
+           "meet, to more than their distance";
   }
 
   Status choose_faces() {
