@@ -56,12 +56,6 @@ void find_overlaps(const BoxLanes& boxes, BoxRange range, const float* way, cons
 void find_near(FeaturePair::Kind kind, const PairLanes& pairs, const MotionLanes& motion, float duration, float reach,
                std::vector<std::int32_t>& kept);
 
-// Sets `distances` (m) to those of the pairs with the given indices; negative for edges whose nearest points are ends.
-// `x`: m, by vertex id. Errors are those of floats.
-void find_distances(FeaturePair::Kind kind, const std::array<std::vector<std::int32_t>, 4>& vertices,
-                    std::span<const std::int32_t> indices, const std::array<std::vector<float>, 3>& x,
-                    std::span<float> distances);
-
 // Fills `due` with the indices of pairs, ascending, whose vertices have moved in sum more than `limit`, by pair.
 // `path`: by vertex id. Both in m. `vertices` and the storage of `limit` have kLanePadding more entries than `limit`.
 void find_due(const std::array<std::vector<std::int32_t>, 4>& vertices, std::span<const float> path,

@@ -171,8 +171,7 @@ void SelfContact::find_contacts(const linear::VertexField& x, const linear::Vert
   const double ahead = h * interval;
   const double reach = thickness_ + base_slack_;
   constexpr double kRounding = 1e-5;  // m, of distances in floats
-  find_due_pairs();
-  find_due_distances(x);
+  look_at_due_pairs(x, v);
   for (std::size_t k = 0; k < due_.size(); ++k) {
     const auto p = static_cast<std::size_t>(due_[k]);
     const FeaturePair& pair = list_.pairs[p];
@@ -182,6 +181,8 @@ void SelfContact::find_contacts(const linear::VertexField& x, const linear::Vert
     const bool is_left_to_others = due_distances_[k] < 0.0F && about > 0.0;
     const double thickness =
         pair.kind == FeaturePair::Kind::kEdgeEdge ? kEdgeThickness * pair.thickness : pair.thickness;
+    // The way by which a pair that is not nearer than its thickness approaches until the next phase.
+    const double approach = 1.5 * std::max(1.001 * static_cast<double>(due_closing_[k]), 0.0) * ahead;
     // Until the vertices of a pair that is no contact have moved by part of its distance, it is not looked at again.
     const auto rest = [&](double distance, double way) {
       list_.safe[p] = path + static_cast<float>(0.5 * distance);
@@ -189,6 +190,10 @@ void SelfContact::find_contacts(const linear::VertexField& x, const linear::Vert
     };
     if (about > reach || is_left_to_others) {
       rest(about, is_left_to_others ? std::max(about - reach, kLookAgain * about) : about - reach);
+      continue;
+    }
+    if (about - thickness > approach + 0.1 * thickness) {
+      rest(about, kApproach * (about - 1.1 * thickness - approach));
       continue;
     }
     list_.separation[p] = separation(pair.kind, positions_of(pair, x));

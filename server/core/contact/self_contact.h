@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -11,6 +13,7 @@
 #include "server/core/contact/feature_pair.h"
 #include "server/core/contact/feature_tree.h"
 #include "server/core/contact/impulse_response.h"
+#include "server/core/contact/pair_looks.h"
 #include "server/core/contact/shared_inertia.h"
 #include "server/core/contact/untangling.h"
 #include "server/core/linear/vertex_field.h"
@@ -99,8 +102,9 @@ class SelfContact {
   struct PairList {
     std::vector<FeaturePair> pairs;
     std::array<std::vector<std::int32_t>, 4> vertices;  // of pairs, and kLanePadding more
+    std::vector<float> least;                           // m, as of the pair
     std::vector<float> limit;            // m: path_of() up to which it need not be looked at; kLanePadding more
-    std::vector<float> safe;             // m: path_of() up to which it cannot have passed
+    std::vector<float> safe;             // m: path_of() up to which it cannot have passed; kLanePadding more
     std::vector<std::int64_t> seen;      // the phase in which it was looked at last
     std::vector<Separation> separation;  // then
     std::size_t num_vertex_pairs = 0;
@@ -157,10 +161,11 @@ class SelfContact {
   // Finds those of the vertices in shifted_ that are farther from their lines than their slack. find_strayed() must
   // have been called in this phase with the same lines, or follow_strayed().
   void find_strayed_of_shifted(const linear::VertexField& x);
-  // Finds the pairs that can have come near since they were last looked at.
-  void find_due_pairs();
-  // Sets due_distances_ at positions x.
-  void find_due_distances(const linear::VertexField& x);
+  // Calls look(pairs of one kind in due_, place of the first) for both kinds.
+  template <typename Look>
+  void for_due_kinds(const Look& look) const;
+  // Finds the pairs that can have come near since they were last looked at, and looks at them.
+  void look_at_due_pairs(const linear::VertexField& x, const linear::VertexField& v);
   // Returns the separation of a pair after the last phase.
   [[nodiscard]] Separation separation_then(std::size_t pair) const;
   // Checks all pairs and repairs those that fail.
@@ -207,10 +212,12 @@ class SelfContact {
   std::int64_t phase_ = 0;  // number of the phase
   bool is_apart_ = false;   // nothing passed through anything before the step, and no pair was near since
   PairList list_, renewed_;
-  std::vector<std::int32_t> due_;
-  std::vector<float> path_;                    // m, by vertex: way since the list was made, in the frame of the sheet
-  std::vector<float> due_distances_;           // m, by place in due_
-  std::array<std::vector<float>, 3> x_float_;  // m, by vertex, from the middle of the sheet
+  std::vector<std::int32_t> due_, unseparated_;
+  std::vector<float> path_;           // m, by vertex: way since the list was made, in the frame of the sheet
+  std::vector<float> due_distances_;  // m, by place in due_, see look_at()
+  std::vector<float> due_closing_;    // m/s, by place in due_
+  FloatPositions x_float_, x_then_float_;
+  FloatLanes v_float_;
   std::vector<FeaturePair> found_;
   std::vector<mesh::VertexId> strayed_;
   std::vector<std::uint8_t> is_strayed_;  // by vertex
@@ -242,5 +249,14 @@ class SelfContact {
   Untangling untangling_;
   SelfContactCounters counters_;
 };
+
+template <typename Look>
+void SelfContact::for_due_kinds(const Look& look) const {
+  const auto first_edge = static_cast<std::size_t>(
+      std::lower_bound(due_.begin(), due_.end(), static_cast<std::int32_t>(list_.num_vertex_pairs)) - due_.begin());
+  const std::span<const std::int32_t> due(due_);
+  look(PairSelection{FeaturePair::Kind::kVertexTriangle, list_.vertices, due.first(first_edge)}, std::size_t{0});
+  look(PairSelection{FeaturePair::Kind::kEdgeEdge, list_.vertices, due.subspan(first_edge)}, first_edge);
+}
 
 }  // namespace kerf::contact

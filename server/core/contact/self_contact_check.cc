@@ -59,14 +59,24 @@ void SelfContact::move(VertexId v, const Eigen::Vector3d& to, linear::VertexFiel
 bool SelfContact::find_failed(const linear::VertexField& x, bool is_first) {
   failed_.clear();
   if (is_first) {
-    find_due_pairs();
+    find_due(list_.vertices, path_, std::span(list_.safe).first(list_.size()), due_);
+    x_then_float_.set(x_then_, tree_.features().vertices);
+    x_float_.set(x, tree_.features().vertices);
   } else {
+    x_float_.update(x, shifted_);
     find_marked(list_.vertices, list_.size(), is_shifted_, due_);
+    std::erase_if(due_, [this](std::int32_t index) {
+      const auto p = static_cast<std::size_t>(index);
+      return path_of(list_.pairs[p]) < list_.safe[p];
+    });
   }
-  for (const std::int32_t index : due_) {
+  unseparated_.clear();
+  for_due_kinds([this](const PairSelection& pairs, std::size_t) {
+    keep_unseparated(pairs, list_.least, x_then_float_, x_float_, unseparated_);
+  });
+  for (const std::int32_t index : unseparated_) {
     const auto p = static_cast<std::size_t>(index);
     const FeaturePair& pair = list_.pairs[p];
-    if (path_of(pair) < list_.safe[p]) continue;
     const Separation then = separation_then(p);
     if (then.distance < kUnchecked) continue;
     const PairPositions to = positions_of(pair, x);

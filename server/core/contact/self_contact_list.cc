@@ -156,6 +156,7 @@ void SelfContact::adapt_slack(const linear::VertexField& x) {
 void SelfContact::PairList::clear() {
   pairs.clear();
   for (std::vector<std::int32_t>& of : vertices) of.clear();
+  least.clear();
   limit.clear();
   safe.clear();
   seen.clear();
@@ -165,6 +166,7 @@ void SelfContact::PairList::clear() {
 void SelfContact::PairList::add(const FeaturePair& pair) {
   pairs.push_back(pair);
   for (std::size_t i = 0; i < 4; ++i) vertices[i].push_back(pair.vertices[i]);
+  least.push_back(static_cast<float>(1.000001 * pair.least));
   limit.push_back(0.0F);
   safe.push_back(0.0F);
   seen.push_back(-1);
@@ -174,6 +176,7 @@ void SelfContact::PairList::add(const FeaturePair& pair) {
 void SelfContact::PairList::add(const PairList& from, std::size_t p) {
   pairs.push_back(from.pairs[p]);
   for (std::size_t i = 0; i < 4; ++i) vertices[i].push_back(from.vertices[i][p]);
+  least.push_back(from.least[p]);
   limit.push_back(from.limit[p]);
   safe.push_back(from.safe[p]);
   seen.push_back(from.seen[p]);
@@ -183,6 +186,7 @@ void SelfContact::PairList::add(const PairList& from, std::size_t p) {
 void SelfContact::PairList::pad() {
   for (std::vector<std::int32_t>& of : vertices) of.resize(size() + kLanePadding, 0);
   limit.resize(size() + kLanePadding, 0.0F);
+  safe.resize(size() + kLanePadding, 0.0F);
 }
 
 void SelfContact::drop_open() {
@@ -256,31 +260,16 @@ bool SelfContact::find_list_apart(const linear::VertexField& x) {
   return is_list_apart_;
 }
 
-void SelfContact::find_due_pairs() {
+void SelfContact::look_at_due_pairs(const linear::VertexField& x, const linear::VertexField& v) {
   find_due(list_.vertices, path_, std::span(list_.limit).first(list_.size()), due_);
-}
-
-void SelfContact::find_due_distances(const linear::VertexField& x) {
-  const std::vector<VertexId>& vertices = tree_.features().vertices;
-  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-  for (const VertexId v : vertices) middle += x.col(v);
-  middle /= static_cast<double>(std::max<std::size_t>(vertices.size(), 1));
-  for (std::size_t k = 0; k < 3; ++k) {
-    const auto axis = static_cast<Eigen::Index>(k);
-    x_float_[k].resize(static_cast<std::size_t>(x.cols()));
-    for (const VertexId v : vertices) {
-      x_float_[k][static_cast<std::size_t>(v)] = static_cast<float>(x(axis, v) - middle[axis]);
-    }
-  }
+  x_float_.set(x, tree_.features().vertices);
+  set_floats(v, tree_.features().vertices, v_float_);
   due_distances_.resize(due_.size());
-  const auto first_edge = static_cast<std::size_t>(
-      std::lower_bound(due_.begin(), due_.end(), static_cast<std::int32_t>(list_.num_vertex_pairs)) - due_.begin());
-  const std::span<const std::int32_t> due(due_);
-  const std::span<float> distances(due_distances_);
-  find_distances(FeaturePair::Kind::kVertexTriangle, list_.vertices, due.first(first_edge), x_float_,
-                 distances.first(first_edge));
-  find_distances(FeaturePair::Kind::kEdgeEdge, list_.vertices, due.subspan(first_edge), x_float_,
-                 distances.subspan(first_edge));
+  due_closing_.resize(due_.size());
+  for_due_kinds([this](const PairSelection& pairs, std::size_t first) {
+    look_at(pairs, x_float_.x, v_float_, std::span(due_distances_).subspan(first, pairs.indices.size()),
+            std::span(due_closing_).subspan(first, pairs.indices.size()));
+  });
 }
 
 Separation SelfContact::separation_then(std::size_t pair) const {
