@@ -158,6 +158,7 @@ double gap_along(std::size_t num_a, const Eigen::Vector3d& normal, const PairPos
 
 bool stays_apart(FeaturePair::Kind kind, const PairPositions& from, const PairPositions& to, double gap) {
   constexpr double kShare = 0.9;  // -, part of the distance to the gap that a step may use up
+  constexpr double kLeft = 1e-3;  // -, part of that distance at first at which steps would only get shorter
   constexpr int kMostSteps = 100;
   const std::size_t num_a = kind == FeaturePair::Kind::kVertexTriangle ? 1 : 2;
   std::array<Eigen::Vector3d, 4> way;
@@ -175,9 +176,11 @@ bool stays_apart(FeaturePair::Kind kind, const PairPositions& from, const PairPo
   const double longest = most_a + most_b;  // m, bound of the relative motion
   double time = 0.0;                       // -, part of the way
   PairPositions x = from;
+  double least_room = 0.0;  // m
   for (int step = 0; step < kMostSteps; ++step) {
     const double room = separation(kind, x).distance - gap;
-    if (!(room > 0.0)) return false;
+    if (!(room > least_room)) return false;
+    if (step == 0) least_room = kLeft * room;
     if (time >= 1.0 || longest * (1.0 - time) < room) return true;
     time = std::min(1.0, time + kShare * room / longest);
     for (std::size_t i = 0; i < 4; ++i) x[i] = from[i] + time * way[i];

@@ -178,6 +178,7 @@ class FeatureTree {
   std::vector<std::uint8_t> is_strayed_;                          // by vertex id
   std::vector<std::int32_t> strayed_triangles_, strayed_edges_, stack_, leaves_;
   std::vector<StrayedGroup> groups_;
+  std::vector<NodeBox> group_boxes_;  // scratch: of the features listed with a vertex, in the frame of its leaf
   std::vector<std::uint8_t> is_strayed_edge_, is_strayed_triangle_;
   MotionLanes motion_;
   // Boxes of the motion, in the frames of their leaves; by place in `vertices`, triangle, edge.
@@ -186,6 +187,7 @@ class FeatureTree {
   PairLanes vertex_candidates_, edge_candidates_;
   std::vector<std::array<std::int32_t, 2>> overlaps_;
   std::vector<std::int32_t> near_;
+  std::vector<float> near_speeds_;  // m/s, by place in near_
 };
 
 template <typename Visit>

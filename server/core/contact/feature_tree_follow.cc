@@ -7,6 +7,15 @@ namespace kerf::contact {
 
 using mesh::VertexId;
 
+namespace {
+
+std::span<const std::int32_t> of_range(const std::vector<std::int32_t>& list, BoxRange range) {
+  return std::span<const std::int32_t>(list).subspan(static_cast<std::size_t>(range.begin),
+                                                     static_cast<std::size_t>(range.end - range.begin));
+}
+
+}  // namespace
+
 void FeatureTree::set_line(VertexId v, const Eigen::Vector3d& x, const Eigen::Vector3d& velocity, double since) {
   const auto i = static_cast<std::size_t>(v);
   VertexLine& line = lines_[i];
@@ -102,50 +111,44 @@ void FeatureTree::follow_group(const StrayedGroup& group) {
   const std::int32_t place = place_[static_cast<std::size_t>(group.vertex)];
   const std::int32_t home_index = leaf_of_vertex_[static_cast<std::size_t>(place)];
   const Node& home = nodes_[static_cast<std::size_t>(home_index)];
-  const std::span<const std::int32_t> triangles =
-      std::span<const std::int32_t>(strayed_triangles_)
-          .subspan(static_cast<std::size_t>(group.triangles.begin),
-                   static_cast<std::size_t>(group.triangles.end - group.triangles.begin));
-  const std::span<const std::int32_t> edges =
-      std::span<const std::int32_t>(strayed_edges_)
-          .subspan(static_cast<std::size_t>(group.edges.begin),
-                   static_cast<std::size_t>(group.edges.end - group.edges.begin));
+  group_boxes_.clear();
   NodeBox around = box_of(vertex_boxes_, place);
-  const auto extend = [&](const BoxLanes& boxes, std::int32_t index, const Node& leaf) {
-    around = around.united(box_of(boxes, index).swept(way_between(leaf, home)));
+  const auto add = [&](const BoxLanes& boxes, std::int32_t index, const Node& leaf) {
+    group_boxes_.push_back(box_of(boxes, index).swept(way_between(leaf, home)));
+    around = around.united(group_boxes_.back());
   };
-  for (const std::int32_t t : triangles) extend(triangle_boxes_, t, leaf_at(leaf_of_, t));
-  for (const std::int32_t e : edges) extend(edge_boxes_, e, leaf_at(leaf_of_edge_, e));
+  add(vertex_boxes_, place, home);
+  for (const std::int32_t t : of_range(strayed_triangles_, group.triangles))
+    add(triangle_boxes_, t, leaf_at(leaf_of_, t));
+  for (const std::int32_t e : of_range(strayed_edges_, group.edges)) add(edge_boxes_, e, leaf_at(leaf_of_edge_, e));
   find_leaves(around, home_index, is_within_around(group, home));
-  const auto overlaps = [&](const BoxLanes& boxes, std::int32_t index, const Node& of, const Node& leaf,
-                            const BoxLanes& others, BoxRange range) -> const auto& {
-    overlaps_.clear();
-    const Eigen::Array4f way = way_between(of, leaf);
-    if (leaf.box.overlaps(box_of(boxes, index).swept(way))) {
-      find_overlaps(boxes, {index, index + 1}, way.data(), others, range, false, overlaps_);
-    }
-    return overlaps_;
-  };
   for (const std::int32_t k : leaves_) {
     const Node& leaf = nodes_[static_cast<std::size_t>(k)];
-    for (const auto& [i, t] : overlaps(vertex_boxes_, place, home, leaf, triangle_boxes_, {leaf.begin, leaf.end})) {
-      add_vertex_candidate(group.vertex, t);
-    }
-    for (const std::int32_t t : triangles) {
-      for (const auto& [i, at] :
-           overlaps(triangle_boxes_, t, leaf_at(leaf_of_, t), leaf, vertex_boxes_, vertices_of(leaf))) {
+    const NodeBox box = leaf.box.swept(way_between(leaf, home));
+    const NodeBox* of_feature = group_boxes_.data();
+    // Calls visit(i) for the boxes i of `others` that overlap that of a feature of the group.
+    const auto for_overlaps = [&](const BoxLanes& boxes, std::int32_t index, const Node& of, const BoxLanes& others,
+                                  BoxRange range, const auto& visit) {
+      if (!(of_feature++)->overlaps(box)) return;
+      overlaps_.clear();
+      find_overlaps(boxes, {index, index + 1}, way_between(of, leaf).data(), others, range, false, overlaps_);
+      for (const auto& [i, other] : overlaps_) visit(other);
+    };
+    for_overlaps(vertex_boxes_, place, home, triangle_boxes_, {leaf.begin, leaf.end},
+                 [&](std::int32_t t) { add_vertex_candidate(group.vertex, t); });
+    for (const std::int32_t t : of_range(strayed_triangles_, group.triangles)) {
+      for_overlaps(triangle_boxes_, t, leaf_at(leaf_of_, t), vertex_boxes_, vertices_of(leaf), [&](std::int32_t at) {
         const VertexId v = features_.vertices[static_cast<std::size_t>(at)];
         if (is_strayed_[static_cast<std::size_t>(v)] == 0) add_vertex_candidate(v, t);
-      }
+      });
     }
-    for (const std::int32_t e : edges) {
-      for (const auto& [i, other] :
-           overlaps(edge_boxes_, e, leaf_at(leaf_of_edge_, e), leaf, edge_boxes_, edges_of(leaf))) {
+    for (const std::int32_t e : of_range(strayed_edges_, group.edges)) {
+      for_overlaps(edge_boxes_, e, leaf_at(leaf_of_edge_, e), edge_boxes_, edges_of(leaf), [&](std::int32_t other) {
         // Two edges at strayed vertices find each other.
         if (other != e && (other > e || is_strayed_edge_[static_cast<std::size_t>(other)] == 0)) {
           add_edge_candidate(std::min(e, other), std::max(e, other));
         }
-      }
+      });
     }
   }
 }

@@ -259,10 +259,11 @@ void FeatureTree::search_leaves(std::int32_t first, std::int32_t second) {
 void FeatureTree::keep_near(FeaturePair::Kind kind, const PairLanes& candidates, double reach, double thickness,
                             std::vector<FeaturePair>& pairs) {
   constexpr double kLeast = 0.02;  // -, of the thickness, or of the least altitude of triangles at the pair
-  find_near(kind, candidates, motion_, static_cast<float>(duration_), static_cast<float>(reach) + kRounding, near_);
-  for (const std::int32_t k : near_) {
-    const auto p = static_cast<std::size_t>(k);
-    FeaturePair pair{kind, candidates.a[p], candidates.b[p], {}, 0.0, 0.0};
+  find_near(kind, candidates, motion_, static_cast<float>(duration_), static_cast<float>(reach) + kRounding, near_,
+            near_speeds_);
+  for (std::size_t k = 0; k < near_.size(); ++k) {
+    const auto p = static_cast<std::size_t>(near_[k]);
+    FeaturePair pair{kind, candidates.a[p], candidates.b[p], {}, 0.0, 0.0, 1.0001F * near_speeds_[k]};
     double altitude = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < 4; ++i) {
       pair.vertices[i] = candidates.vertices[i][p];

@@ -43,9 +43,10 @@ void find_overlaps_any(const BoxLanes& boxes, BoxRange range, const float* way, 
 
 template <FeaturePair::Kind kKind>
 HWY_NOINLINE void near_of(const PairLanes& pairs, const MotionLanes& motion, float duration, float reach,
-                          std::vector<std::int32_t>& kept) {
+                          std::vector<std::int32_t>& kept, std::vector<float>& speeds) {
   const D d;
   const DI di;
+  alignas(64) std::array<float, 16> speed{};
   constexpr std::size_t kNumA = kKind == FeaturePair::Kind::kVertexTriangle ? 1 : 2;
   for (std::size_t p = 0; p < pairs.size(); p += hn::Lanes(d)) {
     const std::size_t left = pairs.size() - p;
@@ -71,27 +72,32 @@ HWY_NOINLINE void near_of(const PairLanes& pairs, const MotionLanes& motion, flo
     }
     for (std::size_t j = kNumA; j < 4; ++j) slack_b = hn::Max(slack_b, hn::GatherIndex(d, motion.slack.data(), id[j]));
     const V square = nearest_of<kKind>(x).square;
-    const V most = hn::Add(hn::Add(hn::Set(d, reach), hn::Add(slack_a, slack_b)),
-                           hn::Mul(hn::Set(d, duration), hn::Sqrt(fastest)));
+    fastest = hn::Sqrt(fastest);
+    const V most =
+        hn::Add(hn::Add(hn::Set(d, reach), hn::Add(slack_a, slack_b)), hn::Mul(hn::Set(d, duration), fastest));
     const auto is_near = hn::AndNot(hn::RebindMask(d, shares), hn::Lt(hn::Sqrt(square), most));
     if (hn::AllFalse(d, is_near)) continue;
-    for_set_lanes(is_near, left, [&](int l) { kept.push_back(static_cast<std::int32_t>(p) + l); });
+    hn::Store(fastest, d, speed.data());
+    for_set_lanes(is_near, left, [&](int l) {
+      kept.push_back(static_cast<std::int32_t>(p) + l);
+      speeds.push_back(speed[static_cast<std::size_t>(l)]);
+    });
   }
 }
 
 void find_near_any(FeaturePair::Kind kind, const PairLanes& pairs, const MotionLanes& motion, float duration,
-                   float reach, std::vector<std::int32_t>& kept) {
+                   float reach, std::vector<std::int32_t>& kept, std::vector<float>& speeds) {
   if (kind == FeaturePair::Kind::kVertexTriangle) {
-    near_of<FeaturePair::Kind::kVertexTriangle>(pairs, motion, duration, reach, kept);
+    near_of<FeaturePair::Kind::kVertexTriangle>(pairs, motion, duration, reach, kept, speeds);
   } else {
-    near_of<FeaturePair::Kind::kEdgeEdge>(pairs, motion, duration, reach, kept);
+    near_of<FeaturePair::Kind::kEdgeEdge>(pairs, motion, duration, reach, kept, speeds);
   }
 }
 
-// Calls keep(index of a pair) if is_kept(sum of `values` over its vertices, index of the first pair of a block) is set.
-template <typename IsKept, typename Keep>
-HWY_INLINE void keep_by_sum(const std::array<std::vector<std::int32_t>, 4>& vertices, std::size_t count,
-                            std::span<const float> values, const IsKept& is_kept, const Keep& keep) {
+// Calls keep(index of the first pair of a block, sums of `values` over the vertices) for all blocks.
+template <typename Keep>
+HWY_INLINE void for_sums(const std::array<std::vector<std::int32_t>, 4>& vertices, std::size_t count,
+                         std::span<const float> values, const Keep& keep) {
   const D d;
   const DI di;
   for (std::size_t p = 0; p < count; p += hn::Lanes(d)) {
@@ -99,23 +105,34 @@ HWY_INLINE void keep_by_sum(const std::array<std::vector<std::int32_t>, 4>& vert
     for (std::size_t i = 0; i < 4; ++i) {
       sum = hn::Add(sum, hn::GatherIndex(d, values.data(), hn::LoadU(di, &vertices[i][p])));
     }
-    const auto mask = is_kept(sum, p);
-    if (hn::AllFalse(d, mask)) continue;
-    for_set_lanes(mask, count - p, [&](int l) { keep(static_cast<std::int32_t>(p) + l); });
+    keep(p, sum);
   }
 }
 
-void find_due_any(const std::array<std::vector<std::int32_t>, 4>& vertices, std::span<const float> path,
-                  std::span<const float> limit, std::vector<std::int32_t>& due) {
-  const auto is_due = [&](V sum, std::size_t p) { return hn::Not(hn::Lt(sum, hn::LoadU(D(), &limit[p]))); };
-  keep_by_sum(vertices, limit.size(), path, is_due, [&](std::int32_t p) { due.push_back(p); });
+void find_due_any(const std::array<std::vector<std::int32_t>, 4>& vertices, const PairWays& ways,
+                  std::span<const float> limit, std::vector<std::int32_t>& due, std::vector<float>& way) {
+  const D d;
+  alignas(64) std::array<float, 16> sums{};
+  for_sums(vertices, limit.size(), ways.path, [&](std::size_t p, V sum) {
+    sum = hn::Add(sum, hn::Mul(hn::LoadU(d, &ways.speed[p]), hn::Set(d, ways.elapsed)));
+    const auto is_due = hn::Not(hn::Lt(sum, hn::LoadU(d, &limit[p])));
+    if (hn::AllFalse(d, is_due)) return;
+    hn::Store(sum, d, sums.data());
+    for_set_lanes(is_due, limit.size() - p, [&](int l) {
+      due.push_back(static_cast<std::int32_t>(p) + l);
+      way.push_back(sums[static_cast<std::size_t>(l)]);
+    });
+  });
 }
 
 void find_marked_any(const std::array<std::vector<std::int32_t>, 4>& vertices, std::size_t count,
                      std::span<const float> marks, std::vector<std::int32_t>& marked) {
-  keep_by_sum(
-      vertices, count, marks, [](V sum, std::size_t) { return hn::Gt(sum, hn::Zero(D())); },
-      [&](std::int32_t p) { marked.push_back(p); });
+  const D d;
+  for_sums(vertices, count, marks, [&](std::size_t p, V sum) {
+    const auto is_marked = hn::Gt(sum, hn::Zero(d));
+    if (hn::AllFalse(d, is_marked)) return;
+    for_set_lanes(is_marked, count - p, [&](int l) { marked.push_back(static_cast<std::int32_t>(p) + l); });
+  });
 }
 
 }  // namespace
@@ -169,15 +186,17 @@ void PairLanes::pad() {
 }
 
 void find_near(FeaturePair::Kind kind, const PairLanes& pairs, const MotionLanes& motion, float duration, float reach,
-               std::vector<std::int32_t>& kept) {
+               std::vector<std::int32_t>& kept, std::vector<float>& speeds) {
   kept.clear();
-  HWY_DYNAMIC_DISPATCH(find_near_any)(kind, pairs, motion, duration, reach, kept);
+  speeds.clear();
+  HWY_DYNAMIC_DISPATCH(find_near_any)(kind, pairs, motion, duration, reach, kept, speeds);
 }
 
-void find_due(const std::array<std::vector<std::int32_t>, 4>& vertices, std::span<const float> path,
-              std::span<const float> limit, std::vector<std::int32_t>& due) {
+void find_due(const std::array<std::vector<std::int32_t>, 4>& vertices, const PairWays& ways,
+              std::span<const float> limit, std::vector<std::int32_t>& due, std::vector<float>& way) {
   due.clear();
-  HWY_DYNAMIC_DISPATCH(find_due_any)(vertices, path, limit, due);
+  way.clear();
+  HWY_DYNAMIC_DISPATCH(find_due_any)(vertices, ways, limit, due, way);
 }
 
 void find_marked(const std::array<std::vector<std::int32_t>, 4>& vertices, std::size_t count,

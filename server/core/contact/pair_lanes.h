@@ -52,14 +52,22 @@ void find_overlaps(const BoxLanes& boxes, BoxRange range, const float* way, cons
                    BoxRange other_range, bool after, std::vector<std::array<std::int32_t, 2>>& found);
 
 // Fills `kept` with the indices of pairs, ascending, that share no vertex and may come near within `duration` (s):
-// nearer than `reach` (m) plus the slack of both sides.
+// nearer than `reach` (m) plus the slack of both sides. Sets `speeds` (m/s) to the largest relative ones of corners of
+// both sides, by place in `kept`.
 void find_near(FeaturePair::Kind kind, const PairLanes& pairs, const MotionLanes& motion, float duration, float reach,
-               std::vector<std::int32_t>& kept);
+               std::vector<std::int32_t>& kept, std::vector<float>& speeds);
 
-// Fills `due` with the indices of pairs, ascending, whose vertices have moved in sum more than `limit`, by pair.
-// `path`: by vertex id. Both in m. `vertices` and the storage of `limit` have kLanePadding more entries than `limit`.
-void find_due(const std::array<std::vector<std::int32_t>, 4>& vertices, std::span<const float> path,
-              std::span<const float> limit, std::vector<std::int32_t>& due);
+// What bounds how far both sides of pairs have moved against each other: on their lines, and away from them.
+struct PairWays {
+  std::span<const float> path;   // m, by vertex id: way relative to its line
+  std::span<const float> speed;  // m/s, by pair: of lines against each other
+  float elapsed = 0.0F;          // s, since the lines began
+};
+// Fills `due` with the indices of pairs, ascending, whose sides may have moved more than `limit` (m, by pair) against
+// each other, and `way` (m) with how far, by place in `due`. `vertices` and the storage of `limit` and `speed` have
+// kLanePadding more entries than `limit`.
+void find_due(const std::array<std::vector<std::int32_t>, 4>& vertices, const PairWays& ways,
+              std::span<const float> limit, std::vector<std::int32_t>& due, std::vector<float>& way);
 
 // Fills `marked` with the indices of those of the first `count` pairs, ascending, that have a vertex whose mark is not
 // 0. `marks`: >= 0, by vertex id. `vertices` have kLanePadding more entries.

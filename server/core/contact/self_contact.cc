@@ -62,10 +62,10 @@ std::int64_t SelfContact::count_intersections(const linear::VertexField& x) {
   return untangling_.count(x);
 }
 
-float SelfContact::path_of(const FeaturePair& pair) const {
+float SelfContact::way_of(std::size_t p) const {
   float sum = 0.0F;
-  for (const VertexId v : pair.vertices) sum += path_[static_cast<std::size_t>(v)];
-  return sum;
+  for (const VertexId v : list_.pairs[p].vertices) sum += path_[static_cast<std::size_t>(v)];
+  return sum + list_.speed[p] * elapsed_;
 }
 
 void SelfContact::mark(VertexId v) {
@@ -170,14 +170,14 @@ void SelfContact::find_contacts(const linear::VertexField& x, const linear::Vert
   double interval = std::max(1.0, kLongestInterval / h);  // substeps
   const double ahead = h * interval;
   const double reach = thickness_ + base_slack_;
-  constexpr double kRounding = 1e-5;  // m, of distances in floats
   look_at_due_pairs(x, v);
+  const double rounding = 2.0 * static_cast<double>(x_float_.rounding());  // m, of distances in floats
   for (std::size_t k = 0; k < due_.size(); ++k) {
     const auto p = static_cast<std::size_t>(due_[k]);
     const FeaturePair& pair = list_.pairs[p];
     // Distances change by no more than vertices move.
-    const float path = path_of(pair);
-    const double about = std::abs(static_cast<double>(due_distances_[k])) - kRounding;
+    const float path = due_ways_[k];
+    const double about = std::abs(static_cast<double>(due_distances_[k])) - rounding;
     const bool is_left_to_others = due_distances_[k] < 0.0F && about > 0.0;
     const double thickness =
         pair.kind == FeaturePair::Kind::kEdgeEdge ? kEdgeThickness * pair.thickness : pair.thickness;
@@ -188,12 +188,9 @@ void SelfContact::find_contacts(const linear::VertexField& x, const linear::Vert
       list_.safe[p] = path + static_cast<float>(0.5 * distance);
       list_.limit[p] = std::min(list_.safe[p], path + static_cast<float>(std::max(0.0, way)));
     };
-    if (about > reach || is_left_to_others) {
-      rest(about, is_left_to_others ? std::max(about - reach, kLookAgain * about) : about - reach);
-      continue;
-    }
-    if (about - thickness > approach + 0.1 * thickness) {
-      rest(about, kApproach * (about - 1.1 * thickness - approach));
+    const double room = about - 1.1 * thickness - approach;
+    if (is_left_to_others || room > 0.0) {
+      rest(about, std::max({about - reach, kApproach * room, is_left_to_others ? kLookAgain * about : 0.0}));
       continue;
     }
     list_.separation[p] = separation(pair.kind, positions_of(pair, x));
@@ -221,8 +218,8 @@ void SelfContact::find_contacts(const linear::VertexField& x, const linear::Vert
     if (!(inverse > 0.0)) continue;
     contact.mass = 1.0 / inverse;
     contact.target = thickness;  // until the interval is known
-    const double room = std::max(s.distance - thickness, 0.4 * thickness);
-    if (closing * interval * h > room) interval = room / (closing * h);
+    const double left = std::max(s.distance - thickness, 0.4 * thickness);
+    if (closing * interval * h > left) interval = left / (closing * h);
     const double gathering = -s.normal.dot(acceleration);
     const double gap = 0.2 * std::max(s.distance, 0.1 * thickness);
     if (gathering * interval * interval * h * h > gap) interval = std::sqrt(gap / gathering) / h;

@@ -103,6 +103,7 @@ class SelfContact {
     std::vector<FeaturePair> pairs;
     std::array<std::vector<std::int32_t>, 4> vertices;  // of pairs, and kLanePadding more
     std::vector<float> least;                           // m, as of the pair
+    std::vector<float> speed;                           // m/s, as of the pair; kLanePadding more
     std::vector<float> limit;            // m: path_of() up to which it need not be looked at; kLanePadding more
     std::vector<float> safe;             // m: path_of() up to which it cannot have passed; kLanePadding more
     std::vector<std::int64_t> seen;      // the phase in which it was looked at last
@@ -130,12 +131,14 @@ class SelfContact {
     Eigen::Vector3d friction_impulse{0.0, 0.0, 0.0};  // N s
   };
 
-  [[nodiscard]] float path_of(const FeaturePair& pair) const;
+  [[nodiscard]] PairWays pair_ways() const { return {path_, list_.speed, elapsed_}; }
+  // Returns how far both sides of pair p may have moved against each other since the list was made, m.
+  [[nodiscard]] float way_of(std::size_t p) const;
   void mark(mesh::VertexId v);
   // Returns the velocity (m/s) of a vertex without what it does against its neighbours. Vertices that vibrate stay near
   // such a line for longer.
   [[nodiscard]] Eigen::Vector3d smooth_velocity(const linear::VertexField& v, mesh::VertexId at) const;
-  // Adds the motion since the last phase to path_.
+  // Adds the motion since the last phase to path_ and elapsed_.
   void follow_paths(const linear::VertexField& x);
   // Leaves out the pairs that were found and are open.
   void drop_open();
@@ -213,7 +216,9 @@ class SelfContact {
   bool is_apart_ = false;   // nothing passed through anything before the step, and no pair was near since
   PairList list_, renewed_;
   std::vector<std::int32_t> due_, unseparated_;
-  std::vector<float> path_;           // m, by vertex: way since the list was made, in the frame of the sheet
+  std::vector<float> path_;           // m, by vertex: way since the list was made, relative to its line
+  float elapsed_ = 0.0F;              // s, since the list was made
+  std::vector<float> due_ways_;       // m, by place in due_
   std::vector<float> due_distances_;  // m, by place in due_, see look_at()
   std::vector<float> due_closing_;    // m/s, by place in due_
   FloatPositions x_float_, x_then_float_;

@@ -59,7 +59,7 @@ void SelfContact::move(VertexId v, const Eigen::Vector3d& to, linear::VertexFiel
 bool SelfContact::find_failed(const linear::VertexField& x, bool is_first) {
   failed_.clear();
   if (is_first) {
-    find_due(list_.vertices, path_, std::span(list_.safe).first(list_.size()), due_);
+    find_due(list_.vertices, pair_ways(), std::span(list_.safe).first(list_.size()), due_, due_ways_);
     x_then_float_.set(x_then_, tree_.features().vertices);
     x_float_.set(x, tree_.features().vertices);
   } else {
@@ -67,7 +67,7 @@ bool SelfContact::find_failed(const linear::VertexField& x, bool is_first) {
     find_marked(list_.vertices, list_.size(), is_shifted_, due_);
     std::erase_if(due_, [this](std::int32_t index) {
       const auto p = static_cast<std::size_t>(index);
-      return path_of(list_.pairs[p]) < list_.safe[p];
+      return way_of(p) < list_.safe[p];
     });
   }
   unseparated_.clear();

@@ -25,12 +25,13 @@ Eigen::Vector3d SelfContact::smooth_velocity(const linear::VertexField& v, Verte
 
 void SelfContact::follow_paths(const linear::VertexField& x) {
   const std::vector<VertexId>& vertices = tree_.features().vertices;
+  const double since = step_.h * (next_phase_ - std::max(substep_, list_begin_));
+  const auto way = [&](VertexId v) -> Eigen::Vector3d { return x.col(v) - x_then_.col(v) - since * v_list_.col(v); };
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (const VertexId v : vertices) mean += x.col(v) - x_then_.col(v);
+  for (const VertexId v : vertices) mean += way(v);
   mean /= static_cast<double>(vertices.size());
-  for (const VertexId v : vertices) {
-    path_[static_cast<std::size_t>(v)] += static_cast<float>((x.col(v) - x_then_.col(v) - mean).norm());
-  }
+  for (const VertexId v : vertices) path_[static_cast<std::size_t>(v)] += static_cast<float>((way(v) - mean).norm());
+  elapsed_ = static_cast<float>(step_.h * (next_phase_ - list_begin_));
 }
 
 void SelfContact::find_strayed(const linear::VertexField& x, const linear::VertexField& v, double ahead, double share) {
@@ -157,6 +158,7 @@ void SelfContact::PairList::clear() {
   pairs.clear();
   for (std::vector<std::int32_t>& of : vertices) of.clear();
   least.clear();
+  speed.clear();
   limit.clear();
   safe.clear();
   seen.clear();
@@ -167,6 +169,7 @@ void SelfContact::PairList::add(const FeaturePair& pair) {
   pairs.push_back(pair);
   for (std::size_t i = 0; i < 4; ++i) vertices[i].push_back(pair.vertices[i]);
   least.push_back(static_cast<float>(1.000001 * pair.least));
+  speed.push_back(pair.speed);
   limit.push_back(0.0F);
   safe.push_back(0.0F);
   seen.push_back(-1);
@@ -177,6 +180,7 @@ void SelfContact::PairList::add(const PairList& from, std::size_t p) {
   pairs.push_back(from.pairs[p]);
   for (std::size_t i = 0; i < 4; ++i) vertices[i].push_back(from.vertices[i][p]);
   least.push_back(from.least[p]);
+  speed.push_back(from.speed[p]);
   limit.push_back(from.limit[p]);
   safe.push_back(from.safe[p]);
   seen.push_back(from.seen[p]);
@@ -185,6 +189,7 @@ void SelfContact::PairList::add(const PairList& from, std::size_t p) {
 
 void SelfContact::PairList::pad() {
   for (std::vector<std::int32_t>& of : vertices) of.resize(size() + kLanePadding, 0);
+  speed.resize(size() + kLanePadding, 0.0F);
   limit.resize(size() + kLanePadding, 0.0F);
   safe.resize(size() + kLanePadding, 0.0F);
 }
@@ -205,6 +210,7 @@ void SelfContact::set_list() {
   list_.num_vertex_pairs = static_cast<std::size_t>(edges - found_.begin());
   list_.pad();
   std::fill(path_.begin(), path_.end(), 0.0F);
+  elapsed_ = 0.0F;
 }
 
 void SelfContact::search(const linear::VertexField& x, const linear::VertexField& v, int substep) {
@@ -261,7 +267,7 @@ bool SelfContact::find_list_apart(const linear::VertexField& x) {
 }
 
 void SelfContact::look_at_due_pairs(const linear::VertexField& x, const linear::VertexField& v) {
-  find_due(list_.vertices, path_, std::span(list_.limit).first(list_.size()), due_);
+  find_due(list_.vertices, pair_ways(), std::span(list_.limit).first(list_.size()), due_, due_ways_);
   x_float_.set(x, tree_.features().vertices);
   set_floats(v, tree_.features().vertices, v_float_);
   due_distances_.resize(due_.size());
