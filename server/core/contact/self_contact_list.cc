@@ -220,7 +220,7 @@ void SelfContact::search(const linear::VertexField& x, const linear::VertexField
   mean /= static_cast<double>(std::max<std::size_t>(vertices.size(), 1));
   double fastest = 0.0;  // m^2/s^2
   for (const VertexId i : vertices) fastest = std::max(fastest, (v.col(i) - mean).squaredNorm());
-  int ahead = fastest > 1.0 ? kSearchAhead / 4 : fastest > 0.09 ? kSearchAhead / 2 : kSearchAhead;
+  int ahead = fastest > 1.0 ? kSearchAhead / 8 : fastest > 0.09 ? kSearchAhead / 2 : kSearchAhead;
   if (substep > 0) {
     // A list that vertices strayed from before its end had looked too far ahead.
     if (substep < list_end_) ahead = std::min(ahead, std::max(2, 2 * (substep - list_begin_)));
