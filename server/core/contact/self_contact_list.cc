@@ -12,6 +12,8 @@ using mesh::VertexId;
 namespace {
 
 constexpr int kSearchAhead = 64;  // substeps for which a list with pairs is made at most
+constexpr int kLeastAhead = 8;    // substeps
+constexpr double kStrayed = 0.5;  // -, of its slack that a vertex should stray before the list ends
 constexpr float kMost = 2.0F;     // -, largest slack over that at first
 
 }  // namespace
@@ -215,19 +217,19 @@ void SelfContact::set_list() {
 
 void SelfContact::search(const linear::VertexField& x, const linear::VertexField& v, int substep) {
   const std::vector<VertexId>& vertices = tree_.features().vertices;
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (const VertexId i : vertices) mean += v.col(i);
-  mean /= static_cast<double>(std::max<std::size_t>(vertices.size(), 1));
-  double fastest = 0.0;  // m^2/s^2
-  for (const VertexId i : vertices) fastest = std::max(fastest, (v.col(i) - mean).squaredNorm());
-  int ahead = fastest > 1.0 ? kSearchAhead / 8 : fastest > 0.09 ? kSearchAhead / 2 : kSearchAhead;
-  if (substep > 0) {
-    // A list that vertices strayed from before its end had looked too far ahead.
-    if (substep < list_end_) ahead = std::min(ahead, std::max(2, 2 * (substep - list_begin_)));
-    adapt_slack(x);
+  const int begin = list_begin_;
+  if (substep > 0) adapt_slack(x);
+  double vibration = 0.0;  // m^2/s^2, mean square of velocities on top of those of lines
+  for (const VertexId i : vertices) {
+    v_list_.col(i) = smooth_velocity(v, i);
+    vibration += (v.col(i) - v_list_.col(i)).squaredNorm();
   }
+  vibration /= static_cast<double>(std::max<std::size_t>(vertices.size(), 1));
+  const double good = kStrayed * base_slack_ / std::max(std::sqrt(vibration) * step_.h, 1e-9);  // substeps
+  int ahead = static_cast<int>(std::clamp<double>(good, kLeastAhead, kSearchAhead));
+  // A list that vertices strayed from before its end had looked too far ahead.
+  if (substep > 0 && substep < list_end_) ahead = std::min(ahead, std::max(2, 2 * (substep - begin)));
   x_list_ = x;
-  for (const VertexId i : vertices) v_list_.col(i) = smooth_velocity(v, i);
   list_begin_ = substep;
   list_end_ = step_.substeps;
   if ((substep > 0 && list_.size() > 0) || !find_list_apart(x)) {
