@@ -228,6 +228,14 @@ scene::SheetConfig falls_after_cuts(std::int32_t side, std::uint64_t seed, std::
   return config;
 }
 
+scene::SheetConfig swings(std::int32_t side) {
+  scene::SheetConfig config = cloth();
+  config.mesh = scene::GridSource{side, side, 1.0, 1.0, scene::GridPattern::kUniformDiagonals, 0};
+  config.placement.y_axis = {0.0, std::numbers::sqrt2 / 2.0, std::numbers::sqrt2 / 2.0};
+  config.pins = {scene::MaterialBox{{0.0, 1.0 - 1e-6}, {1.0, 1.0}}};
+  return config;
+}
+
 std::span<const SelfContactScene> self_contact_scenes() {
   static constexpr SelfContactScene kScenes[] = {
       {'a', "falls on its edge", 10.0, false, [] { return falls_on_edge(); }, [] { return falls_on_edge(12); }},
@@ -239,6 +247,7 @@ std::span<const SelfContactScene> self_contact_scenes() {
       {'s', "stack of ten", 0.6, true, [] { return stack_of_ten(); }, [] { return stack_of_ten(5); }},
       {'p', "slits cut in the pile", 1.8, false, [] { return cut_in_the_pile(); }, [] { return cut_in_the_pile(12); }},
       {'r', "falls after 50 cuts", 5.0, false, [] { return falls_after_cuts(); }, [] { return falls_after_cuts(12); }},
+      {'w', "swings", 1.0, false, [] { return swings(); }, [] { return swings(12); }},
   };
   return kScenes;
 }

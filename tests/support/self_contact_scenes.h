@@ -37,6 +37,9 @@ scene::SheetConfig cut_in_the_pile(std::int32_t side = kSelfContactSide);
 scene::SheetConfig falls_after_cuts(std::int32_t side = kSelfContactSide, std::uint64_t seed = 14159265,
                                     std::size_t cuts = 50);
 
+// w: hung by its upper edge at 45 degrees and let go. It swings, and nothing comes near anything.
+scene::SheetConfig swings(std::int32_t side = kSelfContactSide);
+
 struct SelfContactScene {
   char letter;
   const char* name;
