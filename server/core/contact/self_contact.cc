@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kLongestInterval = 1.3e-3;  // s, between two phases; vertices at rest fall in between
 constexpr int kIdleInterval = 16;            // substeps after which a sheet that has no near pairs is looked at again
-constexpr int kApartInterval = 32;           // the same where parts are flat or far apart for longer
+constexpr int kApartInterval = 40;           // the same where parts are flat or far apart for longer
 constexpr std::size_t kSoftSweeps = 3;
 constexpr int kHardSweeps = 100;
 constexpr double kLookAgain = 0.1;      // -, part of its distance that a pair left to others moves before the next look
@@ -85,6 +85,7 @@ void SelfContact::begin(const SelfContactStep& step, const linear::VertexField& 
   substep_ = 0;
   interval_ = 1;
   slack_ = base_slacks_;
+  set_least_slack();
   is_list_apart_ = false;
   v_list_ = v;
   stray_.resize(x.cols());

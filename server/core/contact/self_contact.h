@@ -151,6 +151,8 @@ class SelfContact {
   // Gives them new lines, relative to the motion that all vertices share: `since` (s) after the list was made they are
   // at x and move with v, or with smooth_velocity().
   void follow_strayed(const linear::VertexField& x, const linear::VertexField& v, double since, bool is_smoothed);
+  // Sets least_slack_ from slack_.
+  void set_least_slack();
   // Widens the slack of vertices that strayed from the last list.
   void adapt_slack(const linear::VertexField& x);
   // Looks for pairs from positions x on.
@@ -227,6 +229,7 @@ class SelfContact {
   std::vector<mesh::VertexId> strayed_;
   std::vector<std::uint8_t> is_strayed_;  // by vertex
   std::vector<float> slack_;              // m, by vertex: distance that it may stray from its line
+  double least_slack_ = 0.0;              // m
   std::vector<float> wide_slack_;         // m, scratch
   bool is_list_apart_ = false;            // by find_list_apart(), when the list was made
   std::vector<Contact> contacts_;

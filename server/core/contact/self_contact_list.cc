@@ -1,9 +1,11 @@
 // Members of SelfContact that keep the list of pairs that may touch.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "server/core/contact/self_contact.h"
+#include "server/core/contact/stray_bounds.h"
 
 namespace kerf::contact {
 
@@ -39,7 +41,13 @@ void SelfContact::follow_paths(const linear::VertexField& x) {
 void SelfContact::find_strayed(const linear::VertexField& x, const linear::VertexField& v, double ahead, double share) {
   const double since = step_.h * (next_phase_ - list_begin_);
   const std::vector<VertexId>& vertices = tree_.features().vertices;
+  strayed_.clear();
   // Motion that all vertices share does not count.
+  if (vertices.size() == static_cast<std::size_t>(x.cols())) {
+    const Stray stray = find_stray(x, v, {x_list_, v_list_}, since, ahead);
+    stray_mean_ = stray.mean;
+    if (stray.most <= share * least_slack_) return;
+  }
   stray_mean_.setZero();
   for (const VertexId i : vertices) {
     const Eigen::Vector3d on_list = v_list_.col(i);
@@ -49,7 +57,6 @@ void SelfContact::find_strayed(const linear::VertexField& x, const linear::Verte
     stray_mean_ += stray;
   }
   stray_mean_ /= static_cast<double>(std::max<std::size_t>(vertices.size(), 1));
-  strayed_.clear();
   for (const VertexId i : vertices) {
     const double allowed = share * static_cast<double>(slack_[static_cast<std::size_t>(i)]);
     if ((stray_.col(i) - stray_mean_).squaredNorm() > allowed * allowed) strayed_.push_back(i);
@@ -68,7 +75,7 @@ void SelfContact::find_strayed_of_shifted(const linear::VertexField& x) {
 
 void SelfContact::renew_list(const linear::VertexField& x, const linear::VertexField& v, int substep) {
   if (substep < list_end_) {
-    find_strayed(x, v, step_.h * interval_, 0.8);
+    find_strayed(x, v, step_.h * std::min(interval_, list_end_ - substep), 0.8);
     if (strayed_.empty()) return;
     if (may_follow()) {
       follow_strayed(x, v, step_.h * (substep - list_begin_), true);
@@ -154,6 +161,13 @@ void SelfContact::adapt_slack(const linear::VertexField& x) {
       slack = std::max(0.5F * slack, base);
     }
   }
+  set_least_slack();
+}
+
+void SelfContact::set_least_slack() {
+  float least = std::numeric_limits<float>::infinity();
+  for (const VertexId v : tree_.features().vertices) least = std::min(least, slack_[static_cast<std::size_t>(v)]);
+  least_slack_ = static_cast<double>(least);
 }
 
 void SelfContact::PairList::clear() {
@@ -219,20 +233,23 @@ void SelfContact::search(const linear::VertexField& x, const linear::VertexField
   const std::vector<VertexId>& vertices = tree_.features().vertices;
   const int begin = list_begin_;
   if (substep > 0) adapt_slack(x);
-  double vibration = 0.0;  // m^2/s^2, mean square of velocities on top of those of lines
-  for (const VertexId i : vertices) {
-    v_list_.col(i) = smooth_velocity(v, i);
-    vibration += (v.col(i) - v_list_.col(i)).squaredNorm();
-  }
-  vibration /= static_cast<double>(std::max<std::size_t>(vertices.size(), 1));
-  const double good = kStrayed * base_slack_ / std::max(std::sqrt(vibration) * step_.h, 1e-9);  // substeps
-  int ahead = static_cast<int>(std::clamp<double>(good, kLeastAhead, kSearchAhead));
-  // A list that vertices strayed from before its end had looked too far ahead.
-  if (substep > 0 && substep < list_end_) ahead = std::min(ahead, std::max(2, 2 * (substep - begin)));
+  const bool may_be_apart = substep == 0 || list_.size() == 0;
+  const bool is_list_used_up = substep == 0 || substep >= list_end_;
   x_list_ = x;
+  v_list_ = v;
   list_begin_ = substep;
   list_end_ = step_.substeps;
-  if ((substep > 0 && list_.size() > 0) || !find_list_apart(x)) {
+  if (!may_be_apart || !find_list_apart(x)) {
+    double vibration = 0.0;  // m^2/s^2, mean square of velocities on top of those of lines
+    for (const VertexId i : vertices) {
+      v_list_.col(i) = smooth_velocity(v, i);
+      vibration += (v.col(i) - v_list_.col(i)).squaredNorm();
+    }
+    vibration /= static_cast<double>(std::max<std::size_t>(vertices.size(), 1));
+    const double good = kStrayed * base_slack_ / std::max(std::sqrt(vibration) * step_.h, 1e-9);  // substeps
+    int ahead = static_cast<int>(std::clamp<double>(good, kLeastAhead, kSearchAhead));
+    // A list that vertices strayed from before its end had looked too far ahead.
+    if (!is_list_used_up) ahead = std::min(ahead, std::max(2, 2 * (substep - begin)));
     list_end_ = std::min(substep + ahead, step_.substeps);
     tree_.find_pairs({x, v_list_, step_.h * (list_end_ - substep)}, thickness_, slack_, thickness_, found_);
   }
@@ -262,8 +279,10 @@ bool SelfContact::find_list_apart(const linear::VertexField& x) {
       is_list_apart_, tree_.is_apart({x, v_list_, step_.h * (list_end_ - list_begin_)}, thickness_, wide_slack_));
   if (is_list_apart_) {
     std::swap(slack_, wide_slack_);
+    set_least_slack();
   } else if (was_apart) {
     slack_ = base_slacks_;
+    set_least_slack();
   }
   return is_list_apart_;
 }

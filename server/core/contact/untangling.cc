@@ -28,7 +28,10 @@ void Untangling::set(const SheetFeatures& features) {
 }
 
 void Untangling::search(const linear::VertexField& x) {
-  if (is_known_ && x_known_.cols() == x.cols() && x_known_ == x) return;
+  const auto is_same = [&] {
+    return x_known_.cols() == x.cols() && std::equal(x.data(), x.data() + x.size(), x_known_.data());
+  };
+  if (is_known_ && is_same()) return;
   pairs_ = search_.find(triangles_, x, std::numeric_limits<std::size_t>::max()).pairs;
   x_known_ = x;
   is_known_ = true;

@@ -1,5 +1,7 @@
 #include "server/core/fem/leapfrog/leapfrog_sweep.h"
 
+#include "server/core/fem/leapfrog/leapfrog_vertex_lanes.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -218,11 +220,23 @@ bool LeapfrogSweep<T>::set_vertices(std::span<const VertexId> vertices, const St
 }
 
 template <typename T>
-void LeapfrogSweep<T>::write(State& state) const {
-  for (VertexId v = 0; v < layout_->num_vertices(); ++v) {
-    if (takes_part_[static_cast<std::size_t>(v)] == 0) continue;
-    state.x.col(v) = position(v);
-    state.v.col(v) = velocity(v);
+void LeapfrogSweep<T>::write(State& state) {
+  const LeapfrogArrays<T> arrays = this->arrays();
+  const auto count = static_cast<std::size_t>(layout_->num_vertices());
+  for (std::size_t first = 0; first < count; first += linear::kBlockLanes) {
+    const std::size_t end = std::min(first + linear::kBlockLanes, count);
+    const auto begin = takes_part_.begin() + static_cast<std::ptrdiff_t>(first);
+    if (end == first + linear::kBlockLanes &&
+        std::all_of(begin, begin + linear::kBlockLanes, [](std::uint8_t takes_part) { return takes_part != 0; })) {
+      write_vertices(arrays, frame(), first / linear::kBlockLanes, state.x.data(), state.v.data());
+      continue;
+    }
+    for (std::size_t i = first; i < end; ++i) {
+      if (takes_part_[i] == 0) continue;
+      const auto v = static_cast<VertexId>(i);
+      state.x.col(v) = position(v);
+      state.v.col(v) = velocity(v);
+    }
   }
 }
 

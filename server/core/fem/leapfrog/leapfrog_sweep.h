@@ -105,7 +105,7 @@ class LeapfrogSweep {
 
   // Loads the vertices that have mass or are held. Returns false if positions are out of range.
   bool read(const State& state);
-  void write(State& state) const;
+  void write(State& state);
   // Loads some vertices. Returns false if positions are out of range.
   bool set_vertices(std::span<const mesh::VertexId> vertices, const State& state);
   // Position (m) and velocity (m/s) of a vertex.

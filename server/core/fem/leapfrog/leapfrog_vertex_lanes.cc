@@ -32,25 +32,50 @@ HWY_INLINE std::array<V, 3> starts_at(D d, const PositionFrame& frame, std::size
   return from;
 }
 
+struct Motion {
+  std::array<V, 3> x, v;  // m, m/s
+};
+template <typename T>
+HWY_INLINE Motion motion_at(D d, const LeapfrogArrays<T>& arrays, const PositionFrame& frame, std::size_t i) {
+  const std::array<V, 3> from = starts_at(d, frame, i);
+  Motion motion;
+  for (std::size_t c = 0; c < 3; ++c) {
+    V x = widened(d, arrays.x[c] + i);
+    V v = widened(d, arrays.v[c] + i);
+    if constexpr (std::is_same_v<T, float>) {
+      x = hn::Add(x, widened(d, arrays.remainder[c] + i));
+      x = hn::Add(from[c], hn::Mul(hn::Set(d, frame.unit), x));
+      v = hn::Add(v, widened(d, arrays.v_remainder[c] + i));
+    }
+    motion.x[c] = x;
+    motion.v[c] = v;
+  }
+  return motion;
+}
+
 template <typename T>
 HWY_INLINE void load_any(const LeapfrogArrays<T>& arrays, const PositionFrame& frame, std::size_t block, double drift,
                          mesh::VertexLanes& vertices) {
   const D d;
   for (std::size_t l = 0; l < linear::kBlockLanes; l += hn::Lanes(d)) {
-    const std::size_t i = block * linear::kBlockLanes + l;
-    const std::array<V, 3> from = starts_at(d, frame, i);
+    const Motion motion = motion_at(d, arrays, frame, block * linear::kBlockLanes + l);
     for (std::size_t c = 0; c < 3; ++c) {
-      V x = widened(d, arrays.x[c] + i);
-      V v = widened(d, arrays.v[c] + i);
-      if constexpr (std::is_same_v<T, float>) {
-        x = hn::Add(x, widened(d, arrays.remainder[c] + i));
-        x = hn::Add(from[c], hn::Mul(hn::Set(d, frame.unit), x));
-        v = hn::Add(v, widened(d, arrays.v_remainder[c] + i));
-      }
-      hn::Store(x, d, &vertices.x[c][l]);
-      hn::Store(v, d, &vertices.v[c][l]);
-      hn::Store(hn::Sub(x, hn::Mul(hn::Set(d, drift), v)), d, &vertices.before[c][l]);
+      hn::Store(motion.x[c], d, &vertices.x[c][l]);
+      hn::Store(motion.v[c], d, &vertices.v[c][l]);
+      hn::Store(hn::Sub(motion.x[c], hn::Mul(hn::Set(d, drift), motion.v[c])), d, &vertices.before[c][l]);
     }
+  }
+}
+
+template <typename T>
+HWY_INLINE void write_any(const LeapfrogArrays<T>& arrays, const PositionFrame& frame, std::size_t block, double* x,
+                          double* v) {
+  const D d;
+  for (std::size_t l = 0; l < linear::kBlockLanes; l += hn::Lanes(d)) {
+    const std::size_t i = block * linear::kBlockLanes + l;
+    const Motion motion = motion_at(d, arrays, frame, i);
+    hn::StoreInterleaved3(motion.x[0], motion.x[1], motion.x[2], d, x + 3 * i);
+    hn::StoreInterleaved3(motion.v[0], motion.v[1], motion.v[2], d, v + 3 * i);
   }
 }
 
@@ -116,6 +141,14 @@ void load_double(const LeapfrogArrays<double>& arrays, const PositionFrame& fram
                  mesh::VertexLanes& vertices) {
   load_any(arrays, frame, block, drift, vertices);
 }
+void write_float(const LeapfrogArrays<float>& arrays, const PositionFrame& frame, std::size_t block, double* x,
+                 double* v) {
+  write_any(arrays, frame, block, x, v);
+}
+void write_double(const LeapfrogArrays<double>& arrays, const PositionFrame& frame, std::size_t block, double* x,
+                  double* v) {
+  write_any(arrays, frame, block, x, v);
+}
 double store_float(const mesh::VertexLanes& vertices, std::uint32_t changed, const PositionFrame& frame,
                    std::size_t block, const LeapfrogArrays<float>& arrays) {
   return store_any(vertices, changed, frame, block, arrays);
@@ -135,6 +168,8 @@ namespace kerf::fem {
 namespace {
 HWY_EXPORT(load_float);
 HWY_EXPORT(load_double);
+HWY_EXPORT(write_float);
+HWY_EXPORT(write_double);
 HWY_EXPORT(store_float);
 HWY_EXPORT(store_double);
 }  // namespace
@@ -148,6 +183,16 @@ template <>
 void load_vertices(const LeapfrogArrays<double>& arrays, const PositionFrame& frame, std::size_t block, double drift,
                    mesh::VertexLanes& vertices) {
   HWY_DYNAMIC_DISPATCH(load_double)(arrays, frame, block, drift, vertices);
+}
+template <>
+void write_vertices(const LeapfrogArrays<float>& arrays, const PositionFrame& frame, std::size_t block, double* x,
+                    double* v) {
+  HWY_DYNAMIC_DISPATCH(write_float)(arrays, frame, block, x, v);
+}
+template <>
+void write_vertices(const LeapfrogArrays<double>& arrays, const PositionFrame& frame, std::size_t block, double* x,
+                    double* v) {
+  HWY_DYNAMIC_DISPATCH(write_double)(arrays, frame, block, x, v);
 }
 template <>
 double store_vertices(const mesh::VertexLanes& vertices, std::uint32_t changed, const PositionFrame& frame,

@@ -30,4 +30,10 @@ template <typename T>
 double store_vertices(const mesh::VertexLanes& vertices, std::uint32_t changed, const PositionFrame& frame,
                       std::size_t block, const LeapfrogArrays<T>& arrays);
 
+// Writes positions (m) and velocities (m/s) of a block to x, y, z of each vertex in turn. `x` and `v` are those of
+// vertex 0; all vertices of the block must exist.
+template <typename T>
+void write_vertices(const LeapfrogArrays<T>& arrays, const PositionFrame& frame, std::size_t block, double* x,
+                    double* v);
+
 }  // namespace kerf::fem
