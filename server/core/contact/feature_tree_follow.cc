@@ -131,7 +131,8 @@ void FeatureTree::follow_group(const StrayedGroup& group) {
                                   BoxRange range, const auto& visit) {
       if (!(of_feature++)->overlaps(box)) return;
       overlaps_.clear();
-      find_overlaps(boxes, {index, index + 1}, way_between(of, leaf).data(), others, range, false, overlaps_);
+      find_overlaps(boxes, {index, index + 1}, way_between(of, leaf).data(), others, range,
+                    {leaf.box.low.data(), leaf.box.high.data()}, false, overlaps_);
       for (const auto& [i, other] : overlaps_) visit(other);
     };
     for_overlaps(vertex_boxes_, place, home, triangle_boxes_, {leaf.begin, leaf.end},

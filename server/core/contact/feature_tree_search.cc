@@ -246,13 +246,16 @@ void FeatureTree::search_leaves(std::int32_t first, std::int32_t second) {
   const Node &a = nodes_[static_cast<std::size_t>(first)], &b = nodes_[static_cast<std::size_t>(second)];
   const Eigen::Array4f way = way_between(a, b), back = -way;
   overlaps_.clear();
-  find_overlaps(vertex_boxes_, vertices_of(a), way.data(), triangle_boxes_, {b.begin, b.end}, false, overlaps_);
+  const BoxBounds around_a{a.box.low.data(), a.box.high.data()}, around_b{b.box.low.data(), b.box.high.data()};
+  find_overlaps(vertex_boxes_, vertices_of(a), way.data(), triangle_boxes_, {b.begin, b.end}, around_b, false,
+                overlaps_);
   if (first != second) {
-    find_overlaps(vertex_boxes_, vertices_of(b), back.data(), triangle_boxes_, {a.begin, a.end}, false, overlaps_);
+    find_overlaps(vertex_boxes_, vertices_of(b), back.data(), triangle_boxes_, {a.begin, a.end}, around_a, false,
+                  overlaps_);
   }
   for (const auto& [k, t] : overlaps_) add_vertex_candidate(features_.vertices[static_cast<std::size_t>(k)], t);
   overlaps_.clear();
-  find_overlaps(edge_boxes_, edges_of(a), way.data(), edge_boxes_, edges_of(b), first == second, overlaps_);
+  find_overlaps(edge_boxes_, edges_of(a), way.data(), edge_boxes_, edges_of(b), around_b, first == second, overlaps_);
   for (const auto& [i, j] : overlaps_) add_edge_candidate(i, j);
 }
 

@@ -15,29 +15,51 @@ namespace kerf::contact {
 namespace HWY_NAMESPACE {
 namespace {
 
-void find_overlaps_any(const BoxLanes& boxes, BoxRange range, const float* way, const BoxLanes& others,
-                       BoxRange other_range, bool after, std::vector<std::array<std::int32_t, 2>>& found) {
+struct LaneBox {
+  std::array<V, 3> low, high;
+};
+// Returns the lanes in which two boxes overlap.
+HWY_INLINE hn::Mask<D> overlaps(const LaneBox& a, const LaneBox& b) {
+  auto all = hn::And(hn::Lt(a.low[0], b.high[0]), hn::Lt(b.low[0], a.high[0]));
+  all = hn::And(all, hn::And(hn::Lt(a.low[1], b.high[1]), hn::Lt(b.low[1], a.high[1])));
+  return hn::And(all, hn::And(hn::Lt(a.low[2], b.high[2]), hn::Lt(b.low[2], a.high[2])));
+}
+HWY_INLINE LaneBox boxes_at(const BoxLanes& boxes, std::int32_t first) {
   const D d;
-  for (std::int32_t i = range.begin; i < range.end; ++i) {
-    const auto at = static_cast<std::size_t>(i);
-    std::array<V, 3> low, high;
-    for (std::size_t k = 0; k < 3; ++k) {
-      low[k] = hn::Set(d, boxes.low[k][at] + std::min(way[k], 0.0F));
-      high[k] = hn::Set(d, boxes.high[k][at] + std::max(way[k], 0.0F));
-    }
-    const std::int32_t first = after ? std::max(i + 1, other_range.begin) : other_range.begin;
-    for (std::int32_t j = first; j < other_range.end; j += static_cast<std::int32_t>(hn::Lanes(d))) {
-      auto overlaps = hn::Lt(low[0], hn::LoadU(d, &others.high[0][static_cast<std::size_t>(j)]));
-      overlaps = hn::And(overlaps, hn::Lt(low[1], hn::LoadU(d, &others.high[1][static_cast<std::size_t>(j)])));
-      overlaps = hn::And(overlaps, hn::Lt(low[2], hn::LoadU(d, &others.high[2][static_cast<std::size_t>(j)])));
-      overlaps = hn::And(overlaps, hn::Lt(hn::LoadU(d, &others.low[0][static_cast<std::size_t>(j)]), high[0]));
-      overlaps = hn::And(overlaps, hn::Lt(hn::LoadU(d, &others.low[1][static_cast<std::size_t>(j)]), high[1]));
-      overlaps = hn::And(overlaps, hn::Lt(hn::LoadU(d, &others.low[2][static_cast<std::size_t>(j)]), high[2]));
-      if (hn::AllFalse(d, overlaps)) continue;
-      for_set_lanes(overlaps, static_cast<std::size_t>(other_range.end - j), [&](int l) {
-        found.push_back({i, j + l});
-      });
-    }
+  const auto at = static_cast<std::size_t>(first);
+  return {{hn::LoadU(d, &boxes.low[0][at]), hn::LoadU(d, &boxes.low[1][at]), hn::LoadU(d, &boxes.low[2][at])},
+          {hn::LoadU(d, &boxes.high[0][at]), hn::LoadU(d, &boxes.high[1][at]), hn::LoadU(d, &boxes.high[2][at])}};
+}
+
+void find_overlaps_any(const BoxLanes& boxes, BoxRange range, const float* way, const BoxLanes& others,
+                       BoxRange other_range, const BoxBounds& bounds, bool after,
+                       std::vector<std::array<std::int32_t, 2>>& found) {
+  const D d;
+  const auto lanes = static_cast<std::int32_t>(hn::Lanes(d));
+  LaneBox around;
+  for (std::size_t k = 0; k < 3; ++k) {
+    around.low[k] = hn::Set(d, bounds.low[k] - std::max(way[k], 0.0F));
+    around.high[k] = hn::Set(d, bounds.high[k] - std::min(way[k], 0.0F));
+  }
+  for (std::int32_t block = range.begin; block < range.end; block += lanes) {
+    const auto reaches = overlaps(boxes_at(boxes, block), around);
+    for_set_lanes(reaches, static_cast<std::size_t>(range.end - block), [&](int lane) {
+      const std::int32_t i = block + lane;
+      const auto at = static_cast<std::size_t>(i);
+      LaneBox box;
+      for (std::size_t k = 0; k < 3; ++k) {
+        box.low[k] = hn::Set(d, boxes.low[k][at] + std::min(way[k], 0.0F));
+        box.high[k] = hn::Set(d, boxes.high[k][at] + std::max(way[k], 0.0F));
+      }
+      const std::int32_t first = after ? std::max(i + 1, other_range.begin) : other_range.begin;
+      for (std::int32_t j = first; j < other_range.end; j += lanes) {
+        const auto are_near = overlaps(box, boxes_at(others, j));
+        if (hn::AllFalse(d, are_near)) continue;
+        for_set_lanes(are_near, static_cast<std::size_t>(other_range.end - j), [&](int l) {
+          found.push_back({i, j + l});
+        });
+      }
+    });
   }
 }
 
@@ -177,8 +199,9 @@ void PairLanes::add(std::int32_t feature_a, std::int32_t feature_b, const std::a
 }
 
 void find_overlaps(const BoxLanes& boxes, BoxRange range, const float* way, const BoxLanes& others,
-                   BoxRange other_range, bool after, std::vector<std::array<std::int32_t, 2>>& found) {
-  HWY_DYNAMIC_DISPATCH(find_overlaps_any)(boxes, range, way, others, other_range, after, found);
+                   BoxRange other_range, const BoxBounds& bounds, bool after,
+                   std::vector<std::array<std::int32_t, 2>>& found) {
+  HWY_DYNAMIC_DISPATCH(find_overlaps_any)(boxes, range, way, others, other_range, bounds, after, found);
 }
 
 void PairLanes::pad() {

@@ -46,10 +46,16 @@ struct PairLanes {
 struct BoxRange {
   std::int32_t begin = 0, end = 0;
 };
-// Appends to `found` the index pairs {i, j} of boxes that overlap, i in [begin, end) of `boxes` and j in
-// [other_begin, other_end) of `others`, ascending. Boxes i are those swept along `way` (3, m). `after`: only j > i.
+// A box around others, m.
+struct BoxBounds {
+  const float* low;
+  const float* high;
+};
+// Appends to `found` the index pairs {i, j} of boxes that overlap, i in `range` of `boxes` and j in `other_range` of
+// `others`, ascending. Boxes i are those swept along `way` (3, m). `bounds` is around all boxes j. `after`: only j > i.
 void find_overlaps(const BoxLanes& boxes, BoxRange range, const float* way, const BoxLanes& others,
-                   BoxRange other_range, bool after, std::vector<std::array<std::int32_t, 2>>& found);
+                   BoxRange other_range, const BoxBounds& bounds, bool after,
+                   std::vector<std::array<std::int32_t, 2>>& found);
 
 // Fills `kept` with the indices of pairs, ascending, that share no vertex and may come near within `duration` (s):
 // nearer than `reach` (m) plus the slack of both sides. Sets `speeds` (m/s) to the largest relative ones of corners of
