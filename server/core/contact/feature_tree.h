@@ -145,13 +145,13 @@ class FeatureTree {
   void search_between(std::int32_t first, std::int32_t second, std::size_t most);
   void search_leaves(std::int32_t first, std::int32_t second);
   // Appends those pairs of `candidates` that may come near to `pairs`.
-  void keep_near(FeaturePair::Kind kind, const PairLanes& candidates, double reach, double thickness,
-                 std::vector<FeaturePair>& pairs);
+  // Sets `pairs` to the candidates that may come near.
+  void keep_near(double reach, double thickness, std::vector<FeaturePair>& pairs);
+  // Appends those of candidates_ that may come near to `pairs`.
+  void keep_near(FeaturePair::Kind kind, double reach, double thickness, std::vector<FeaturePair>& pairs);
   static NodeBox box_of(const BoxLanes& boxes, std::int32_t place);
   [[nodiscard]] BoxRange vertices_of(const Node& node) const;
   [[nodiscard]] BoxRange edges_of(const Node& node) const;
-  void add_vertex_candidate(mesh::VertexId v, std::int32_t triangle);
-  void add_edge_candidate(std::int32_t first, std::int32_t second);
   // Returns true if a pair may come nearer than `reach` (m) in the motion.
   [[nodiscard]] bool comes_near(const FeaturePair& pair, double reach) const;
   // Returns half the distance at rest of a pair, m, or `most` if that is less.
@@ -184,8 +184,10 @@ class FeatureTree {
   // Boxes of the motion, in the frames of their leaves; by place in `vertices`, triangle, edge.
   BoxLanes vertex_boxes_, triangle_boxes_, edge_boxes_;
   std::vector<std::array<std::int32_t, 2>> leaf_pairs_;
-  PairLanes vertex_candidates_, edge_candidates_;
-  std::vector<std::array<std::int32_t, 2>> overlaps_;
+  // Features whose boxes overlap: the place of a vertex in `vertices` and a triangle, or two edges.
+  std::vector<std::array<std::int32_t, 2>> vertex_overlaps_, edge_overlaps_;
+  std::vector<std::array<std::int32_t, 2>> overlaps_;  // scratch
+  PairLanes candidates_;                               // scratch
   std::vector<std::int32_t> near_;
   std::vector<float> near_speeds_;  // m/s, by place in near_
 };

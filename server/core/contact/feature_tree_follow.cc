@@ -135,19 +135,20 @@ void FeatureTree::follow_group(const StrayedGroup& group) {
                     {leaf.box.low.data(), leaf.box.high.data()}, false, overlaps_);
       for (const auto& [i, other] : overlaps_) visit(other);
     };
-    for_overlaps(vertex_boxes_, place, home, triangle_boxes_, {leaf.begin, leaf.end},
-                 [&](std::int32_t t) { add_vertex_candidate(group.vertex, t); });
+    for_overlaps(vertex_boxes_, place, home, triangle_boxes_, {leaf.begin, leaf.end}, [&](std::int32_t t) {
+      vertex_overlaps_.push_back({place, t});
+    });
     for (const std::int32_t t : of_range(strayed_triangles_, group.triangles)) {
       for_overlaps(triangle_boxes_, t, leaf_at(leaf_of_, t), vertex_boxes_, vertices_of(leaf), [&](std::int32_t at) {
         const VertexId v = features_.vertices[static_cast<std::size_t>(at)];
-        if (is_strayed_[static_cast<std::size_t>(v)] == 0) add_vertex_candidate(v, t);
+        if (is_strayed_[static_cast<std::size_t>(v)] == 0) vertex_overlaps_.push_back({at, t});
       });
     }
     for (const std::int32_t e : of_range(strayed_edges_, group.edges)) {
       for_overlaps(edge_boxes_, e, leaf_at(leaf_of_edge_, e), edge_boxes_, edges_of(leaf), [&](std::int32_t other) {
         // Two edges at strayed vertices find each other.
         if (other != e && (other > e || is_strayed_edge_[static_cast<std::size_t>(other)] == 0)) {
-          add_edge_candidate(std::min(e, other), std::max(e, other));
+          edge_overlaps_.push_back({std::min(e, other), std::max(e, other)});
         }
       });
     }
@@ -157,9 +158,8 @@ void FeatureTree::follow_group(const StrayedGroup& group) {
 void FeatureTree::follow(std::span<const VertexId> strayed, const linear::VertexField& x, const linear::VertexField& v,
                          double since, double reach, std::span<const float> slack, double thickness,
                          std::vector<FeaturePair>& pairs) {
-  pairs.clear();
-  vertex_candidates_.clear();
-  edge_candidates_.clear();
+  vertex_overlaps_.clear();
+  edge_overlaps_.clear();
   half_reach_ = static_cast<float>(0.5 * reach) + kRounding;
   for (const VertexId i : strayed) {
     motion_.slack[static_cast<std::size_t>(i)] = slack[static_cast<std::size_t>(i)];
@@ -172,10 +172,7 @@ void FeatureTree::follow(std::span<const VertexId> strayed, const linear::Vertex
   for (const VertexId of : strayed) is_strayed_[static_cast<std::size_t>(of)] = 0;
   for (const std::int32_t t : strayed_triangles_) is_strayed_triangle_[static_cast<std::size_t>(t)] = 0;
   for (const std::int32_t e : strayed_edges_) is_strayed_edge_[static_cast<std::size_t>(e)] = 0;
-  vertex_candidates_.pad();
-  edge_candidates_.pad();
-  keep_near(FeaturePair::Kind::kVertexTriangle, vertex_candidates_, reach, thickness, pairs);
-  keep_near(FeaturePair::Kind::kEdgeEdge, edge_candidates_, reach, thickness, pairs);
+  keep_near(reach, thickness, pairs);
 }
 
 }  // namespace kerf::contact

@@ -180,15 +180,11 @@ bool FeatureTree::is_apart(const StraightMotion& motion, double reach, std::span
 
 void FeatureTree::find_pairs(const StraightMotion& motion, double reach, std::span<const float> slack, double thickness,
                              std::vector<FeaturePair>& pairs) {
-  pairs.clear();
   find_leaf_pairs({motion, slack, reach}, std::numeric_limits<std::size_t>::max());
-  vertex_candidates_.clear();
-  edge_candidates_.clear();
+  vertex_overlaps_.clear();
+  edge_overlaps_.clear();
   for (const auto& [first, second] : leaf_pairs_) search_leaves(first, second);
-  vertex_candidates_.pad();
-  edge_candidates_.pad();
-  keep_near(FeaturePair::Kind::kVertexTriangle, vertex_candidates_, reach, thickness, pairs);
-  keep_near(FeaturePair::Kind::kEdgeEdge, edge_candidates_, reach, thickness, pairs);
+  keep_near(reach, thickness, pairs);
 }
 
 void FeatureTree::search_within(std::int32_t index, std::size_t most) {
@@ -229,47 +225,52 @@ BoxRange FeatureTree::edges_of(const Node& node) const {
           features_.first_edge[static_cast<std::size_t>(node.end)]};
 }
 
-void FeatureTree::add_vertex_candidate(VertexId v, std::int32_t triangle) {
-  const std::array<VertexId, 3>& corners = features_.triangles[static_cast<std::size_t>(triangle)].vertices;
-  vertex_candidates_.add(v, triangle, {v, corners[0], corners[1], corners[2]});
-}
-
-void FeatureTree::add_edge_candidate(std::int32_t first, std::int32_t second) {
-  const std::array<VertexId, 2>& p = features_.edges[static_cast<std::size_t>(first)].vertices;
-  const std::array<VertexId, 2>& q = features_.edges[static_cast<std::size_t>(second)].vertices;
-  edge_candidates_.add(first, second, {p[0], p[1], q[0], q[1]});
-}
-
 void FeatureTree::search_leaves(std::int32_t first, std::int32_t second) {
   fit_leaf(first);
   fit_leaf(second);
   const Node &a = nodes_[static_cast<std::size_t>(first)], &b = nodes_[static_cast<std::size_t>(second)];
   const Eigen::Array4f way = way_between(a, b), back = -way;
-  overlaps_.clear();
   const BoxBounds around_a{a.box.low.data(), a.box.high.data()}, around_b{b.box.low.data(), b.box.high.data()};
   find_overlaps(vertex_boxes_, vertices_of(a), way.data(), triangle_boxes_, {b.begin, b.end}, around_b, false,
-                overlaps_);
+                vertex_overlaps_);
   if (first != second) {
     find_overlaps(vertex_boxes_, vertices_of(b), back.data(), triangle_boxes_, {a.begin, a.end}, around_a, false,
-                  overlaps_);
+                  vertex_overlaps_);
   }
-  for (const auto& [k, t] : overlaps_) add_vertex_candidate(features_.vertices[static_cast<std::size_t>(k)], t);
-  overlaps_.clear();
-  find_overlaps(edge_boxes_, edges_of(a), way.data(), edge_boxes_, edges_of(b), around_b, first == second, overlaps_);
-  for (const auto& [i, j] : overlaps_) add_edge_candidate(i, j);
+  find_overlaps(edge_boxes_, edges_of(a), way.data(), edge_boxes_, edges_of(b), around_b, first == second,
+                edge_overlaps_);
 }
 
-void FeatureTree::keep_near(FeaturePair::Kind kind, const PairLanes& candidates, double reach, double thickness,
-                            std::vector<FeaturePair>& pairs) {
+void FeatureTree::keep_near(double reach, double thickness, std::vector<FeaturePair>& pairs) {
+  pairs.clear();
+  candidates_.resize(vertex_overlaps_.size());
+  for (std::size_t k = 0; k < vertex_overlaps_.size(); ++k) {
+    const auto& [place, t] = vertex_overlaps_[k];
+    const VertexId v = features_.vertices[static_cast<std::size_t>(place)];
+    const std::array<VertexId, 3>& corners = shapes_[static_cast<std::size_t>(t)].vertices;
+    candidates_.set(k, v, t, {v, corners[0], corners[1], corners[2]});
+  }
+  keep_near(FeaturePair::Kind::kVertexTriangle, reach, thickness, pairs);
+  candidates_.resize(edge_overlaps_.size());
+  for (std::size_t k = 0; k < edge_overlaps_.size(); ++k) {
+    const auto& [first, second] = edge_overlaps_[k];
+    const std::array<VertexId, 2>& p = features_.edges[static_cast<std::size_t>(first)].vertices;
+    const std::array<VertexId, 2>& q = features_.edges[static_cast<std::size_t>(second)].vertices;
+    candidates_.set(k, first, second, {p[0], p[1], q[0], q[1]});
+  }
+  keep_near(FeaturePair::Kind::kEdgeEdge, reach, thickness, pairs);
+}
+
+void FeatureTree::keep_near(FeaturePair::Kind kind, double reach, double thickness, std::vector<FeaturePair>& pairs) {
   constexpr double kLeast = 0.02;  // -, of the thickness, or of the least altitude of triangles at the pair
-  find_near(kind, candidates, motion_, static_cast<float>(duration_), static_cast<float>(reach) + kRounding, near_,
+  find_near(kind, candidates_, motion_, static_cast<float>(duration_), static_cast<float>(reach) + kRounding, near_,
             near_speeds_);
   for (std::size_t k = 0; k < near_.size(); ++k) {
     const auto p = static_cast<std::size_t>(near_[k]);
-    FeaturePair pair{kind, candidates.a[p], candidates.b[p], {}, 0.0, 0.0, 1.0001F * near_speeds_[k]};
+    FeaturePair pair{kind, candidates_.a[p], candidates_.b[p], {}, 0.0, 0.0, 1.0001F * near_speeds_[k]};
     double altitude = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < 4; ++i) {
-      pair.vertices[i] = candidates.vertices[i][p];
+      pair.vertices[i] = candidates_.vertices[i][p];
       altitude = std::min(altitude, features_.altitude_at[static_cast<std::size_t>(pair.vertices[i])]);
     }
     pair.least = kLeast * std::min(thickness, altitude);

@@ -186,26 +186,19 @@ void MotionLanes::resize(std::size_t count) {
   slack.resize(count);
 }
 
-void PairLanes::clear() {
-  a.clear();
-  b.clear();
-  for (std::vector<std::int32_t>& of : vertices) of.clear();
-}
-
-void PairLanes::add(std::int32_t feature_a, std::int32_t feature_b, const std::array<mesh::VertexId, 4>& of) {
-  a.push_back(feature_a);
-  b.push_back(feature_b);
-  for (std::size_t i = 0; i < 4; ++i) vertices[i].push_back(of[i]);
+void PairLanes::resize(std::size_t count) {
+  a.resize(count);
+  b.resize(count);
+  for (std::vector<std::int32_t>& of : vertices) {
+    of.resize(count + kLanePadding);
+    std::fill(of.end() - static_cast<std::ptrdiff_t>(kLanePadding), of.end(), 0);
+  }
 }
 
 void find_overlaps(const BoxLanes& boxes, BoxRange range, const float* way, const BoxLanes& others,
                    BoxRange other_range, const BoxBounds& bounds, bool after,
                    std::vector<std::array<std::int32_t, 2>>& found) {
   HWY_DYNAMIC_DISPATCH(find_overlaps_any)(boxes, range, way, others, other_range, bounds, after, found);
-}
-
-void PairLanes::pad() {
-  for (std::vector<std::int32_t>& of : vertices) of.resize(size() + kLanePadding, 0);
 }
 
 void find_near(FeaturePair::Kind kind, const PairLanes& pairs, const MotionLanes& motion, float duration, float reach,

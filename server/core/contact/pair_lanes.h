@@ -36,10 +36,13 @@ struct PairLanes {
   std::vector<std::int32_t> a, b;
   std::array<std::vector<std::int32_t>, 4> vertices;
 
-  void clear();
-  void add(std::int32_t feature_a, std::int32_t feature_b, const std::array<mesh::VertexId, 4>& of);
-  // Must be called after the last add().
-  void pad();
+  // Sets the number of pairs, which must be set() then.
+  void resize(std::size_t count);
+  void set(std::size_t pair, std::int32_t feature_a, std::int32_t feature_b, const std::array<mesh::VertexId, 4>& of) {
+    a[pair] = feature_a;
+    b[pair] = feature_b;
+    for (std::size_t i = 0; i < 4; ++i) vertices[i][pair] = of[i];
+  }
   [[nodiscard]] std::size_t size() const { return a.size(); }
 };
 
