@@ -19,6 +19,7 @@ struct FeaturePair {
   std::array<mesh::VertexId, 4> vertices{};  // a first: one, or two for edges
   double thickness = 0.0;                    // m, distance to be kept
   double least = 0.0;                        // m, distance at which the check lets a pair come no nearer
+  double altitude = 0.0;                     // m, least of the triangles at the pair
   float speed = 0.0F;                        // m/s, most by which corners of both sides move along each other's lines
 
   [[nodiscard]] std::size_t num_a() const { return kind == Kind::kVertexTriangle ? 1 : 2; }

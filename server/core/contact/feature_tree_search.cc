@@ -267,13 +267,13 @@ void FeatureTree::keep_near(FeaturePair::Kind kind, double reach, double thickne
             near_speeds_);
   for (std::size_t k = 0; k < near_.size(); ++k) {
     const auto p = static_cast<std::size_t>(near_[k]);
-    FeaturePair pair{kind, candidates_.a[p], candidates_.b[p], {}, 0.0, 0.0, 1.0001F * near_speeds_[k]};
-    double altitude = std::numeric_limits<double>::infinity();
+    FeaturePair pair{kind, candidates_.a[p], candidates_.b[p], {}, 0.0, 0.0, 0.0, 1.0001F * near_speeds_[k]};
+    pair.altitude = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < 4; ++i) {
       pair.vertices[i] = candidates_.vertices[i][p];
-      altitude = std::min(altitude, features_.altitude_at[static_cast<std::size_t>(pair.vertices[i])]);
+      pair.altitude = std::min(pair.altitude, features_.altitude_at[static_cast<std::size_t>(pair.vertices[i])]);
     }
-    pair.least = kLeast * std::min(thickness, altitude);
+    pair.least = kLeast * std::min(thickness, pair.altitude);
     pair.thickness = std::max(half_distance_at_rest(pair, thickness), 2.0 * pair.least);
     // Small features next to each other would otherwise all be listed.
     if (pair.thickness < thickness && !comes_near(pair, reach - thickness + pair.thickness)) continue;

@@ -15,9 +15,14 @@ constexpr int kIdleInterval = 16;            // substeps after which a sheet tha
 constexpr int kApartInterval = 40;           // the same where parts are flat or far apart for longer
 constexpr std::size_t kSoftSweeps = 3;
 constexpr int kHardSweeps = 100;
-constexpr double kLookAgain = 0.3;      // -, part of its distance that a pair left to others moves before the next look
-constexpr double kApproach = 0.8;       // -, the same of a pair that is too far away to be a contact
-constexpr double kEdgeThickness = 0.8;  // -, thickness between edges over that of faces
+constexpr double kLookAgain = 0.3;  // -, part of its distance that a pair left to others moves before the next look
+constexpr double kApproach = 0.8;   // -, the same of a pair that is too far away to be a contact
+// Errors of look_at() over those of heights.
+constexpr double kEdgeError = 20.0;       // of nearly parallel edges
+constexpr double kSliverError = 60.0;     // of triangles that are lower than kSliver
+constexpr double kSliver = 2000.0;        // -, over the error of heights
+constexpr double kTriangleError = 4.0;    // of other triangles
+constexpr double kEdgeThickness = 0.8;    // -, thickness between edges over that of faces
 constexpr double kSlackOfAltitude = 0.3;  // -, slack of a vertex over the least altitude there
 constexpr double kLeastSlack = 0.1;       // -, of the slack in the mesh as built
 constexpr double kPushSpeed = 0.05;       // m/s, largest speed at which contact pushes apart
@@ -172,13 +177,13 @@ void SelfContact::find_contacts(const linear::VertexField& x, const linear::Vert
   const double ahead = h * interval;
   const double reach = thickness_ + base_slack_;
   look_at_due_pairs(x, v);
-  const double rounding = 2.0 * static_cast<double>(x_float_.rounding());  // m, of distances in floats
+  const auto rounding = static_cast<double>(x_float_.rounding());  // m, of heights in floats
   for (std::size_t k = 0; k < due_.size(); ++k) {
     const auto p = static_cast<std::size_t>(due_[k]);
     const FeaturePair& pair = list_.pairs[p];
     // Distances change by no more than vertices move.
     const float path = due_ways_[k];
-    const double about = std::abs(static_cast<double>(due_distances_[k])) - rounding;
+    const double about = std::abs(static_cast<double>(due_distances_[k])) - 2.0 * rounding;
     const bool is_left_to_others = due_distances_[k] < 0.0F && about > 0.0;
     const double thickness =
         pair.kind == FeaturePair::Kind::kEdgeEdge ? kEdgeThickness * pair.thickness : pair.thickness;
@@ -187,11 +192,15 @@ void SelfContact::find_contacts(const linear::VertexField& x, const linear::Vert
     // Until the vertices of a pair that is no contact have moved by part of its distance, it is not looked at again.
     const auto rest = [&](double distance, double way) {
       list_.safe[p] = path + static_cast<float>(0.5 * distance);
-      list_.limit[p] = std::min(list_.safe[p], path + static_cast<float>(std::max(0.0, way)));
+      list_.limit[p] = path + static_cast<float>(std::max(0.0, way));
     };
     const double room = about - 1.1 * thickness - approach;
     if (is_left_to_others || room > 0.0) {
-      rest(about, std::max({about - reach, kApproach * room, is_left_to_others ? kLookAgain * about : 0.0}));
+      const double error = pair.kind == FeaturePair::Kind::kEdgeEdge ? kEdgeError
+                           : pair.altitude < kSliver * rounding      ? kSliverError
+                                                                     : kTriangleError;
+      rest(std::max(about - error * rounding, 0.0),
+           std::max({about - reach, kApproach * room, is_left_to_others ? kLookAgain * about : 0.0}));
       continue;
     }
     list_.separation[p] = separation(pair.kind, positions_of(pair, x));
