@@ -181,24 +181,5 @@ TEST(FindDue, FindsPairsWhoseSidesMovedFartherThanTheirLimit) {
   }
 }
 
-TEST(FindMarked, FindsPairsWithAMarkedVertex) {
-  SeededRandom random(7);
-  for (const int count : kCounts) {
-    const RandomPairs of(Kind::kEdgeEdge, count, random);
-    std::vector<float> marks(60);
-    for (float& each : marks) each = random.below(8) == 0 ? 1.0F : 0.0F;
-    std::vector<std::int32_t> expected;
-    for (std::size_t p = 0; p < of.pairs.size(); ++p) {
-      const auto ids = of.ids(p);
-      if (std::any_of(ids.begin(), ids.end(), [&](std::size_t v) { return marks[v] > 0.0F; })) {
-        expected.push_back(static_cast<std::int32_t>(p));
-      }
-    }
-    std::vector<std::int32_t> marked{3, 4};
-    find_marked(of.pairs.vertices, of.pairs.size(), marks, marked);
-    EXPECT_EQ(marked, expected) << count;
-  }
-}
-
 }  // namespace
 }  // namespace kerf::contact

@@ -116,45 +116,25 @@ void find_near_any(FeaturePair::Kind kind, const PairLanes& pairs, const MotionL
   }
 }
 
-// Calls keep(index of the first pair of a block, sums of `values` over the vertices) for all blocks.
-template <typename Keep>
-HWY_INLINE void for_sums(const std::array<std::vector<std::int32_t>, 4>& vertices, std::size_t count,
-                         std::span<const float> values, const Keep& keep) {
-  const D d;
-  const DI di;
-  for (std::size_t p = 0; p < count; p += hn::Lanes(d)) {
-    V sum = hn::Zero(d);
-    for (std::size_t i = 0; i < 4; ++i) {
-      sum = hn::Add(sum, hn::GatherIndex(d, values.data(), hn::LoadU(di, &vertices[i][p])));
-    }
-    keep(p, sum);
-  }
-}
-
 void find_due_any(const std::array<std::vector<std::int32_t>, 4>& vertices, const PairWays& ways,
                   std::span<const float> limit, std::vector<std::int32_t>& due, std::vector<float>& way) {
   const D d;
+  const DI di;
   alignas(64) std::array<float, 16> sums{};
-  for_sums(vertices, limit.size(), ways.path, [&](std::size_t p, V sum) {
+  for (std::size_t p = 0; p < limit.size(); p += hn::Lanes(d)) {
+    V sum = hn::Zero(d);
+    for (std::size_t i = 0; i < 4; ++i) {
+      sum = hn::Add(sum, hn::GatherIndex(d, ways.path.data(), hn::LoadU(di, &vertices[i][p])));
+    }
     sum = hn::Add(sum, hn::Mul(hn::LoadU(d, &ways.speed[p]), hn::Set(d, ways.elapsed)));
     const auto is_due = hn::Not(hn::Lt(sum, hn::LoadU(d, &limit[p])));
-    if (hn::AllFalse(d, is_due)) return;
+    if (hn::AllFalse(d, is_due)) continue;
     hn::Store(sum, d, sums.data());
     for_set_lanes(is_due, limit.size() - p, [&](int l) {
       due.push_back(static_cast<std::int32_t>(p) + l);
       way.push_back(sums[static_cast<std::size_t>(l)]);
     });
-  });
-}
-
-void find_marked_any(const std::array<std::vector<std::int32_t>, 4>& vertices, std::size_t count,
-                     std::span<const float> marks, std::vector<std::int32_t>& marked) {
-  const D d;
-  for_sums(vertices, count, marks, [&](std::size_t p, V sum) {
-    const auto is_marked = hn::Gt(sum, hn::Zero(d));
-    if (hn::AllFalse(d, is_marked)) return;
-    for_set_lanes(is_marked, count - p, [&](int l) { marked.push_back(static_cast<std::int32_t>(p) + l); });
-  });
+  }
 }
 
 }  // namespace
@@ -168,7 +148,6 @@ namespace {
 HWY_EXPORT(find_overlaps_any);
 HWY_EXPORT(find_near_any);
 HWY_EXPORT(find_due_any);
-HWY_EXPORT(find_marked_any);
 }  // namespace
 
 void BoxLanes::resize(std::size_t count) {
@@ -213,12 +192,6 @@ void find_due(const std::array<std::vector<std::int32_t>, 4>& vertices, const Pa
   due.clear();
   way.clear();
   HWY_DYNAMIC_DISPATCH(find_due_any)(vertices, ways, limit, due, way);
-}
-
-void find_marked(const std::array<std::vector<std::int32_t>, 4>& vertices, std::size_t count,
-                 std::span<const float> marks, std::vector<std::int32_t>& marked) {
-  marked.clear();
-  HWY_DYNAMIC_DISPATCH(find_marked_any)(vertices, count, marks, marked);
 }
 
 }  // namespace kerf::contact

@@ -78,9 +78,4 @@ struct PairWays {
 void find_due(const std::array<std::vector<std::int32_t>, 4>& vertices, const PairWays& ways,
               std::span<const float> limit, std::vector<std::int32_t>& due, std::vector<float>& way);
 
-// Fills `marked` with the indices of those of the first `count` pairs, ascending, that have a vertex whose mark is not
-// 0. `marks`: >= 0, by vertex id. `vertices` have kLanePadding more entries.
-void find_marked(const std::array<std::vector<std::int32_t>, 4>& vertices, std::size_t count,
-                 std::span<const float> marks, std::vector<std::int32_t>& marked);
-
 }  // namespace kerf::contact

@@ -39,6 +39,7 @@ void SelfContact::set(const mesh::TriangleMesh& mesh) {
   strayed_.clear();
   list_.clear();
   list_.pad();
+  is_indexed_ = false;
   is_apart_ = false;
   untangling_.set(tree_.features());
   base_slack_ = std::min(1.5e-3, 0.075 * mesh.base_edge_length());
@@ -53,7 +54,7 @@ void SelfContact::set(const mesh::TriangleMesh& mesh) {
   path_.assign(count, 0.0F);
   slack_.assign(count, 0.0F);
   is_moved_.assign(count, 0);
-  is_shifted_.assign(count, 0.0F);
+  is_shifted_.assign(count, 0);
   is_strayed_.assign(count, 0);
   is_supported_.assign(count, 0);
   zone_.resize(count);

@@ -13,6 +13,7 @@
 #include "server/core/contact/feature_pair.h"
 #include "server/core/contact/feature_tree.h"
 #include "server/core/contact/impulse_response.h"
+#include "server/core/contact/pair_index.h"
 #include "server/core/contact/pair_looks.h"
 #include "server/core/contact/shared_inertia.h"
 #include "server/core/contact/untangling.h"
@@ -114,8 +115,8 @@ class SelfContact {
     void clear();
     // Adds a pair that nothing is known of.
     void add(const FeaturePair& pair);
-    // Adds pair p of another list.
-    void add(const PairList& from, std::size_t p);
+    // Adds pairs [begin, end) of another list.
+    void add(const PairList& from, std::size_t begin, std::size_t end);
     // Must be called after the last add().
     void pad();
   };
@@ -217,6 +218,8 @@ class SelfContact {
   std::int64_t phase_ = 0;  // number of the phase
   bool is_apart_ = false;   // nothing passed through anything before the step, and no pair was near since
   PairList list_, renewed_;
+  PairIndex list_index_;  // of list_, if is_indexed_
+  bool is_indexed_ = false;
   std::vector<std::int32_t> due_, unseparated_;
   std::vector<float> path_;           // m, by vertex: way since the list was made, relative to its line
   float elapsed_ = 0.0F;              // s, since the list was made
@@ -235,12 +238,12 @@ class SelfContact {
   std::vector<Contact> contacts_;
   std::vector<Support> supports_;
   std::vector<std::size_t> failed_;
-  std::vector<mesh::VertexId> shifted_;  // in the last round of repairs
-  std::vector<float> is_shifted_;        // 1 or 0, by vertex
-  linear::VertexField x_then_, v_then_;  // after the last phase
-  linear::VertexField x_list_, v_list_;  // when the list was made
-  linear::VertexField way_;              // m/s, scratch
-  linear::VertexField stray_;            // m, from the lines
+  std::vector<mesh::VertexId> shifted_;   // in the last round of repairs
+  std::vector<std::uint8_t> is_shifted_;  // by vertex
+  linear::VertexField x_then_, v_then_;   // after the last phase
+  linear::VertexField x_list_, v_list_;   // when the list was made
+  linear::VertexField way_;               // m/s, scratch
+  linear::VertexField stray_;             // m, from the lines
   Eigen::Vector3d stray_mean_{0.0, 0.0, 0.0};
   std::vector<mesh::VertexId> moved_;
   std::vector<std::uint8_t> is_moved_;

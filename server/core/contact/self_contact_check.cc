@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "server/core/contact/self_contact.h"
 
@@ -52,8 +53,8 @@ void SelfContact::move(VertexId v, const Eigen::Vector3d& to, linear::VertexFiel
   path_[i] += static_cast<float>((to - x.col(v)).norm());
   x.col(v) = to;
   mark(v);
-  if (is_shifted_[i] == 0.0F) shifted_.push_back(v);
-  is_shifted_[i] = 1.0F;
+  if (is_shifted_[i] == 0) shifted_.push_back(v);
+  is_shifted_[i] = 1;
 }
 
 bool SelfContact::find_failed(const linear::VertexField& x, bool is_first) {
@@ -64,7 +65,8 @@ bool SelfContact::find_failed(const linear::VertexField& x, bool is_first) {
     x_float_.set(x, tree_.features().vertices);
   } else {
     x_float_.update(x, shifted_);
-    find_marked(list_.vertices, list_.size(), is_shifted_, due_);
+    if (!std::exchange(is_indexed_, true)) list_index_.set(list_.vertices, list_.size(), path_.size());
+    list_index_.find(shifted_, due_);
     std::erase_if(due_, [this](std::int32_t index) {
       const auto p = static_cast<std::size_t>(index);
       return way_of(p) < list_.safe[p];
@@ -85,7 +87,7 @@ bool SelfContact::find_failed(const linear::VertexField& x, bool is_first) {
     if (stays_apart(pair.kind, positions_of(pair, x_then_), to, gap)) continue;
     failed_.push_back(p);
   }
-  for (const VertexId v : shifted_) is_shifted_[static_cast<std::size_t>(v)] = 0.0F;
+  for (const VertexId v : shifted_) is_shifted_[static_cast<std::size_t>(v)] = 0;
   shifted_.clear();
   return !failed_.empty();
 }

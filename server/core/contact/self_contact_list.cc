@@ -118,8 +118,11 @@ void SelfContact::follow_strayed(const linear::VertexField& x, const linear::Ver
   std::size_t next = 0;  // of found_
   const auto keep = [&](std::size_t begin, std::size_t end) {
     for (std::size_t p = begin; p < end; ++p) {
-      if (!is_old(list_.pairs[p])) renewed_.add(list_, p);
+      if (!is_old(list_.pairs[p])) continue;
+      renewed_.add(list_, begin, p);
+      begin = p + 1;
     }
+    renewed_.add(list_, begin, end);
   };
   const auto append = [&](FeaturePair::Kind kind) {
     for (; next < found_.size() && found_[next].kind == kind; ++next) renewed_.add(found_[next]);
@@ -132,6 +135,7 @@ void SelfContact::follow_strayed(const linear::VertexField& x, const linear::Ver
   append(FeaturePair::Kind::kEdgeEdge);
   renewed_.pad();
   std::swap(renewed_, list_);
+  is_indexed_ = false;
   for (const VertexId i : strayed_) is_strayed_[static_cast<std::size_t>(i)] = 0;
 }
 
@@ -192,15 +196,18 @@ void SelfContact::PairList::add(const FeaturePair& pair) {
   separation.emplace_back();
 }
 
-void SelfContact::PairList::add(const PairList& from, std::size_t p) {
-  pairs.push_back(from.pairs[p]);
-  for (std::size_t i = 0; i < 4; ++i) vertices[i].push_back(from.vertices[i][p]);
-  least.push_back(from.least[p]);
-  speed.push_back(from.speed[p]);
-  limit.push_back(from.limit[p]);
-  safe.push_back(from.safe[p]);
-  seen.push_back(from.seen[p]);
-  separation.push_back(from.separation[p]);
+void SelfContact::PairList::add(const PairList& from, std::size_t begin, std::size_t end) {
+  const auto append = [&](const auto& of, auto& to) {
+    to.insert(to.end(), of.begin() + static_cast<std::ptrdiff_t>(begin), of.begin() + static_cast<std::ptrdiff_t>(end));
+  };
+  append(from.pairs, pairs);
+  for (std::size_t i = 0; i < 4; ++i) append(from.vertices[i], vertices[i]);
+  append(from.least, least);
+  append(from.speed, speed);
+  append(from.limit, limit);
+  append(from.safe, safe);
+  append(from.seen, seen);
+  append(from.separation, separation);
 }
 
 void SelfContact::PairList::pad() {
@@ -225,6 +232,7 @@ void SelfContact::set_list() {
                                   [](const FeaturePair& pair) { return pair.kind == FeaturePair::Kind::kEdgeEdge; });
   list_.num_vertex_pairs = static_cast<std::size_t>(edges - found_.begin());
   list_.pad();
+  is_indexed_ = false;
   std::fill(path_.begin(), path_.end(), 0.0F);
   elapsed_ = 0.0F;
 }
