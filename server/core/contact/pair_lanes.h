@@ -66,15 +66,15 @@ void find_overlaps(const BoxLanes& boxes, BoxRange range, const float* way, cons
 void find_near(FeaturePair::Kind kind, const PairLanes& pairs, const MotionLanes& motion, float duration, float reach,
                std::vector<std::int32_t>& kept, std::vector<float>& speeds);
 
-// What bounds how far both sides of pairs have moved against each other: on their lines, and away from them.
+// Bounds of how far both sides of pairs have moved against each other: on their lines, and away from them.
 struct PairWays {
   std::span<const float> path;   // m, by vertex id: way relative to its line
   std::span<const float> speed;  // m/s, by pair: of lines against each other
   float elapsed = 0.0F;          // s, since the lines began
 };
 // Fills `due` with the indices of pairs, ascending, whose sides may have moved more than `limit` (m, by pair) against
-// each other, and `way` (m) with how far, by place in `due`. `vertices` and the storage of `limit` and `speed` have
-// kLanePadding more entries than `limit`.
+// each other. Sets `way` (m) to how far they may have, by place in `due`. `vertices` and the storage of `limit` and
+// `speed` have kLanePadding more entries than `limit`.
 void find_due(const std::array<std::vector<std::int32_t>, 4>& vertices, const PairWays& ways,
               std::span<const float> limit, std::vector<std::int32_t>& due, std::vector<float>& way);
 

@@ -46,9 +46,9 @@ struct PairSelection {
 void look_at(const PairSelection& pairs, const FloatLanes& x, const FloatLanes& v, std::span<float> distances,
              std::span<float> closing);
 
-// Appends to `kept` the pairs selected for which no plane perpendicular to the shortest way at `from` separates both
-// sides at `from` and `to`, and so between. The gaps must be larger than a tenth of the distance, and than `least` (m,
-// by pair) or 0.999 of the distance.
+// Appends to `kept` the pairs selected whose sides are not separated by a plane perpendicular to the shortest way at
+// `from`. A plane that separates them at `from` and `to` does so between. The gaps must be larger than a tenth of the
+// distance, and than `least` (m, by pair) or 0.999 of the distance.
 void keep_unseparated(const PairSelection& pairs, std::span<const float> least, const FloatPositions& from,
                       const FloatPositions& to, std::vector<std::int32_t>& kept);
 

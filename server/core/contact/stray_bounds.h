@@ -15,7 +15,7 @@ struct VertexLines {
   const linear::VertexField& v;  // m/s
 };
 
-// How far vertices are from their lines, without what they have in common.
+// Distance of vertices from their lines, split into what they have in common and the rest.
 struct Stray {
   Eigen::Vector3d mean{0.0, 0.0, 0.0};  // m, from the lines
   double most = 0.0;                    // m, bound of what each vertex has on top of the mean
