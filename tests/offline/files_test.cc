@@ -1,7 +1,9 @@
 #include "server/service/offline/files.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "server/service/drawing/inflate.h"
 #include "tests/support/memory_disk.h"
 
 namespace kerf::offline {
@@ -66,6 +68,32 @@ TEST(OfflineMeshes, AreReadAsTheyAre) {
   EXPECT_EQ(read_obj(disk, "a.obj")->text(), std::string("o caf\xC3\xA9\n") + kTriangle);
   EXPECT_EQ(read_ply(disk, "a.ply")->data(), std::string("ply\0\xff", 5));
   EXPECT_EQ(read_obj(disk, "b.obj").error().reason, "FILE_NOT_FOUND");
+}
+
+TEST(OfflineMeshes, MayBeCompressedOnce) {
+  test::MemoryDisk disk;
+  const std::string packed = drawing::gzipped(kTriangle);
+  ASSERT_TRUE(disk.write_file("a.obj.gz", packed).ok());
+  ASSERT_TRUE(disk.write_file("a.ply.gz", drawing::gzipped("ply\n")).ok());
+  ASSERT_TRUE(disk.write_file("half", packed.substr(0, packed.size() / 2)).ok());
+  ASSERT_TRUE(disk.write_file("twice", drawing::gzipped(packed)).ok());
+  ASSERT_TRUE(disk.write_file("large", drawing::gzipped(std::string(scene::kMaxMeshFileBytes + 1, ' '))).ok());
+  EXPECT_EQ(read_obj(disk, "a.obj.gz")->text(), kTriangle);
+  EXPECT_EQ(read_ply(disk, "a.ply.gz")->data(), "ply\n");
+  EXPECT_EQ(read_obj(disk, "half").error().reason, "OBJ_MALFORMED");
+  EXPECT_THAT(read_ply(disk, "twice").error().message, testing::HasSubstr("compressed twice"));
+  EXPECT_EQ(read_ply(disk, "large").error().reason, "PLY_TOO_LARGE");
+  ASSERT_TRUE(disk.write_file("a.json", R"({"obj": {"file": "a.obj.gz"}})").ok());
+  EXPECT_EQ(to_message(*read_scene(disk, "a.json")).obj().text(), kTriangle);
+}
+
+TEST(OfflineDrawings, MayBeCompressed) {
+  test::MemoryDisk disk;
+  const std::string packed = drawing::gzipped("0\nSECTION\n");
+  ASSERT_TRUE(disk.write_file("a.dxf.gz", packed).ok());
+  ASSERT_TRUE(disk.write_file("a.svgz", drawing::gzipped("<svg/>")).ok());
+  EXPECT_EQ(read_drawing(disk, "a.dxf.gz", {})->dxf().data(), packed);
+  EXPECT_EQ(read_drawing(disk, "a.svgz", {})->svg().text(), "<svg/>");
 }
 
 TEST(OfflineDrawings, HaveTheLimitOfAServerAndOneEncoding) {

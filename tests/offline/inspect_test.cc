@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "server/service/drawing/inflate.h"
 #include "tests/support/memory_disk.h"
 
 namespace kerf::offline {
@@ -34,8 +35,17 @@ TEST(Inspect, KnowsAKindByContentAndThenByName) {
   EXPECT_EQ(kind("a.txt", "  0\nSECTION\n"), FileKind::kDxf);
   EXPECT_EQ(kind("a.DXF", "999\ncomment\n"), FileKind::kDxf);
   EXPECT_EQ(kind_of_file(disk, "missing.ply"), FileKind::kPly);
+  // Compressed files count as what they hold, and damaged ones by their names.
+  EXPECT_EQ(kind("a.gz", drawing::gzipped("ply\nformat ascii 1.0\n")), FileKind::kPly);
+  EXPECT_EQ(kind("a.obj.gz", drawing::gzipped("v 0 0 0\n")), FileKind::kObj);
+  EXPECT_EQ(kind("a.stl.gz", drawing::gzipped("solid a\nfacet")), FileKind::kObj);
+  EXPECT_EQ(kind("a.gz", drawing::gzipped("<svg/>")), FileKind::kSvg);
+  EXPECT_EQ(kind("a.gz", drawing::gzipped("0\nSECTION\n")), FileKind::kDxf);
   EXPECT_EQ(kind("drawing.svgz", "\x1f\x8b\x08"), FileKind::kSvg);
   EXPECT_EQ(kind("drawing.dxf.gz", "\x1f\x8b\x08"), FileKind::kDxf);
+  EXPECT_EQ(kind("drawing.svg.gz", drawing::gzipped(drawing::gzipped("<svg/>"))), FileKind::kSvg);
+  EXPECT_EQ(kind("mesh.ply.gz", "\x1f\x8b\x08"), FileKind::kPly);
+  EXPECT_EQ(kind("mesh.gz", "\x1f\x8b\x08"), FileKind::kObj);
 }
 
 TEST(Inspect, DescribesTheFileAndItsSheet) {

@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <zlib.h>
 
@@ -81,6 +82,7 @@ TEST(SvgText, Gzip) {
   expect_read(packed);
   expect_read(gzipped("\xff\xfe" + utf16(kBody, false)));
   EXPECT_EQ(read_all(packed.substr(0, packed.size() / 2)).error().reason, "SVG_MALFORMED");
+  EXPECT_THAT(read_all(gzipped(packed)).error().message, testing::HasSubstr("compressed twice"));
   EXPECT_EQ(read_all(gzipped(kBody + std::string(kMaxTextBytes, ' '))).error().reason, "SVG_TOO_LARGE");
   EXPECT_EQ(read_all(gzipped(std::string(kMaxFileBytes + 1, ' '))).error().reason, "SVG_TOO_LARGE");
 }

@@ -140,7 +140,8 @@ def svg(drawing: "str | bytes", **reading: Unpack[Reading]) -> geometry_pb2.Curv
 def dxf(drawing: bytes, **reading: Unpack[Reading]) -> geometry_pb2.Curve:
     """Returns the outlines of a DXF drawing, given as the bytes of its file, as svg() does."""
     # Compressed, the largest file fits into a request.
-    data = gzip.compress(drawing) if len(drawing) > 512 << 10 else drawing
+    is_large = len(drawing) > 512 << 10 and not drawing.startswith(b"\x1f\x8b")
+    data = gzip.compress(drawing) if is_large else drawing
     return geometry_pb2.Curve(dxf=geometry_pb2.Dxf(data=data, reading=_reading_of(reading)))
 
 

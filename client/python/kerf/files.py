@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import codecs
 import contextlib
+import gzip
+import io
 import os
 import pathlib
+import zlib
 from collections.abc import Iterator
 from typing import IO
 
@@ -42,6 +45,26 @@ def text_of(content: bytes) -> str:
         return content.decode("utf-8")
     except UnicodeDecodeError:
         return content.decode("iso-8859-1")
+
+
+_MAX_UNPACKED_BYTES = 64 << 20  # of a mesh file
+
+
+def unpacked(file: pathlib.Path) -> bytes:
+    """Returns the content of a mesh file, decompressed if gzip compressed it."""
+    content = file.read_bytes()
+    if not content.startswith(b"\x1f\x8b"):
+        return content
+    try:
+        with gzip.GzipFile(fileobj=io.BytesIO(content)) as packed:
+            content = packed.read(_MAX_UNPACKED_BYTES + 1)
+    except (OSError, EOFError, zlib.error):
+        raise ValueError(f"{file}: the gzip data of the file is damaged or cut off") from None
+    if len(content) > _MAX_UNPACKED_BYTES:
+        raise ValueError(f"{file}: the file has more than 64 MiB when decompressed")
+    if content.startswith(b"\x1f\x8b"):
+        raise ValueError(f"{file}: the file was compressed twice by gzip; decompress it once")
+    return content
 
 
 CHUNK_BYTES = 512 << 10  # a server takes messages of up to 1 MiB

@@ -10,7 +10,7 @@ from typing import Any, Literal, Tuple, TypedDict, Union
 
 from google.protobuf import json_format
 
-from kerf.files import CHUNK_BYTES, text_of
+from kerf.files import CHUNK_BYTES, text_of, unpacked
 from kerf.regions import Place, as_regions
 from kerf.v1 import scene_pb2
 
@@ -126,14 +126,15 @@ def _add_mesh_file(scene: scene_pb2.Scene, file: pathlib.Path, options: SheetOpt
     if up not in _UP_AXES:
         raise ValueError(f"up is {up!r}; must be one of {', '.join(_UP_AXES)}")
     mesh: "scene_pb2.PlyMesh | scene_pb2.ObjMesh"
-    if file.suffix.lower() == ".ply":
-        scene.ply.data = file.read_bytes()
+    kind = file.with_suffix("").suffix.lower() if file.suffix.lower() == ".gz" else file.suffix.lower()
+    if kind == ".ply":
+        scene.ply.data = unpacked(file)
         mesh = scene.ply
-    elif file.suffix.lower() == ".obj":
-        scene.obj.text = text_of(file.read_bytes())
+    elif kind == ".obj":
+        scene.obj.text = text_of(unpacked(file))
         mesh = scene.obj
     else:
-        raise ValueError(f"{file}: the name of a mesh file ends in .obj or .ply")
+        raise ValueError(f"{file}: the name of a mesh file ends in .obj or .ply, with .gz after it if it is compressed")
     mesh.rest_shape = _REST_SHAPES[rest]
     mesh.reading.up_axis = _UP_AXES[up]
     mesh.reading.unit_m = options.get("unit_m", 1.0)

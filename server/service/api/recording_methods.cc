@@ -84,6 +84,9 @@ Result<std::unique_ptr<Upload>> Api::upload_sheet(const v1::SheetUpload& start) 
   }
   Upload::Use use = [core = core_, request = start.sheet(), is_obj](std::string content, Reply<v1::Sheet> reply,
                                                                     const std::stop_token& stop) mutable {
+    Result<std::string> unpacked = wire::unpacked_mesh(std::move(content), is_obj ? "OBJ" : "PLY", "start.sheet.scene");
+    if (!unpacked.ok()) return reply(unpacked.error());
+    content = std::move(unpacked).value();
     if (is_obj) {
       request.mutable_scene()->mutable_obj()->set_text(wire::obj_text(std::move(content)));
     } else {

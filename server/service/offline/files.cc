@@ -127,6 +127,7 @@ std::vector<std::string> solver_names() {
 
 Result<v1::ObjMesh> read_obj(Disk& disk, const std::string& path) {
   KERF_TRY_ASSIGN(std::string content, disk.read_file(path, scene::kMaxMeshFileBytes));
+  KERF_TRY_ASSIGN(content, wire::unpacked_mesh(std::move(content), "OBJ", "obj"));
   v1::ObjMesh mesh;
   mesh.set_text(wire::obj_text(std::move(content)));
   return mesh;
@@ -134,6 +135,7 @@ Result<v1::ObjMesh> read_obj(Disk& disk, const std::string& path) {
 
 Result<v1::PlyMesh> read_ply(Disk& disk, const std::string& path) {
   KERF_TRY_ASSIGN(std::string content, disk.read_file(path, scene::kMaxMeshFileBytes));
+  KERF_TRY_ASSIGN(content, wire::unpacked_mesh(std::move(content), "PLY", "ply"));
   v1::PlyMesh mesh;
   mesh.set_data(std::move(content));
   return mesh;
@@ -144,7 +146,8 @@ Result<v1::Curve> read_drawing(Disk& disk, const std::string& path, const v1::Dr
   v1::Curve curve;
   if (dxf::is_dxf(content)) {
     // Compressed, the largest file fits into a request.
-    curve.mutable_dxf()->set_data(content.size() > kLargeDxf ? drawing::gzipped(content) : std::move(content));
+    const bool is_packed = content.size() > kLargeDxf && !drawing::is_gzip(content);
+    curve.mutable_dxf()->set_data(is_packed ? drawing::gzipped(content) : std::move(content));
     if (reading.ByteSizeLong() > 0) *curve.mutable_dxf()->mutable_reading() = reading;
     return curve;
   }

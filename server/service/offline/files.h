@@ -39,7 +39,8 @@ Result<v1::Integrator> integrator_message(const Overrides& overrides);
 std::vector<std::string> integrator_names();
 std::vector<std::string> solver_names();
 
-// Read a mesh file, at most 64 MiB, without parsing it. An OBJ file becomes UTF-8, see utf8_text().
+// Read a mesh file, at most 64 MiB, without parsing it, also compressed by gzip. An OBJ file becomes UTF-8, see
+// utf8_text().
 Result<v1::ObjMesh> read_obj(Disk& disk, const std::string& path);
 Result<v1::PlyMesh> read_ply(Disk& disk, const std::string& path);
 

@@ -5,6 +5,7 @@
 
 #include "server/base/text_encoding.h"
 #include "server/core/scene/sheet_config.h"
+#include "server/service/drawing/inflate.h"
 #include "server/service/wire/mesh_report_codec.h"
 
 namespace kerf::offline {
@@ -22,9 +23,13 @@ bool ends_with(const std::string& path, std::string_view ending) {
 
 FileKind kind_of_file(Disk& disk, const std::string& path) {
   const Result<std::string> content = disk.read_file(path, scene::kMaxMeshFileBytes);
-  if (!content.ok()) return ends_with(path, ".ply") ? FileKind::kPly : FileKind::kObj;
-  if (content->starts_with("\x1f\x8b")) return ends_with(path, ".dxf.gz") ? FileKind::kDxf : FileKind::kSvg;
-  const std::string start = utf8_text(content->substr(0, kFirstBytes));
+  const bool is_packed = content.ok() && drawing::is_gzip(*content);
+  const auto is_named = [&](const std::string& ending) {
+    return ends_with(path, ending) || (is_packed && ends_with(path, ending + ".gz"));
+  };
+  if (!content.ok()) return is_named(".ply") ? FileKind::kPly : FileKind::kObj;
+  const std::string start =
+      utf8_text(is_packed ? drawing::inflated_start(*content, kFirstBytes) : content->substr(0, kFirstBytes));
   if (start.starts_with("ply\n") || start.starts_with("ply\r") || start.starts_with("ply ")) {
     return FileKind::kPly;
   }
@@ -33,9 +38,9 @@ FileKind kind_of_file(Disk& disk, const std::string& path) {
   if (text.starts_with('<')) return FileKind::kSvg;
   if (text.starts_with("AutoCAD Binary DXF")) return FileKind::kDxf;
   if (text.starts_with("0") && text.find("SECTION") != std::string_view::npos) return FileKind::kDxf;
-  if (ends_with(path, ".ply")) return FileKind::kPly;
-  if (ends_with(path, ".dxf")) return FileKind::kDxf;
-  return ends_with(path, ".svg") ? FileKind::kSvg : FileKind::kObj;
+  if (is_named(".ply")) return FileKind::kPly;
+  if (is_named(".dxf")) return FileKind::kDxf;
+  return is_named(".svg") || is_named(".svgz") ? FileKind::kSvg : FileKind::kObj;
 }
 
 Result<v1::MeshReport> inspect_mesh(v1::InspectMeshRequest request) {

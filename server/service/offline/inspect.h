@@ -11,8 +11,8 @@ namespace kerf::offline {
 
 enum class FileKind { kObj, kPly, kSvg, kDxf };
 
-// Tells the kind of a file by its first bytes, and where these leave a doubt by the end of its name. Files of unknown
-// kind, and those that cannot be read, count as OBJ; those compressed by gzip are drawings.
+// Tells the kind of a file by its first bytes, and where these leave a doubt by the end of its name. Files that gzip
+// compressed count as what they hold. Those of unknown kind, and those that cannot be read, count as OBJ.
 FileKind kind_of_file(Disk& disk, const std::string& path);
 
 // Describes a mesh file, as FileService.InspectMesh does.

@@ -7,6 +7,7 @@
 
 #include "server/base/overloaded.h"
 #include "server/base/text_encoding.h"
+#include "server/service/drawing/inflate.h"
 #include "server/service/wire/choices.h"
 #include "server/service/wire/geometry_codec.h"
 
@@ -72,6 +73,9 @@ void encode_reading(const mesh::MeshReading& reading, v1::MeshReading& message) 
 Result<scene::MeshSource> decode_obj(v1::ObjMesh& message, const FileReader& read_file) {
   KERF_TRY_ASSIGN(std::string text,
                   read_content({std::move(*message.mutable_text()), message.file()}, read_file, "OBJ", "obj"));
+  if (!message.file().empty()) {
+    KERF_TRY_ASSIGN(text, unpacked_mesh(std::move(text), "OBJ", "obj.file"));
+  }
   KERF_TRY_ASSIGN(mesh::MeshReading reading, decode_reading(message.rest_shape(), message.reading(), "obj"));
   return scene::MeshSource(scene::ObjSource{obj_text(std::move(text)), std::move(reading)});
 }
@@ -79,6 +83,13 @@ Result<scene::MeshSource> decode_obj(v1::ObjMesh& message, const FileReader& rea
 Result<scene::MeshSource> decode_ply(v1::PlyMesh& message, const FileReader& read_file) {
   KERF_TRY_ASSIGN(std::string data,
                   read_content({std::move(*message.mutable_data()), message.file(), "data"}, read_file, "PLY", "ply"));
+  if (!message.file().empty()) {
+    KERF_TRY_ASSIGN(data, unpacked_mesh(std::move(data), "PLY", "ply.file"));
+  }
+  if (drawing::is_gzip(data)) {  // Its size when decompressed is beyond the limit of requests.
+    return invalid_argument("PLY_MALFORMED", "the file is compressed by gzip; decompress it before it is sent",
+                            "ply.data");
+  }
   KERF_TRY_ASSIGN(mesh::MeshReading reading, decode_reading(message.rest_shape(), message.reading(), "ply"));
   return scene::MeshSource(scene::PlySource{std::move(data), std::move(reading)});
 }
@@ -233,6 +244,11 @@ Result<scene::MeshSource> decode_mesh_source(v1::Scene& scene, const FileReader&
 
 Result<scene::MeshSource> decode_mesh_source(v1::Component& component, const FileReader& read_file) {
   return decode_mesh(component, read_file);
+}
+
+Result<std::string> unpacked_mesh(std::string file, const std::string& kind, const std::string& field) {
+  if (!drawing::is_gzip(file)) return file;
+  return drawing::inflated(file, kind, field, scene::kMaxMeshFileBytes);
 }
 
 std::string obj_text(std::string file) {

@@ -17,6 +17,9 @@ namespace kerf::wire {
 Result<scene::MeshSource> decode_mesh_source(v1::Scene& scene, const FileReader& read_file);
 Result<scene::MeshSource> decode_mesh_source(v1::Component& component, const FileReader& read_file);
 
+// Returns the content of a mesh file, decompressed if gzip compressed it. Errors: `kind`_MALFORMED, `kind`_TOO_LARGE.
+Result<std::string> unpacked_mesh(std::string file, const std::string& kind, const std::string& field);
+
 // Converts an OBJ file to ObjMesh.text, which must be UTF-8 (see utf8_text).
 std::string obj_text(std::string file);
 

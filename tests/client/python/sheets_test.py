@@ -1,5 +1,6 @@
 """Making sheets, running them, pulling at them, analysing them."""
 
+import gzip
 import json
 import math
 import os
@@ -283,6 +284,15 @@ class Sheets(Case):
         self.assertEqual([sheet.get().num_triangles for sheet in made], [2, 2])
         for sheet in made:
             sheet.delete()
+        for end in ("ply", "obj"):
+            packed = gzip.compress(pathlib.Path(path("square." + end)).read_bytes())
+            pathlib.Path(path(f"square.{end}.gz")).write_bytes(packed)
+            with self.server.temporary_sheet(mesh_file=path(f"square.{end}.gz"), pins=()) as sheet:
+                self.assertEqual(sheet.get().num_triangles, 2)
+            for content, fault in ((packed[:-9], "cut off"), (gzip.compress(packed), "compressed twice")):
+                pathlib.Path(path(f"square.{end}.gz")).write_bytes(content)
+                with self.assertRaisesRegex(ValueError, fault):
+                    self.server.create_sheet("py-packed", mesh_file=path(f"square.{end}.gz"))
         # Two triangles with vertices of their own, in millimetres, y up.
         apart = "v 0 0 0\nv 400 0 0\nv 400 300 0\nv 0 0 0\nv 400 300 0\nv 0 300 0\no a\nf 1 2 3\no b\nf 4 5 6\n"
         pathlib.Path(path("apart.obj")).write_text(apart)
