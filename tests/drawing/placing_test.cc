@@ -38,6 +38,14 @@ void expect_box(const Result<Placed>& done, const Vector2d& low, const Vector2d&
 
 const std::string kSquare = R"svg(<rect x="10" y="17" width="100" height="100"/>)svg";
 
+TEST(DrawingPlacing, NamesTheShapeThatIsTooLarge) {
+  const Result<Placed> done = placed(page(kSquare + R"svg(<path id="far" d="M0 0L1e30 0"/>)svg"), {});
+  ASSERT_FALSE(done.ok());
+  EXPECT_EQ(done.error().reason, "CURVE_OUT_OF_RANGE");
+  EXPECT_EQ(done.error().field, kField);
+  EXPECT_THAT(done.error().message, HasSubstr("path #far reaches beyond"));
+}
+
 TEST(DrawingPlacing, TrueSize) {
   Reading reading;
   reading.true_size = true;

@@ -198,6 +198,26 @@ TEST(DxfRead, LayersAndColours) {
   EXPECT_EQ(indexed_colour(250), 0x333333U);
 }
 
+TEST(DxfRead, LayersThatAreOffHideOnlyWhatLiesOnThem) {
+  const std::string table = layers("0 LAYER 2 Off 62 -7 0 LAYER 2 Frozen 70 1 62 7 0 LAYER 2 On 62 7");
+  const std::string block =
+      " 0 SECTION 2 BLOCKS 0 BLOCK 2 B 10 0 20 0 0 LINE 8 0 10 0 20 0 11 1 21 0 0 LINE 8 On 10 0 20 0 11 2 21 0 "
+      "0 LINE 8 Off 10 0 20 0 11 3 21 0 0 ENDBLK 0 BLOCK 2 C 10 0 20 0 0 INSERT 2 B 8 On 0 ENDBLK 0 ENDSEC";
+  const auto lengths = [&](const std::string& entities) {
+    std::vector<int> found;
+    for (const cut::Subpath& line :
+         cut_of(file(entities + " 0 LINE 8 0 10 0 20 0 11 9 21 0", table + block)).path.subpaths) {
+      found.push_back(static_cast<int>(drawing::length_of(line) + 0.5));
+    }
+    return found;
+  };
+  EXPECT_THAT(lengths("0 INSERT 2 B 8 On"), ElementsAre(1, 2, 9));
+  EXPECT_THAT(lengths("0 INSERT 2 B 8 Off"), ElementsAre(2, 9));
+  EXPECT_THAT(lengths("0 INSERT 2 C 8 Off"), ElementsAre(1, 2, 9));
+  EXPECT_THAT(lengths("0 INSERT 2 B 8 Frozen"), ElementsAre(9));
+  EXPECT_THAT(lengths("0 INSERT 2 C 8 Frozen"), ElementsAre(9));
+}
+
 TEST(DxfRead, UnitsAndTrueSize) {
   const auto with_units = [](const std::string& header, const drawing::Reading& reading = {}) {
     return cut_of(groups(header + " 0 SECTION 2 ENTITIES 0 LINE 8 0 10 10 20 20 11 30 21 20 0 ENDSEC 0 EOF"), reading);
@@ -205,8 +225,20 @@ TEST(DxfRead, UnitsAndTrueSize) {
   expect_extent(with_units(""), {0.01, 0.02, 0.03, 0.02});
   expect_extent(with_units("0 SECTION 2 HEADER 9 $INSUNITS 70 1 0 ENDSEC"), {0.254, 0.508, 0.762, 0.508});
   expect_extent(with_units("0 SECTION 2 HEADER 9 $INSUNITS 70 5 0 ENDSEC"), {0.1, 0.2, 0.3, 0.2});
+  // A drawing without a unit may at least name its system.
+  const Cut in_inches = with_units("0 SECTION 2 HEADER 9 $INSUNITS 70 0 9 $MEASUREMENT 70 0 0 ENDSEC");
+  expect_extent(in_inches, {0.254, 0.508, 0.762, 0.508});
+  EXPECT_THAT(in_inches.notes,
+              ElementsAre("DXF: it names no unit ($INSUNITS): taken as inches, for which $MEASUREMENT stands"));
+  const Cut metric = with_units("0 SECTION 2 HEADER 9 $MEASUREMENT 70 1 0 ENDSEC");
+  expect_extent(metric, {0.01, 0.02, 0.03, 0.02});
+  EXPECT_THAT(metric.notes, ElementsAre(HasSubstr("taken as millimetres")));
+  const Cut stated = with_units("0 SECTION 2 HEADER 9 $INSUNITS 70 4 9 $MEASUREMENT 70 0 0 ENDSEC");
+  expect_extent(stated, {0.01, 0.02, 0.03, 0.02});
+  EXPECT_THAT(stated.notes, IsEmpty());
   drawing::Reading reading;
   reading.unit = 1.0;
+  EXPECT_THAT(with_units("0 SECTION 2 HEADER 9 $MEASUREMENT 70 0 0 ENDSEC", reading).notes, IsEmpty());
   expect_extent(with_units("0 SECTION 2 HEADER 9 $INSUNITS 70 1 0 ENDSEC", reading), {10, 20, 30, 20});
   // A drawing of CAD has no page: its origin lies at `at`.
   reading.true_size = true;
@@ -235,6 +267,10 @@ TEST(DxfRead, LineEndsAndComments) {
   std::string crlf;
   for (const char c : text) crlf += c == '\n' ? std::string("\r\n") : std::string(1, c);
   expect_extent(cut_of(crlf), {0, 0, 1, 0});
+  std::string doubled;
+  for (const char c : crlf) doubled += c == '\n' ? std::string("\r\n") : std::string(1, c);
+  EXPECT_TRUE(is_dxf(doubled));
+  expect_extent(cut_of(doubled), {0, 0, 1, 0});
   std::string cr = text;
   for (char& c : cr) c = c == '\n' ? '\r' : c;
   expect_extent(cut_of(cr), {0, 0, 1, 0});
@@ -255,7 +291,11 @@ TEST(DxfRead, LineEndsAndComments) {
 }
 
 TEST(DxfRead, Gzip) {
-  expect_extent(cut_of(drawing::gzipped(file("0 LINE 8 0 10 0 20 0 11 1 21 0"))), {0, 0, 1, 0});
+  const std::string packed = drawing::gzipped(file("0 LINE 8 0 10 0 20 0 11 1 21 0"));
+  expect_extent(cut_of(packed), {0, 0, 1, 0});
+  EXPECT_TRUE(is_dxf(packed));
+  EXPECT_FALSE(is_dxf(drawing::gzipped("<svg/>")));
+  EXPECT_THAT(read_all(drawing::gzipped(packed)).error().message, HasSubstr("compressed twice"));
   EXPECT_EQ(read_all(drawing::gzipped(std::string(kMaxFileBytes + 1, ' '))).error().reason, "DXF_TOO_LARGE");
   EXPECT_EQ(read_all("\x1f\x8bno gzip").error().reason, "DXF_MALFORMED");
 }
@@ -291,6 +331,8 @@ TEST(DxfRead, RefusesWithReason) {
     EXPECT_EQ(done.error().field, "cut.curve.dxf");
   }
   EXPECT_THAT(read_all(file("0 LINE 8 0 10 zero 20 0")).error().message, HasSubstr("line 24 of the drawing: 'zero'"));
+  EXPECT_THAT(read_all(file(line + " 0 LWPOLYLINE 8 0 70 0 10 0 20 0 42 1e12 10 2 20 0")).error().message,
+              HasSubstr("LWPOLYLINE at line 32 reaches beyond"));
   EXPECT_THAT(read_all(file("0 LINE 8 0 10 nan 20 0")).error().message, HasSubstr("line 24 of the drawing: 'nan'"));
   EXPECT_THAT(read_all(file("0 CIRCLE 8 0 40 inf")).error().message, HasSubstr("line 24 of the drawing: 'inf'"));
 }

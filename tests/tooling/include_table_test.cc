@@ -59,8 +59,8 @@ const std::vector<Group>& groups() {
       {"libvpx", {"vpx/"}},
       {"libyuv", {"libyuv/"}},
       {"POSIX",
-       {"arpa/", "dirent.h", "fcntl.h", "malloc.h", "netdb.h", "netinet/", "poll.h", "pthread.h", "sched.h", "signal.h",
-        "spawn.h", "sys/", "termios.h", "time.h", "unistd.h"}},
+       {"arpa/", "dirent.h", "fcntl.h", "iconv.h", "malloc.h", "netdb.h", "netinet/", "poll.h", "pthread.h", "sched.h",
+        "signal.h", "spawn.h", "sys/", "termios.h", "time.h", "unistd.h"}},
   };
   return all;
 }

@@ -21,6 +21,7 @@ struct Group {
 };
 
 struct Shape {
+  std::string name;                     // Names its element or entity, for messages.
   std::vector<cut::Subpath> lines;      // m, in the frame of the drawing; without arcs.
   bool is_painted = true;               // False: hidden, or painting nothing.
   std::optional<std::uint32_t> stroke;  // 0xrrggbb

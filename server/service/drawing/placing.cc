@@ -31,6 +31,17 @@ Error empty(const Drawing& drawing, const std::string& kind, const std::string& 
   return invalid_argument(kind + "_EMPTY", why, field);
 }
 
+// Refuses lines that no sheet can hold, and names the shape.
+Status check_range(const cut::Subpath& line, const std::string& name, const std::string& field) {
+  const cut::Curve alone = cut::Path{{line}};
+  const Status status = cut::validate(alone);
+  if (status.ok() || (status.error().reason != "CURVE_OUT_OF_RANGE" && status.error().reason != "CURVE_NOT_FINITE")) {
+    return Nothing{};
+  }
+  return invalid_argument(status.error().reason,
+                          name + " reaches beyond 10 km: a number of it is too large, or the unit is another", field);
+}
+
 std::size_t num_segments(const Shape& shape) {
   std::size_t count = 0;
   for (const cut::Subpath& line : shape.lines) count += line.segments.size();
@@ -83,6 +94,7 @@ Result<Placed> place(const Drawing& drawing, const Reading& reading, const std::
                                   " segments to cut; simplify it or cut parts of it",
                               field);
     }
+    for (const cut::Subpath& line : shape.lines) KERF_TRY(check_range(line, shape.name, field));
     placed.path.subpaths.insert(placed.path.subpaths.end(), shape.lines.begin(), shape.lines.end());
   }
   if (placed.path.subpaths.size() == num_marks) return empty(drawing, kind, field, unpainted);

@@ -7,6 +7,7 @@
 
 #include "server/base/text_encoding.h"
 #include "server/service/drawing/inflate.h"
+#include "server/service/dxf/code_page.h"
 #include "server/service/dxf/entity.h"
 #include "server/service/dxf/walk_blocks.h"
 
@@ -15,6 +16,7 @@ namespace {
 
 constexpr const char* kDxfField = "cut.curve.dxf";
 constexpr std::size_t kStartBytes = 1024;  // More than enough to know a DXF by.
+constexpr int kInches = 1;                 // The code of $INSUNITS.
 constexpr std::string_view kBinary = "AutoCAD Binary DXF";
 
 // Returns the metres of $INSUNITS; millimetres if it names none.
@@ -50,6 +52,10 @@ bool is_dwg(std::string_view data) {
 }  // namespace
 
 bool is_dxf(std::string_view data) {
+  if (drawing::is_gzip(data)) {
+    const std::string start = drawing::inflated_start(data, 2 * kStartBytes);
+    return !drawing::is_gzip(start) && is_dxf(start);
+  }
   if (data.substr(0, kBinary.size()) == kBinary || is_dwg(data)) return true;
   if (data.starts_with("\xff\xfe") || data.starts_with("\xfe\xff")) {
     return is_dxf(utf8_text(std::string(data.substr(0, 2 * kStartBytes))));
@@ -65,7 +71,7 @@ bool is_dxf(std::string_view data) {
 Result<drawing::Drawing> read(std::string_view data, double unit) {
   if (drawing::is_gzip(data)) {
     KERF_TRY_ASSIGN(const std::string unpacked, drawing::inflated(data, "DXF", kDxfField));
-    if (!drawing::is_gzip(unpacked)) return read(unpacked, unit);
+    return read(unpacked, unit);
   }
   if (data.size() > kMaxFileBytes) {
     return invalid_argument("DXF_TOO_LARGE",
@@ -77,10 +83,18 @@ Result<drawing::Drawing> read(std::string_view data, double unit) {
   if (is_dwg(data)) {
     return invalid_argument("DXF_BINARY", "the drawing is a DWG file; save it as a DXF of text (ASCII)", kDxfField);
   }
-  const std::string text = utf8_text(std::string(data));
-  KERF_TRY_ASSIGN(const std::vector<Group> groups, groups_of(text));
+  const DecodedText decoded = dxf::decoded(std::string(data));
+  KERF_TRY_ASSIGN(const std::vector<Group> groups, groups_of(decoded.text));
   KERF_TRY_ASSIGN(const File file, divided(groups));
-  BlockWalk walk(file, unit > 0.0 ? unit : metres_of(file.units));
+  const bool is_in_inches = file.units == 0 && file.measurement == 0;
+  BlockWalk walk(file, unit > 0.0 ? unit : metres_of(is_in_inches ? kInches : file.units));
+  if (!decoded.unread.empty()) {
+    walk.add_note("DXF: code page " + decoded.unread + ": names are taken as ISO-8859-1, and may be wrong");
+  }
+  if (!(unit > 0.0) && file.units == 0 && file.measurement) {
+    walk.add_note(std::string("DXF: it names no unit ($INSUNITS): taken as ") +
+                  (is_in_inches ? "inches" : "millimetres") + ", for which $MEASUREMENT stands");
+  }
   KERF_TRY(walk.run());
   return walk.take_drawing();
 }

@@ -19,14 +19,15 @@ std::string_view without_blanks(std::string_view text) {
   return text;
 }
 
-// Takes the next line of the text, whatever its end.
+// Takes the next line of the text, whatever its end: also CR CR LF, which two conversions of line ends make.
 std::string_view take_line(std::string_view& text) {
   const std::size_t end = text.find_first_of("\r\n");
   const std::string_view line = text.substr(0, end);
   if (end == std::string_view::npos) {
     text = {};
   } else {
-    text.remove_prefix(end + (text.substr(end, 2) == "\r\n" ? 2 : 1));
+    const bool is_doubled = text.substr(end, 3) == "\r\r\n";
+    text.remove_prefix(end + (is_doubled ? 3 : text.substr(end, 2) == "\r\n" ? 2 : 1));
   }
   return line;
 }
@@ -54,7 +55,8 @@ const Group* entities_until(std::string_view end, const Group* first, const Grou
 Layer layer_of(const Entity& entry) {
   const int colour = entry.integer(62, 7);
   Layer layer;
-  layer.is_hidden = colour < 0 || (entry.integer(70, 0) & kFrozen) != 0;
+  layer.is_off = colour < 0;
+  layer.is_frozen = (entry.integer(70, 0) & kFrozen) != 0;
   layer.colour = indexed_colour(std::abs(colour));
   if (entry.has(420)) layer.colour = static_cast<std::uint32_t>(entry.integer(420, 0)) & 0xffffffU;
   const std::string type = key_of(entry.text(6));
@@ -67,6 +69,7 @@ void read_header(const Group* first, const Group* last, File& file) {
     if (first->code != 9 || first + 1 == last) continue;
     const std::string_view value = first[1].value;
     if (first->value == "$ACADVER") file.version = std::string(value);
+    if (first->value == "$MEASUREMENT") file.measurement = static_cast<int>(to_number(value).value_or(1.0));
     if (first->value == "$INSUNITS") file.units = static_cast<int>(to_number(value).value_or(0.0));
   }
 }

@@ -37,7 +37,8 @@ struct Entity {
 };
 
 struct Layer {
-  bool is_hidden = false;  // Frozen or off.
+  bool is_off = false;     // Hides what lies on the layer itself.
+  bool is_frozen = false;  // Hides all of an insertion on the layer, too.
   std::uint32_t colour = 0;
   bool is_dashed = false;
 };
@@ -49,8 +50,9 @@ struct Block {
 
 // A file as it is divided.
 struct File {
-  std::string version;  // $ACADVER
-  int units = 0;        // $INSUNITS
+  std::string version;             // $ACADVER
+  int units = 0;                   // $INSUNITS
+  std::optional<int> measurement;  // $MEASUREMENT
   std::unordered_map<std::string, Layer> layers;
   std::unordered_map<std::string, Block> blocks;
   std::vector<Entity> entities;

@@ -75,7 +75,8 @@ BlockWalk::Context BlockWalk::entered(const Entity& entity, const Context& conte
   if (placed.layer.empty() || layer != "0") placed.layer = layer;
   const auto found = file_.layers.find(key_of(placed.layer));
   const bool is_known = found != file_.layers.end();
-  placed.is_hidden = context.is_hidden || entity.integer(60, 0) == 1 || (is_known && found->second.is_hidden);
+  placed.is_hidden = context.is_hidden || entity.integer(60, 0) == 1 || (is_known && found->second.is_frozen);
+  placed.is_off = is_known && found->second.is_off;
   const int index = entity.integer(62, kByLayer);
   if (entity.has(420)) {
     placed.colour = static_cast<std::uint32_t>(entity.integer(420, 0)) & 0xffffffU;
@@ -122,16 +123,17 @@ Status BlockWalk::visit(const Entity& entity, const std::vector<Entity>& vertice
   }
   if (entity.type == "INSERT") return insert(entity, placed);
   const std::optional<std::vector<cut::Subpath>> outline = outline_of(entity, vertices);
-  if (outline && outline->empty() && !placed.is_hidden)
-    report(name_of(entity.type) + " that has no length or is faulty");
+  const bool is_seen = !placed.is_hidden && !placed.is_off;
+  if (outline && outline->empty() && is_seen) report(name_of(entity.type) + " that has no length or is faulty");
   if (outline) return add_shape(entity, *outline, placed);
-  if (!placed.is_hidden) report(name_of(entity.type));
+  if (is_seen) report(name_of(entity.type));
   return Nothing{};
 }
 
 Status BlockWalk::add_shape(const Entity& entity, const std::vector<cut::Subpath>& outline, const Context& placed) {
   drawing::Shape shape;
-  shape.is_painted = !placed.is_hidden;
+  shape.name = name_of(entity.type) + " at line " + std::to_string(entity.line);
+  shape.is_painted = !placed.is_hidden && !placed.is_off;
   shape.stroke = placed.colour;
   shape.group = group_of(placed.layer);
   for (const cut::Subpath& subpath : outline) {

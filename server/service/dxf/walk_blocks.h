@@ -3,6 +3,7 @@
 #include <map>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "server/base/result.h"
@@ -21,6 +22,7 @@ class BlockWalk {
   // Visits everything; to be called once. Errors: DXF_TOO_COMPLEX.
   Status run();
 
+  void add_note(std::string note) { drawing_.not_cut.push_back(std::move(note)); }
   [[nodiscard]] drawing::Drawing take_drawing();
 
  private:
@@ -29,7 +31,8 @@ class BlockWalk {
     drawing::Affine map;
     std::string layer;         // Layer of entities on layer 0; empty outside of blocks.
     std::uint32_t colour = 0;  // Colour of entities that take their block's.
-    bool is_hidden = false;
+    bool is_hidden = false;    // So is all that is inserted.
+    bool is_off = false;       // The entity itself lies on a layer that is off.
     int depth = 0;
   };
 

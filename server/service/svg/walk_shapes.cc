@@ -53,6 +53,8 @@ Status Walk::add_shape(const pugi::xml_node& node, std::string_view name, const 
   }
   if (context.to_sheet.linear.determinant() == 0.0) return Nothing{};  // A singular map shows nothing.
   drawing::Shape shape;
+  const std::string id = node.attribute("id").value();
+  shape.name = std::string(name) + (id.empty() ? "" : " #" + shortened(id, 60));
   shape.is_painted = what.is_painted;
   shape.stroke = what.stroke;
   if (name != "line") shape.fill = what.fill;
