@@ -249,8 +249,9 @@ TEST(SvgStyle, SizesAndPlacesMayBeStyles) {
   expect_box("<style>rect{width:30px;height:20px;rx:2px}</style><rect x=\"10\"/>", 30, 20);
   expect_box("<rect width=\"10\" height=\"20\" style=\"rotate:90deg; translate: 30px 5px; scale:2\"/>", 40, 20);
   expect_box("<rect width=\"10\" height=\"20\" style=\"transform:translate(1cm) scale(2)\"/>", 20, 40);
-  EXPECT_THAT(drawn(document("<rect style=\"fill:var(--c)\" width=\"5\" height=\"5\"/>")).not_cut,
-              ::testing::ElementsAre("SVG: 1 x reference to a variable of a style sheet: not applied"));
+  EXPECT_THAT(
+      drawn(document("<rect style=\"fill:var(--c)\" width=\"5\" height=\"5\"/>")).not_cut,
+      ::testing::ElementsAre("SVG: 1 x reference to a variable of a style sheet that is not there: not applied"));
 }
 
 TEST(SvgStyle, BoundsOnWork) {

@@ -10,7 +10,8 @@
 namespace kerf::svg {
 namespace {
 
-constexpr int kMaxBlockDepth = 16;  // Nesting of @media and its like.
+constexpr int kMaxBlockDepth = 16;                             // Nesting of rules, @media and its like.
+constexpr std::size_t kMaxNestedBytes = std::size_t{8} << 20;  // Selectors of nested rules, written out.
 
 // Returns the value without comments, and whether it ends with "!important".
 std::pair<std::string, bool> value_of(std::string_view text) {
@@ -59,6 +60,13 @@ bool query_applies(std::string_view query) {
   return applies != negated;
 }
 
+// True if a condition of @media may hold on a screen, but depends on more than is known here.
+bool has_unread_condition(std::string_view query) {
+  const std::string text = lower(query);
+  return text.find('(') != std::string::npos && text.find("prefers-color-scheme") == std::string::npos &&
+         text.find("print") == std::string::npos;
+}
+
 class SheetReader {
  public:
   explicit SheetReader(StyleRules& rules) : rules_(rules) {}
@@ -69,43 +77,122 @@ class SheetReader {
       scanner.skip_blanks();
       if (scanner.at_end()) return;
       if (scanner.accept('@')) {
-        read_at_rule(scanner, depth);
+        read_at_rule(scanner, {}, depth);
         continue;
       }
       const std::string_view selectors = scanner.until("{");
       if (!scanner.accept('{')) return;
       const std::string_view block = scanner.until("}");
       scanner.accept('}');
-      add(selectors, block);
+      read_block(std::string(trimmed(selectors)), block, depth);
     }
   }
 
  private:
-  void read_at_rule(CssScanner& scanner, int depth) {
+  // `around`: the selectors of the rule that the at-rule stands in; empty if it stands in none.
+  void read_at_rule(CssScanner& scanner, const std::string& around, int depth) {
     const std::string name = lower(scanner.identifier());
     const std::string_view prelude = scanner.until(";{");
     if (name == "import") ++rules_.imports;
     if (scanner.accept(';') || !scanner.accept('{')) return;
     const std::string_view block = scanner.until("}");
     scanner.accept('}');
+    if (name == "container" || name == "scope" || (name == "media" && has_unread_condition(prelude))) ++rules_.unread;
     const bool holds_rules = (name == "media" && applies_to_screen(prelude)) || name == "layer" ||
                              (name == "supports" && lower(trimmed(prelude)).compare(0, 3, "not") != 0);
-    if (holds_rules && depth < kMaxBlockDepth) read(block, depth + 1);
+    if (!holds_rules || depth >= kMaxBlockDepth) return;
+    if (around.empty()) {
+      read(block, depth + 1);
+    } else {
+      read_block(around, block, depth + 1);
+    }
   }
 
-  void add(std::string_view text, std::string_view block) {
+  // Reads the block of a rule: declarations, and rules that are nested in it.
+  void read_block(const std::string& selectors, std::string_view block, int depth) {
+    if (block.find_first_of("{@") == std::string_view::npos) return add(selectors, block);
+    std::string declarations;  // Those since the last nested rule.
+    CssScanner scanner(block);
+    while (!rules_.too_many) {
+      scanner.skip_blanks();
+      if (scanner.at_end()) break;
+      if (scanner.accept(';')) continue;
+      if (scanner.accept('@')) {
+        add(selectors, declarations);
+        declarations.clear();
+        read_at_rule(scanner, selectors, depth);
+        continue;
+      }
+      const std::string_view item = scanner.until(";{");
+      const bool is_rule = scanner.peek() == '{' && item.substr(0, 2) != "--";
+      if (!is_rule) {
+        declarations += item;
+        declarations += scanner.until(";");  // A value with braces.
+        declarations += ';';
+        continue;
+      }
+      scanner.accept('{');
+      const std::string_view inner = scanner.until("}");
+      scanner.accept('}');
+      add(selectors, declarations);
+      declarations.clear();
+      if (depth < kMaxBlockDepth) read_block(nested(selectors, item), inner, depth + 1);
+    }
+    add(selectors, declarations);
+  }
+
+  // Returns the selectors of a nested rule as if it stood by itself: & becomes each selector of the rule around it.
+  std::string nested(const std::string& around, std::string_view selectors) {
+    std::string result;
+    CssScanner outer(around);
+    do {
+      const std::string_view parent = trimmed(outer.until(","));
+      CssScanner inner(selectors);
+      do {
+        const std::string_view own = trimmed(inner.until(","));
+        if (!result.empty()) result += ", ";
+        result += with_parent(parent, own);
+        num_bytes_ += parent.size() + own.size();
+        rules_.too_many = rules_.too_many || num_bytes_ > kMaxNestedBytes;
+      } while (inner.accept(',') && !rules_.too_many);
+    } while (outer.accept(',') && !rules_.too_many);
+    return result;
+  }
+
+  static std::string with_parent(std::string_view parent, std::string_view own) {
+    const std::size_t first = own.find('&');
+    if (first == std::string_view::npos) return std::string(parent) + " " + std::string(own);
+    std::string result;
+    std::string_view rest = own;
+    for (std::size_t at = first; at != std::string_view::npos; at = rest.find('&')) {
+      result += rest.substr(0, at);
+      // Elsewhere than at the start a combinator within the parent would bind wrongly.
+      const bool is_start = result.empty();
+      result += is_start ? std::string(parent) : ":is(" + std::string(parent) + ")";
+      rest.remove_prefix(at + 1);
+    }
+    return result.append(rest);
+  }
+
+  void add(const std::string& text, std::string_view block) {
     std::vector<Declaration> declarations = parse_declarations(block);
     if (declarations.empty()) return;
     std::optional<std::vector<Selector>> selectors = parse_selectors(text);
-    if (!selectors) return;
+    if (!selectors) {
+      ++rules_.unread;
+      return;
+    }
     for (Selector& selector : *selectors) {
+      const auto is_unread = [](const Compound& each) { return each.unread; };
+      if (std::any_of(selector.compounds.begin(), selector.compounds.end(), is_unread)) ++rules_.unread;
       selector.rule = rules_.rules.size();
       rules_.selectors.push_back(std::move(selector));
     }
     rules_.rules.push_back(std::move(declarations));
-    rules_.too_many = rules_.selectors.size() > kMaxCssSelectors;
+    rules_.too_many = rules_.too_many || rules_.selectors.size() > kMaxCssSelectors;
   }
 
+  std::size_t num_bytes_ = 0;  // Of selectors of nested rules, as they were written out.
   StyleRules& rules_;
 };
 
@@ -124,20 +211,23 @@ std::vector<Declaration> parse_declarations(std::string_view text) {
     scanner.skip_blanks();
     if (scanner.at_end()) return declarations;
     if (scanner.accept(';')) continue;
-    const std::string name = lower(scanner.identifier());
+    const std::string given = scanner.identifier();
+    const std::string custom = given.starts_with("--") ? given : std::string();
+    const std::string name = lower(given);
     scanner.skip_blanks();
     const bool is_declaration = !name.empty() && scanner.accept(':');
     const std::string_view rest = scanner.until(";");
     const std::optional<Property> property = is_declaration ? property_named(name) : std::nullopt;
-    if (!property) continue;
+    if (!property && (custom.empty() || !is_declaration)) continue;
     auto [value, important] = value_of(rest);
-    if (value.empty() || value.size() > kMaxCssValue) continue;
+    if (value.empty() || (value.size() > kMaxCssValue && property != Property::kD)) continue;
     // A later declaration replaces an earlier one of the same weight.
-    const auto earlier = std::find_if(
-        declarations.begin(), declarations.end(),
-        [&, weight = important](const auto& each) { return each.property == *property && each.important == weight; });
+    const auto earlier =
+        std::find_if(declarations.begin(), declarations.end(), [&, weight = important](const Declaration& each) {
+          return each.important == weight && each.custom == custom && (!property || each.property == *property);
+        });
     if (earlier != declarations.end()) declarations.erase(earlier);
-    declarations.push_back({*property, std::move(value), important});
+    declarations.push_back({property.value_or(Property::kDisplay), std::move(value), important, custom});
   }
 }
 

@@ -46,8 +46,9 @@ enum class Property : std::uint8_t {
   kTranslate,  // This and the later ones are properties of style sheets alone, and no attributes.
   kRotate,
   kScale,
+  kD,
 };
-inline constexpr std::size_t kNumProperties = 34;
+inline constexpr std::size_t kNumProperties = 35;
 inline constexpr std::array<std::string_view, kNumProperties> kPropertyNames{"display",
                                                                              "visibility",
                                                                              "color",
@@ -81,7 +82,8 @@ inline constexpr std::array<std::string_view, kNumProperties> kPropertyNames{"di
                                                                              "ry",
                                                                              "translate",
                                                                              "rotate",
-                                                                             "scale"};
+                                                                             "scale",
+                                                                             "d"};
 
 std::optional<Property> property_named(std::string_view name);
 
@@ -89,10 +91,11 @@ struct Declaration {
   Property property = Property::kDisplay;
   std::string value;
   bool important = false;
+  std::string custom = {};  // Name of a custom property, such as "--line"; `property` then means nothing.
 };
 
-// Returns the declarations of a style attribute or of a rule's block. Unknown properties and malformed declarations are
-// passed over, as CSS demands.
+// Returns the declarations of a style attribute or of a rule's block without nested rules. Unknown properties and
+// malformed declarations are passed over, as CSS demands.
 std::vector<Declaration> parse_declarations(std::string_view text);
 
 struct AttributeTest {
@@ -122,7 +125,8 @@ struct Compound {
   std::vector<std::vector<Compound>> any_of;   // Each list has one that passes.
   std::vector<std::vector<Compound>> none_of;  // No list has one that passes.
   bool is_root = false;
-  bool never = false;  // It has a test that is never passed here, such as :hover.
+  bool never = false;   // It has a test that is never passed here, such as :hover.
+  bool unread = false;  // It has a test that is not understood. It is never passed, either.
 };
 
 struct Selector {
@@ -135,10 +139,11 @@ struct StyleRules {
   std::vector<Selector> selectors;
   std::vector<std::vector<Declaration>> rules;  // In the order of the text.
   int imports = 0;                              // Other sheets that the text asks for; none is read.
+  int unread = 0;                               // Rules whose selector or condition is not understood.
   bool too_many = false;                        // The text has more than kMaxCssSelectors.
 };
 
-// Longer values are passed over, other than transforms in attributes.
+// Longer values are passed over, other than transforms in attributes and the data of paths.
 inline constexpr std::size_t kMaxCssValue = 2'048;
 inline constexpr std::size_t kMaxCssSelectors = 20'000;
 

@@ -135,7 +135,7 @@ void Cascade::collect(const std::vector<std::size_t>& candidates, const pugi::xm
   }
 }
 
-Result<Declared> Cascade::declared(const pugi::xml_node& node) {
+Result<Declared> Cascade::declared(const pugi::xml_node& node, std::shared_ptr<const Variables>& variables) {
   Declared result;
   for (const pugi::xml_attribute& attribute : node.attributes()) {
     const std::optional<Property> property = property_named(attribute.name());
@@ -172,12 +172,18 @@ Result<Declared> Cascade::declared(const pugi::xml_node& node) {
     const auto apply = [&](const std::vector<Declaration>& declarations) {
       for (const Declaration& each : declarations) {
         steps_ += 1 + each.value.size() / 32;
-        if (each.important == important) result.values[static_cast<std::size_t>(each.property)] = each.value;
+        if (each.important != important) continue;
+        std::string& value =
+            each.custom.empty() ? result.values[static_cast<std::size_t>(each.property)] : result.custom[each.custom];
+        value = each.value;
       }
     };
     for (const std::size_t at : found_) apply(rules_.rules[rules_.selectors[at].rule]);
     apply(own);
   }
+  variables = variables_within(variables, result.custom, steps_);
+  for (std::string& value : result.values)
+    result.unresolved += replace_variables(value, variables.get(), steps_) ? 0 : 1;
   return result;
 }
 

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -11,6 +12,7 @@
 
 #include "server/base/result.h"
 #include "server/service/svg/css.h"
+#include "server/service/svg/css_variables.h"
 
 namespace kerf::svg {
 
@@ -20,6 +22,8 @@ inline constexpr std::size_t kMaxCssSteps = 10'000'000;
 // The values of an element's own properties; empty: none is set.
 struct Declared {
   std::array<std::string, kNumProperties> values;
+  CustomProperties custom;
+  int unresolved = 0;  // Values that refer to a variable that is missing or invalid.
 
   [[nodiscard]] const std::string& operator[](Property property) const {
     return values[static_cast<std::size_t>(property)];
@@ -32,8 +36,9 @@ class Cascade {
   // `rules` must stay as it is.
   explicit Cascade(const StyleRules& rules);
 
+  // Returns what is declared, with var() replaced. `variables`: those of the element around it, which become its own.
   // Error: kResourceExhausted SVG_TOO_COMPLEX, once all calls together exceed kMaxCssSteps.
-  Result<Declared> declared(const pugi::xml_node& node);
+  Result<Declared> declared(const pugi::xml_node& node, std::shared_ptr<const Variables>& variables);
 
  private:
   [[nodiscard]] bool matches(const Selector& selector, std::size_t last, const pugi::xml_node& node);

@@ -1,6 +1,7 @@
 #include "server/service/svg/css_selector.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <string>
 #include <utility>
@@ -189,9 +190,11 @@ class SelectorReader {
     if (name == "not" || name == "is" || name == "where" || name == "matches")
       return read_list(compound, name, argument);
     ++specificity_.classes;
-    if (name == "root") {
+    if (name == "root" || name == "scope") {
       compound.is_root = true;
     } else if (!read_place(compound, name, argument)) {
+      constexpr std::array<std::string_view, 5> kUnread{"has", "lang", "dir", "empty", "nth-child"};
+      compound.unread = !compound.never && std::find(kUnread.begin(), kUnread.end(), name) != kUnread.end();
       compound.never = true;
     }
     return true;
@@ -205,7 +208,10 @@ class SelectorReader {
     std::uint32_t most = 0;
     for (const Selector& selector : *inner) {
       list.push_back(selector.compounds.back());
-      if (selector.compounds.size() > 1) list.back().never = true;  // Combinators within a list are not followed.
+      if (selector.compounds.size() > 1) {  // Combinators within a list are not followed.
+        list.back().never = true;
+        compound.unread = true;
+      }
       most = std::max(most, selector.specificity);
     }
     if (name != "where") {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "server/core/cut/arc.h"
+#include "server/service/svg/css_scanner.h"
 #include "server/service/svg/scanner.h"
 
 namespace kerf::svg {
@@ -106,6 +107,20 @@ PathData points_of(const pugi::xml_node& node, bool closed, std::size_t max_segm
   return data;
 }
 
+// Reads the property d: none, or path("...").
+PathData styled_path(const std::string& value, std::size_t max_segments) {
+  CssScanner scanner(value);
+  const std::string function = lower(scanner.identifier());
+  if (function == "none") return {};
+  PathData faulty;
+  faulty.error = "the property d, which must be none or path(\"...\")";
+  if (function != "path" || !scanner.accept('(')) return faulty;
+  scanner.skip_blanks();
+  const char quote = scanner.peek();
+  if (quote != '"' && quote != '\'') return faulty;
+  return parse_path_data(scanner.quoted(), max_segments);
+}
+
 }  // namespace
 
 bool is_shape(std::string_view element) {
@@ -121,7 +136,9 @@ PathData outline_of(const pugi::xml_node& node, std::string_view element, const 
   if (element == "line") return line_of(node, viewport);
   if (element == "polyline") return points_of(node, false, max_segments);
   if (element == "polygon") return points_of(node, true, max_segments);
-  return parse_path_data(node.attribute("d").value(), max_segments);
+  const std::string& styled = declared[Property::kD];
+  return styled.empty() ? parse_path_data(node.attribute("d").value(), max_segments)
+                        : styled_path(styled, max_segments);
 }
 
 }  // namespace kerf::svg

@@ -167,6 +167,7 @@ Status Walk::index() {
   }
   if (rules_.too_many) return too_complex("more than " + std::to_string(kMaxCssSelectors) + " selectors in its style");
   for (int i = 0; i < rules_.imports; ++i) report("external style sheet");
+  for (int i = 0; i < rules_.unread; ++i) report("rule of a style sheet that is not understood");
   return Nothing{};
 }
 
@@ -196,7 +197,7 @@ Status Walk::visit(const pugi::xml_node& node, const Context& inherited) {
   if (name.empty() || contains(kSilent, name)) return Nothing{};
   Context context = inherited;
   ++context.depth;
-  KERF_TRY_ASSIGN(const Declared declared, cascade_->declared(node));
+  KERF_TRY_ASSIGN(const Declared declared, cascade_->declared(node, context.variables));
   apply(declared, context.style);
   KERF_TRY(enter_groups(node, context));
   if (!enter(declared, context)) return Nothing{};
@@ -247,7 +248,7 @@ bool Walk::enter(const Declared& declared, Context& context) {
 
 Status Walk::visit_content(const pugi::xml_node& node, std::string_view name, const Declared& declared,
                            const Context& context) {
-  if (context.style.is_shown && (name == "svg" || name == "use" || is_shape(name))) report_lengths(node);
+  if (context.style.is_shown && (name == "svg" || name == "use" || is_shape(name))) report_lengths(node, declared);
   if (name == "g" || name == "a") return visit_children(node, context);
   if (name == "svg") return visit_viewport(node, node, context);
   if (name == "use") return visit_use(node, context);
@@ -344,7 +345,7 @@ Status Walk::visit_use(const pugi::xml_node& node, const Context& context) {
   const std::string_view name = name_of(target);
   if (name != "symbol" && name != "svg") return visit(target, inner);
   if (inner.depth > kMaxDepth) return too_deep();
-  KERF_TRY_ASSIGN(const Declared declared, cascade_->declared(target));
+  KERF_TRY_ASSIGN(const Declared declared, cascade_->declared(target, inner.variables));
   apply(declared, inner.style);
   KERF_TRY(enter_groups(target, inner));
   ++inner.depth;
@@ -355,9 +356,7 @@ Status Walk::visit_use(const pugi::xml_node& node, const Context& context) {
 }
 
 void Walk::report_references(const Declared& declared) {
-  for (const std::string& value : declared.values) {
-    if (value.find("var(") != std::string::npos) report("reference to a variable of a style sheet");
-  }
+  for (int i = 0; i < declared.unresolved; ++i) report("reference to a variable of a style sheet that is not there");
   for (const Property property : kReferences) {
     const std::string& value = declared[property];
     if (value.empty() || value == "none" || value == "inherit") continue;

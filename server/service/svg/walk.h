@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -39,6 +40,7 @@ class Walk {
     Affine to_sheet;
     Viewport viewport;
     Style style;
+    std::shared_ptr<const Variables> variables;
     int group = drawing::kNoGroup;
     int group_depth = 0;
     int depth = 0;  // Nesting of elements, those that replace a `use` included.
@@ -74,8 +76,8 @@ class Walk {
   Status enter_groups(const pugi::xml_node& node, Context& context);
   // Applies the element's own transform to the context. Returns false if it is malformed.
   bool enter(const Declared& declared, Context& context);
-  // Reports lengths among the attributes that have no meaning, such as "12,5mm" or "10vw".
-  void report_lengths(const pugi::xml_node& node);
+  // Reports lengths among attributes and properties that have no meaning, such as "12,5mm" or "10vw".
+  void report_lengths(const pugi::xml_node& node, const Declared& declared);
   void report_references(const Declared& declared);
   [[nodiscard]] std::vector<std::string> not_cut() const;
 

@@ -17,24 +17,24 @@ namespace {
 
 constexpr const char* kUnreadLength = "length that cannot be read";
 
-// Attributes of shapes, viewports and uses that are lengths.
-constexpr std::array<std::string_view, 13> kLengths{"x",  "y",  "width", "height", "cx", "cy", "r",
-                                                    "rx", "ry", "x1",    "y1",     "x2", "y2"};
+// Lengths of shapes that are attributes alone, and no properties.
+constexpr std::array<std::string_view, 4> kLengths{"x1", "y1", "x2", "y2"};
 
 }  // namespace
 
-void Walk::report_lengths(const pugi::xml_node& node) {
-  for (const pugi::xml_attribute& attribute : node.attributes()) {
-    const std::string_view name = attribute.name();
-    const std::string_view value = trimmed(attribute.value());
-    if (std::find(kLengths.begin(), kLengths.end(), name) == kLengths.end() || value == "auto" || value.empty())
-      continue;
-    if (parse_length(value, 1.0) || value == "inherit") continue;
+void Walk::report_lengths(const pugi::xml_node& node, const Declared& declared) {
+  const auto check = [this](std::string_view name, std::string_view value) {
+    if (value == "auto" || value.empty() || value == "inherit" || value == "initial" || value == "unset") return;
+    if (parse_length(value, 1.0)) return;
     report(kUnreadLength);
-    if (first_length_error_.empty()) {
-      first_length_error_ = std::string(name) + "=\"" + shortened(value, 40) + "\"";
-    }
+    if (!first_length_error_.empty()) return;
+    first_length_error_ = std::string(name) + "=\"" + shortened(value, 40) + "\"";
+  };
+  for (const std::string_view name : kLengths) check(name, trimmed(node.attribute(name.data()).value()));
+  for (auto each = static_cast<std::size_t>(Property::kX); each <= static_cast<std::size_t>(Property::kRy); ++each) {
+    check(kPropertyNames[each], trimmed(declared.values[each]));
   }
+  check("stroke-width", trimmed(declared[Property::kStrokeWidth]));
 }
 
 void Walk::note_extent(const cut::Subpath& line) {
