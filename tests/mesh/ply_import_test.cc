@@ -212,8 +212,8 @@ TEST(Ply, RefusalsOfTheHeaderNameTheLine) {
   expect_refused(changed("float y", "real y"), "PLY_HEADER", "ply:5", "\"real\"");
   expect_refused(changed("float y", "float"), "PLY_HEADER", "ply:5", "name");
   expect_refused(changed("element vertex 4", "property float x\nelement vertex 4"), "PLY_HEADER", "ply:3");
-  expect_refused(changed("float z", "float w"), "PLY_HEADER", "ply:9", "x, y and z");
-  expect_refused(changed("property float z", "property list uchar float z"), "PLY_HEADER", "ply:9", "x, y and z");
+  expect_refused(changed("float y", "float w"), "PLY_HEADER", "ply:9", "must have x, y");
+  expect_refused(changed("property float z", "property list uchar float z"), "PLY_HEADER", "ply:9", "z: a number each");
   expect_refused(changed("element vertex", "element point"), "PLY_HEADER", "ply:9", "vertex");
   expect_refused(changed("element face", "element polyline"), "PLY_HEADER", "ply:9", "cloud of points");
   expect_refused(changed("vertex_indices", "corners"), "PLY_HEADER", "ply:9", "vertex_indices");

@@ -75,6 +75,26 @@ TEST(Ply, HeadersWithBlanksIndicesOfAnyTypeAndEndsOfTextAreTaken) {
   EXPECT_EQ(parse_ply(file("int").replace(0, 5, "ply 1")).error().reason, "PLY_HEADER");
 }
 
+TEST(Ply, VerticesWithoutZLieInAPlane) {
+  for (const PlyKind kind : kPlyKinds) {
+    PlyBody body(kind);
+    for (const auto& [x, y] : {std::pair{0.0, 0.0}, {1.0, 0.0}, {0.0, 2.0}}) body.add(x).add(y).end();
+    body.add(std::uint8_t{3});
+    for (const int index : {0, 1, 2}) body.add(static_cast<std::int32_t>(index));
+    body.end();
+    const std::string head = test::ply_start(kind) + "element vertex 3\nproperty double x\nproperty double y\n";
+    const std::string faces = "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+    const ImportedSheet sheet = read_variety(head + faces + body.text());
+    ASSERT_EQ(sheet.world.cols(), 3);
+    EXPECT_EQ(sheet.world.col(2), Eigen::Vector3d(0, 2, 0));
+    EXPECT_EQ(joined_notes(sheet), "vertices have no z: it is taken as 0\n");
+  }
+  EXPECT_EQ(parse_ply("ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nelement face 0\nend_header\n")
+                .error()
+                .reason,
+            "PLY_HEADER");
+}
+
 TEST(Ply, UnusedPropertiesMayBeOfAnyTypeAndMarksArePassedOver) {
   const std::string text =
       "\xEF\xBB\xBFply\nformat ascii 1.0\nelement face 1\nproperty string name\n"

@@ -192,7 +192,7 @@ class SheetReader {
     rules_.too_many = rules_.too_many || rules_.selectors.size() > kMaxCssSelectors;
   }
 
-  std::size_t num_bytes_ = 0;  // Of selectors of nested rules, as they were written out.
+  std::size_t num_bytes_ = 0;  // Bytes of selectors of nested rules, as they were written out.
   StyleRules& rules_;
 };
 

@@ -202,8 +202,12 @@ class HeaderReader {
     using Axis = std::pair<std::string_view, PlyRole>;
     for (const auto& [name, role] : {Axis{"x", PlyRole::kX}, Axis{"y", PlyRole::kY}, Axis{"z", PlyRole::kZ}}) {
       PlyProperty* const property = find_named(vertex->properties, name);
+      if (property == nullptr && role == PlyRole::kZ) {
+        header_.is_plane = true;
+        break;
+      }
       if (property == nullptr || property->count_type || property->type == PlyType::kOther) {
-        return refuse("HEADER", "element vertex must have x, y and z, a number each");
+        return refuse("HEADER", "element vertex must have x, y and, unless it is a plane, z: a number each");
       }
       property->role = role;
     }

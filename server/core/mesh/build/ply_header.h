@@ -56,6 +56,7 @@ struct PlyHeader {
   std::int64_t num_lines = 0;
   std::int64_t num_vertices = 0;  // <= kMaxVertices
   bool has_texture = false;
+  bool is_plane = false;        // Vertices have no z.
   bool is_kerf_export = false;  // a comment begins with kKerfComment
 };
 

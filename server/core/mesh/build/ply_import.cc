@@ -112,6 +112,7 @@ class PlyReader {
     line_ = header_.num_lines;
     mesh_.format = format_name(header_.format);
     mesh_.is_kerf_export = header_.is_kerf_export;
+    if (header_.is_plane) mesh_.notes.push_back("vertices have no z: it is taken as 0");
     for (const PlyElement& element : header_.elements) {
       if (element.properties.empty()) continue;  // takes no space in the file, whatever its count
       element_ = &element;

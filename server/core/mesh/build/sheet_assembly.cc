@@ -339,7 +339,8 @@ class SheetAssembly {
   ImportedSheet imported_;
 };
 
-// Assembles the sheet without its chart, and says why.
+}  // namespace
+
 Result<ImportedSheet> assemble_without_chart(const MeshFile& file, const MeshReading& reading, const std::string& why,
                                              FaultList* faults) {
   Result<ImportedSheet> made = SheetAssembly(file, reading, true, faults).run();
@@ -347,57 +348,12 @@ Result<ImportedSheet> assemble_without_chart(const MeshFile& file, const MeshRea
   return made;
 }
 
-}  // namespace
-
 Result<ImportedSheet> assemble(const MeshFile& file, const MeshReading& reading, FaultList* faults) {
   if (reading.version == kFirstReader) return assemble_as_first(file, reading.rest_shape);
   Result<ImportedSheet> made = SheetAssembly(file, reading, reading.ignore_texture, faults).run();
   const bool has_choice = reading.rest_shape != RestShape::kFlat;
   if (made.ok() || !made.error().reason.ends_with("_CHART") || !has_choice) return made;
   return assemble_without_chart(file, reading, made.error().message, faults);
-}
-
-namespace {
-
-Result<FileSheet> make_as_asked(const MeshFile& file, const MeshReading& reading, FaultList* faults) {
-  const auto import = [&](Result<ImportedSheet> imported) -> Result<FileSheet> {
-    if (!imported.ok()) return imported.error();
-    ElementNames names;
-    if (reading.version != kFirstReader) {
-      names.of_triangle = [&](std::int32_t t) {
-        return file.face_name(static_cast<std::size_t>(imported->file_faces[t]));
-      };
-      names.of_vertex = [&](std::int32_t v) {
-        return file.vertex_name(static_cast<std::size_t>(imported->file_positions[v]));
-      };
-    }
-    KERF_TRY_ASSIGN(TriangleMesh mesh, import_mesh(imported->sheet, names));
-    return FileSheet{std::move(mesh), std::move(imported).value()};
-  };
-  Result<ImportedSheet> imported = assemble(file, reading, faults);
-  const bool may_ignore_chart = imported.ok() && imported->is_charted && reading.version != kFirstReader &&
-                                reading.rest_shape != RestShape::kFlat;
-  Result<FileSheet> made = import(std::move(imported));
-  if (made.ok() || !may_ignore_chart) return made;
-  Result<FileSheet> without = import(assemble_without_chart(file, reading, made.error().message, nullptr));
-  return without.ok() ? std::move(without) : std::move(made);
-}
-
-}  // namespace
-
-// Where joining vertices to sides spoils a sheet or its chart, it is made without.
-Result<FileSheet> make_sheet(const MeshFile& file, const MeshReading& reading, FaultList* faults) {
-  Result<FileSheet> made = make_as_asked(file, reading, faults);
-  if (reading.version <= kSecondReader) return made;
-  const bool lacks_chart = made.ok() && !made->imported.is_charted && !file.textures.empty() && !reading.ignore_texture;
-  if (made.ok() && !lacks_chart) return made;
-  MeshReading without = reading;
-  without.version = kSecondReader;
-  Result<FileSheet> plain = make_as_asked(file, without, nullptr);
-  if (!plain.ok() || (lacks_chart && !plain->imported.is_charted)) return made;
-  const std::string& why = lacks_chart ? "the texture coordinates could not be used then" : made.error().message;
-  plain->imported.notes.push_back("vertices within sides of other faces are not joined to them: " + why);
-  return plain;
 }
 
 }  // namespace kerf::mesh

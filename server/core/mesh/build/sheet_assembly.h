@@ -40,6 +40,10 @@ struct ImportedSheet {
 // `faults`: gets the list, if several faults are the error.
 Result<ImportedSheet> assemble(const MeshFile& file, const MeshReading& reading, FaultList* faults = nullptr);
 
+// Assembles the sheet without its chart, and says why.
+Result<ImportedSheet> assemble_without_chart(const MeshFile& file, const MeshReading& reading, const std::string& why,
+                                             FaultList* faults);
+
 // A sheet made of a mesh file.
 struct FileSheet {
   TriangleMesh mesh;
@@ -48,8 +52,9 @@ struct FileSheet {
 
 // Makes the mesh, too. Texture coordinates that overlap or have no area are not used unless the rest shape is kFlat,
 // and a note says so. Vertices are not joined to sides, and a note says so, where the sheet could not be made or its
-// texture coordinates not used otherwise. Errors: those of assemble(), and of import_mesh() with the file's names of
-// faces and vertices. `faults`: as of assemble().
+// texture coordinates not used otherwise. Where the sheet cannot be made and `reading` has no join_m, vertices are
+// joined up to 1e-4 of the size apart, and a note says so. Errors: those of assemble(), and of import_mesh() with the
+// file's names of faces and vertices. `faults`: as of assemble().
 Result<FileSheet> make_sheet(const MeshFile& file, const MeshReading& reading, FaultList* faults = nullptr);
 
 }  // namespace kerf::mesh
