@@ -87,6 +87,17 @@ TEST(SvgText, Gzip) {
   EXPECT_EQ(read_all(gzipped(std::string(kMaxFileBytes + 1, ' '))).error().reason, "SVG_TOO_LARGE");
 }
 
+TEST(SvgText, OtherFilesAreNamed) {
+  const auto says = [](const std::string& text) { return read_all(text).error().message; };
+  EXPECT_EQ(says(""), "the file is empty");
+  EXPECT_EQ(says(" \n"), "the file is empty");
+  EXPECT_EQ(says("%PDF-1.4\n"), "the file is a PDF; a drawing is SVG or DXF");
+  EXPECT_EQ(says("v 0 0 0\n"), "the file is a mesh (OBJ); a drawing is SVG or DXF");
+  EXPECT_EQ(says("\x89PNG\r\n"), "the file is a picture (PNG); a drawing is SVG or DXF");
+  EXPECT_EQ(says("G21 ; mm\nG0 X1"), "the file is neither SVG nor DXF: it begins with \"G21 ; mm\"");
+  EXPECT_THAT(says("<svg><g></svg>"), testing::HasSubstr("line 1: not XML"));
+}
+
 TEST(SvgText, EmbeddedDataDoesNotCount) {
   const std::string picture(700'000, 'A');
   const std::string rect = R"svg(<rect width="2" height="3"/>)svg";

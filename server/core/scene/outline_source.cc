@@ -1,7 +1,9 @@
 #include "server/core/scene/outline_source.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
+#include <cstdio>
 #include <string>
 #include <utility>
 #include <variant>
@@ -74,6 +76,12 @@ std::vector<cut::Curve> lines_of(const cut::Curve& curve) {
   return lines;
 }
 
+std::string place(const Vector2d& at) {
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), "(%.6g, %.6g) m", at.x(), at.y());
+  return text.data();
+}
+
 class OutlineFlattening {
  public:
   explicit OutlineFlattening(const OutlineSource& source) : source_(source) {
@@ -131,10 +139,11 @@ class OutlineFlattening {
       return invalid_argument("OUTLINE_OUT_OF_RANGE", field + " reaches farther than 1e4 m from the origin", field);
     }
     if (stroke.points.front() != stroke.points.back()) {
-      return invalid_argument(
-          "OUTLINE_OPEN",
-          field + " does not end where it began; repeat a polyline's first point at its end, or set `closed` on a path",
-          field);
+      return invalid_argument("OUTLINE_OPEN",
+                              field + " has a line that begins at " + place(stroke.points.front()) + " and ends at " +
+                                  place(stroke.points.back()) +
+                                  "; lead it back to its start, or leave it out (of a drawing, with `only`)",
+                              field);
     }
     mesh::OutlineContour contour;
     contour.field = field;

@@ -1,7 +1,9 @@
 #include "server/service/svg/svg.h"
 
 #include <algorithm>
+#include <array>
 #include <string>
+#include <string_view>
 
 #include <pugixml.hpp>
 
@@ -33,6 +35,35 @@ Result<std::string> unpacked(std::string_view data) {
 
 pugi::xml_parse_result parse(const std::string& text, pugi::xml_document& document) {
   return document.load_buffer(text.data(), text.size(), pugi::parse_default, pugi::encoding_utf8);
+}
+
+// Says what a text is that has no XML in it; empty if it may be meant as XML. Bytes beyond ASCII are UTF-8 here.
+std::string what_instead(std::string_view text) {
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  if (first == std::string_view::npos) return "the file is empty";
+  text.remove_prefix(first);
+  if (text.front() == '<') return {};
+  struct Kind {
+    std::string_view start;
+    std::string_view name;
+  };
+  constexpr std::array<Kind, 10> kKinds{{{"%PDF", "a PDF"},
+                                         {"%!PS", "PostScript"},
+                                         {"\xc2\x89PNG", "a picture (PNG)"},
+                                         {"\xc3\xbf\xc3\x98", "a picture (JPEG)"},
+                                         {"PK\x03\x04", "a ZIP archive"},
+                                         {"ply", "a mesh (PLY)"},
+                                         {"solid", "a mesh (STL)"},
+                                         {"v ", "a mesh (OBJ)"},
+                                         {"{", "JSON"},
+                                         {"glTF", "a mesh (glTF)"}}};
+  for (const auto& [start, name] : kKinds) {
+    if (text.starts_with(start)) return "the file is " + std::string(name) + "; a drawing is SVG or DXF";
+  }
+  std::string line(text.substr(0, std::min(text.find_first_of("\r\n"), std::size_t{40})));
+  std::replace_if(
+      line.begin(), line.end(), [](char c) { return static_cast<unsigned char>(c) < ' '; }, '?');
+  return "the file is neither SVG nor DXF: it begins with \"" + line + "\"";
 }
 
 // Names the line of a fault in the document as it was given, with its pictures, or else as it was parsed.
@@ -85,6 +116,7 @@ Result<drawing::Drawing> read(std::string_view data, const ReadOptions& options)
   KERF_TRY_ASSIGN(const std::string text, with_entities(std::move(outlines), kMaxTextBytes));
   pugi::xml_document document;
   if (const pugi::xml_parse_result parsed = parse(text, document); !parsed) {
+    if (const std::string kind = what_instead(text); !kind.empty()) return malformed(kind);
     KERF_TRY_ASSIGN(const std::string bytes, unpacked(data));
     return not_xml(text_of(bytes), text, parsed);
   }

@@ -7,6 +7,7 @@
 
 #include "server/base/overloaded.h"
 #include "server/base/text_encoding.h"
+#include "server/service/drawing/closing.h"
 #include "server/service/drawing/inflate.h"
 #include "server/service/wire/choices.h"
 #include "server/service/wire/geometry_codec.h"
@@ -136,15 +137,22 @@ Result<scene::OutlineSizing> decode_sizing(const v1::EdgeLength& message, const 
   return sizing;
 }
 
+// Decodes a border or a hole. The lines of a drawing are closed where their ends meet.
+Result<cut::Curve> decode_closed_curve(const v1::Curve& message, const std::string& path, const FileReader& read_file) {
+  KERF_TRY_ASSIGN(DecodedCurve decoded, decode_curve(message, path, read_file));
+  auto* const lines = std::get_if<cut::Path>(&decoded.curve);
+  if (lines != nullptr && (message.has_svg() || message.has_dxf())) drawing::close_lines(*lines);
+  return std::move(decoded.curve);
+}
+
 Result<scene::MeshSource> decode_outline(const v1::OutlineMesh& message, const FileReader& read_file) {
   scene::OutlineSource outline;
   if (!message.has_boundary()) return missing("outline.boundary");
-  KERF_TRY_ASSIGN(DecodedCurve boundary, decode_curve(message.boundary(), "outline.boundary", read_file));
-  outline.boundary = std::move(boundary.curve);
+  KERF_TRY_ASSIGN(outline.boundary, decode_closed_curve(message.boundary(), "outline.boundary", read_file));
   for (int i = 0; i < message.holes_size(); ++i) {
-    KERF_TRY_ASSIGN(DecodedCurve hole,
-                    decode_curve(message.holes(i), "outline.holes[" + std::to_string(i) + "]", read_file));
-    outline.holes.push_back(std::move(hole.curve));
+    KERF_TRY_ASSIGN(cut::Curve hole,
+                    decode_closed_curve(message.holes(i), "outline.holes[" + std::to_string(i) + "]", read_file));
+    outline.holes.push_back(std::move(hole));
   }
   outline.edge_length = message.edge_length_m();
   for (int i = 0; i < message.sizes_size(); ++i) {
