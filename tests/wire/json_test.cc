@@ -10,6 +10,7 @@
 #include "google/rpc/status.pb.h"
 #include "kerf/v1/cuts.pb.h"
 #include "kerf/v1/run.pb.h"
+#include "kerf/v1/sheets.pb.h"
 #include "server/base/random.h"
 #include "server/service/wire/error_codec.h"
 #include "server/service/wire/json.h"
@@ -131,6 +132,12 @@ TEST(Json, FaultsNameLineColumnAndField) {
       {"{\"sheet_id\": \"a", "JSON_SYNTAX", "sheet_id", "that does not end"},
       {"", "JSON_TYPE", "", "line 1, column 1"},
       {"[]", "JSON_TYPE", "", "expected an object"},
+      {"{\"grid\": {\"columns\": 3,}}", "JSON_SYNTAX", "grid", "line 1, column 24: grid: a comma before }"},
+      {"{\"pins\": [{},]}", "JSON_SYNTAX", "pins", "a comma before ]"},
+      {"{'grid': {}}", "JSON_SYNTAX", "", "expected a name in double quotes, found '"},
+      {"{\"ply\": {\"data\": \"no base64!\"}}", "JSON_TYPE", "ply.data", "a string in base64, found \"no base64!\""},
+      {"{\"sheet_id\":\n \"\xc3\xb6\xff\"}", "JSON_SYNTAX", "", "line 2, column 5: a byte that is not UTF-8"},
+      {"\x1f\x8b\x08", "JSON_SYNTAX", "", "compressed by gzip"},
   };
   for (const BadJson& bad : cases) {
     v1::Scene scene;
@@ -141,6 +148,16 @@ TEST(Json, FaultsNameLineColumnAndField) {
     EXPECT_EQ(status.error().field, bad.field) << bad.text << ": " << status.error().message;
     EXPECT_THAT(status.error().message, HasSubstr(bad.where)) << bad.text;
   }
+}
+
+TEST(Json, ValuesInMessagesAreShort) {
+  v1::CreateSheetRequest request;
+  EXPECT_THAT(from_json("{\"paused\": \"true\"}", request).error().message, HasSubstr("true or false, found \"true\""));
+  const std::string message = from_json("{\"paused\": \"" + std::string(5'000, 'x') + "\"}", request).error().message;
+  EXPECT_LT(message.size(), 200U);
+  EXPECT_TRUE(from_json(R"({"scene": {"ply": {"data": "cGx5Cg=="}}})", request).ok());
+  EXPECT_TRUE(from_json(R"({"scene": {"ply": {"data": "\/\/8="}}})", request).ok());
+  EXPECT_FALSE(from_json(R"({"scene": {"ply": {"data": "a b"}}})", request).ok());
 }
 
 TEST(Json, NoTruncationOrByteFlipGetsThroughUnnoticedOrCrashes) {

@@ -11,6 +11,7 @@
 #include "kerf/v1/files.pb.h"
 #include "kerf/v1/server.pb.h"
 #include "kerf/v1/sheets.pb.h"
+#include "server/service/drawing/inflate.h"
 #include "server/service/wire/json.h"
 #include "tests/ws/http_fixture.h"
 
@@ -223,6 +224,7 @@ TEST_F(HttpServerTest, MeshFilesAreInspectedBeyondTheLimitOfAMessage) {
   ASSERT_TRUE(wire::from_json(reply.body, report).ok());
   EXPECT_EQ(report.num_triangles(), 1);
   EXPECT_EQ(report.area_m2(), 2.0) << "in units of 2 m";
+  EXPECT_EQ(request(port_, "POST", "/meshes?format=obj", {}, drawing::gzipped(file)).status, 200);
   EXPECT_EQ(request(port_, "POST", "/meshes?format=ply", {}, file).status, 400);
   EXPECT_EQ(request(port_, "POST", "/meshes?format=stl", {}, file).status, 400);
   for (const char* const what : {"%7B%22ply%22%3A%7B%7D%7D", "%7B%22obj%22%3A%7B%22text%22%3A%22v%22%7D%7D"}) {

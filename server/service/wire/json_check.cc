@@ -1,5 +1,6 @@
 #include "server/service/wire/json_check.h"
 
+#include <algorithm>
 #include <cctype>
 #include <charconv>
 #include <cmath>
@@ -11,18 +12,26 @@
 
 #include <google/protobuf/descriptor.h>
 
+#include "server/base/text_encoding.h"
+
 namespace kerf::wire {
 namespace {
 
 using google::protobuf::Descriptor;
 using google::protobuf::FieldDescriptor;
 
+constexpr std::size_t kMaxShown = 80;  // Bytes of a value in a message.
+
 class Checker {
  public:
   explicit Checker(std::string_view text) : text_(text) {}
 
   Status run(const Descriptor& type) {
-    object(type, "");
+    if (text_.starts_with("\x1f\x8b")) {
+      fail("JSON_SYNTAX", "the text is compressed by gzip; send it as it is", "");
+    } else if (check_encoding()) {
+      object(type, "");
+    }
     if (!error_) {
       skip_blanks();
       if (at_ < text_.size()) fail("JSON_SYNTAX", "there is text after the end of the document", "");
@@ -31,6 +40,18 @@ class Checker {
   }
 
  private:
+  // Names the first byte that is no part of a character.
+  bool check_encoding() {
+    if (is_utf8(text_)) return true;
+    for (token_ = 0; token_ < text_.size();) {
+      std::size_t length = 1;
+      while (length <= 4 && !is_utf8(text_.substr(token_, length))) ++length;
+      if (length > 4) break;
+      token_ += length;
+    }
+    return fail("JSON_SYNTAX", "a byte that is not UTF-8; save the text in that encoding", "");
+  }
+
   // Records the first fault only; all callers return soon after.
   bool fail(std::string reason, const std::string& what, const std::string& path) {
     if (error_) return false;
@@ -108,6 +129,7 @@ class Checker {
       }
       ++at_;
       if (next == close) return true;
+      if (peek() == close) return fail("JSON_SYNTAX", std::string("a comma before ") + close, path);
     }
   }
 
@@ -118,6 +140,7 @@ class Checker {
       std::string name;
       skip_blanks();
       const std::size_t name_at = at_;
+      if (peek() != '"') return fail("JSON_SYNTAX", "expected a name in double quotes" + found(), path);
       if (!quoted(name, path)) return false;
       const FieldDescriptor* field = type.FindFieldByName(name);
       if (field == nullptr) field = type.FindFieldByCamelcaseName(name);
@@ -179,7 +202,10 @@ class Checker {
     std::string token;
     const bool is_string = first == '"';
     if (!(is_string ? quoted(token, path) : bare(token, path))) return false;
-    return fits(field, token, is_string) || fail("JSON_TYPE", "expected " + kind_of(field) + ", found " + token, path);
+    if (fits(field, token, is_string)) return true;
+    const std::string quote = is_string ? "\"" : "";
+    return fail("JSON_TYPE", "expected " + kind_of(field) + ", found " + quote + shortened(token, kMaxShown) + quote,
+                path);
   }
 
   static std::string kind_of(const FieldDescriptor& field) {
@@ -187,7 +213,7 @@ class Checker {
       case FieldDescriptor::CPPTYPE_BOOL:
         return "true or false";
       case FieldDescriptor::CPPTYPE_STRING:
-        return "a string";
+        return field.type() == FieldDescriptor::TYPE_BYTES ? "a string in base64" : "a string";
       case FieldDescriptor::CPPTYPE_ENUM: {
         std::string names = "one of";
         for (int i = 1; i < field.enum_type()->value_count(); ++i) names += " " + field.enum_type()->value(i)->name();
@@ -209,7 +235,7 @@ class Checker {
       case FieldDescriptor::CPPTYPE_BOOL:
         return !is_string && (token == "true" || token == "false");
       case FieldDescriptor::CPPTYPE_STRING:
-        return is_string;
+        return is_string && (field.type() != FieldDescriptor::TYPE_BYTES || is_base64(token));
       case FieldDescriptor::CPPTYPE_ENUM:
         return is_string ? field.enum_type()->FindValueByName(token) != nullptr : is_whole(token, -0x1p31, 0x1p31);
       case FieldDescriptor::CPPTYPE_DOUBLE:
@@ -227,6 +253,15 @@ class Checker {
       default:
         return false;
     }
+  }
+
+  // True if a string with its escapes has only characters of base64.
+  static bool is_base64(std::string_view token) {
+    while (!token.empty() && token.back() == '=') token.remove_suffix(1);
+    return std::all_of(token.begin(), token.end(), [](char c) {
+      return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
+             std::string_view("+/-_\\").find(c) != std::string_view::npos;
+    });
   }
 
   static std::optional<double> number(const std::string& token) {

@@ -13,6 +13,7 @@
 #include "server/service/api/upload.h"
 #include "server/service/wire/finite_check.h"
 #include "server/service/wire/json.h"
+#include "server/service/wire/mesh_source_codec.h"
 #include "server/service/ws/router.h"
 
 namespace kerf::ws {
@@ -87,10 +88,12 @@ Result<v1::InspectMeshRequest> take_inspection(HttpRequest& request) {
     return invalid_argument("UPLOAD_OF_WHAT",
                             "the request may only say how a file of this format is read: the body is it", "request");
   }
-  if (format == MeshFormat::kObj) {
-    inspection.mutable_obj()->set_text(std::move(request.body));
+  const bool is_obj = format == MeshFormat::kObj;
+  KERF_TRY_ASSIGN(std::string file, wire::unpacked_mesh(std::move(request.body), is_obj ? "OBJ" : "PLY", "request"));
+  if (is_obj) {
+    inspection.mutable_obj()->set_text(std::move(file));
   } else {
-    inspection.mutable_ply()->set_data(std::move(request.body));
+    inspection.mutable_ply()->set_data(std::move(file));
   }
   return inspection;
 }
