@@ -106,6 +106,32 @@ TEST(SvgCss, RulesMayBeNested) {
             "SVG_TOO_COMPLEX");
 }
 
+TEST(SvgCss, LayersComeBeforeRulesWithoutOne) {
+  EXPECT_THAT(styled(".x{width:5px}@layer a{.x{width:6px}}"), ElementsAre(5, 5, 5));
+  EXPECT_THAT(styled("@layer a,b;@layer b{.x{width:6px}}@layer a{.x{width:7px}}"), ElementsAre(6, 6, 6));
+  EXPECT_THAT(styled("@layer b{.x{width:6px}}@layer a{.y.x{width:7px}}@layer b{.x{width:8px}}"), ElementsAre(8, 7, 8));
+  EXPECT_THAT(styled("@layer{.x{width:6px}}@layer{.x{width:7px}}"), ElementsAre(7, 7, 7));
+  EXPECT_THAT(styled(".x{width:5px!important}@layer a{.x{width:6px!important}}@layer b{.x{width:7px!important}}"),
+              ElementsAre(6, 6, 6));
+  EXPECT_THAT(notes_of("<style>@layer a.b{rect{width:6px}}</style>" + kGroups),
+              ElementsAre("SVG: 1 x rule of a style sheet that is not understood: not applied"));
+}
+
+TEST(SvgCss, PaintsAndPropertiesThatAreNotReadAreNamed) {
+  // A colour of a kind that is not read is a colour none the less.
+  const std::string colour = "<rect width=\"4\" height=\"4\" fill=\"none\" stroke=\"oklch(60% 0.2 30)\"/>";
+  EXPECT_THAT(widths(colour), ElementsAre(4));
+  EXPECT_THAT(notes_of(colour), ElementsAre("SVG: 1 x colour that cannot be read, of a shape or group: not applied"));
+  EXPECT_THAT(notes_of("<g style=\"zoom:2\"><rect width=\"4\" height=\"4\"/></g>"),
+              ElementsAre("SVG: 1 x property zoom: not applied"));
+  EXPECT_THAT(notes_of("<rect width=\"4\" height=\"4\" stroke=\"red\" style=\"stroke-dasharray:calc(4px) 2\"/>"),
+              ElementsAre("SVG: 1 x property stroke-dasharray that cannot be read: not applied"));
+  EXPECT_THAT(widths("<rect width=\"4\" height=\"4\" fill=\"url(#no) none\"/><rect width=\"5\" height=\"5\"/>"),
+              ElementsAre(5));
+  EXPECT_THAT(widths("<linearGradient id=\"g\"/><rect width=\"4\" height=\"4\" fill=\"url(#g) none\"/>"),
+              ElementsAre(4));
+}
+
 TEST(SvgCss, PathsMayBeProperties) {
   EXPECT_THAT(widths("<style>path{d:path('M0 0H9V9')}</style><path d=\"M0 0H5V5\"/>"), ElementsAre(9));
   EXPECT_THAT(widths("<path style='d: path(\"M0 0H9V9\")'/>"), ElementsAre(9));

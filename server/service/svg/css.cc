@@ -10,6 +10,7 @@
 namespace kerf::svg {
 namespace {
 
+constexpr std::size_t kMaxLayers = 1'000;
 constexpr int kMaxBlockDepth = 16;                             // Nesting of rules, @media and its like.
 constexpr std::size_t kMaxNestedBytes = std::size_t{8} << 20;  // Selectors of nested rules, written out.
 
@@ -94,18 +95,36 @@ class SheetReader {
     const std::string name = lower(scanner.identifier());
     const std::string_view prelude = scanner.until(";{");
     if (name == "import") ++rules_.imports;
-    if (scanner.accept(';') || !scanner.accept('{')) return;
+    const std::uint32_t outer = layer_;
+    if (name == "layer") enter_layers(prelude);
+    if (scanner.accept(';') || !scanner.accept('{')) {
+      layer_ = outer;
+      return;
+    }
     const std::string_view block = scanner.until("}");
     scanner.accept('}');
     if (name == "container" || name == "scope" || (name == "media" && has_unread_condition(prelude))) ++rules_.unread;
     const bool holds_rules = (name == "media" && applies_to_screen(prelude)) || name == "layer" ||
                              (name == "supports" && lower(trimmed(prelude)).compare(0, 3, "not") != 0);
-    if (!holds_rules || depth >= kMaxBlockDepth) return;
-    if (around.empty()) {
-      read(block, depth + 1);
-    } else {
-      read_block(around, block, depth + 1);
-    }
+    const bool is_read = holds_rules && depth < kMaxBlockDepth;
+    if (is_read && around.empty()) read(block, depth + 1);
+    if (is_read && !around.empty()) read_block(around, block, depth + 1);
+    layer_ = outer;
+  }
+
+  // Numbers the layers of a list in the order of their first mention, and enters the last. Layers within layers count
+  // as rules that are not understood.
+  void enter_layers(std::string_view names) {
+    if (layer_ != kNoLayer) ++rules_.unread;
+    CssScanner scanner(names);
+    do {
+      const std::string name(trimmed(scanner.until(",")));
+      if (name.find('.') != std::string::npos) ++rules_.unread;
+      auto found = std::find(rules_.layers.begin(), rules_.layers.end(), name);
+      if (found == rules_.layers.end() || name.empty()) found = rules_.layers.insert(rules_.layers.end(), name);
+      layer_ = static_cast<std::uint32_t>(found - rules_.layers.begin());
+      rules_.too_many = rules_.too_many || rules_.layers.size() > kMaxLayers;
+    } while (scanner.accept(',') && !rules_.too_many);
   }
 
   // Reads the block of a rule: declarations, and rules that are nested in it.
@@ -186,12 +205,14 @@ class SheetReader {
       const auto is_unread = [](const Compound& each) { return each.unread; };
       if (std::any_of(selector.compounds.begin(), selector.compounds.end(), is_unread)) ++rules_.unread;
       selector.rule = rules_.rules.size();
+      selector.layer = layer_;
       rules_.selectors.push_back(std::move(selector));
     }
     rules_.rules.push_back(std::move(declarations));
     rules_.too_many = rules_.too_many || rules_.selectors.size() > kMaxCssSelectors;
   }
 
+  std::uint32_t layer_ = kNoLayer;
   std::size_t num_bytes_ = 0;  // Bytes of selectors of nested rules, as they were written out.
   StyleRules& rules_;
 };

@@ -47,8 +47,11 @@ enum class Property : std::uint8_t {
   kRotate,
   kScale,
   kD,
+  kOffsetPath,  // This and the later ones are only named in notes.
+  kMaskImage,
+  kZoom,
 };
-inline constexpr std::size_t kNumProperties = 35;
+inline constexpr std::size_t kNumProperties = 38;
 inline constexpr std::array<std::string_view, kNumProperties> kPropertyNames{"display",
                                                                              "visibility",
                                                                              "color",
@@ -83,7 +86,10 @@ inline constexpr std::array<std::string_view, kNumProperties> kPropertyNames{"di
                                                                              "translate",
                                                                              "rotate",
                                                                              "scale",
-                                                                             "d"};
+                                                                             "d",
+                                                                             "offset-path",
+                                                                             "mask-image",
+                                                                             "zoom"};
 
 std::optional<Property> property_named(std::string_view name);
 
@@ -129,15 +135,19 @@ struct Compound {
   bool unread = false;  // It has a test that is not understood. It is never passed, either.
 };
 
+inline constexpr std::uint32_t kNoLayer = 0xffffffffU;
+
 struct Selector {
   std::vector<Compound> compounds;  // From left to right; at least one.
   std::uint32_t specificity = 0;    // Ids, classes and types, ten bits each.
   std::size_t rule = 0;
+  std::uint32_t layer = kNoLayer;  // Place of its @layer among the layers.
 };
 
 struct StyleRules {
   std::vector<Selector> selectors;
   std::vector<std::vector<Declaration>> rules;  // In the order of the text.
+  std::vector<std::string> layers;              // Names of @layer, in the order of their first mention.
   int imports = 0;                              // Other sheets that the text asks for; none is read.
   int unread = 0;                               // Rules whose selector or condition is not understood.
   bool too_many = false;                        // The text has more than kMaxCssSelectors.

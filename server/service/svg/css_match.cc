@@ -163,10 +163,15 @@ Result<Declared> Cascade::declared(const pugi::xml_node& node, std::shared_ptr<c
     return resource_exhausted("SVG_TOO_COMPLEX",
                               "the style sheets of the drawing take too long to apply; simplify them", "cut.curve.svg");
   }
-  // Later ones win, so the most specific come last. The indices of selectors follow the order of the text.
-  std::sort(found_.begin(), found_.end(), [&](std::size_t a, std::size_t b) {
-    return std::tuple(rules_.selectors[a].specificity, a) < std::tuple(rules_.selectors[b].specificity, b);
-  });
+  // Later ones win, so the most specific come last. The indices of selectors follow the order of the text. Rules in no
+  // layer win over those in layers; if they are important, it is the other way round.
+  const auto sort_found = [&](bool important) {
+    const auto rank = [&](std::size_t at) {
+      const Selector& selector = rules_.selectors[at];
+      return std::tuple(important ? kNoLayer - selector.layer : selector.layer, selector.specificity, at);
+    };
+    std::sort(found_.begin(), found_.end(), [&](std::size_t a, std::size_t b) { return rank(a) < rank(b); });
+  };
   const std::vector<Declaration> own = parse_declarations(node.attribute("style").value());
   for (const bool important : {false, true}) {
     const auto apply = [&](const std::vector<Declaration>& declarations) {
@@ -178,6 +183,7 @@ Result<Declared> Cascade::declared(const pugi::xml_node& node, std::shared_ptr<c
         value = each.value;
       }
     };
+    sort_found(important);
     for (const std::size_t at : found_) apply(rules_.rules[rules_.selectors[at].rule]);
     apply(own);
   }

@@ -1,6 +1,7 @@
 #include "server/service/svg/paint.h"
 
 #include <algorithm>
+#include <array>
 
 #include "server/service/svg/css_scanner.h"
 #include "server/service/svg/scanner.h"
@@ -10,6 +11,14 @@ namespace {
 
 bool is_inherited(const std::string& keyword) {
   return keyword.empty() || keyword == "inherit" || keyword == "unset" || keyword == "revert";
+}
+
+// True for one of the functions that make a colour.
+bool is_function(const std::string& keyword) {
+  constexpr std::array<std::string_view, 9> kFunctions{"hwb(",   "lab(",       "lch(",        "oklab(",      "oklch(",
+                                                       "color(", "color-mix(", "light-dark(", "device-cmyk("};
+  return std::any_of(kFunctions.begin(), kFunctions.end(),
+                     [&keyword](std::string_view each) { return keyword.starts_with(each); });
 }
 
 // Parses a paint; returns nothing if it is malformed.
@@ -22,6 +31,7 @@ std::optional<Paint> parse_paint(const std::string& value) {
   }
   const std::optional<drawing::Colour> colour =
       drawing::parse_colour(std::string_view(value).substr(0, keyword.find(" icc-color")));
+  if (!colour && is_function(keyword)) return Paint{Paint::Kind::kOther, {}};
   return colour ? std::optional(Paint{Paint::Kind::kColour, *colour}) : std::nullopt;
 }
 
@@ -96,6 +106,14 @@ void apply(const Declared& declared, Style& style) {
   set_text(declared[Property::kStrokeWidth], "1", style.stroke_width);
   set_text(declared[Property::kDashArray], "none", style.dash_array);
   set_text(declared[Property::kDashOffset], "0", style.dash_offset);
+}
+
+bool is_unread_colour(const std::string& value) {
+  return is_function(lower(value)) && !drawing::parse_colour(value);
+}
+
+bool is_unread_dashes(const std::string& value) {
+  return value.find('(') != std::string::npos;
 }
 
 Seen seen(const Style& style, const Viewport& viewport) {

@@ -37,6 +37,11 @@ struct Style {
 // Applies an element's own properties to what it inherits. Values that cannot be read change nothing.
 void apply(const Declared& declared, Style& style);
 
+// True for a paint that CSS may know, such as oklch(...), but whose colour is not read here.
+bool is_unread_colour(const std::string& value);
+// True for a list of dashes that cannot be read.
+bool is_unread_dashes(const std::string& value);
+
 // Tells what is seen of a shape.
 struct Seen {
   bool is_painted = true;

@@ -197,7 +197,8 @@ Status Walk::visit(const pugi::xml_node& node, const Context& inherited) {
   if (name.empty() || contains(kSilent, name)) return Nothing{};
   Context context = inherited;
   ++context.depth;
-  KERF_TRY_ASSIGN(const Declared declared, cascade_->declared(node, context.variables));
+  KERF_TRY_ASSIGN(Declared declared, cascade_->declared(node, context.variables));
+  for (const Property paint : {Property::kFill, Property::kStroke}) take_fallback(declared, paint);
   apply(declared, context.style);
   KERF_TRY(enter_groups(node, context));
   if (!enter(declared, context)) return Nothing{};
@@ -355,6 +356,15 @@ Status Walk::visit_use(const pugi::xml_node& node, const Context& context) {
   return status;
 }
 
+// Replaces a reference to a paint that is missing by what stands after it, if anything does.
+void Walk::take_fallback(Declared& declared, Property paint) const {
+  std::string& value = declared.values[static_cast<std::size_t>(paint)];
+  if (value.compare(0, 4, "url(") != 0 || target_of(reference_in(value))) return;
+  const std::size_t close = value.find(')');
+  const std::string fallback(close == std::string::npos ? "" : trimmed(std::string_view(value).substr(close + 1)));
+  if (!fallback.empty()) value = fallback;
+}
+
 void Walk::report_references(const Declared& declared) {
   for (int i = 0; i < declared.unresolved; ++i) report("reference to a variable of a style sheet that is not there");
   for (const Property property : kReferences) {
@@ -362,7 +372,14 @@ void Walk::report_references(const Declared& declared) {
     if (value.empty() || value == "none" || value == "inherit") continue;
     report("reference to a " + std::string(kPropertyNames[static_cast<std::size_t>(property)]));
   }
+  for (const Property property : {Property::kOffsetPath, Property::kMaskImage, Property::kZoom}) {
+    const std::string& value = declared[property];
+    if (value.empty() || value == "none" || value == "normal" || value == "1") continue;
+    report("property " + std::string(kPropertyNames[static_cast<std::size_t>(property)]));
+  }
+  if (is_unread_dashes(declared[Property::kDashArray])) report("property stroke-dasharray that cannot be read");
   for (const Property paint : {Property::kFill, Property::kStroke}) {
+    if (is_unread_colour(declared[paint])) report("colour that cannot be read, of a shape or group");
     const pugi::xml_node painted = target_of(reference_in(declared[paint]));
     if (painted && name_of(painted) == "pattern") report("reference to a pattern");
   }

@@ -78,6 +78,7 @@ class Walk {
   bool enter(const Declared& declared, Context& context);
   // Reports lengths among attributes and properties that have no meaning, such as "12,5mm" or "10vw".
   void report_lengths(const pugi::xml_node& node, const Declared& declared);
+  void take_fallback(Declared& declared, Property paint) const;
   void report_references(const Declared& declared);
   [[nodiscard]] std::vector<std::string> not_cut() const;
 

@@ -115,8 +115,9 @@ std::vector<std::string> Walk::not_cut() const {
     } else if (kind == kUnreadLength) {
       line += " (the first: " + first_length_error_ + "): not applied";
     } else {
-      const bool is_applied = kind.find("reference") == 0 || kind.find("encoding") == 0 ||
-                              kind.find("style sheet") != std::string::npos || kind.find("viewBox") == 0;
+      const bool is_applied = kind.find("reference") == 0 || kind.find("encoding") == 0 || kind.find("property") == 0 ||
+                              kind.find("colour") == 0 || kind.find("style sheet") != std::string::npos ||
+                              kind.find("viewBox") == 0;
       line += is_applied ? ": not applied" : ": not cut";
     }
     lines.push_back(std::move(line));
