@@ -230,6 +230,8 @@ TEST(DxfRead, UnitsAndTrueSize) {
   expect_extent(in_inches, {0.254, 0.508, 0.762, 0.508});
   EXPECT_THAT(in_inches.notes,
               ElementsAre("DXF: it names no unit ($INSUNITS): taken as inches, for which $MEASUREMENT stands"));
+  EXPECT_THAT(with_units("0 SECTION 2 HEADER 9 $INSUNITS 70 99 0 ENDSEC").notes,
+              ElementsAre("DXF: unit 99 ($INSUNITS) is unknown: taken as millimetres"));
   const Cut metric = with_units("0 SECTION 2 HEADER 9 $MEASUREMENT 70 1 0 ENDSEC");
   expect_extent(metric, {0.01, 0.02, 0.03, 0.02});
   EXPECT_THAT(metric.notes, ElementsAre(HasSubstr("taken as millimetres")));

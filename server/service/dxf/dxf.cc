@@ -19,30 +19,36 @@ constexpr std::size_t kStartBytes = 1024;  // More than enough to know a DXF by.
 constexpr int kInches = 1;                 // The code of $INSUNITS.
 constexpr std::string_view kBinary = "AutoCAD Binary DXF";
 
+// Metres of the units of $INSUNITS. The first is that of drawings that name none.
+constexpr std::array<double, 21> kMetres{1e-3,
+                                         0.0254,
+                                         0.3048,
+                                         1609.344,
+                                         1e-3,
+                                         1e-2,
+                                         1.0,
+                                         1e3,
+                                         2.54e-8,
+                                         2.54e-5,
+                                         0.9144,
+                                         1e-10,
+                                         1e-9,
+                                         1e-6,
+                                         0.1,
+                                         10.0,
+                                         100.0,
+                                         1e9,
+                                         1.495978707e11,
+                                         9.4607304725808e15,
+                                         3.0856775814913673e16};
+
+bool is_unit(int units) {
+  return units >= 0 && units < static_cast<int>(kMetres.size());
+}
+
 // Returns the metres of $INSUNITS; millimetres if it names none.
 double metres_of(int units) {
-  constexpr std::array<double, 21> kMetres{1e-3,
-                                           0.0254,
-                                           0.3048,
-                                           1609.344,
-                                           1e-3,
-                                           1e-2,
-                                           1.0,
-                                           1e3,
-                                           2.54e-8,
-                                           2.54e-5,
-                                           0.9144,
-                                           1e-10,
-                                           1e-9,
-                                           1e-6,
-                                           0.1,
-                                           10.0,
-                                           100.0,
-                                           1e9,
-                                           1.495978707e11,
-                                           9.4607304725808e15,
-                                           3.0856775814913673e16};
-  return units >= 0 && units < static_cast<int>(kMetres.size()) ? kMetres[static_cast<std::size_t>(units)] : 1e-3;
+  return is_unit(units) ? kMetres[static_cast<std::size_t>(units)] : kMetres[0];
 }
 
 bool is_dwg(std::string_view data) {
@@ -90,6 +96,9 @@ Result<drawing::Drawing> read(std::string_view data, double unit) {
   BlockWalk walk(file, unit > 0.0 ? unit : metres_of(is_in_inches ? kInches : file.units));
   if (!decoded.unread.empty()) {
     walk.add_note("DXF: code page " + decoded.unread + ": names are taken as ISO-8859-1, and may be wrong");
+  }
+  if (!(unit > 0.0) && !is_unit(file.units)) {
+    walk.add_note("DXF: unit " + std::to_string(file.units) + " ($INSUNITS) is unknown: taken as millimetres");
   }
   if (!(unit > 0.0) && file.units == 0 && file.measurement) {
     walk.add_note(std::string("DXF: it names no unit ($INSUNITS): taken as ") +
