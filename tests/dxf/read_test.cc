@@ -335,6 +335,7 @@ TEST(DxfRead, RefusesWithReason) {
   EXPECT_THAT(read_all(file("0 LINE 8 0 10 zero 20 0")).error().message, HasSubstr("line 24 of the drawing: 'zero'"));
   EXPECT_THAT(read_all(file(line + " 0 LWPOLYLINE 8 0 70 0 10 0 20 0 42 1e12 10 2 20 0")).error().message,
               HasSubstr("LWPOLYLINE at line 32 reaches beyond"));
+  EXPECT_THAT(read_all("\n<svg/>").error().message, HasSubstr("the file is XML"));
   EXPECT_THAT(read_all(file("0 LINE 8 0 10 nan 20 0")).error().message, HasSubstr("line 24 of the drawing: 'nan'"));
   EXPECT_THAT(read_all(file("0 CIRCLE 8 0 40 inf")).error().message, HasSubstr("line 24 of the drawing: 'inf'"));
 }

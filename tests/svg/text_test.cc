@@ -95,6 +95,7 @@ TEST(SvgText, OtherFilesAreNamed) {
   EXPECT_EQ(says("v 0 0 0\n"), "the file is a mesh (OBJ); a drawing is SVG or DXF");
   EXPECT_EQ(says("\x89PNG\r\n"), "the file is a picture (PNG); a drawing is SVG or DXF");
   EXPECT_EQ(says("G21 ; mm\nG0 X1"), "the file is neither SVG nor DXF: it begins with \"G21 ; mm\"");
+  EXPECT_EQ(says("  0\nSECTION\n"), "the file is DXF, and this reads SVG");
   EXPECT_THAT(says("<svg><g></svg>"), testing::HasSubstr("line 1: not XML"));
 }
 

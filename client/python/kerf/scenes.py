@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import operator
 import os
 import pathlib
 from collections.abc import Iterable, Mapping
@@ -72,9 +73,20 @@ def scene_with(options: SheetOptions) -> scene_pb2.Scene:
     if "mesh_file" in options:
         _add_mesh_file(scene, pathlib.Path(options["mesh_file"]), options)
     else:
-        (columns, rows), (width, height) = options.get("grid", (50, 50)), options.get("size_m", (1.0, 1.0))
-        scene.grid.CopyFrom(scene_pb2.GridMesh(columns=columns, rows=rows, width_m=width, height_m=height))
+        scene.grid.CopyFrom(_grid_of(options.get("grid", (50, 50)), options.get("size_m", (1.0, 1.0))))
     return scene
+
+
+def _grid_of(grid: Any, size_m: Any) -> scene_pb2.GridMesh:
+    try:
+        columns, rows = (operator.index(count) for count in grid)
+    except (TypeError, ValueError):
+        raise ValueError(f"grid is {grid!r}; must be columns and rows, two whole numbers") from None
+    try:
+        width, height = (float(side) for side in size_m)
+    except (TypeError, ValueError):
+        raise ValueError(f"size_m is {size_m!r}; must be width and height, two numbers") from None
+    return scene_pb2.GridMesh(columns=columns, rows=rows, width_m=width, height_m=height)
 
 
 def as_material(material: AnyMaterial) -> scene_pb2.Material:

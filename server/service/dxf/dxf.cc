@@ -89,6 +89,10 @@ Result<drawing::Drawing> read(std::string_view data, double unit) {
   if (is_dwg(data)) {
     return invalid_argument("DXF_BINARY", "the drawing is a DWG file; save it as a DXF of text (ASCII)", kDxfField);
   }
+  if (const std::size_t first = data.find_first_not_of(" \t\r\n");
+      first != std::string_view::npos && data[first] == '<') {
+    return invalid_argument("DXF_MALFORMED", "the file is XML, such as SVG, and this reads DXF", kDxfField);
+  }
   const DecodedText decoded = dxf::decoded(std::string(data));
   KERF_TRY_ASSIGN(const std::vector<Group> groups, groups_of(decoded.text));
   KERF_TRY_ASSIGN(const File file, divided(groups));

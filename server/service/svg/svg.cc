@@ -43,6 +43,9 @@ std::string what_instead(std::string_view text) {
   if (first == std::string_view::npos) return "the file is empty";
   text.remove_prefix(first);
   if (text.front() == '<') return {};
+  if (text.starts_with("0\n") || text.starts_with("0\r") || text.starts_with("999")) {
+    return "the file is DXF, and this reads SVG";
+  }
   struct Kind {
     std::string_view start;
     std::string_view name;

@@ -293,6 +293,10 @@ class Sheets(Case):
                 pathlib.Path(path(f"square.{end}.gz")).write_bytes(content)
                 with self.assertRaisesRegex(ValueError, fault):
                     self.server.create_sheet("py-packed", mesh_file=path(f"square.{end}.gz"))
+        for wrong, fault in (({"grid": 5}, "grid is 5"), ({"grid": (5.0, 5)}, "two whole numbers"), ({"grid": "5x5"}, "grid is"),
+                             ({"size_m": 1}, "size_m is 1"), ({"size_m": (1, 2, 3)}, "two numbers")):
+            with self.assertRaisesRegex(ValueError, fault):
+                self.server.create_sheet("py-wrong", **wrong)
         # Two triangles with vertices of their own, in millimetres, y up.
         apart = "v 0 0 0\nv 400 0 0\nv 400 300 0\nv 0 0 0\nv 400 300 0\nv 0 300 0\no a\nf 1 2 3\no b\nf 4 5 6\n"
         pathlib.Path(path("apart.obj")).write_text(apart)
