@@ -73,6 +73,12 @@ TEST(Obj, AFileWithoutFacesSaysWhatItHas) {
 
 TEST(Obj, OtherFormatsAreNamed) {
   const std::vector<std::pair<std::string, std::string>> cases{{"solid x\nfacet normal 0 0 1\n", "an STL file"},
+                                                               {"BZh91AY", "a compressed file"},
+                                                               {"\xc3\xbd"
+                                                                "7zXZ",
+                                                                "a compressed file"},
+                                                               {"(\xc2\xb5/\xc3\xbd", "a compressed file"},
+                                                               {"PK\x03\x04", "a ZIP archive"},
                                                                {"OFF\n3 1 0\n", "an OFF file"},
                                                                {"{\"asset\":{\"version\":\"2.0\"}}", "a glTF file"},
                                                                {"ply\nformat ascii 1.0\n", "a PLY file"},

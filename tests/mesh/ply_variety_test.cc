@@ -75,6 +75,14 @@ TEST(Ply, HeadersWithBlanksIndicesOfAnyTypeAndEndsOfTextAreTaken) {
   EXPECT_EQ(parse_ply(file("int").replace(0, 5, "ply 1")).error().reason, "PLY_HEADER");
 }
 
+TEST(Ply, LineEndsThatWereConvertedTwiceAreRead) {
+  std::string text =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
+      "property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+  for (std::size_t at = text.find('\n'); at != std::string::npos; at = text.find('\n', at + 3)) text.insert(at, "\r\r");
+  EXPECT_EQ(read_variety(text).sheet.triangles.cols(), 1);
+}
+
 TEST(Ply, VerticesWithoutZLieInAPlane) {
   for (const PlyKind kind : kPlyKinds) {
     PlyBody body(kind);

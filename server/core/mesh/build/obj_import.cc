@@ -246,7 +246,14 @@ class ObjReader {
     if (begins("ply")) return "a PLY file";
     if (begins("{")) return rest.find("asset") != std::string_view::npos ? "a glTF file" : "a JSON file";
     if (begins("<")) return "an XML file";
-    if (begins("\x1f\x8b")) return "a compressed file";
+    // Bytes beyond ASCII have become UTF-8, as those of ISO-8859-1 do.
+    if (begins("\x1f\x8b") || begins("\x1f\xc2\x8b") || begins("BZh") ||
+        begins("\xc3\xbd"
+               "7zXZ") ||
+        begins("(\xc2\xb5/\xc3\xbd")) {
+      return "a compressed file";
+    }
+    if (begins("PK\x03\x04")) return "a ZIP archive";
     return rest.find('\0') != std::string_view::npos ? "not text" : "";
   }
 

@@ -57,7 +57,9 @@ class HeaderReader {
     if (end == std::string_view::npos || next_token(magic) != "ply" || !next_token(magic).empty()) {
       return refuse("HEADER", "this is not a PLY file: it does not begin with a line \"ply\"");
     }
-    header_.line_end = file_[end] == '\r' && file_.substr(end, 2) != "\r\n" ? '\r' : '\n';
+    const std::size_t after = file_.find_first_not_of('\r', end);
+    const bool has_line_feed = after != std::string_view::npos && file_[after] == '\n';
+    header_.line_end = file_[end] == '\r' && !has_line_feed ? '\r' : '\n';
     next_line(file_, header_.line_end);
     line_ = 1;
     for (bool at_end = false; !at_end;) {
