@@ -95,6 +95,7 @@ void SelfContact::begin(const SelfContactStep& step, const linear::VertexField& 
   set_least_slack();
   is_list_apart_ = false;
   v_list_ = v;
+  is_float_set_ = false;
   stray_.resize(x.cols());
   x_then_ = x;
   v_then_ = v - step.h * step.gravity.replicate(1, v.cols());
@@ -119,6 +120,8 @@ void SelfContact::make_phase(linear::VertexField& x, linear::VertexField& v) {
   if (list_.size() > 0) {
     follow_paths(x);
     check(x, v);
+  } else {
+    is_float_set_ = false;
   }
   ++phase_;
   is_apart_ = is_apart_ && list_.size() == 0;
@@ -133,6 +136,7 @@ void SelfContact::make_phase(linear::VertexField& x, linear::VertexField& v) {
 
 void SelfContact::end(const linear::VertexField& x, linear::VertexField& v) {
   if (list_.size() == 0) return;
+  is_float_set_ = false;
   find_contacts(x, v, step_.substeps);
   for (Contact& contact : contacts_) contact.target = 0.0;
   untangling_.clear_pushes();

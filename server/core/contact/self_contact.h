@@ -227,6 +227,7 @@ class SelfContact {
   std::vector<float> due_distances_;  // m, by place in due_, see look_at()
   std::vector<float> due_closing_;    // m/s, by place in due_
   FloatPositions x_float_, x_then_float_;
+  bool is_float_set_ = false;  // x_float_ has the positions of the phase, or after it those of the last one
   FloatLanes v_float_;
   std::vector<FeaturePair> found_;
   std::vector<mesh::VertexId> strayed_;

@@ -61,8 +61,11 @@ bool SelfContact::find_failed(const linear::VertexField& x, bool is_first) {
   failed_.clear();
   if (is_first) {
     find_due(list_.vertices, pair_ways(), std::span(list_.safe).first(list_.size()), due_, due_ways_);
-    x_then_float_.set(x_then_, tree_.features().vertices);
+    // The last phase left its positions in x_float_.
+    if (!is_float_set_) x_float_.set(x_then_, tree_.features().vertices);
+    std::swap(x_float_, x_then_float_);
     x_float_.set(x, tree_.features().vertices);
+    is_float_set_ = true;
   } else {
     x_float_.update(x, shifted_);
     if (!std::exchange(is_indexed_, true)) list_index_.set(list_.vertices, list_.size(), path_.size());

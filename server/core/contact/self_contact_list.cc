@@ -297,7 +297,7 @@ bool SelfContact::find_list_apart(const linear::VertexField& x) {
 
 void SelfContact::look_at_due_pairs(const linear::VertexField& x, const linear::VertexField& v) {
   find_due(list_.vertices, pair_ways(), std::span(list_.limit).first(list_.size()), due_, due_ways_);
-  x_float_.set(x, tree_.features().vertices);
+  if (!std::exchange(is_float_set_, true)) x_float_.set(x, tree_.features().vertices);
   set_floats(v, tree_.features().vertices, v_float_);
   due_distances_.resize(due_.size());
   due_closing_.resize(due_.size());
