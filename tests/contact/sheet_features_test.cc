@@ -88,6 +88,15 @@ void expect_features(const mesh::TriangleMesh& mesh, const std::string& what) {
   ASSERT_EQ(vertices.size(), at.size()) << what;
   std::set<Sorted> borders;
   for (const auto& [p, q] : of.borders) EXPECT_TRUE(borders.insert(sorted(p, q)).second) << what;
+  for (std::size_t t = 0; t < of.triangles.size(); ++t) {
+    const auto& corners = of.triangles[t].vertices;
+    for (std::int32_t k = of.first_border[t]; k < of.first_border[t + 1]; ++k) {
+      for (const mesh::VertexId v : of.borders[static_cast<std::size_t>(k)]) {
+        EXPECT_EQ(std::count(corners.begin(), corners.end(), v), 1) << what << ", " << t;
+      }
+    }
+  }
+  EXPECT_EQ(of.first_border.back(), static_cast<std::int32_t>(of.borders.size())) << what;
   for (const auto& [edge, both] : thirds) EXPECT_EQ(borders.contains(edge), both.size() == 1) << what;
   for (const VertexId v : vertices) {
     EXPECT_EQ(of.material[static_cast<std::size_t>(v)], mesh.rest_position(v)) << what;

@@ -57,8 +57,7 @@ void FeatureTree::set(const mesh::TriangleMesh& mesh) {
   if (!order.empty()) build_node(0, static_cast<std::int32_t>(order.size()), order, centroids);
   features_.set(mesh, order);
   list_leaf_vertices();
-  find_others();
-  find_around();
+  set_rectangles();
   shapes_.clear();
   for (const SheetFeatures::Triangle& triangle : features_.triangles) {
     const Eigen::Matrix2f inverse = triangle.inverse_edges.cast<float>();
@@ -139,20 +138,9 @@ void FeatureTree::list_leaf_vertices() {
   }
 }
 
-void FeatureTree::append_cover(const Eigen::AlignedBox2d& rectangle, std::int32_t without,
-                               std::vector<std::int32_t>& cover) {
-  visit_down([&](std::int32_t at) {
-    const Node& node = nodes_[static_cast<std::size_t>(at)];
-    if (at == without || !rectangle.intersects(node.rectangle)) return false;
-    if (node.right != 0 && !rectangle.contains(node.rectangle)) return true;
-    cover.push_back(at);
-    return false;
-  });
-}
-
-// Sets the rectangles of all nodes, and finds the leaves outside of each that meet it.
-void FeatureTree::find_others() {
-  others_.clear();
+void FeatureTree::set_rectangles() {
+  constexpr double kGrowth = 1.25;  // -, of the larger side of a node
+  covers_.clear();
   for (std::size_t k = nodes_.size(); k-- > 0;) {
     Node& node = nodes_[k];
     node.rectangle.setEmpty();
@@ -165,39 +153,50 @@ void FeatureTree::find_others() {
       node.rectangle.extend(features_.material[static_cast<std::size_t>(leaf_vertices_[static_cast<std::size_t>(i)])]);
     }
   }
-  for (std::size_t k = 0; k < nodes_.size(); ++k) {
-    Node& node = nodes_[k];
-    node.first_other = static_cast<std::int32_t>(others_.size());
-    append_cover(node.rectangle, static_cast<std::int32_t>(k), others_);
-    node.end_other = static_cast<std::int32_t>(others_.size());
-  }
-}
-
-// Finds, for each node, a larger rectangle and what meets it, and which of both have borders or lips inside.
-void FeatureTree::find_around() {
-  constexpr double kGrowth = 1.25;  // -, of the larger side of a node
-  arounds_.clear();
   for (Node& node : nodes_) {
     const double by = kGrowth * node.rectangle.sizes().maxCoeff();
     const Eigen::Vector2d margin(by, by);
     node.around = Eigen::AlignedBox2d(node.rectangle.min() - margin, node.rectangle.max() + margin)
                       .intersection(nodes_[0].rectangle);
-    node.first_around = static_cast<std::int32_t>(arounds_.size());
-    append_cover(node.around, -1, arounds_);
-    node.end_around = static_cast<std::int32_t>(arounds_.size());
-    node.is_whole = node.is_whole_around = true;
   }
-  for (const auto& [p, q] : features_.borders) {
-    const Eigen::Vector2d& from = features_.material[static_cast<std::size_t>(p)];
-    const Eigen::Vector2d& to = features_.material[static_cast<std::size_t>(q)];
-    visit_down([&](std::int32_t at) {
-      Node& node = nodes_[static_cast<std::size_t>(at)];
-      if (!meets(node.around, from, to)) return false;
-      node.is_whole_around = false;
-      if (meets(node.rectangle, from, to)) node.is_whole = false;
-      return true;
+}
+
+bool FeatureTree::has_border_inside(const Eigen::AlignedBox2d& rectangle) {
+  bool is_found = false;
+  visit_down(nodes_, cover_stack_, [&](std::int32_t at) {
+    const Node& node = nodes_[static_cast<std::size_t>(at)];
+    if (is_found || !rectangle.intersects(node.rectangle)) return false;
+    if (node.right != 0) return true;
+    // A border lies in the rectangle of the leaf that has its triangle.
+    const auto begin = features_.borders.begin() + features_.first_border[static_cast<std::size_t>(node.begin)];
+    const auto end = features_.borders.begin() + features_.first_border[static_cast<std::size_t>(node.end)];
+    is_found = std::any_of(begin, end, [&](const std::array<VertexId, 2>& ends) {
+      return meets(rectangle, features_.material[static_cast<std::size_t>(ends[0])],
+                   features_.material[static_cast<std::size_t>(ends[1])]);
     });
+    return false;
+  });
+  return is_found;
+}
+
+std::span<const std::int32_t> FeatureTree::find_cover(const Eigen::AlignedBox2d& rectangle, std::int32_t without,
+                                                      Cover& cover) {
+  if (cover.kind == Cover::Kind::kUnknown) {
+    cover.kind = has_border_inside(rectangle) ? Cover::Kind::kBroken : Cover::Kind::kWhole;
+    cover.first = static_cast<std::int32_t>(covers_.size());
+    if (cover.kind == Cover::Kind::kWhole) {
+      visit_down(nodes_, cover_stack_, [&](std::int32_t at) {
+        const Node& node = nodes_[static_cast<std::size_t>(at)];
+        if (at == without || !rectangle.intersects(node.rectangle)) return false;
+        if (node.right != 0 && !rectangle.contains(node.rectangle)) return true;
+        covers_.push_back(at);
+        return false;
+      });
+    }
+    cover.end = static_cast<std::int32_t>(covers_.size());
   }
+  return std::span<const std::int32_t>(covers_).subspan(static_cast<std::size_t>(cover.first),
+                                                        static_cast<std::size_t>(cover.end - cover.first));
 }
 
 }  // namespace kerf::contact

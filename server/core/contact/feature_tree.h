@@ -66,18 +66,22 @@ class FeatureTree {
     [[nodiscard]] NodeBox united(const NodeBox& other) const { return {low.min(other.low), high.max(other.high)}; }
     [[nodiscard]] NodeBox swept(const Eigen::Array4f& way) const { return {low + way.min(0.0F), high + way.max(0.0F)}; }
   };
+  // What meets a rectangle in the material plane, found when it is first asked for.
+  struct Cover {
+    enum class Kind : std::uint8_t { kUnknown, kWhole, kBroken };
+    Kind kind = Kind::kUnknown;       // whole: the rectangle has no border or lip inside
+    std::int32_t first = 0, end = 0;  // in covers_, if it is whole
+  };
   // A node holds triangles [begin, end) of features_; of other nodes than leaves the left child is the next one.
   struct Node {
     NodeBox box;                                // of the motion, in a frame that moves with `v`
     Eigen::Array4f v = Eigen::Array4f::Zero();  // m/s, mean of its vertices
     std::int32_t begin = 0, end = 0;
     std::int32_t right = 0;                         // 0: a leaf
-    std::int32_t first_other = 0, end_other = 0;    // in others_: leaves of other nodes that meet its rectangle
-    bool is_whole = false;                          // its rectangle has no border or lip inside
     Eigen::AlignedBox2d rectangle;                  // material, m
-    std::int32_t first_around = 0, end_around = 0;  // in arounds_: nodes that cover what meets `around`
-    bool is_whole_around = false;
+    Cover others;                                   // leaves of other nodes that meet its rectangle
     Eigen::AlignedBox2d around;                     // material, m; a larger rectangle, within that of its parent
+    Cover all;                                      // nodes that meet `around`
     std::int32_t first_vertex = 0, end_vertex = 0;  // of a leaf, in leaf_vertices_: corners of its triangles
   };
   // A strayed vertex, and the ends of its features in strayed_triangles_ and strayed_edges_.
@@ -94,14 +98,14 @@ class FeatureTree {
   std::int32_t build_node(std::int32_t begin, std::int32_t end, std::span<mesh::TriangleId> order,
                           std::span<const Eigen::Vector2d> centroids);
   void list_leaf_vertices();
-  void find_others();
-  void find_around();
-  // Appends the leaves that meet a rectangle to `cover`, but none below node `without`. Leaves of a node that lies in
-  // the rectangle are appended as that node.
-  void append_cover(const Eigen::AlignedBox2d& rectangle, std::int32_t without, std::vector<std::int32_t>& cover);
-  // Calls visit(node) from the root down for each node where it returns true for its parent.
+  void set_rectangles();
+  // Returns the nodes in `cover`, which is found if it is unknown: leaves that meet the rectangle, but none below node
+  // `without`. A node that lies in the rectangle stands for its leaves.
+  std::span<const std::int32_t> find_cover(const Eigen::AlignedBox2d& rectangle, std::int32_t without, Cover& cover);
+  [[nodiscard]] bool has_border_inside(const Eigen::AlignedBox2d& rectangle);
+  // Calls visit(node) from the root down for each node where it returns true for its parent. `stack` is scratch.
   template <typename Visit>
-  void visit_down(const Visit& visit);
+  static void visit_down(const std::vector<Node>& nodes, std::vector<std::int32_t>& stack, const Visit& visit);
   // Sets the lines of all vertices, in the frame of the sheet, and what gradients follow from them.
   void set_lines(const Query& query);
   // Adds the gradients of a triangle from `since` (s) to the end of the motion to `box`.
@@ -136,7 +140,7 @@ class FeatureTree {
   [[nodiscard]] const Node& leaf_at(const std::vector<std::int32_t>& leaves, std::int32_t place) const {
     return nodes_[static_cast<std::size_t>(leaves[static_cast<std::size_t>(place)])];
   }
-  [[nodiscard]] bool is_flat(std::int32_t index) const;
+  [[nodiscard]] bool is_flat(std::int32_t index);
   // Returns true if the rectangle around node `first` is flat and has node `second` inside.
   bool is_flat_around(std::int32_t first, std::int32_t second);
   // Sets leaf_pairs_ to those that may come near each other, or `most` of them.
@@ -159,7 +163,7 @@ class FeatureTree {
 
   SheetFeatures features_;
   std::vector<Node> nodes_;
-  std::vector<std::int32_t> others_, arounds_;
+  std::vector<std::int32_t> covers_, cover_stack_;
   std::vector<mesh::VertexId> leaf_vertices_;
   std::vector<TriangleShape> shapes_;   // by triangle
   std::vector<VertexLine> lines_;       // by vertex id, when find_pairs() was called
@@ -193,14 +197,14 @@ class FeatureTree {
 };
 
 template <typename Visit>
-void FeatureTree::visit_down(const Visit& visit) {
-  stack_.assign(1, 0);
-  while (!stack_.empty()) {
-    const std::int32_t at = stack_.back();
-    stack_.pop_back();
-    if (!visit(at) || nodes_[static_cast<std::size_t>(at)].right == 0) continue;
-    stack_.push_back(nodes_[static_cast<std::size_t>(at)].right);
-    stack_.push_back(at + 1);
+void FeatureTree::visit_down(const std::vector<Node>& nodes, std::vector<std::int32_t>& stack, const Visit& visit) {
+  stack.assign(1, 0);
+  while (!stack.empty()) {
+    const std::int32_t at = stack.back();
+    stack.pop_back();
+    if (!visit(at) || nodes[static_cast<std::size_t>(at)].right == 0) continue;
+    stack.push_back(nodes[static_cast<std::size_t>(at)].right);
+    stack.push_back(at + 1);
   }
 }
 

@@ -96,7 +96,7 @@ bool FeatureTree::is_within_around(const StrayedGroup& group, const Node& home) 
 void FeatureTree::find_leaves(const NodeBox& box, std::int32_t home, bool may_skip) {
   const Node& of = nodes_[static_cast<std::size_t>(home)];
   leaves_.clear();
-  visit_down([&](std::int32_t k) {
+  visit_down(nodes_, stack_, [&](std::int32_t k) {
     const Node& node = nodes_[static_cast<std::size_t>(k)];
     if (!node.box.overlaps(box.swept(way_between(of, node)))) return false;
     if (may_skip && is_flat_around(home, k)) return false;

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include <Eigen/Geometry>
 
@@ -138,26 +139,24 @@ void FeatureTree::fit_leaf(std::int32_t index) {
   }
 }
 
-bool FeatureTree::is_flat(std::int32_t index) const {
-  const Node& node = nodes_[static_cast<std::size_t>(index)];
-  if (!node.is_whole) return false;
+bool FeatureTree::is_flat(std::int32_t index) {
+  Node& node = nodes_[static_cast<std::size_t>(index)];
+  const std::span<const std::int32_t> others = find_cover(node.rectangle, index, node.others);
+  if (node.others.kind == Cover::Kind::kBroken) return false;
   GradientBox box = gradients_[static_cast<std::size_t>(index)];
-  for (std::int32_t k = node.first_other; k < node.end_other; ++k) {
-    box.add(gradients_[static_cast<std::size_t>(others_[static_cast<std::size_t>(k)])]);
-  }
+  for (const std::int32_t k : others) box.add(gradients_[static_cast<std::size_t>(k)]);
   return box.is_flat();
 }
 
 bool FeatureTree::is_flat_around(std::int32_t first, std::int32_t second) {
-  const Node& node = nodes_[static_cast<std::size_t>(first)];
-  if (!node.is_whole_around || !node.around.contains(nodes_[static_cast<std::size_t>(second)].rectangle)) return false;
+  Node& node = nodes_[static_cast<std::size_t>(first)];
+  if (!node.around.contains(nodes_[static_cast<std::size_t>(second)].rectangle)) return false;
   Around& found = arounds_found_[static_cast<std::size_t>(first)];
   if (found == Around::kUnknown) {
+    const std::span<const std::int32_t> all = find_cover(node.around, -1, node.all);
     GradientBox box;
-    for (std::int32_t k = node.first_around; k < node.end_around; ++k) {
-      box.add(gradients_[static_cast<std::size_t>(arounds_[static_cast<std::size_t>(k)])]);
-    }
-    found = box.is_flat() ? Around::kFlat : Around::kBent;
+    for (const std::int32_t k : all) box.add(gradients_[static_cast<std::size_t>(k)]);
+    found = node.all.kind == Cover::Kind::kWhole && box.is_flat() ? Around::kFlat : Around::kBent;
   }
   return found == Around::kFlat;
 }

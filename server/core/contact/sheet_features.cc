@@ -20,6 +20,7 @@ void SheetFeatures::set(const mesh::TriangleMesh& mesh, std::span<const Triangle
   first_edge.clear();
   first_vertex.clear();
   borders.clear();
+  first_border.clear();
   material.resize(num_vertices);
   altitude_at.assign(num_vertices, std::numeric_limits<double>::infinity());
   std::vector<std::int32_t> place(static_cast<std::size_t>(mesh.num_triangle_slots()), kNone);
@@ -32,6 +33,7 @@ void SheetFeatures::set(const mesh::TriangleMesh& mesh, std::span<const Triangle
     triangle.vertices = mesh.vertices(t);
     first_edge.push_back(static_cast<std::int32_t>(edges.size()));
     first_vertex.push_back(static_cast<std::int32_t>(vertices.size()));
+    first_border.push_back(static_cast<std::int32_t>(borders.size()));
     for (int k = 0; k < 3; ++k) {
       const TriangleId other = mesh.neighbour(t, k);
       const auto corner = static_cast<std::size_t>(k);
@@ -66,6 +68,7 @@ void SheetFeatures::set(const mesh::TriangleMesh& mesh, std::span<const Triangle
   }
   first_edge.push_back(static_cast<std::int32_t>(edges.size()));
   first_vertex.push_back(static_cast<std::int32_t>(vertices.size()));
+  first_border.push_back(static_cast<std::int32_t>(borders.size()));
 
   set_neighbours(num_vertices);
 }

@@ -32,6 +32,7 @@ struct SheetFeatures {
   std::vector<mesh::VertexId> vertices;                // those with material
   std::vector<std::int32_t> first_edge;                // by triangle, and one more: edges that it owns
   std::vector<std::int32_t> first_vertex;              // the same for `vertices`
+  std::vector<std::int32_t> first_border;              // the same for `borders`
   std::vector<double> altitude_at;                     // m, by vertex id: least altitude of its triangles
   std::vector<Eigen::Vector2d> material;               // m, by vertex id
   std::vector<std::int32_t> first_neighbour;           // by vertex id, and one more
