@@ -66,7 +66,7 @@ class FeatureTree {
     [[nodiscard]] NodeBox united(const NodeBox& other) const { return {low.min(other.low), high.max(other.high)}; }
     [[nodiscard]] NodeBox swept(const Eigen::Array4f& way) const { return {low + way.min(0.0F), high + way.max(0.0F)}; }
   };
-  // What meets a rectangle in the material plane, found when it is first asked for.
+  // Nodes that meet a rectangle in the material plane, found when they are first asked for.
   struct Cover {
     enum class Kind : std::uint8_t { kUnknown, kWhole, kBroken };
     Kind kind = Kind::kUnknown;       // whole: the rectangle has no border or lip inside
