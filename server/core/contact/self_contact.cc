@@ -16,8 +16,7 @@ constexpr int kApartInterval = 40;           // the same where parts are flat or
 constexpr std::size_t kSoftSweeps = 3;
 constexpr int kHardSweeps = 100;
 constexpr double kLookAgain = 0.1;  // -, part of its distance that a pair left to others moves before the next look
-constexpr double kLookAgainAtEnds = 0.3;  // -, the same of edges whose nearest points are ends
-constexpr double kApproach = 0.8;         // -, the same of a pair that is too far away to be a contact
+constexpr double kApproach = 0.8;   // -, the same of a pair that is too far away to be a contact
 // Errors of look_at() over those of heights.
 constexpr double kEdgeError = 20.0;       // of nearly parallel edges
 constexpr double kSliverError = 60.0;     // of triangles that are lower than kSliver
@@ -206,7 +205,7 @@ void SelfContact::find_contacts(const linear::VertexField& x, const linear::Vert
                            : pair.altitude < kSliver * rounding      ? kSliverError
                                                                      : kTriangleError;
       rest(std::max(about - error * rounding, 0.0),
-           std::max({about - reach, kApproach * room, is_left_to_others ? kLookAgainAtEnds * about : 0.0}));
+           std::max({about - reach, kApproach * room, is_left_to_others ? kLookAgain * about : 0.0}));
       continue;
     }
     list_.separation[p] = separation(pair.kind, positions_of(pair, x));
