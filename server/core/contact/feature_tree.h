@@ -44,6 +44,11 @@ class FeatureTree {
   // far less than find_pairs() where it is false. Pairs of features are not looked at.
   bool is_apart(const StraightMotion& motion, double reach, std::span<const float> slack);
 
+  // Sets is_apart to 1 for each vertex at positions x (m) to which no other part of the sheet is nearer than `reach`
+  // (m). Parts that were within twice that distance at rest are near at half of their distance then. Vertices on
+  // borders and lips are not apart.
+  void find_apart(const linear::VertexField& x, double reach, std::vector<std::uint8_t>& is_apart);
+
   // Returns true if find_pairs() or is_apart() has looked at the parts of the sheet, so that follow() may be called.
   [[nodiscard]] bool is_fitted() const { return is_fitted_; }
   // Gives some vertices other lines after that: x + t v (m, m/s) from t = `since` (s) of its motion on. Fills
@@ -145,14 +150,22 @@ class FeatureTree {
   bool is_flat_around(std::int32_t first, std::int32_t second);
   // Sets leaf_pairs_ to those that may come near each other, or `most` of them.
   void find_leaf_pairs(const Query& query, std::size_t most);
+  // Finds the features whose boxes overlap.
+  void find_overlapping(const Query& query);
   void search_within(std::int32_t index, std::size_t most);
   void search_between(std::int32_t first, std::int32_t second, std::size_t most);
   void search_leaves(std::int32_t first, std::int32_t second);
   // Appends those pairs of `candidates` that may come near to `pairs`.
   // Sets `pairs` to the candidates that may come near.
   void keep_near(double reach, double thickness, std::vector<FeaturePair>& pairs);
-  // Appends those of candidates_ that may come near to `pairs`.
-  void keep_near(FeaturePair::Kind kind, double reach, double thickness, std::vector<FeaturePair>& pairs);
+  // Sets candidates_ to the features in vertex_overlaps_, or edge_overlaps_.
+  void list_vertex_candidates();
+  void list_edge_candidates();
+  // Calls use(pair) for the candidates that may come near, if wants(pair), whose vertices are set.
+  template <typename Wants, typename Use>
+  void for_near(double reach, double thickness, const Wants& wants, const Use& use);
+  template <typename Wants, typename Use>
+  void for_near(FeaturePair::Kind kind, double reach, double thickness, const Wants& wants, const Use& use);
   static NodeBox box_of(const BoxLanes& boxes, std::int32_t place);
   [[nodiscard]] BoxRange vertices_of(const Node& node) const;
   [[nodiscard]] BoxRange edges_of(const Node& node) const;

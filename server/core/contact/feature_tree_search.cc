@@ -179,11 +179,15 @@ bool FeatureTree::is_apart(const StraightMotion& motion, double reach, std::span
 
 void FeatureTree::find_pairs(const StraightMotion& motion, double reach, std::span<const float> slack, double thickness,
                              std::vector<FeaturePair>& pairs) {
-  find_leaf_pairs({motion, slack, reach}, std::numeric_limits<std::size_t>::max());
+  find_overlapping({motion, slack, reach});
+  keep_near(reach, thickness, pairs);
+}
+
+void FeatureTree::find_overlapping(const Query& query) {
+  find_leaf_pairs(query, std::numeric_limits<std::size_t>::max());
   vertex_overlaps_.clear();
   edge_overlaps_.clear();
   for (const auto& [first, second] : leaf_pairs_) search_leaves(first, second);
-  keep_near(reach, thickness, pairs);
 }
 
 void FeatureTree::search_within(std::int32_t index, std::size_t most) {
@@ -240,8 +244,7 @@ void FeatureTree::search_leaves(std::int32_t first, std::int32_t second) {
                 edge_overlaps_);
 }
 
-void FeatureTree::keep_near(double reach, double thickness, std::vector<FeaturePair>& pairs) {
-  pairs.clear();
+void FeatureTree::list_vertex_candidates() {
   candidates_.resize(vertex_overlaps_.size());
   for (std::size_t k = 0; k < vertex_overlaps_.size(); ++k) {
     const auto& [place, t] = vertex_overlaps_[k];
@@ -249,7 +252,9 @@ void FeatureTree::keep_near(double reach, double thickness, std::vector<FeatureP
     const std::array<VertexId, 3>& corners = shapes_[static_cast<std::size_t>(t)].vertices;
     candidates_.set(k, v, t, {v, corners[0], corners[1], corners[2]});
   }
-  keep_near(FeaturePair::Kind::kVertexTriangle, reach, thickness, pairs);
+}
+
+void FeatureTree::list_edge_candidates() {
   candidates_.resize(edge_overlaps_.size());
   for (std::size_t k = 0; k < edge_overlaps_.size(); ++k) {
     const auto& [first, second] = edge_overlaps_[k];
@@ -257,27 +262,62 @@ void FeatureTree::keep_near(double reach, double thickness, std::vector<FeatureP
     const std::array<VertexId, 2>& q = features_.edges[static_cast<std::size_t>(second)].vertices;
     candidates_.set(k, first, second, {p[0], p[1], q[0], q[1]});
   }
-  keep_near(FeaturePair::Kind::kEdgeEdge, reach, thickness, pairs);
 }
 
-void FeatureTree::keep_near(FeaturePair::Kind kind, double reach, double thickness, std::vector<FeaturePair>& pairs) {
+template <typename Wants, typename Use>
+void FeatureTree::for_near(FeaturePair::Kind kind, double reach, double thickness, const Wants& wants, const Use& use) {
   constexpr double kLeast = 0.02;  // -, of the thickness, or of the least altitude of triangles at the pair
   find_near(kind, candidates_, motion_, static_cast<float>(duration_), static_cast<float>(reach) + kRounding, near_,
             near_speeds_);
   for (std::size_t k = 0; k < near_.size(); ++k) {
     const auto p = static_cast<std::size_t>(near_[k]);
     FeaturePair pair{kind, candidates_.a[p], candidates_.b[p], {}, 0.0, 0.0, 0.0, 1.0001F * near_speeds_[k]};
+    for (std::size_t i = 0; i < 4; ++i) pair.vertices[i] = candidates_.vertices[i][p];
+    if (!wants(pair)) continue;
     pair.altitude = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < 4; ++i) {
-      pair.vertices[i] = candidates_.vertices[i][p];
-      pair.altitude = std::min(pair.altitude, features_.altitude_at[static_cast<std::size_t>(pair.vertices[i])]);
+    for (const VertexId v : pair.vertices) {
+      pair.altitude = std::min(pair.altitude, features_.altitude_at[static_cast<std::size_t>(v)]);
     }
     pair.least = kLeast * std::min(thickness, pair.altitude);
     pair.thickness = std::max(half_distance_at_rest(pair, thickness), 2.0 * pair.least);
     // Small features next to each other would otherwise all be listed.
     if (pair.thickness < thickness && !comes_near(pair, reach - thickness + pair.thickness)) continue;
-    pairs.push_back(pair);
+    use(pair);
   }
+}
+
+template <typename Wants, typename Use>
+void FeatureTree::for_near(double reach, double thickness, const Wants& wants, const Use& use) {
+  list_vertex_candidates();
+  for_near(FeaturePair::Kind::kVertexTriangle, reach, thickness, wants, use);
+  list_edge_candidates();
+  for_near(FeaturePair::Kind::kEdgeEdge, reach, thickness, wants, use);
+}
+
+void FeatureTree::keep_near(double reach, double thickness, std::vector<FeaturePair>& pairs) {
+  pairs.clear();
+  for_near(
+      reach, thickness, [](const FeaturePair&) { return true; },
+      [&](const FeaturePair& pair) { pairs.push_back(pair); });
+}
+
+void FeatureTree::find_apart(const linear::VertexField& x, double reach, std::vector<std::uint8_t>& is_apart) {
+  is_apart.assign(static_cast<std::size_t>(x.cols()), 1);
+  const auto leave_out = [&](std::span<const VertexId> vertices) {
+    for (const VertexId v : vertices) is_apart[static_cast<std::size_t>(v)] = 0;
+  };
+  // Lips that lie on each other were next to each other at rest.
+  for (const auto& ends : features_.borders) leave_out(ends);
+  const linear::VertexField still = linear::VertexField::Zero(3, x.cols());
+  const std::vector<float> no_slack(static_cast<std::size_t>(x.cols()), 0.0F);
+  find_overlapping({{x, still, 0.0}, no_slack, reach});
+  for_near(
+      reach, reach,
+      [&](const FeaturePair& pair) {
+        return std::any_of(pair.vertices.begin(), pair.vertices.end(),
+                           [&](VertexId v) { return is_apart[static_cast<std::size_t>(v)] != 0; });
+      },
+      [&](const FeaturePair& pair) { leave_out(pair.vertices); });
 }
 
 bool FeatureTree::comes_near(const FeaturePair& pair, double reach) const {

@@ -77,10 +77,10 @@ class SelfContact {
   // Vertices that the last phase changed.
   [[nodiscard]] std::span<const mesh::VertexId> moved() const { return moved_; }
 
-  // Sets is_apart to 1 for each vertex at positions x (m) to which no other part of the sheet is nearer than `reach`
-  // (m), between steps. Parts that were within twice that distance at rest are near at half of their distance then.
-  // Vertices on borders and lips are not apart.
-  void find_apart(double reach, const linear::VertexField& x, std::vector<std::uint8_t>& is_apart);
+  // See FeatureTree::find_apart(); between steps.
+  void find_apart(double reach, const linear::VertexField& x, std::vector<std::uint8_t>& is_apart) {
+    tree_.find_apart(x, reach, is_apart);
+  }
   // Returns the number of pairs of triangles that pass through each other at positions x (m), at the end of a step. It
   // is known to be 0 if it was so before the step and no pair of features came near.
   [[nodiscard]] std::int64_t count_intersections(const linear::VertexField& x);

@@ -264,20 +264,6 @@ void SelfContact::search(const linear::VertexField& x, const linear::VertexField
   set_list();
 }
 
-void SelfContact::find_apart(double reach, const linear::VertexField& x, std::vector<std::uint8_t>& is_apart) {
-  const linear::VertexField still = linear::VertexField::Zero(3, x.cols());
-  const std::vector<float> no_slack(static_cast<std::size_t>(x.cols()), 0.0F);
-  tree_.find_pairs({x, still, 0.0}, reach, no_slack, reach, found_);
-  is_apart.assign(static_cast<std::size_t>(x.cols()), 1);
-  for (const FeaturePair& pair : found_) {
-    for (const VertexId v : pair.vertices) is_apart[static_cast<std::size_t>(v)] = 0;
-  }
-  // Lips that lie on each other were next to each other at rest.
-  for (const auto& ends : tree_.features().borders) {
-    for (const VertexId v : ends) is_apart[static_cast<std::size_t>(v)] = 0;
-  }
-}
-
 bool SelfContact::find_list_apart(const linear::VertexField& x) {
   found_.clear();
   wide_slack_.resize(base_slacks_.size());

@@ -38,8 +38,7 @@ constexpr double kMostToThreeHalves = 20'000.0;  // vertices: above, the cost of
 constexpr double kNsPerSlotAndIteration = 20.0;  // of conjugate gradients
 constexpr double kExpectedIterations = 50.0;     // of a system, before the first tick
 
-// Fitted to ticks of 490 to 2,700 vertices that touch themselves nowhere, in folds and in layers. Crumpled sheets take
-// up to four times as long, as their impulses need many sweeps.
+// Fitted to ticks of 490 to 2,700 vertices that touch themselves nowhere, in folds and in layers.
 constexpr double kNsPerVertexAndPhase = 75.0;
 constexpr double kNsPerVertexAndSearch = 75.0;
 constexpr double kNsPerPair = 310.0;
