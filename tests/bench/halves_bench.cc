@@ -54,7 +54,7 @@ class Swinging {
     const double bending = substeps_++ % kBendingInterval == 0 ? kBendingInterval * h_ : 0.0;
     sweep_.substep(model_, terms_, {h_, h_, bending, nullptr});
   }
-  [[nodiscard]] std::uint64_t hash() const {
+  [[nodiscard]] std::uint64_t hash() {
     fem::State state = state_;
     sweep_.write(state);
     StateHash hash;
