@@ -105,8 +105,8 @@ class SelfContact {
     std::array<std::vector<std::int32_t>, 4> vertices;  // of pairs, and kLanePadding more
     std::vector<float> least;                           // m, as of the pair
     std::vector<float> speed;                           // m/s, as of the pair; kLanePadding more
-    std::vector<float> limit;            // m: path_of() up to which it need not be looked at; kLanePadding more
-    std::vector<float> safe;             // m: path_of() up to which it cannot have passed; kLanePadding more
+    std::vector<float> limit;            // m: way_of() up to which it need not be looked at; kLanePadding more
+    std::vector<float> safe;             // m: way_of() up to which it cannot have passed; kLanePadding more
     std::vector<std::int64_t> seen;      // the phase in which it was looked at last
     std::vector<Separation> separation;  // then
     std::size_t num_vertex_pairs = 0;
