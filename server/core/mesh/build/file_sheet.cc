@@ -43,7 +43,7 @@ Result<FileSheet> make_as_asked(const MeshFile& file, const MeshReading& reading
   return without.ok() ? std::move(without) : std::move(made);
 }
 
-// Where joining vertices to sides spoils a sheet or its chart, it is made without.
+// Makes the sheet without joining vertices to sides if that spoils it or its chart.
 Result<FileSheet> make_with_sides(const MeshFile& file, const MeshReading& reading, FaultList* faults) {
   Result<FileSheet> made = make_as_asked(file, reading, faults);
   if (reading.version <= kSecondReader) return made;
@@ -116,7 +116,7 @@ std::string hint_of(const WiderJoin& join) {
 
 }  // namespace
 
-// Where vertices nearly meet, some of them may be joined and others not. Wider joins then mend the faults. A sheet
+// Tries wider joins if a sheet has faults: of vertices that nearly meet, some may be joined and others not. A sheet
 // without faults stays as it is, and gets a note.
 Result<FileSheet> make_sheet(const MeshFile& file, const MeshReading& reading, FaultList* faults) {
   Result<FileSheet> made = make_with_sides(file, reading, faults);
