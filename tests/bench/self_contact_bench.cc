@@ -156,7 +156,7 @@ void measure(const SelfContactScene& scene, const Options& options) {
     add(stats.self_contact, self);
     const double before = std::exchange(energy, sheet.energies().total());
     gain = std::max(gain, energy - before);
-    record.pairs.push_back(getenv("COUNT") ? count_pairs(sheet) : 0);
+    record.pairs.push_back(count_pairs(sheet));
   }
   std::string beside = "-";
   if (const auto found = prototype_counts().find(scene.letter); found != prototype_counts().end()) {
@@ -262,7 +262,7 @@ int main_of(int argc, char** argv) {
     measure(scene, *options);
     if (scene.letter == 'a') raced = &scene;
   }
-  if (raced != nullptr && getenv("RACE")) race(*raced, *options);
+  if (raced != nullptr) race(*raced, *options);
   return 0;
 }
 
